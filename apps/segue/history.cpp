@@ -11,6 +11,7 @@
 
 #include "connection.hpp"
 #include "estimate_text.hpp"
+#include "history_missions.hpp"
 #include "journal_file.hpp"
 #include "report_text.hpp"
 
@@ -25,6 +26,7 @@ struct HistoryOptions {
   bool all = false;
   bool differences = false;
   bool versions = false;
+  bool missions = false;
   std::size_t lines = 0;  ///< 0: all
 };
 
@@ -109,6 +111,19 @@ int show_versions(journal::JournalReader& reader, std::size_t limit, const Conte
   return kDone;
 }
 
+int show_missions(journal::JournalReader& reader, std::size_t limit, const Context& context) {
+  const auto found = what_happened(reader, limit);
+  if (!found) return failed(context, found.error());
+  if (context.json()) {
+    print_json(*found);
+    return kDone;
+  }
+  if (found->empty()) print_line("nothing has happened yet");
+  for (const Value& entry : *found)
+    print_line(short_time(text_at(entry, "time")) + printable(happened_line(entry)));
+  return kDone;
+}
+
 /// Entries that could not be recorded are missing from the history, which a reader must know.
 void warn_of_gaps(journal::JournalReader& reader) {
   const auto gaps = reader.gaps(std::numeric_limits<std::size_t>::max());
@@ -127,6 +142,11 @@ int show_journal(const std::filesystem::path& path, const HistoryOptions& option
   const std::size_t limit = options.lines > 0 ? options.lines : std::numeric_limits<std::size_t>::max();
   if (options.differences) return show_differences(*reader, limit, context);
   if (options.versions) return show_versions(*reader, limit, context);
+  if (options.missions) {
+    const int status = show_missions(*reader, limit, context);
+    warn_of_gaps(*reader);
+    return status;
+  }
   const auto entries = reader->transitions(limit);
   if (!entries) return failed(context, entries.error());
   if (context.json()) {
@@ -154,7 +174,8 @@ std::string robot_meant(const Context& context) {
 }
 
 int show_history(const HistoryOptions& options, Context& context) {
-  const bool wants_file = options.all || options.differences || options.versions || !options.journal.empty();
+  const bool wants_file =
+      options.all || options.differences || options.versions || options.missions || !options.journal.empty();
   const auto path = find_journal(options.journal, robot_meant(context));
   const bool is_there = path && std::filesystem::exists(*path);
   if (!wants_file && (is_running(context.robot) || !is_there)) {
@@ -172,7 +193,8 @@ void add_history(Verb& app, Context& context) {
   Verb& verb = add_verb(
       app, context, "history", "list past requests and their durations",
       "  segue history\n"
-      "  segue history --all --robot artemis      # all requests ever, whether or not it is running\n\n"
+      "  segue history --all --robot artemis      # all requests ever, whether or not it is running\n"
+      "  segue history --missions -n 40           # the latest that missions and the robot did\n\n"
       "For a running robot, these are the requests since it was started. If it is not running, and with "
       "--all,\n"
       "the robot's journal is read. 'expected' is the prediction made from the durations measured before.\n"
@@ -183,9 +205,13 @@ void add_history(Verb& app, Context& context) {
   add_journal_option(verb, options->journal);
   const Option differences =
       verb.flag("--differences", options->differences, "show the drift recorded in the journal instead");
-  verb.flag("--versions", options->versions,
-            "show the versions of controllers recorded in the journal instead")
-      .excludes(differences);
+  const Option versions = verb.flag("--versions", options->versions,
+                                    "show the versions of controllers recorded in the journal instead")
+                              .excludes(differences);
+  verb.flag("--missions", options->missions,
+            "show what missions did as well, in the order in which it happened, from the journal")
+      .excludes(differences)
+      .excludes(versions);
   verb.option("-n,--lines N", options->lines, "show the latest N only").between(1, kMostLines);
 }
 

@@ -37,9 +37,16 @@ MissionRemote::MissionRemote(robot::ServedRobot& robot, std::string mission, ses
       mission_(std::move(mission)),
       pause_(pause),
       stop_(std::move(stop)),
-      thread_([this](const std::stop_token& end) { work(end); }) {}
+      thread_([this](const std::stop_token& end) { work(end); }) {
+  robot_.record().began(mission_);
+}
+
+void MissionRemote::ended(std::string_view outcome, std::string_view error) {
+  robot_.record().ended(outcome, error);
+}
 
 void MissionRemote::observe(const mission::ActionEvent& event) {
+  robot_.record().observe(event);
   const std::lock_guard lock(mutex_);
   if (event.kind == mission::ActionEvent::Kind::Began) {
     running_.emplace(event.path);
@@ -58,8 +65,12 @@ void MissionRemote::work(const std::stop_token& end) {
         heed(what);
     }
     Value now = doing();
-    if (now != reported && robot_.report(now)) reported = std::move(now);
+    const bool has_news = now != reported || robot_.record().has_waiting();
+    if (has_news && robot_.report(now)) reported = std::move(now);
     wait(kPeriod, end);
+  }
+  while (robot_.record().has_waiting()) {
+    if (!robot_.report(doing())) break;
   }
 }
 

@@ -10,6 +10,7 @@
 #include <set>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "command.hpp"
@@ -17,7 +18,7 @@
 namespace segue::cli {
 
 /// Lets other programs see and steer a mission that commands a robot, through that robot: `segue mission
-/// status`, `pause`, `resume` and `stop`.
+/// status`, `pause`, `resume` and `stop`; and the robot record it in its journal.
 class MissionRemote {
  public:
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
@@ -29,6 +30,9 @@ class MissionRemote {
 
   /// Of the run. From any thread.
   void observe(const mission::ActionEvent& event);
+  /// The run has ended, `error` says why it aborted. What it did is in the robot's journal once this is
+  /// destroyed, as far as the robot could be reached.
+  void ended(std::string_view outcome, std::string_view error);
 
  private:
   void work(const std::stop_token& end);

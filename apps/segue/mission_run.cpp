@@ -256,10 +256,10 @@ void add_library_option(Verb& verb, MissionOptions& options) {
 
 namespace {
 
-/// Until `stop` is requested.
-int run_and_show(const session::Session& plan, const RunRequest& request, const MissionOptions& options,
-                 std::stop_token stop, const Context& context) {
-  auto run = run_with_progress(plan, request, options, std::move(stop), context);
+using Ran = Result<std::unique_ptr<FinishedRun>>;
+
+int show(const Ran& run, const session::Session& plan, const MissionOptions& options,
+         const Context& context) {
   if (!run) return failed(context, run.error());
   if (options.show) show_run(**run, plan.is_network(), options.follow, context);
   if (options.files.any()) {
@@ -271,6 +271,12 @@ int run_and_show(const session::Session& plan, const RunRequest& request, const 
   if (overview.succeeded) return kDone;
   const bool has_told = !plan.is_network() || (options.show && context.json());
   return overview.error && !has_told ? failed(context, *overview.error) : kFailed;
+}
+
+void tell_end(const Ran& run, MissionRemote& remote) {
+  if (!run) return remote.ended("aborted", run.error().message);
+  const session::RunOverview& overview = (*run)->overview();
+  remote.ended(overview.outcome, overview.error ? overview.error->message : "");
 }
 
 /// The robot carries out what is a controller. The plan is made anew with what the robot can run at once.
@@ -300,7 +306,9 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   request.pause = &pause;
   MissionRemote remote(*robot, plan->name(), pause, stop);
   request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
-  const int status = run_and_show(*plan, request, options, stop.get_token(), context);
+  const Ran run = run_with_progress(*plan, request, options, stop.get_token(), context);
+  tell_end(run, remote);
+  const int status = show(run, *plan, options, context);
   if (*is_unreachable)
     print_note("the robot cannot be reached any more; when it runs again, the mission goes on with --resume");
   return status;
@@ -322,7 +330,7 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, Conte
   if (!request) return failed(context, request.error());
   if (!needs_robot(*plan, options)) {
     StopSignal stop;  // until the run has been shown
-    return run_and_show(*plan, *request, options, stop.token(), context);
+    return show(run_with_progress(*plan, *request, options, stop.token(), context), *plan, options, context);
   }
   if (options.clock == "virtual") {
     return failed(context, fail(ErrorCode::InvalidArgument,

@@ -95,7 +95,11 @@ class RobotService {
   virtual Result<type::Value> conflicts(const std::vector<std::string>& controllers) = 0;
   /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
-  /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more.
+  /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more. A
+  /// mission says {"mission", "state", "running", "ended"}, and in "happened" what the robot's journal shall
+  /// have: {"sent_ns" (the sender's time since 1970), "lost" (entries so far that it could not keep),
+  /// "entries": a list of {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"),
+  /// "action" (none: the mission), "iteration", "controller", "outcome", "error", "duration_ns"}}.
   virtual Result<void> report(std::uint64_t lease, const type::Value& doing) = 0;
   /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; it may take its time. NotFound
   /// where nobody does.

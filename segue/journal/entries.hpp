@@ -5,13 +5,16 @@
 #include <segue/model/action_times.hpp>
 #include <segue/model/transition.hpp>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-/// The journal of a robot: its requests and transitions, in a file that outlives the robot.
+/// The journal of a robot: its requests and transitions, and what missions did, in a file that outlives the
+/// robot.
 namespace segue::journal {
 
 /// The outcome of a successful action. Only such actions give duration samples.
@@ -79,6 +82,32 @@ struct RequestEntry {
   std::string what;  ///< the network's name
   friend bool operator==(const RequestEntry&, const RequestEntry&) = default;
 };
+
+/// What happened in a mission that commanded the robot: the mission or one of its actions began or ended, or
+/// an action asked for a controller.
+struct MissionEntry {
+  enum class Kind { Began, Asked, Ended };
+
+  std::chrono::system_clock::time_point time;
+  Kind kind = Kind::Began;
+  std::string who;              ///< ran the mission
+  std::string mission;          ///< its name
+  std::string action{};         ///< "fetch/grasp"; empty: the mission itself
+  std::uint64_t iteration = 0;  ///< how often that action had begun before
+  std::string controller{};     ///< Asked
+  /// Ended: of the mission or the action; "lost" where a mission did not say how it ended.
+  std::string outcome{};
+  std::string error{};   ///< Ended: why it aborted; else empty
+  Duration duration{0};  ///< Ended: since it began
+
+  friend bool operator==(const MissionEntry&, const MissionEntry&) = default;
+};
+inline constexpr std::array<std::string_view, 3> kMissionKindNames = {"began", "asked", "ended"};
+constexpr std::string_view to_string(MissionEntry::Kind kind) {
+  return kMissionKindNames.at(static_cast<std::size_t>(kind));
+}
+/// The outcome of a mission that did not say how it ended.
+inline constexpr const char* kLost = "lost";
 
 /// Drift: a difference between the observed and the desired network, and how it was handled.
 struct DifferenceEntry {

@@ -287,6 +287,14 @@ void Journal::add(VersionEntry entry) {
   implementation_->add(std::move(entry));
 }
 
+void Journal::add(MissionEntry entry) {
+  implementation_->add(std::move(entry));
+}
+
+void Journal::add(GapEntry entry) {
+  implementation_->add(std::move(entry));
+}
+
 std::shared_ptr<const model::ActionTimes> Journal::times() const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->times;

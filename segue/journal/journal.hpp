@@ -21,8 +21,8 @@ namespace segue::journal {
 Result<std::filesystem::path> default_path(std::string_view robot);
 
 struct JournalOptions {
-  /// The oldest transitions are removed once there are more actions than this; requests, differences and gaps
-  /// once there are more than a tenth of it. A file of a hundred thousand actions has about 20 MB.
+  /// The oldest transitions are removed once there are more actions than this; entries of any other kind once
+  /// there are more than a tenth of it. A file of a hundred thousand actions has about 20 MB.
   std::size_t keep_actions = 100'000;
   /// Limit on the actions and other entries that wait to be written. Beyond it the oldest are dropped.
   std::size_t queue = 20'000;
@@ -68,6 +68,9 @@ class Journal {
   void add(RequestEntry entry);
   void add(DifferenceEntry entry);
   void add(VersionEntry entry);
+  void add(MissionEntry entry);
+  /// Of entries that were lost before they came here.
+  void add(GapEntry entry);
 
   /// The statistics of all transitions written so far, removed ones included; never null.
   [[nodiscard]] std::shared_ptr<const model::ActionTimes> times() const;

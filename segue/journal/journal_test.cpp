@@ -36,12 +36,19 @@ TEST(Journal, KeepsEveryFieldOfEveryEntry) {
   whole.actions[1].outcome = "failed";
   whole.actions[1].error = "no map";
   const RequestEntry request{7, whole.time, "mission", "manual"};
+  const MissionEntry began{whole.time, MissionEntry::Kind::Began, "segue mission run (pid 7)", "survey"};
+  const MissionEntry asked{
+      whole.time, MissionEntry::Kind::Asked, "segue mission run", "survey", "fetch 'it'/go;", 3, "go_to"};
+  const MissionEntry ended{
+      whole.time, MissionEntry::Kind::Ended, "", "survey", "fetch", 1, "", "aborted", "no map", 1500ms};
   const DifferenceEntry difference{whole.time, "slam", "task 'slam' is in exception", "restarted"};
   {
     Journal journal(folder / "deep/er/journal.sqlite");
     journal.add(request);
     journal.add(whole);
     journal.add(difference);
+    for (const MissionEntry& entry : {began, asked, ended})
+      journal.add(entry);
     EXPECT_TRUE(journal.flush(soon()));
   }
   auto reader = JournalReader::open(folder / "deep/er/journal.sqlite");
@@ -49,6 +56,8 @@ TEST(Journal, KeepsEveryFieldOfEveryEntry) {
   EXPECT_THAT(*reader->transitions(10), ElementsAre(whole));
   EXPECT_THAT(*reader->requests(10), ElementsAre(request));
   EXPECT_THAT(*reader->differences(10), ElementsAre(difference));
+  EXPECT_THAT(*reader->missions(10), ElementsAre(began, asked, ended));
+  EXPECT_THAT(*reader->missions(2), ElementsAre(asked, ended));
   EXPECT_TRUE(reader->gaps(10)->empty());
   EXPECT_EQ(reader->invalid_rows(), 0U);
 }
@@ -128,6 +137,7 @@ TEST(Journal, RemovesTheOldestTransitionsAndKeepsTheirStatistics) {
   for (std::uint64_t i = 1; i <= 200; ++i) {
     journal.add(transition(i, 9));
     journal.add(RequestEntry{i, {}, "", "manual"});
+    journal.add(MissionEntry{{}, MissionEntry::Kind::Began, "", "survey", std::to_string(i)});
     ASSERT_TRUE(journal.flush(soon()));
   }
   const auto entries = all_of(folder / "j");
@@ -136,6 +146,9 @@ TEST(Journal, RemovesTheOldestTransitionsAndKeepsTheirStatistics) {
   EXPECT_EQ(entries.back().request, 200U);
   EXPECT_EQ(entries.front().request, 200 - entries.size() + 1);
   EXPECT_EQ(JournalReader::open(folder / "j")->requests(1000)->size(), 10U);
+  const auto missions = JournalReader::open(folder / "j")->missions(1000);
+  ASSERT_EQ(missions->size(), 10U);
+  EXPECT_EQ(missions->back().action, "200");
   EXPECT_EQ(journal.times()->actions.begin()->second.count, 200U * 9U);
   EXPECT_LT(std::filesystem::file_size(folder / "j"), 200'000U);
 }

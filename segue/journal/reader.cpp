@@ -93,6 +93,23 @@ std::optional<ActionEntry> action_in(const Statement& row) {
   return entry;
 }
 
+std::optional<MissionEntry> mission_in(const Statement& row) {
+  const auto kind = named<MissionEntry::Kind>(kMissionKindNames, row.text(1));
+  if (!kind) return std::nullopt;
+  MissionEntry entry;
+  entry.time = time_in(row, 0);
+  entry.kind = *kind;
+  entry.who = row.text(2);
+  entry.mission = row.text(3);
+  entry.action = row.text(4);
+  entry.iteration = static_cast<std::uint64_t>(row.integer(5));
+  entry.controller = row.text(6);
+  entry.outcome = row.text(7);
+  entry.error = row.text(8);
+  entry.duration = duration_in(row, 9);
+  return entry;
+}
+
 /// Collects the rows of a started statement, which gives the latest first, and returns the oldest first.
 template <class Item, class Convert>
 Result<std::vector<Item>> collect(Statement& rows, Convert convert) {
@@ -231,6 +248,27 @@ Result<std::vector<VersionEntry>> JournalReader::versions(std::size_t limit) {
         [](const Statement& row) {
           return VersionEntry{time_in(row, 0), row.text(1), row.text(2), row.text(3), row.text(4)};
         });
+  });
+}
+
+Result<std::vector<MissionEntry>> JournalReader::missions(std::size_t limit) {
+  Implementation& self = *implementation_;
+  return self.at_one_moment([&]() -> Result<std::vector<MissionEntry>> {
+    const auto rows =
+        latest<std::optional<MissionEntry>>(self.database,
+                                            "SELECT time, kind, who, mission, action, iteration, controller, "
+                                            "outcome, error, duration FROM mission",
+                                            limit, mission_in);
+    if (!rows) return rows.error();
+    std::vector<MissionEntry> entries;
+    for (const auto& row : *rows) {
+      if (row) {
+        entries.push_back(*row);
+      } else {
+        ++self.invalid;
+      }
+    }
+    return entries;
   });
 }
 

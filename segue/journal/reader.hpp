@@ -30,6 +30,7 @@ class JournalReader {
   Result<std::vector<RequestEntry>> requests(std::size_t limit);
   Result<std::vector<DifferenceEntry>> differences(std::size_t limit);
   Result<std::vector<VersionEntry>> versions(std::size_t limit);
+  Result<std::vector<MissionEntry>> missions(std::size_t limit);
   Result<std::vector<GapEntry>> gaps(std::size_t limit);
   Result<model::ActionTimes> times();
 

@@ -81,21 +81,41 @@ TEST(JournalReader, AVersionIsRecordedOnce) {
   EXPECT_EQ(all_of(folder / "j").at(0), done);
 }
 
+/// As a Segue left it that knew that many steps.
+void leave_older_file(const std::filesystem::path& path, std::size_t steps, const std::string& sql) {
+  auto old = detail::Database::open(path, detail::Database::Mode::Write);
+  ASSERT_TRUE(old && detail::bring_up_to_date(*old, detail::schema_steps().first(steps)));
+  ASSERT_TRUE(old->execute(sql));
+}
+
 TEST(JournalReader, AFileOfTheFirstVersionIsBroughtUpToDate) {
   const Folder folder;
-  {
-    auto old = detail::Database::open(folder / "j", detail::Database::Mode::Write);
-    ASSERT_TRUE(old && detail::bring_up_to_date(*old, detail::schema_steps().first(1)));
-    ASSERT_TRUE(old->execute(
-        R"(INSERT INTO "transition" VALUES (1, 7, 0, '', '', 'a', 'b', 'b', '', 'done', '', '', 0, 0, 0, 0, 0,
-           NULL, NULL, NULL, NULL, NULL, NULL, 0))"));
-  }
+  leave_older_file(
+      folder / "j", 1,
+      R"(INSERT INTO "transition" VALUES (1, 7, 0, '', '', 'a', 'b', 'b', '', 'done', '', '', 0, 0,
+                      0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, 0))");
   EXPECT_EQ(code_of(folder / "j"), ErrorCode::Unsupported);
   write_some(folder / "j");
   const auto entries = all_of(folder / "j");
   ASSERT_EQ(entries.size(), 6U);
   EXPECT_EQ(entries.front().request, 7U);
   EXPECT_EQ(entries.front().runs_version, "");
+}
+
+TEST(JournalReader, AFileWithoutMissionsIsBroughtUpToDate) {
+  const Folder folder;
+  leave_older_file(folder / "j", 2,
+                   R"(INSERT INTO request (request, time, who, what) VALUES (7, 0, '', 'a'))");
+  const MissionEntry began{{}, MissionEntry::Kind::Began, "somebody", "patrol"};
+  {
+    Journal journal(folder / "j");
+    journal.add(began);
+  }
+  auto reader = JournalReader::open(folder / "j");
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(reader->requests(10)->at(0).request, 7U);
+  ASSERT_EQ(reader->missions(10)->size(), 1U);
+  EXPECT_EQ(reader->missions(10)->at(0), began);
 }
 
 TEST(JournalReader, RefusesOtherFiles) {
@@ -125,6 +145,7 @@ TEST(JournalReader, SkipsInvalidRows) {
     UPDATE action SET phase = 7 WHERE "transition" = 2 AND number = 0;
     UPDATE action SET id = -5 WHERE "transition" = 3 AND number = 0;
     UPDATE "transition" SET total_low = 5, total_typical = 4, total_high = 6;
+    INSERT INTO mission VALUES (1, 0, 'danced', '', 'patrol', '', 0, '', '', '', 0);
     INSERT INTO duration VALUES ('a', 'start', 'h', 1, 5, '1 2', 0);
     INSERT INTO duration VALUES ('b', 'start', 'h', 1, 5, 'x', 0);
     INSERT INTO duration VALUES ('c', 'start', 'h', 1, 5, '5 ', 0);
@@ -145,7 +166,8 @@ TEST(JournalReader, SkipsInvalidRows) {
   const auto times = reader->times();
   ASSERT_TRUE(times);
   EXPECT_EQ(times->actions.size(), 1U);
-  EXPECT_EQ(reader->invalid_rows(), 11U);
+  EXPECT_TRUE(reader->missions(10)->empty());
+  EXPECT_EQ(reader->invalid_rows(), 12U);
 }
 
 TEST(JournalReader, SeesEntriesWrittenAfterItWasOpened) {

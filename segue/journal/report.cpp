@@ -83,6 +83,24 @@ Value to_value(const VersionEntry& entry) {
                      {"text", entry.text}});
 }
 
+Value to_value(const MissionEntry& entry) {
+  Value value = Value::map({{"time", iso_time(entry.time)},
+                            {"kind", to_string(entry.kind)},
+                            {"who", entry.who},
+                            {"mission", entry.mission}});
+  type::ValueMap& map = value.as_map();
+  if (!entry.action.empty()) {
+    map.set("action", entry.action);
+    map.set("iteration", entry.iteration);
+  }
+  if (entry.kind == MissionEntry::Kind::Asked) map.set("controller", entry.controller);
+  if (entry.kind != MissionEntry::Kind::Ended) return value;
+  map.set("outcome", entry.outcome);
+  map.set("duration_s", seconds(entry.duration));
+  if (!entry.error.empty()) map.set("error", entry.error);
+  return value;
+}
+
 Value to_value(const GapEntry& entry) {
   return Value::map({{"time", iso_time(entry.time)}, {"lost", entry.lost}, {"reason", entry.reason}});
 }

@@ -17,6 +17,10 @@ type::Value to_value(const TransitionEntry& entry);
 type::Value to_value(const DifferenceEntry& entry);
 /// {"time", "controller", "version", "file", "text"}
 type::Value to_value(const VersionEntry& entry);
+/// {"time", "kind" ("began", "asked", "ended"), "who", "mission"}; of an action also "action" and
+/// "iteration", and where it asked "controller"; where it ended "outcome", "duration_s" and, if it aborted,
+/// "error".
+type::Value to_value(const MissionEntry& entry);
 /// {"time", "lost", "reason"}
 type::Value to_value(const GapEntry& entry);
 

@@ -43,7 +43,14 @@ CREATE TABLE version (
   text TEXT NOT NULL, UNIQUE (controller, version));
 )";
 
-constexpr std::array kSteps = {kFirst, kVersions};
+constexpr std::string_view kMissions = R"(
+CREATE TABLE mission (
+  id INTEGER PRIMARY KEY, time INTEGER NOT NULL, kind TEXT NOT NULL, who TEXT NOT NULL, mission TEXT NOT NULL,
+  action TEXT NOT NULL, iteration INTEGER NOT NULL, controller TEXT NOT NULL, outcome TEXT NOT NULL,
+  error TEXT NOT NULL, duration INTEGER NOT NULL);
+)";
+
+constexpr std::array kSteps = {kFirst, kVersions, kMissions};
 
 Error not_ours() {
   return fail(ErrorCode::InvalidArgument, "it is a database of another program, not a journal of Segue");

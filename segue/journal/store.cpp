@@ -72,6 +72,17 @@ Result<void> write_row(Database& database, const VersionEntry& entry) {
                   is_short ? std::string_view(entry.text) : std::string_view(""));
 }
 
+Result<void> write_row(Database& database, const MissionEntry& entry) {
+  auto row = database.prepare(
+      "INSERT INTO mission (time, kind, who, mission, action, iteration, controller, outcome, error, "
+      "duration) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  if (!row) return row.error();
+  return row->run(since_1970(entry.time), to_string(entry.kind), cut(entry.who), cut(entry.mission),
+                  cut(entry.action), static_cast<std::int64_t>(entry.iteration), cut(entry.controller),
+                  cut(entry.outcome), cut(entry.error), entry.duration.count());
+}
+
 Result<void> write_row(Database& database, const GapEntry& entry) {
   auto row = database.prepare("INSERT INTO gap (time, lost, reason) VALUES (?, ?, ?)");
   if (!row) return row.error();
@@ -120,6 +131,11 @@ Result<void> write_actions(Database& database, const TransitionEntry& entry) {
     if (!done) return done;
   }
   return {};
+}
+
+Result<void> write_row(Database& database, const TransitionEntry& entry) {
+  if (auto done = write_head(database, entry); !done) return done;
+  return write_actions(database, entry);
 }
 
 }  // namespace
@@ -178,27 +194,12 @@ Result<void> Store::write(std::span<const AnyEntry> entries) {
 
 Result<void> Store::insert(std::span<const AnyEntry> entries, model::ActionTimes& times) {
   for (const AnyEntry& entry : entries) {
-    Result<void> done;
-    if (const auto* transition = std::get_if<TransitionEntry>(&entry)) {
-      done = insert(*transition);
-      if (done) done = learn(*transition, times);
-    } else if (const auto* request = std::get_if<RequestEntry>(&entry)) {
-      done = write_row(database_, *request);
-    } else if (const auto* difference = std::get_if<DifferenceEntry>(&entry)) {
-      done = write_row(database_, *difference);
-    } else if (const auto* version = std::get_if<VersionEntry>(&entry)) {
-      done = write_row(database_, *version);
-    } else {
-      done = write_row(database_, std::get<GapEntry>(entry));
-    }
+    auto done = std::visit([this](const auto& one) { return write_row(database_, one); }, entry);
+    const auto* transition = std::get_if<TransitionEntry>(&entry);
+    if (done && transition != nullptr) done = learn(*transition, times);
     if (!done) return done;
   }
   return {};
-}
-
-Result<void> Store::insert(const TransitionEntry& entry) {
-  if (auto done = write_head(database_, entry); !done) return done;
-  return write_actions(database_, entry);
 }
 
 Result<void> Store::learn(const TransitionEntry& entry, model::ActionTimes& times) {
@@ -208,7 +209,7 @@ Result<void> Store::learn(const TransitionEntry& entry, model::ActionTimes& time
 Result<void> Store::remove_old(std::size_t added) {
   kept_ += added;
   const auto few = static_cast<std::int64_t>(std::max<std::size_t>(keep_actions_ / 10, 1));
-  for (const std::string table : {"request", "difference", "version", "gap"}) {
+  for (const std::string table : {"request", "difference", "version", "mission", "gap"}) {
     auto row =
         database_.prepare("DELETE FROM " + table + " WHERE id <= (SELECT max(id) FROM " + table + ") - ?");
     if (!row) return row.error();

@@ -15,7 +15,8 @@
 /// Writes entries to the tables of the file.
 namespace segue::journal::detail {
 
-using AnyEntry = std::variant<TransitionEntry, RequestEntry, DifferenceEntry, VersionEntry, GapEntry>;
+using AnyEntry =
+    std::variant<TransitionEntry, RequestEntry, DifferenceEntry, VersionEntry, MissionEntry, GapEntry>;
 
 /// The number of rows of an entry, which limits count.
 inline std::size_t weight_of(const AnyEntry& entry) {
@@ -49,7 +50,6 @@ class Store {
 
   Store(Database database, std::filesystem::path path, std::size_t keep_actions);
   Result<void> insert(std::span<const AnyEntry> entries, model::ActionTimes& times);
-  Result<void> insert(const TransitionEntry& entry);
   Result<void> learn(const TransitionEntry& entry, model::ActionTimes& times);
   Result<void> remove_old(std::size_t added);
   Result<void> remove_old_transitions();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/journal/journal_test_support.hpp>
+#include <segue/journal/schema.hpp>
 #include <support/full_disk.hpp>
 
 #include <gmock/gmock.h>
@@ -173,7 +174,7 @@ TEST(JournalTrouble, AFileOfANewerSegueIsNotTouched) {
   EXPECT_EQ(failed.error().code, ErrorCode::Unsupported);
   EXPECT_THAT(troubles.wait_for(Kind::Refused).message, HasSubstr("newer Segue"));
   EXPECT_FALSE(std::filesystem::exists(folder / "j.broken-1"));
-  change(folder / "j", "PRAGMA user_version = 2");
+  change(folder / "j", "PRAGMA user_version = " + std::to_string(detail::schema_steps().size()));
   EXPECT_TRUE(journal.flush(soon()));
   EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1, 2));
 }

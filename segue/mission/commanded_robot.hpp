@@ -33,6 +33,15 @@ class PortSamples {
 struct ControllerRequest {
   std::vector<std::string> controllers;  ///< none: the empty network
   std::vector<MemberValue> properties;
+
+  /// An action that asks for this.
+  struct Cause {
+    std::string action;  ///< its path: "fetch/grasp"; empty: the mission is that action
+    std::uint64_t iteration = 0;
+    std::string controller{};  ///< that it needs; empty: one of its controllers is to be stopped
+    friend bool operator==(const Cause&, const Cause&) = default;
+  };
+  std::vector<Cause> causes{};
 };
 
 /// Which of a robot's controllers cannot run at once, and what both need.

@@ -131,6 +131,7 @@ class ControlledRun {
     std::uint64_t number = 0;                ///< of the execution
     std::vector<UpcomingController> ahead{};
     Progress progress{};  ///< of an earlier run
+    ControllerUser user{};
     std::function<void(const Value&)> record{};
   };
 
@@ -146,13 +147,13 @@ class ControlledRun {
   Ending run(const std::stop_token& stop, std::vector<Value>& outputs) {
     if (!is_told() && stop.stop_requested()) return {kPreempted, {}};
     if (!is_told()) {
-      if (auto runs = shared_.controllers->begin(use_.controller, use_.set); !runs)
+      if (auto runs = shared_.controllers->begin(use_.controller, use_.set, task_.user); !runs)
         return failed(runs.error(), stop);
     }
     shared_.prepared.began(task_.number, use_.controller, std::move(task_.ahead));
     Ending ending = carry_out(stop, outputs);
     shared_.prepared.ended(task_.number);
-    const auto ended = shared_.controllers->end(use_.controller, !use_.stop);
+    const auto ended = shared_.controllers->end(use_.controller, !use_.stop, task_.user);
     if (!ended && ending.outcome >= 0) return failed(ended.error(), stop);
     return ending;
   }
@@ -373,6 +374,7 @@ class ControllerRunner::Implementation {
     ControlledRun::Task task{filled(use, call), {}, {}, ++executions_};
     task.use.controller = std::move(*name);
     task.progress = Progress::of(call.progress());
+    task.user = {call.path(), call.iteration()};
     task.record = call.recorder();
     for (const EndCondition& condition : use.until)
       task.outcomes.push_back(condition.outcome.empty() ? 0

@@ -7,8 +7,9 @@
 
 namespace segue::mission {
 
-Result<void> ControllerUnion::begin(const std::string& controller, std::vector<MemberValue> properties) {
-  return carry_out({{controller, std::move(properties), 1}, false});
+Result<void> ControllerUnion::begin(const std::string& controller, std::vector<MemberValue> properties,
+                                    std::optional<ControllerUser> user) {
+  return carry_out({{controller, std::move(properties), 1}, false, std::move(user)});
 }
 
 void ControllerUnion::take_over(const std::string& controller, std::vector<MemberValue> properties) {
@@ -20,7 +21,8 @@ void ControllerUnion::take_over(const std::string& controller, std::vector<Membe
     ++found->users;
 }
 
-Result<void> ControllerUnion::end(const std::string& controller, bool keep) {
+Result<void> ControllerUnion::end(const std::string& controller, bool keep,
+                                  std::optional<ControllerUser> user) {
   {
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(members_, controller, &Member::controller);
@@ -28,7 +30,7 @@ Result<void> ControllerUnion::end(const std::string& controller, bool keep) {
     if (found->users > 0) --found->users;
     if (keep || found->users > 0) return {};
   }
-  return carry_out({{controller, {}, 0}, true});
+  return carry_out({{controller, {}, 0}, true, std::move(user)});
 }
 
 /// One of the threads that wait asks for all.
@@ -64,7 +66,7 @@ void ControllerUnion::serve_waiting(std::unique_lock<std::mutex>& lock) {
 
 void ControllerUnion::serve(const std::vector<Change*>& changes, std::unique_lock<std::mutex>& lock) {
   Members wanted = with(changes);
-  const auto outcome = request(wanted, lock);
+  const auto outcome = request(wanted, changes, lock);
   for (Change* change : changes)
     change->outcome = outcome;
   if (!outcome) return;
@@ -111,11 +113,16 @@ bool ControllerUnion::fits(const std::string& controller, const Members& members
   });
 }
 
-Result<void> ControllerUnion::request(const Members& members, std::unique_lock<std::mutex>& lock) {
+Result<void> ControllerUnion::request(const Members& members, const std::vector<Change*>& changes,
+                                      std::unique_lock<std::mutex>& lock) {
   ControllerRequest what;
   for (const Member& member : members) {
     what.controllers.push_back(member.controller);
     what.properties.insert(what.properties.end(), member.properties.begin(), member.properties.end());
+  }
+  for (const Change* change : changes) {
+    if (const auto& user = change->user)
+      what.causes.push_back({user->action, user->iteration, change->stop ? "" : change->member.controller});
   }
   lock.unlock();
   auto outcome = robot_->request(what, RealClock::instance().now() + options_.deadline);

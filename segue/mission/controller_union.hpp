@@ -6,6 +6,7 @@
 #include <segue/mission/commanded_robot.hpp>
 
 #include <condition_variable>
+#include <cstdint>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -14,6 +15,12 @@
 #include <vector>
 
 namespace segue::mission {
+
+/// An execution of an action that uses controllers.
+struct ControllerUser {
+  std::string action{};  ///< its path; empty: the mission is that action
+  std::uint64_t iteration = 0;
+};
 
 /// What the actions of a mission have a robot run: the union of the controllers that they use now and of
 /// those that are kept from earlier ones, as long as nothing needs the robot otherwise and they do not write
@@ -30,13 +37,15 @@ class ControllerUnion {
 
   /// Has the robot run that controller, with these properties in place of its own, beside those that others
   /// use. Blocks until it does; the error says why it does not, and what others use runs on.
-  Result<void> begin(const std::string& controller, std::vector<MemberValue> properties);
+  /// `user`: the action, for the record.
+  Result<void> begin(const std::string& controller, std::vector<MemberValue> properties,
+                     std::optional<ControllerUser> user = {});
   /// The robot runs it already, with these properties, for an action of an earlier run that goes on. As
   /// begin(), but asks the robot for nothing.
   void take_over(const std::string& controller, std::vector<MemberValue> properties);
   /// The action that had begun it has ended. `keep`: it runs on until something else is needed in its place;
   /// otherwise the robot stops it, and this blocks until it has.
-  Result<void> end(const std::string& controller, bool keep);
+  Result<void> end(const std::string& controller, bool keep, std::optional<ControllerUser> user = {});
 
  private:
   struct Member {
@@ -48,6 +57,7 @@ class ControllerUnion {
   struct Change {
     Member member;
     bool stop = false;
+    std::optional<ControllerUser> user{};
     std::optional<Result<void>> outcome{};
   };
   using Members = std::list<Member>;  ///< the latest first
@@ -57,7 +67,8 @@ class ControllerUnion {
   void serve(const std::vector<Change*>& changes, std::unique_lock<std::mutex>& lock);
   [[nodiscard]] Members with(const std::vector<Change*>& changes) const;
   [[nodiscard]] bool fits(const std::string& controller, const Members& members) const;
-  Result<void> request(const Members& members, std::unique_lock<std::mutex>& lock);
+  Result<void> request(const Members& members, const std::vector<Change*>& changes,
+                       std::unique_lock<std::mutex>& lock);
   void learn_conflicts(std::unique_lock<std::mutex>& lock);
 
   const std::shared_ptr<CommandedRobot> robot_;

@@ -115,6 +115,17 @@ TEST_F(UnionOfControllers, HoldsWhatIsInUseAndWhatIsKept) {
   EXPECT_THAT(robot_->runs().controllers, ElementsAre("camera", "arm", "drive"));
 }
 
+TEST_F(UnionOfControllers, SaysWhichActionsAskForIt) {
+  EXPECT_TRUE(union_.begin("drive", {}, ControllerUser{"there", 2}));
+  EXPECT_TRUE(union_.end("drive", false, ControllerUser{"there", 2}));
+  EXPECT_TRUE(union_.begin("arm", {}));
+  const auto requests = robot_->requests();
+  ASSERT_THAT(requests, SizeIs(3));
+  EXPECT_THAT(requests[0].causes, ElementsAre(ControllerRequest::Cause{"there", 2, "drive"}));
+  EXPECT_THAT(requests[1].causes, ElementsAre(ControllerRequest::Cause{"there", 2, ""}));
+  EXPECT_THAT(requests[2].causes, IsEmpty()) << "it is not known";
+}
+
 TEST_F(UnionOfControllers, GivesUpWhatIsKeptForWhatConflictsWithIt) {
   EXPECT_TRUE(union_.begin("drive", {}));
   EXPECT_TRUE(union_.begin("arm", {}));

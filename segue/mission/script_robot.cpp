@@ -244,7 +244,8 @@ class RobotUse final : public ScriptRobot::Use {
     }
     auto properties = properties_of(request);
     if (!properties) return properties.error();
-    if (auto runs = controllers_->begin(controller, std::move(*properties)); !runs) return runs.error();
+    if (auto runs = controllers_->begin(controller, std::move(*properties), rights_.user); !runs)
+      return runs.error();
     const bool keep = detail::message_text(request, "afterwards") != "stop";
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(used_, controller, &Used::controller);
@@ -272,7 +273,7 @@ class RobotUse final : public ScriptRobot::Use {
     const Used used = *found;
     used_.erase(found);
     lock.unlock();
-    return nothing_of(controllers_->end(used.controller, used.keep));
+    return nothing_of(controllers_->end(used.controller, used.keep, rights_.user));
   }
 
   void watch(const std::stop_token& stop) {
@@ -329,7 +330,7 @@ class RobotUse final : public ScriptRobot::Use {
     if (lost_) ending = *lost_;
     lock.unlock();
     for (const Used& one : used) {
-      const auto ended = controllers_->end(one.controller, one.keep);
+      const auto ended = controllers_->end(one.controller, one.keep, rights_.user);
       if (!ended && ending.outcome >= 0) ending = {kAborted, to_string(ended.error())};
     }
     return ending;

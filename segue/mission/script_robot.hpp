@@ -33,6 +33,7 @@ class ScriptRobot {
   struct Rights {
     bool may_command = false;              ///< else it only looks, and calls operations
     std::vector<std::string> controllers;  ///< that it may request
+    ControllerUser user{};                 ///< the action of the script
   };
   using Answered = std::function<void(type::ValueMap answer)>;
 

@@ -31,12 +31,13 @@ std::string run_number(std::uint64_t number) {
 }
 
 Result<ScriptRobot::Rights> rights_of(const ActionCall& call) {
-  ScriptRobot::Rights rights{call.action().action_class() == ActionClass::Irreversible, {}};
+  ScriptRobot::Rights rights{call.action().action_class() == ActionClass::Irreversible, {}, {}};
   for (const std::string& controller : *call.action().controllers) {
     auto name = call.controller(controller);
     if (!name) return name.error();
     rights.controllers.push_back(std::move(*name));
   }
+  rights.user = {call.path(), call.iteration()};
   return rights;
 }
 

@@ -16,6 +16,8 @@ namespace {
 
 /// Samples that a reader may be behind; older ones are dropped.
 constexpr std::size_t kBuffer = 64;
+/// Actions that a request names.
+constexpr std::size_t kNamedActions = 3;
 
 std::string text_at(const Value& value, std::string_view key) {
   const Value* found = value.find(key);
@@ -103,16 +105,37 @@ Result<std::vector<std::string>> ServedRobot::asked() {
   return lease_->asked();
 }
 
-Result<void> ServedRobot::report(const Value& doing) {
+Result<void> ServedRobot::report(Value doing) {
   const auto number = lease();
-  return number ? service_.report(*number, doing) : number.error();
+  if (!number) return number.error();
+  auto [happened, last] = record_.waiting();
+  if (last > 0) doing.as_map().set("happened", std::move(happened));
+  auto done = service_.report(*number, doing);
+  if (done) record_.taken(last);
+  return done;
+}
+
+/// "mission patrol/there"
+std::string ServedRobot::requester(const mission::ControllerRequest& what) const {
+  const std::string mission = record_.mission();
+  if (mission.empty()) return who_;
+  std::string who = "mission " + mission;
+  for (std::size_t i = 0; i < std::min(what.causes.size(), kNamedActions); ++i) {
+    const std::string& action = what.causes[i].action;
+    who += (i == 0 ? "" : ", " + mission) + (action.empty() ? "" : "/" + action);
+  }
+  if (what.causes.size() > kNamedActions)
+    who += " and " + std::to_string(what.causes.size() - kNamedActions) + " more";
+  return who;
 }
 
 Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePoint deadline) {
   const auto lease = this->lease();
   if (!lease) return lease.error();
+  for (const auto& cause : what.causes)
+    record_.asked(cause);
   control::SwitchOptions options;
-  options.who = who_;
+  options.who = requester(what);
   options.lease = *lease;
   for (const auto& one : what.properties)
     options.properties.push_back({one.member.task, one.member.name, one.value});

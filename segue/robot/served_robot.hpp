@@ -3,6 +3,7 @@
 
 #include <segue/control/robot_service.hpp>
 #include <segue/mission/commanded_robot.hpp>
+#include <segue/robot/mission_record.hpp>
 
 #include <cstdint>
 #include <memory>
@@ -25,7 +26,10 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<void> take();
   /// What whoever holds the lease has been asked to do (control::RobotLease::asked), and says that it does.
   Result<std::vector<std::string>> asked();
-  Result<void> report(const type::Value& doing);
+  /// `doing` is a map; with it goes what waits in record(), for the robot's journal.
+  Result<void> report(type::Value doing);
+  /// What the mission did. Once a mission has begun there, requests are in the name of its actions.
+  [[nodiscard]] MissionRecord& record() { return record_; }
 
   Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
@@ -43,9 +47,11 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<std::uint64_t> lease();
   /// By whom, as a sentence; nothing: the lease was not lost.
   Result<std::optional<std::string>> taken_over();
+  [[nodiscard]] std::string requester(const mission::ControllerRequest& what) const;
 
   control::RobotService& service_;
   const std::string who_;
+  MissionRecord record_;
   std::mutex mutex_;  ///< protects the lease, which is taken by the first request
   std::unique_ptr<control::RobotLease> lease_;
 };

@@ -32,6 +32,7 @@ class FakeService final : public control::RobotService {
   std::string lease_holder;
   Value written;
   Value reported;
+  Result<void> report_answer;
 
   Result<Value> status() override { return status_answer; }
   Result<Value> task(std::string_view /*id*/) override { return task_answer; }
@@ -65,7 +66,7 @@ class FakeService final : public control::RobotService {
   }
   Result<void> report(std::uint64_t lease, const Value& doing) override {
     reported = Value::list({lease, doing});
-    return {};
+    return report_answer;
   }
   Result<void> ask_holder(std::string_view /*what*/) override { return no(); }
   Result<Value> apply_transition(std::string_view /*text*/, std::string_view /*file*/,
@@ -114,6 +115,36 @@ TEST_F(ServedRobotTest, RequestsInTheNameOfItsUserAndWithTheLease) {
   ASSERT_EQ(service_.options.properties.size(), 1U);
   EXPECT_EQ(service_.options.properties[0].task, "planner");
   EXPECT_EQ(service_.options.properties[0].property, "speed.max");
+}
+
+TEST_F(ServedRobotTest, RequestsInTheNameOfTheActionsOfItsMission) {
+  robot_.record().began("patrol");
+  EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
+  EXPECT_EQ(service_.options.who, "mission patrol");
+  EXPECT_TRUE(robot_.request({{"explore", "arm"}, {}, {{"there", 0, "explore"}, {"work/up", 0, "arm"}}}, {}));
+  EXPECT_EQ(service_.options.who, "mission patrol/there, patrol/work/up");
+  mission::ControllerRequest many;
+  for (int i = 0; i < 5; ++i)
+    many.causes.push_back({std::to_string(i), 0, "explore"});
+  EXPECT_TRUE(robot_.request(many, {}));
+  EXPECT_EQ(service_.options.who, "mission patrol/0, patrol/1, patrol/2 and 2 more");
+}
+
+TEST_F(ServedRobotTest, ReportsWhatHappenedUntilTheRobotHasTakenIt) {
+  robot_.record().began("patrol");
+  service_.report_answer = fail(ErrorCode::Unavailable, "not now");
+  EXPECT_FALSE(robot_.report(Value::map({{"mission", "patrol"}})));
+  service_.report_answer = {};
+  EXPECT_TRUE(robot_.request({{"explore"}, {}, {{"there", 0, "explore"}}}, {}));
+  EXPECT_TRUE(robot_.report(Value::map({{"mission", "patrol"}})));
+  const Value& doing = service_.reported.as_list()[1];
+  EXPECT_EQ(*doing.find("mission"), Value("patrol"));
+  const auto& entries = doing.find("happened")->find("entries")->as_list();
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(*entries[0].find("kind"), Value("began"));
+  EXPECT_EQ(*entries[1].find("controller"), Value("explore"));
+  EXPECT_TRUE(robot_.report(Value::map({{"mission", "patrol"}})));
+  EXPECT_EQ(service_.reported.as_list()[1].find("happened"), nullptr);
 }
 
 TEST_F(ServedRobotTest, ReportsWhyAControllerDoesNotRun) {

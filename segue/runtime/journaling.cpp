@@ -197,6 +197,14 @@ void JournalKeeper::drifted(const std::string& subject, const std::string& sente
   journal_->add(journal::DifferenceEntry{std::chrono::system_clock::now(), subject, sentence, done});
 }
 
+void JournalKeeper::did(journal::MissionEntry entry) {
+  if (journal_) journal_->add(std::move(entry));
+}
+
+void JournalKeeper::lost(std::uint64_t entries, const std::string& reason) {
+  if (journal_) journal_->add(journal::GapEntry{std::chrono::system_clock::now(), entries, reason});
+}
+
 void JournalKeeper::ended(const SwitchResult& result) {
   if (journal_) journal_->add(journal_entry(result));
 }

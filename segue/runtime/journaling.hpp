@@ -41,6 +41,10 @@ class JournalKeeper {
   void loaded(const model::Network& network);
   /// Drift, and how it was handled: "reported", "repaired", "given up".
   void drifted(const std::string& subject, const std::string& sentence, const std::string& done);
+  /// What a mission that commands the robot did.
+  void did(journal::MissionEntry entry);
+  /// Entries that are not recorded.
+  void lost(std::uint64_t entries, const std::string& reason);
   /// A request without a transition.
   void ended(const SwitchResult& result);
 

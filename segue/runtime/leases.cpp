@@ -15,6 +15,7 @@ Result<std::uint64_t> Leases::take(std::string holder) {
     return fail(ErrorCode::InvalidState, "the robot is commanded by " + held_->holder);
   }
   held_ = Lease{++taken_, std::move(holder), {}, {}};
+  missions_.begin(held_->holder);
   log_.add(EventKind::Lease, "", held_->holder + " commands the robot");
   return held_->number;
 }
@@ -23,6 +24,7 @@ void Leases::end(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   if (held_ && held_->number == number) {
     log_.add(EventKind::Lease, "", held_->holder + " no longer commands the robot");
+    missions_.end("whoever ran it gave the robot back without saying how it ended");
     held_.reset();
   }
 }
@@ -46,6 +48,7 @@ Result<void> Leases::report(std::uint64_t number, type::Value doing) {
   if (!held_ || held_->number != number) {
     return fail(ErrorCode::InvalidState, "the robot is not commanded with that lease any more");
   }
+  missions_.take(doing);
   held_->doing = std::move(doing);
   return {};
 }
@@ -90,8 +93,9 @@ std::optional<Error> Leases::refusal_of(const RequestOptions& options) {
                                              "; wait until that has ended, or take the robot over "
                                              "(--take-over), which ends what it is doing");
   }
-  log_.add(EventKind::Lease, "",
-           (options.who.empty() ? "a request" : options.who) + " took the robot over from " + held_->holder);
+  const std::string who = options.who.empty() ? "a request" : options.who;
+  log_.add(EventKind::Lease, "", who + " took the robot over from " + held_->holder);
+  missions_.end("the robot was taken over by " + who);
   lost_ = Lease{held_->number, options.who, {}, {}};
   held_.reset();
   return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/runtime/event_log.hpp>
+#include <segue/runtime/mission_reports.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <cstdint>
@@ -17,8 +18,8 @@ namespace segue::runtime::detail {
 /// Who may request controllers (Runtime::take_lease). Thread safe; nothing blocks.
 class Leases {
  public:
-  /// `log`, which must outlive this, gets an event for each change.
-  explicit Leases(EventLog& log) : log_(log) {}
+  /// `log` gets an event for each change, `journal` what missions report. Both must outlive this.
+  Leases(EventLog& log, JournalKeeper& journal) : log_(log), missions_(journal) {}
 
   Result<std::uint64_t> take(std::string holder);
   void end(std::uint64_t number);
@@ -44,6 +45,7 @@ class Leases {
   EventLog& log_;
   mutable std::mutex mutex_;  ///< protects all below
   std::uint64_t taken_ = 0;   ///< leases so far
+  MissionReports missions_;
   std::optional<Lease> held_;
   std::optional<Lease> lost_;  ///< the last that was taken over; `holder` did so
 };

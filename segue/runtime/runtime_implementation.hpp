@@ -150,8 +150,8 @@ struct Runtime::Implementation {
   const RuntimeOptions options;
   const model::Network pools = model::pool_network(options.pools);
   detail::EventLog log;
-  detail::Leases leases{log};
   detail::JournalKeeper journal{options.journal, log};
+  detail::Leases leases{log, journal};
   detail::Belief belief{host};
   const detail::TransitionContext context{host, catalog, log};
 

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/journal/reader.hpp>
+#include <segue/runtime/robot_service.hpp>
+#include <segue/runtime/test_support.hpp>
+
+#include <gmock/gmock.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What missions report, in the journal of the robot.
+namespace segue::runtime {
+namespace {
+
+using journal::MissionEntry;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using type::Value;
+using Kind = MissionEntry::Kind;
+
+std::int64_t since_1970() {
+  return std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+Value entry(std::uint64_t number, const char* kind, const char* action = "", Value more = Value::map({})) {
+  more.as_map().set("number", number);
+  more.as_map().set("time_ns", since_1970());
+  more.as_map().set("kind", kind);
+  more.as_map().set("action", action);
+  return more;
+}
+
+Value report_of(Value::List entries, std::uint64_t lost = 0) {
+  return Value::map(
+      {{"mission", "patrol"},
+       {"happened",
+        Value::map({{"sent_ns", since_1970()}, {"lost", lost}, {"entries", std::move(entries)}})}});
+}
+
+std::string line_of(const MissionEntry& one) {
+  std::string line(to_string(one.kind));
+  for (const std::string& part : {one.action, one.controller, one.outcome, one.error})
+    line += part.empty() ? "" : " " + part;
+  return line;
+}
+
+class ReportedMission : public ::testing::Test {
+ protected:
+  ReportedMission() {
+    std::string pattern = ::testing::TempDir() + "segue-reports-XXXXXX";
+    EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    RuntimeOptions options;
+    options.journal = folder_ / "journal.sqlite";
+    robot_.emplace(std::move(options));
+    EXPECT_FALSE(runtime()
+                     .add_controller(testing::network_of("network: one\ntasks: {a: {component: x::A}}"))
+                     .has_errors());
+    lease_ = *runtime().take_lease("segue mission run");
+  }
+  ~ReportedMission() override {
+    robot_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  Runtime& runtime() { return robot_->runtime; }
+  void report(Value::List entries, std::uint64_t lost = 0) {
+    EXPECT_TRUE(runtime().report(lease_, report_of(std::move(entries), lost)));
+  }
+  /// Ends the robot.
+  journal::JournalReader journal() {
+    robot_.reset();
+    auto reader = journal::JournalReader::open(folder_ / "journal.sqlite");
+    EXPECT_TRUE(reader);
+    return std::move(*reader);
+  }
+  std::vector<std::string> lines() {
+    std::vector<std::string> all;
+    const auto entries = *journal().missions(100'000);
+    for (const MissionEntry& one : entries)
+      all.push_back(line_of(one));
+    return all;
+  }
+
+  std::filesystem::path folder_;
+  std::optional<testing::StandInRobot> robot_;
+  std::uint64_t lease_ = 0;
+};
+
+TEST_F(ReportedMission, IsInTheJournalOfTheRobot) {
+  const auto before = std::chrono::system_clock::now();
+  report({entry(1, "began"), entry(2, "began", "there", Value::map({{"iteration", 3}}))});
+  report({entry(3, "asked", "there", Value::map({{"controller", "one"}}))});
+  report({entry(4, "ended", "there",
+                Value::map({{"outcome", "aborted"}, {"error", "no way"}, {"duration_ns", 1'500'000'000}})),
+          entry(5, "ended", "", Value::map({{"outcome", "done"}}))});
+  EXPECT_EQ(runtime().reported(), Value::map({{"mission", "patrol"}})) << "status does not have it";
+  runtime().end_lease(lease_);
+  const auto entries = *journal().missions(10);
+  ASSERT_THAT(entries, SizeIs(5)) << "nothing was lost";
+  EXPECT_EQ(entries[0].who, "segue mission run");
+  EXPECT_EQ(entries[0].mission, "patrol");
+  EXPECT_EQ(entries[0].action, "");
+  EXPECT_EQ(entries[1].iteration, 3U);
+  EXPECT_EQ(line_of(entries[2]), "asked there one");
+  EXPECT_EQ(line_of(entries[3]), "ended there aborted no way");
+  EXPECT_EQ(entries[3].duration, std::chrono::milliseconds(1500));
+  EXPECT_EQ(line_of(entries[4]), "ended done");
+  for (const MissionEntry& one : entries) {
+    EXPECT_GE(one.time, before);
+    EXPECT_LE(one.time, std::chrono::system_clock::now());
+  }
+}
+
+TEST_F(ReportedMission, CountsOnceThoughItIsReportedTwice) {
+  report({entry(1, "began")});
+  report({entry(1, "began"), entry(2, "began", "there")});
+  report({entry(2, "began", "there")});
+  runtime().end_lease(lease_);
+  EXPECT_THAT(lines(),
+              ElementsAre("began", "began there",
+                          "ended lost whoever ran it gave the robot back without saying how it ended"));
+}
+
+TEST_F(ReportedMission, IsLostWithTheRobot) {
+  report({entry(1, "began")});
+  RequestOptions theirs;
+  theirs.take_over = true;
+  theirs.who = "segue switch";
+  EXPECT_EQ(runtime().switch_to(model::NetworkName("one"), theirs).outcome, Outcome::Done);
+  EXPECT_EQ(runtime().report(lease_, report_of({entry(2, "began", "there")})).error().code,
+            ErrorCode::InvalidState);
+  EXPECT_THAT(lines(), ElementsAre("began", "ended lost the robot was taken over by segue switch"));
+}
+
+TEST_F(ReportedMission, IsTakenFromItsHolderOnly) {
+  EXPECT_EQ(runtime().report(lease_ + 1, report_of({entry(1, "began")})).error().code,
+            ErrorCode::InvalidState);
+  EXPECT_EQ(runtime().report(0, report_of({entry(1, "began")})).error().code, ErrorCode::InvalidState);
+  EXPECT_THAT(lines(), IsEmpty());
+}
+
+TEST_F(ReportedMission, MayNotBeMoreThanItsShare) {
+  const auto most = std::numeric_limits<std::int64_t>::max();
+  Value::List many;
+  for (std::uint64_t i = 1; i <= 20'000; ++i)
+    many.push_back(entry(i, "began", "there"));
+  report(std::move(many));
+  const std::string long_text(100'000, 'x');
+  Value wild =
+      entry(20'001, "ended", long_text.c_str(), Value::map({{"error", long_text}, {"duration_ns", -7}}));
+  wild.as_map().set("time_ns", -most);
+  report({wild, Value("nothing"), Value::map({{"number", most}, {"kind", "danced"}})}, 17);
+  EXPECT_TRUE(runtime().report(lease_, Value::map({{"happened", 3}})));
+  EXPECT_TRUE(
+      runtime().report(lease_, Value::map({{"happened", Value::map({{"entries", "x"}, {"sent_ns", -1}})}})));
+  EXPECT_TRUE(runtime().report(lease_, Value::list({1, 2})));
+  runtime().end_lease(lease_);
+  auto reader = journal();
+  const auto entries = *reader.missions(100'000);
+  EXPECT_GE(entries.size(), 5000U);
+  EXPECT_LT(entries.size(), 20'000U);
+  for (const MissionEntry& one : entries) {
+    EXPECT_LT(one.action.size(), 2000U);
+    EXPECT_LT(one.error.size(), 3000U);
+    EXPECT_GE(one.duration, Duration::zero());
+  }
+  std::uint64_t lost = 0;
+  const auto gaps = *reader.gaps(100);
+  for (const auto& gap : gaps) {
+    lost += gap.lost;
+    EXPECT_THAT(gap.reason, HasSubstr("a mission did more than is recorded"));
+  }
+  EXPECT_EQ(lost + entries.size(), 20'001U + 1U + 17U)
+      << "those too many, of an unknown kind, and lost before";
+}
+
+TEST_F(ReportedMission, HasTheTimeOfTheRobotWhereItsOwnIsAnother) {
+  const auto before = std::chrono::system_clock::now();
+  Value early = report_of({entry(1, "began")});
+  const std::int64_t hour = 3'600'000'000'000;
+  early.as_map().find("happened")->as_map().set("sent_ns", since_1970() - hour);
+  EXPECT_TRUE(runtime().report(lease_, early));
+  Value late = report_of({entry(2, "began", "there")});
+  Value& happened = *late.as_map().find("happened");
+  happened.as_map().set("sent_ns", since_1970() + hour);
+  happened.as_map().find("entries")->as_list().front().as_map().set("time_ns", since_1970() + hour);
+  EXPECT_TRUE(runtime().report(lease_, late));
+  const auto entries = *journal().missions(2);
+  ASSERT_THAT(entries, SizeIs(2));
+  for (const MissionEntry& one : entries) {
+    EXPECT_GE(one.time, before - std::chrono::minutes(1));
+    EXPECT_LE(one.time, std::chrono::system_clock::now());
+  }
+}
+
+TEST_F(ReportedMission, NeedsNoJournal) {
+  testing::StandInRobot without;
+  const auto lease = *without.runtime.take_lease("somebody");
+  EXPECT_TRUE(without.runtime.report(lease, report_of({entry(1, "began")}, 3)));
+  without.runtime.end_lease(lease);
+}
+
+}  // namespace
+}  // namespace segue::runtime

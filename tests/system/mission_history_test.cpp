@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// What missions did, in the journal of the robot that they commanded.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "system_test.hpp"
+
+namespace segue::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Uses two controllers, one after the other, and says why the second action aborts.
+constexpr const char* kTour = R"(mission: tour
+actions:
+  drive_to:
+    run:
+      controller: go_to
+      set: {seeker.speed: 2.0}
+      call: {seeker.set_goal: {goal: {x: 0.2, y: 0.0}}}
+      until: [{task: seeker, state: arrived}, {after: 5min}]
+  give_up:
+    run: {controller: explore, until: [{after: 50ms, outcome: aborted}], afterwards: stop}
+outcomes: [done]
+start: there
+states:
+  there: {action: drive_to, on: {success: look}}
+  look: {action: give_up, on: {aborted: return done, success: return aborted}}
+)";
+
+/// Drives to where it never arrives.
+constexpr const char* kFar = R"(mission: far
+actions:
+  drive_to:
+    run:
+      controller: go_to
+      call: {seeker.set_goal: {goal: {x: 1000.0, y: 0.0}}}
+      until: [{task: seeker, state: arrived}]
+action: drive_to
+)";
+
+constexpr const char* kScripted = R"(mission: scripted
+actions:
+  visit: {controllers: [explore], run: {python: visit.py}}
+action: visit
+)";
+constexpr const char* kVisit = R"(def execute(self, inputs, outputs, gvm):
+    self.robot.request("explore")
+    return "success"
+)";
+
+class MissionHistory : public SystemTest {
+ protected:
+  /// "began tour/there", "asked tour/there go_to", "transition -> go_to by mission tour/there".
+  static std::string line_of(const type::Value& entry) {
+    const auto text = [&](const char* key) {
+      const auto* found = entry.find(key);
+      return found == nullptr ? std::string() : found->as_string();
+    };
+    if (text("kind") == "transition") return "transition -> " + text("to") + " by " + text("who");
+    std::string line = text("kind") + " " + text("mission");
+    line += text("action").empty() ? "" : "/" + text("action");
+    for (const char* key : {"controller", "outcome"})
+      line += text(key).empty() ? "" : " " + text(key);
+    return line;
+  }
+
+  /// Once the journal has `last`, since the runtime writes it in the background.
+  std::vector<std::string> history_until(const std::string& last) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (true) {
+      std::vector<std::string> lines;
+      const auto history = json({"history", "--missions"});
+      for (const auto& entry : history.as_list())
+        lines.push_back(line_of(entry));
+      const bool has_come = std::ranges::find(lines, last) != lines.end();
+      if (has_come || std::chrono::steady_clock::now() > deadline) {
+        EXPECT_TRUE(has_come) << last;
+        return lines;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+
+  static std::unique_ptr<Process> begin(const std::string& file, const std::filesystem::path& folder) {
+    auto mission = std::make_unique<Process>(command({"mission", "run", file, "--follow"}), folder);
+    EXPECT_TRUE(mission->wait_for("began"));
+    return mission;
+  }
+};
+
+TEST_F(MissionHistory, ShowsInOneOrderWhatTheRobotDid) {
+  start();
+  write("tour.yaml", kTour);
+  const auto run = json({"mission", "run", "tour.yaml", "--look-ahead", "0"});
+  EXPECT_EQ(run.find("outcome")->as_string(), "done") << type::to_json(run);
+  const auto lines = history_until("ended tour done");
+  EXPECT_THAT(
+      lines,
+      ElementsAre("began tour", "began tour/there", "asked tour/there go_to",
+                  "transition -> go_to by mission tour/there", "ended tour/there success", "began tour/look",
+                  "asked tour/look explore", "transition -> explore by mission tour/look",
+                  "transition ->  by mission tour/look", "ended tour/look aborted", "ended tour done"));
+  const auto text = segue({"history", "--missions", "-n", "3"});
+  EXPECT_EQ(std::ranges::count(text.output, '\n'), 3) << text.output;
+  EXPECT_THAT(text.output, HasSubstr("explore -> (empty): done"));
+  EXPECT_THAT(text.output, HasSubstr("; requested by mission tour/look"));
+  EXPECT_THAT(text.output, HasSubstr("tour/look ended: aborted after "));
+  EXPECT_THAT(text.output, HasSubstr("; it had not ended after 50ms"));
+  EXPECT_THAT(text.output, HasSubstr("tour ended: done after "));
+  EXPECT_EQ(json({"history"}).as_list().size(), 3U) << "requests only";
+  EXPECT_EQ(segue({"history", "--missions", "--versions"}).status, 2);
+}
+
+TEST_F(MissionHistory, IsThatOfConcurrentRunsAndScriptsToo) {
+  start();
+  write("tour.yaml", kTour);
+  EXPECT_EQ(segue({"mission", "run", "tour.yaml", "--mode", "concurrent"}).status, 0);
+  const auto lines = history_until("ended tour done");
+  for (const char* line :
+       {"began tour", "began tour/there", "asked tour/there go_to",
+        "transition -> go_to by mission tour/there", "ended tour/there success", "asked tour/look explore",
+        "transition -> explore by mission tour/look", "ended tour/look aborted"})
+    EXPECT_THAT(lines, Contains(line));
+  write("scripted.yaml", kScripted);
+  write("visit.py", kVisit);
+  const auto scripted = segue({"mission", "run", "scripted.yaml"});
+  EXPECT_EQ(scripted.status, 0) << scripted.output << scripted.errors;
+  EXPECT_THAT(history_until("ended scripted success"), Contains("asked scripted explore"));
+}
+
+TEST_F(MissionHistory, SaysThatAMissionWasKilledOrLostTheRobot) {
+  start();
+  write("far.yaml", kFar);
+  auto killed = begin("far.yaml", folder_);
+  wait_for_controller("go_to");
+  (void)history_until("asked far go_to");
+  killed->signal(SIGKILL);
+  (void)killed->wait();
+  (void)history_until("ended far lost");
+  EXPECT_THAT(segue({"history", "--missions"}).output, HasSubstr("whoever ran it gave the robot back"));
+
+  std::string again = kFar;
+  again.replace(again.find("far"), 3, "beyond");
+  write("beyond.yaml", again);
+  auto taken = begin("beyond.yaml", folder_);
+  (void)history_until("asked beyond go_to");
+  EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0);
+  EXPECT_NE(taken->wait().status, 0);
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  std::string text;
+  do {
+    text = segue({"history", "--missions"}).output;
+  } while (text.find("the robot was taken over by segue switch") == std::string::npos &&
+           std::chrono::steady_clock::now() < deadline);
+  EXPECT_THAT(text, HasSubstr("beyond ended: lost after "));
+  EXPECT_THAT(text, HasSubstr("the robot was taken over by segue switch"));
+}
+
+TEST_F(MissionHistory, ARobotNeedsNoJournalForAMission) {
+  start({"--no-journal"});
+  write("tour.yaml", kTour);
+  EXPECT_EQ(segue({"mission", "run", "tour.yaml"}).status, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "state"));
+}
+
+TEST_F(MissionHistory, AMissionOutlivesAJournalThatCannotBeWritten) {
+  write("in_the_way", "a file where a folder should be");
+  start({"--journal", "in_the_way/journal.sqlite"});
+  write("tour.yaml", kTour);
+  const auto run = segue({"mission", "run", "tour.yaml"});
+  EXPECT_EQ(run.status, 0) << run.output << run.errors;
+  EXPECT_THAT(segue({"events"}).output, HasSubstr("cannot be written"));
+}
+
+}  // namespace
+}  // namespace segue::testing
