@@ -29,6 +29,7 @@ struct CertificateOptions {
   std::string name;
   std::string role = "observe";
   std::string host;
+  std::vector<std::string> addresses;
   std::uint32_t days = 0;
   bool is_host = false;
   bool no_host = false;
@@ -160,7 +161,8 @@ int enrol(const CertificateOptions& options, const Context& context) {
   const control::Enrolment enrolment{.name = options.name,
                                      .role = *role,
                                      .host = options.is_host,
-                                     .valid = std::chrono::hours(24) * options.days};
+                                     .valid = std::chrono::hours(24) * options.days,
+                                     .addresses = options.addresses};
   const fs::path out = options.out.empty() ? fs::path(options.name) : fs::path(options.out);
   const auto identity = authority->enrol(enrolment, out, options.force);
   if (!identity) return refused(context, identity.error());
@@ -255,6 +257,9 @@ void add_enrol(Verb& host, Context& context) {
               "observe (default): look; operate: also switch, set and call; administer: also start processes")
       .one_of({"observe", "operate", "administer"});
   verb.flag("--host", options->is_host, "the certificate of a computer on which `segue host` will run");
+  verb.option("--address ADDRESS", options->addresses,
+              "of a host: an IP address or a name by which browsers reach `segue studio` there; may be "
+              "repeated");
   verb.option("--days N", options->days,
               "how long it is valid; otherwise 825 days for a host, 365 for a person")
       .between(1, kMostDays);

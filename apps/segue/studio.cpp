@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/credentials.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/server.hpp>
 
 #include <fmt/core.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "connection.hpp"
 #include "stop_signal.hpp"
@@ -18,6 +23,9 @@ constexpr std::uint32_t kDefaultPort = 8475;
 
 struct StudioOptions {
   std::uint32_t port = kDefaultPort;
+  std::string listen;  ///< empty: for this computer only
+  std::string credentials;
+  std::string name;
   std::string page;
   bool observe = false;
 };
@@ -37,6 +45,24 @@ Result<web::PageFiles> page_of(const StudioOptions& options) {
   return web::PageFiles::read(*folder);
 }
 
+/// Those of this host, where other computers may come.
+Result<std::optional<control::Credentials>> credentials_of(const StudioOptions& options) {
+  if (options.listen.empty()) return std::optional<control::Credentials>();
+  const auto folder = options.credentials.empty() ? control::credentials_folder()
+                                                  : Result<std::filesystem::path>(options.credentials);
+  if (!folder) return folder.error();
+  auto loaded = control::Credentials::load(*folder, control::Credentials::Use::Host, options.name);
+  if (!loaded) return loaded.error();
+  return std::optional(std::move(*loaded));
+}
+
+std::string introduction(const std::string& robot, const StudioOptions& options, bool secure) {
+  return fmt::format(
+      "the studio of robot {}{}; Ctrl-C ends it, the robot goes on. {}", robot,
+      options.observe ? " (observe only)" : "",
+      secure ? "Open it in browsers that have the certificate of a person:" : "Open in one browser:");
+}
+
 int serve_studio(const std::string& robot, const StudioOptions& options, const Context& context) {
   auto page = page_of(options);
   if (!page) return failed(context, page.error());
@@ -46,7 +72,11 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
     if (!socket) return socket.error();
     return control::connect(*socket);
   };
+  const auto credentials = credentials_of(options);
+  if (!credentials) return failed(context, credentials.error());
   const web::ServerOptions serving = {.port = static_cast<std::uint16_t>(options.port),
+                                      .listen = options.listen.empty() ? "127.0.0.1" : options.listen,
+                                      .credentials = *credentials,
                                       .role = options.observe ? web::Role::Observe : web::Role::Operate,
                                       .robot = robot,
                                       .entered = [&context](const std::string& address) {
@@ -56,10 +86,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
                                       }};
   const auto server = web::Server::start(std::move(*page), connect, serving);
   if (!server) return failed(context, server.error());
-  if (!context.json())
-    print_line(fmt::format(
-        "the studio of robot {}{}; Ctrl-C ends it, the robot goes on. Open in one browser:", robot,
-        options.observe ? " (observe only)" : ""));
+  if (!context.json()) print_line(introduction(robot, options, credentials->has_value()));
   print_address((*server)->address(), context);
   stop.wait(std::nullopt);
   return kDone;
@@ -72,14 +99,25 @@ void add_studio(Verb& app, Context& context) {
   Verb& verb = add_verb(
       app, context, "studio", "watch and operate a running robot in a browser",
       "  segue studio\n  segue studio --observe    # who opens the page can look, not change\n"
-      "  segue studio --robot rover --port 0\n\n"
-      "The page is served to browsers of this computer only, and to those that open the address that\n"
-      "is printed, each of which opens the page once.",
+      "  segue studio --robot rover --port 0\n"
+      "  segue studio --listen 0.0.0.0             # for browsers of other computers, with certificates\n\n"
+      "Without --listen, the page is served to browsers of this computer only, and to those that open the\n"
+      "address that is printed, each of which opens the page once. With it, connections are encrypted and\n"
+      "browsers show the certificate of a person (`segue host enrol`), whose role says what they may do.",
       [options, &context] {
         const auto [robot, status] = reach(context);
         return robot ? serve_studio(context.robot, *options, context) : status;
       });
-  verb.option("--port PORT", options->port, "where it listens on 127.0.0.1 (default 8475; 0: any free port)")
+  const Option listen =
+      verb.option("--listen ADDRESS", options->listen,
+                  "an IP address of this computer, or 0.0.0.0 for all: for browsers of other computers, with "
+                  "certificates");
+  verb.option("--credentials FOLDER", options->credentials,
+              "with --listen: the folder with this computer's certificate; otherwise as of `segue host`")
+      .needs(listen);
+  verb.option("--name NAME", options->name, "with --listen: which certificate, where there are several")
+      .needs(listen);
+  verb.option("--port PORT", options->port, "where it listens (default 8475; 0: any free port)")
       .between(std::size_t{0}, std::size_t{65535});
   verb.option("--page FOLDER", options->page,
               "the built page (default: the one that is installed with segue)");

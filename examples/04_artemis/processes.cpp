@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "processes.hpp"
 
+#include <segue/base/file.hpp>
+
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 
 namespace demo {
@@ -15,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Empty where the process has ended.
 std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return segue::read_file(file).value_or("");
 }
 
 /// The parent's pid is the second field after the command, which is in parentheses.

@@ -49,10 +49,10 @@ bool equal_secrets(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
-Gate::Gate(std::uint16_t port, Role role)
-    : port_(port),
+Gate::Gate(Place place, Role role)
+    : place_(std::move(place)),
       role_(role),
-      cookie_name_("segue_studio_" + std::to_string(port)),
+      cookie_name_("segue_studio_" + std::to_string(place_.port)),
       token_(random_secret()) {}
 
 std::string Gate::token() const {
@@ -61,13 +61,13 @@ std::string Gate::token() const {
 }
 
 Result<void> Gate::check_names(const Entrance& entrance) const {
-  const std::string port = ":" + std::to_string(port_);
-  const bool known = std::ranges::any_of(std::array{"127.0.0.1", "localhost"},
-                                         [&](const char* name) { return entrance.host == name + port; });
-  if (!known)
+  const std::string port = ":" + std::to_string(place_.port);
+  const auto is_meant = [&](const std::string& name) { return entrance.host == name + port; };
+  const bool by_address = !entrance.address.empty() && is_meant(entrance.address);
+  if (!by_address && std::ranges::none_of(place_.names, is_meant))
     return fail(ErrorCode::PermissionDenied, "the request is for another host: " + quote(entrance.host));
   const bool needs_origin = entrance.is_socket || !entrance.origin.empty();
-  if (needs_origin && entrance.origin != "http://" + entrance.host)
+  if (needs_origin && entrance.origin != place_.scheme + "://" + entrance.host)
     return fail(ErrorCode::PermissionDenied, "the request is of another page: " + quote(entrance.origin));
   return {};
 }
@@ -86,6 +86,7 @@ bool Gate::knows(std::string_view cookies) const {
 
 Result<Gate::Admission> Gate::admit(const Entrance& entrance) {
   if (auto named = check_names(entrance); !named) return named.error();
+  if (entrance.certified) return Admission{std::min(role_, *entrance.certified), {}};
   const std::lock_guard lock(mutex_);
   const std::string_view target = entrance.target;
   const bool brings_token =

@@ -7,8 +7,10 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace segue::web {
 
@@ -19,11 +21,14 @@ struct Entrance {
   std::string origin{};
   std::string cookies{};
   bool is_socket = false;  ///< asks for a WebSocket
+  std::string address{};   ///< of this computer to which the connection came, without port
+  /// What its certificate permits; nothing: it has shown none, and needs a token or a cookie.
+  std::optional<Role> certified{};
 };
 
-/// Lets browsers of this computer in that bring a token, and knows them by a cookie afterwards. Requests for
-/// other names of this computer (DNS rebinding) and of other pages (cross-site requests) are refused. All
-/// functions may be called from any thread.
+/// Lets browsers in that have shown a certificate, or that bring a token, and knows these by a cookie
+/// afterwards. Requests for other names of this computer (DNS rebinding) and of other pages (cross-site
+/// requests) are refused. All functions may be called from any thread.
 class Gate {
  public:
   struct Admission {
@@ -34,7 +39,14 @@ class Gate {
 
   static constexpr std::size_t kMostBrowsers = 64;
 
-  Gate(std::uint16_t port, Role role);
+  struct Place {
+    std::string scheme = "http";
+    std::vector<std::string> names{};  ///< of this computer, beside the addresses of connections
+    std::uint16_t port = 0;
+  };
+
+  /// Nobody gets more than `role`.
+  Gate(Place place, Role role);
 
   /// PermissionDenied, with why.
   Result<Admission> admit(const Entrance& entrance);
@@ -45,7 +57,7 @@ class Gate {
   [[nodiscard]] Result<void> check_names(const Entrance& entrance) const;
   [[nodiscard]] bool knows(std::string_view cookies) const;
 
-  const std::uint16_t port_;
+  const Place place_;
   const Role role_;
   const std::string cookie_name_;
   mutable std::mutex mutex_;  ///< protects all below

@@ -6,7 +6,7 @@
 namespace segue::web {
 namespace {
 
-constexpr std::uint16_t kPort = 8475;
+const Gate::Place kPlace{.names = {"127.0.0.1", "localhost"}, .port = 8475};
 constexpr const char* kHost = "127.0.0.1:8475";
 
 std::string enter(Gate& gate) {
@@ -17,7 +17,7 @@ std::string enter(Gate& gate) {
 }
 
 TEST(GateTest, ATokenOpensOnceAndGivesACookie) {
-  Gate gate(kPort, Role::Operate);
+  Gate gate(kPlace, Role::Operate);
   const std::string token = gate.token();
   const auto first = gate.admit({.target = "/?token=" + token, .host = kHost});
   ASSERT_TRUE(first);
@@ -33,7 +33,7 @@ TEST(GateTest, ATokenOpensOnceAndGivesACookie) {
 }
 
 TEST(GateTest, WithoutTokenAndCookieNobodyEnters) {
-  Gate gate(kPort, Role::Operate);
+  Gate gate(kPlace, Role::Operate);
   enter(gate);
   for (const std::string cookies :
        {"", "segue_studio_8475=", "segue_studio_8475=00", "; ;;", "segue_studio_8475"})
@@ -43,7 +43,7 @@ TEST(GateTest, WithoutTokenAndCookieNobodyEnters) {
 }
 
 TEST(GateTest, OtherNamesOfTheHostAreRefused) {
-  Gate gate(kPort, Role::Operate);
+  Gate gate(kPlace, Role::Operate);
   const std::string cookie = enter(gate);
   for (const std::string host :
        {"", "127.0.0.1", "127.0.0.1:80", "evil.example:8475", "127.0.0.1:8475.evil.example",
@@ -55,7 +55,7 @@ TEST(GateTest, OtherNamesOfTheHostAreRefused) {
 }
 
 TEST(GateTest, OtherPagesAreRefused) {
-  Gate gate(kPort, Role::Operate);
+  Gate gate(kPlace, Role::Operate);
   const std::string cookie = enter(gate);
   for (const bool socket : {false, true}) {
     for (const std::string origin : {"http://evil.example", "null", "https://127.0.0.1:8475",
@@ -79,7 +79,7 @@ TEST(GateTest, OtherPagesAreRefused) {
 }
 
 TEST(GateTest, TheOldestOfManyBrowsersIsForgotten) {
-  Gate gate(kPort, Role::Observe);
+  Gate gate(kPlace, Role::Observe);
   const std::string oldest = enter(gate);
   const std::string second = enter(gate);
   for (std::size_t more = 2; more < Gate::kMostBrowsers + 1; ++more)
@@ -96,6 +96,29 @@ TEST(Secrets, AreEqualOrNot) {
   EXPECT_FALSE(equal_secrets("abc", "ab"));
   EXPECT_EQ(random_secret().size(), 64U);
   EXPECT_NE(random_secret(), random_secret());
+}
+
+TEST(GateTest, ACertificateOpensAndSaysWhatItsOwnerMayDo) {
+  Gate gate({.scheme = "https", .names = {"arm"}, .port = 8475}, Role::Operate);
+  const auto admit = [&](const std::string& host, Role certified, const std::string& origin = "") {
+    return gate.admit({.target = "/socket",
+                       .host = host,
+                       .origin = origin.empty() ? "https://" + host : origin,
+                       .is_socket = true,
+                       .address = "10.0.0.3",
+                       .certified = certified});
+  };
+  EXPECT_EQ(admit("arm:8475", Role::Operate)->role, Role::Operate);
+  EXPECT_EQ(admit("10.0.0.3:8475", Role::Observe)->role, Role::Observe);
+  EXPECT_EQ(admit("arm:8475", Role::Operate)->new_cookie, "");
+  EXPECT_FALSE(admit("evil.example:8475", Role::Operate)) << "another name of the computer";
+  EXPECT_FALSE(admit("localhost:8475", Role::Operate));
+  EXPECT_FALSE(admit("arm:8475", Role::Operate, "https://evil.example")) << "browsers send certificates";
+  EXPECT_FALSE(admit("arm:8475", Role::Operate, "http://arm:8475"));
+  EXPECT_FALSE(gate.admit({.target = "/", .host = "arm:8475"})) << "without a certificate";
+  Gate for_observers({.scheme = "https", .names = {"arm"}, .port = 8475}, Role::Observe);
+  EXPECT_EQ(for_observers.admit({.target = "/", .host = "arm:8475", .certified = Role::Operate})->role,
+            Role::Observe);
 }
 
 }  // namespace

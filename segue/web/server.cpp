@@ -4,6 +4,8 @@
 #include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
 #include <segue/concurrent/thread.hpp>
+#include <segue/control/tls_server.hpp>
+#include <segue/web/detail/browser_stream.hpp>
 #include <segue/web/detail/refusals.hpp>
 #include <segue/web/gate.hpp>
 #include <segue/web/hub.hpp>
@@ -80,6 +82,14 @@ std::string message_page(const std::string& head, const std::string& text) {
          "</head><body><p>" + text + "</p></body></html>\n";
 }
 
+/// As in an address of a page.
+std::string written(const asio::ip::address& address) {
+  const asio::ip::address plain = address.is_v6() && address.to_v6().is_v4_mapped()
+                                      ? asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6())
+                                      : address;
+  return plain.is_v6() ? "[" + plain.to_string() + "]" : plain.to_string();
+}
+
 /// A connection that is open, as long as it exists.
 class Open {
  public:
@@ -115,16 +125,28 @@ struct Shared {
   std::uint64_t sockets = 0;  ///< WebSockets so far: their names in logs
 
   [[nodiscard]] std::string address() const {
-    return "http://127.0.0.1:" + std::to_string(acceptor.local_endpoint().port()) +
-           "/?token=" + gate->token();
+    const std::string place = ":" + std::to_string(acceptor.local_endpoint().port());
+    if (options.credentials) return "https://" + options.credentials->name() + place + "/";
+    return "http://" + written(acceptor.local_endpoint().address()) + place + "/?token=" + gate->token();
   }
 };
+
+/// The browser at the other end, as far as its certificate says; nothing without TLS.
+using Person = std::optional<control::Identity>;
+
+Role role_of(const control::Identity& person) {
+  return person.role == control::Role::Observe ? Role::Observe : Role::Operate;
+}
 
 /// A WebSocket: carries the messages of a session.
 class Socket final : public Open, public std::enable_shared_from_this<Socket> {
  public:
-  Socket(Shared& shared, beast::tcp_stream stream, Role role)
-      : Open(shared.connections), shared_(shared), stream_(std::move(stream)), role_(role) {}
+  Socket(Shared& shared, detail::BrowserStream stream, Role role, Person person)
+      : Open(shared.connections),
+        shared_(shared),
+        stream_(std::move(stream)),
+        role_(role),
+        person_(std::move(person)) {}
 
   void start(const HttpRequest& request) {
     beast::get_lowest_layer(stream_).expires_never();
@@ -144,9 +166,9 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
 
  private:
   void begin() {
-    const std::string who = "segue studio (pid " + std::to_string(::getpid()) + ", uid " +
-                            std::to_string(::getuid()) + ", browser " + std::to_string(++shared_.sockets) +
-                            ")";
+    const std::string who = "segue studio (pid " + std::to_string(::getpid()) + ", " +
+                            (person_ ? person_->name : "uid " + std::to_string(::getuid())) + ", browser " +
+                            std::to_string(++shared_.sockets) + ")";
     session_ = Session::create(shared_.hub, shared_.verbs, {role_, shared_.options.robot, who},
                                [weak = weak_from_this(), &context = shared_.context] {
                                  asio::post(context, [weak] {
@@ -180,6 +202,11 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
 
   void take() {
     if (!session_) return;
+    if (const auto refusal =
+            person_ ? control::refusal(*shared_.options.credentials, *person_) : std::nullopt) {
+      shared_.refusals.add("a browser's message: " + refusal->message);
+      return close();
+    }
     const std::string text = beast::buffers_to_string(buffer_.data());
     buffer_.consume(buffer_.size());
     session_->receive(stream_.got_text() ? std::string_view(text) : "a binary message");
@@ -188,6 +215,7 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
 
   void refuse(error_code problem) {
     const bool ended = problem == websocket::error::closed || problem == asio::error::eof ||
+                       problem == asio::ssl::error::stream_truncated ||
                        problem == asio::error::connection_reset ||
                        problem == asio::error::operation_aborted || problem == beast::error::timeout;
     if (!ended) shared_.refusals.add("a browser's message: " + printable(problem.message()));
@@ -195,8 +223,9 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
   }
 
   Shared& shared_;
-  websocket::stream<beast::tcp_stream> stream_;
+  websocket::stream<detail::BrowserStream> stream_;
   const Role role_;
+  const Person person_;
   beast::flat_buffer buffer_;
   std::shared_ptr<Session> session_;
   std::optional<std::string> sending_;
@@ -210,15 +239,29 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
   Connection(Shared& shared, tcp::socket socket)
       : Open(shared.connections), shared_(shared), stream_(std::move(socket)) {}
 
+  void start() {
+    if (!shared_.options.credentials) return read();
+    const auto own = control::server_context(*shared_.options.credentials);
+    SSL_CTX_up_ref(own.get());
+    asio::ssl::context context(own.get());  // gives it back; the connection holds it, too
+    stream_.secure(context);
+    tcp_stream().expires_after(kRequestTime);
+    stream_.tls()->async_handshake(asio::ssl::stream_base::server,
+                                   [self = shared_from_this()](error_code problem) {
+                                     problem ? self->refuse(problem) : self->identify();
+                                   });
+  }
+
   void read() {
     parser_.emplace();
     parser_->header_limit(kLongestHeader);
     parser_->body_limit(0);
-    stream_.expires_after(kRequestTime);
+    tcp_stream().expires_after(kRequestTime);
     http::async_read(
         stream_, buffer_, *parser_, [self = shared_from_this()](error_code problem, std::size_t) {
           if (!problem) return self->handle();
           const bool ended = problem == http::error::end_of_stream || problem == beast::error::timeout ||
+                             problem == asio::ssl::error::stream_truncated ||
                              problem == asio::error::operation_aborted;
           if (!ended) self->shared_.refusals.add("a request: " + printable(problem.message()));
         });
@@ -226,10 +269,25 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
 
   void close() override {
     error_code ignored;
-    stream_.socket().close(ignored);
+    tcp_stream().socket().close(ignored);
   }
 
  private:
+  beast::tcp_stream& tcp_stream() { return stream_.next_layer(); }
+
+  void refuse(error_code problem) {
+    error_code unknown;
+    const auto from = tcp_stream().socket().remote_endpoint(unknown).address();
+    shared_.refusals.add("a TLS handshake from " + written(from) + ": " + printable(problem.message()));
+  }
+
+  void identify() {
+    auto person = control::identity_at(*stream_.tls()->native_handle());
+    if (!person) return shared_.refusals.add(person.error().message);
+    person_ = std::move(*person);
+    read();
+  }
+
   void handle() {
     request_ = parser_->release();
     const bool is_socket = websocket::is_upgrade(request_);
@@ -237,14 +295,25 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
                                                 .host = text_of(request_[http::field::host]),
                                                 .origin = text_of(request_[http::field::origin]),
                                                 .cookies = text_of(request_[http::field::cookie]),
-                                                .is_socket = is_socket});
+                                                .is_socket = is_socket,
+                                                .address = own_address(),
+                                                .certified = certified()});
     if (!admission) return refuse(admission.error());
     if (!admission->new_cookie.empty()) return welcome(*admission);
     if (is_socket && request_.target() == "/socket") {
-      std::make_shared<Socket>(shared_, std::move(stream_), admission->role)->start(request_);
+      std::make_shared<Socket>(shared_, std::move(stream_), admission->role, person_)->start(request_);
       return;
     }
     serve();
+  }
+
+  [[nodiscard]] std::string own_address() {
+    error_code unknown;
+    return written(tcp_stream().socket().local_endpoint(unknown).address());
+  }
+  [[nodiscard]] std::optional<Role> certified() const {
+    if (!person_) return std::nullopt;
+    return role_of(*person_);
   }
 
   void refuse(const Error& error) {
@@ -279,17 +348,18 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
 
   void send(HttpResponse response) {
     response_ = std::move(response);
-    stream_.expires_after(kRequestTime);
+    tcp_stream().expires_after(kRequestTime);
     http::async_write(stream_, response_, [self = shared_from_this()](error_code problem, std::size_t) {
       if (problem) return;
       if (self->response_.keep_alive()) return self->read();
       error_code ignored;
-      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+      self->tcp_stream().socket().shutdown(tcp::socket::shutdown_send, ignored);
     });
   }
 
   Shared& shared_;
-  beast::tcp_stream stream_;
+  detail::BrowserStream stream_;
+  Person person_;
   beast::flat_buffer buffer_{kLongestHeader + 1024};
   std::optional<http::request_parser<http::empty_body>> parser_;
   HttpRequest request_;
@@ -308,8 +378,14 @@ struct Server::Implementation : Shared {
 };
 
 Result<void> Server::Implementation::listen() {
-  const tcp::endpoint place(asio::ip::address_v4::loopback(), options.port);
   error_code problem;
+  const auto own = asio::ip::make_address(options.listen, problem);
+  if (problem)
+    return fail(ErrorCode::InvalidArgument, quote(options.listen) + " is no IP address of this computer");
+  if (!options.credentials && !own.is_loopback())
+    return fail(ErrorCode::InvalidArgument,
+                "other computers reach the studio only with certificates: give it those of a host");
+  const tcp::endpoint place(own, options.port);
   acceptor.open(place.protocol(), problem);
   if (!problem) acceptor.set_option(tcp::acceptor::reuse_address(true), problem);
   if (!problem) acceptor.bind(place, problem);
@@ -318,8 +394,16 @@ Result<void> Server::Implementation::listen() {
     return fail(ErrorCode::AlreadyExists, "port " + std::to_string(options.port) +
                                               " is taken by another program; choose another with --port");
   if (problem)
-    return system_error("cannot listen at 127.0.0.1:" + std::to_string(options.port), problem.value());
-  gate.emplace(acceptor.local_endpoint().port(), options.role);
+    return system_error("cannot listen at " + written(own) + ":" + std::to_string(options.port),
+                        problem.value());
+  Gate::Place entrance{.port = acceptor.local_endpoint().port()};
+  if (options.credentials) {
+    entrance.scheme = "https";
+    entrance.names.push_back(options.credentials->name());
+  } else {
+    entrance.names.push_back("localhost");
+  }
+  gate.emplace(std::move(entrance), options.role);
   return {};
 }
 
@@ -333,7 +417,7 @@ void Server::Implementation::accept() {
       });
     }
     if (connections.size() < kMostConnections) {
-      std::make_shared<Connection>(*this, std::move(socket))->read();
+      std::make_shared<Connection>(*this, std::move(socket))->start();
     } else {
       refusals.add("a connection, since there are " + std::to_string(connections.size()) + " already");
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/control/credentials.hpp>
 #include <segue/web/hub.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/robot_link.hpp>
@@ -10,27 +11,32 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace segue::web {
 
 struct ServerOptions {
-  std::uint16_t port = 0;  ///< 0: a free one
-  Role role = Role::Operate;
-  std::string robot{};  ///< its name, for the page
+  std::uint16_t port = 0;            ///< 0: a free one
+  std::string listen = "127.0.0.1";  ///< the address of this computer; "0.0.0.0" and "::": all it has
+  /// With those of a host, browsers must show a person's certificate and get what it permits, over TLS;
+  /// without any they bring a token, and only those of this computer reach the server.
+  std::optional<control::Credentials> credentials{};
+  Role role = Role::Operate;  ///< nobody gets more
+  std::string robot{};        ///< its name, for the page
   Hub::Periods periods{};
   /// A browser has come in with the token; this address is for the next one. Called by the server's thread.
   std::function<void(const std::string& address)> entered{};
 };
 
-/// Serves a page and its WebSocket (at /socket) to browsers of this computer: loopback only, one port, one
-/// thread. 64 connections at most; what is beyond is closed. Requests have 10 s, 16 KiB of headers and no
-/// body, messages 1 MiB.
+/// Serves a page and its WebSocket (at /socket) to browsers: one port, one thread. 64 connections at most;
+/// what is beyond is closed. Requests have 10 s, 16 KiB of headers and no body, messages 1 MiB.
 class Server {
  public:
   static constexpr std::size_t kMostConnections = 64;
 
-  /// AlreadyExists where the port is taken.
+  /// AlreadyExists where the port is taken; InvalidArgument where the address is none, or not of this
+  /// computer alone though there are no credentials.
   static Result<std::unique_ptr<Server>> start(PageFiles page, const Connect& connect, ServerOptions options);
   /// Closes all connections; waits for calls of the robot in progress, until their deadlines at most.
   ~Server();
@@ -38,7 +44,7 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   [[nodiscard]] std::uint16_t port() const;
-  /// "http://127.0.0.1:PORT/?token=...", for one browser. A secret.
+  /// "http://127.0.0.1:PORT/?token=...", for one browser: a secret. With credentials "https://NAME:PORT/".
   [[nodiscard]] std::string address() const;
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hosts_test.hpp"
 
+#include <segue/base/file.hpp>
 #include <segue/hosts/gateways.hpp>
 #include <segue/model/files.hpp>
 
@@ -130,8 +131,7 @@ void kill_all_below(const std::string& folder) {
       const std::string name = entry.path().filename();
       if (name.find_first_not_of("0123456789") != std::string::npos || name == std::to_string(::getpid()))
         continue;
-      std::ifstream stream(entry.path() / "environ", std::ios::binary);
-      if (!is_below({std::istreambuf_iterator<char>(stream), {}}, folder)) continue;
+      if (!is_below(read_file(entry.path() / "environ").value_or(""), folder)) continue;
       found = ::kill(std::stoi(name), SIGKILL) == 0 || found;
     }
     if (found) ::usleep(10'000);

@@ -91,6 +91,8 @@ Result<void> check(const Enrolment& enrolment) {
                     " cannot be the name in a certificate: a letter, digit or '_' first, "
                     "then letters, digits, '_', '-', '.' or ':', at most 64, and not 'ca'");
   }
+  if (!enrolment.host && !enrolment.addresses.empty())
+    return fail(ErrorCode::InvalidArgument, "only the certificate of a host has addresses");
   return {};
 }
 

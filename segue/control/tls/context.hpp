@@ -35,13 +35,14 @@ class Context final : public detail::Encryption {
   void refresh() override;
   [[nodiscard]] std::optional<Error> refusal(const Identity& identity) const override;
 
- private:
   using Shared = std::shared_ptr<SSL_CTX>;
+  /// From which connections are made, also those of servers that have no Stream.
+  [[nodiscard]] Shared current() const;
 
+ private:
   explicit Context(Material material) : material_(std::move(material)) {}
   /// Makes the object from which connections are made anew, with the present list of revoked certificates.
   Result<void> renew();
-  [[nodiscard]] Shared current() const;
 
   mutable std::mutex mutex_;  ///< protects all that follows
   Material material_;

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/control/tls/issue.hpp>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <openssl/rand.h>
 #include <openssl/x509v3.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <ctime>
 #include <string>
 #include <utility>
@@ -75,6 +80,35 @@ bool is_signed(X509* certificate, EVP_PKEY* key) {
   return X509_sign(certificate, key, EVP_sha256()) > 0;
 }
 
+/// Whether it can be a DNS name: letters, digits, '-' and '.', at most 253 of them.
+bool is_dns_name(const std::string& text) {
+  const auto fits = [](unsigned char letter) {
+    return std::isalnum(letter) != 0 || letter == '-' || letter == '.';
+  };
+  return !text.empty() && text.size() <= 253 && std::ranges::all_of(text, fits) &&
+         std::isalnum(static_cast<unsigned char>(text.front())) != 0;
+}
+
+bool is_ip_address(const std::string& text) {
+  std::array<unsigned char, sizeof(in6_addr)> address{};
+  return ::inet_pton(AF_INET, text.c_str(), address.data()) == 1 ||
+         ::inet_pton(AF_INET6, text.c_str(), address.data()) == 1;
+}
+
+/// "DNS:arm,IP:10.0.0.3": what browsers compare with the address that they have opened.
+Result<std::string> alternative_names(const Enrolment& enrolment) {
+  std::string names = is_dns_name(enrolment.name) ? "DNS:" + enrolment.name : "";
+  for (const std::string& address : enrolment.addresses) {
+    const bool is_ip = is_ip_address(address);
+    if (!is_ip && !is_dns_name(address)) {
+      return fail(ErrorCode::InvalidArgument,
+                  quote(address) + " is neither an IP address nor the name of a computer");
+    }
+    names += (names.empty() ? "" : ",") + std::string(is_ip ? "IP:" : "DNS:") + address;
+  }
+  return names;
+}
+
 }  // namespace
 
 Result<Key> new_key() {
@@ -104,6 +138,8 @@ Result<Certificate> new_authority(EVP_PKEY* key) {
 Result<Certificate> issue(const Enrolment& enrolment, EVP_PKEY* subject_key, X509* authority, EVP_PKEY* key) {
   Certificate certificate(X509_new());
   const Time from = enrolment.from.value_or(std::chrono::system_clock::now() - kBackdated);
+  const auto names = enrolment.host ? alternative_names(enrolment) : Result<std::string>("");
+  if (!names) return names.error();
   const hours usual = enrolment.host ? kHostLife : kPersonLife;
   const Time until = from + (enrolment.valid.count() > 0 ? enrolment.valid : usual);
   if (!certificate || !prepare(certificate.get(), subject_key, from, until)) return failed("a certificate");
@@ -117,6 +153,7 @@ Result<Certificate> issue(const Enrolment& enrolment, EVP_PKEY* subject_key, X50
       add_extension(own, authority, NID_basic_constraints, "critical,CA:FALSE") &&
       add_extension(own, authority, NID_key_usage, "critical,digitalSignature") &&
       add_extension(own, authority, NID_ext_key_usage, uses) &&
+      (names->empty() || add_extension(own, authority, NID_subject_alt_name, names->c_str())) &&
       add_extension(own, authority, NID_subject_key_identifier, "hash") &&
       add_extension(own, authority, NID_authority_key_identifier, "keyid:always") && is_signed(own, key);
   if (!done) return failed("a certificate");

@@ -47,8 +47,9 @@ int Stream::verify(int good, X509_STORE_CTX* store) {
   auto* ssl = static_cast<SSL*>(X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
   auto* stream = static_cast<Stream*>(SSL_get_app_data(ssl));
   X509* certificate = X509_STORE_CTX_get_current_cert(store);
+  const bool owner = X509_STORE_CTX_get_error_depth(store) == 0;
+  if (stream == nullptr) return good == 1 && (!owner || identity_of(certificate)) ? 1 : 0;
   if (good == 1) {
-    const bool owner = X509_STORE_CTX_get_error_depth(store) == 0;
     return !owner || stream->verify_owner(store, certificate) ? 1 : 0;
   }
   X509* shown = X509_STORE_CTX_get0_cert(store);

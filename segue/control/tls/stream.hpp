@@ -46,7 +46,8 @@ class Stream final : public detail::SecureStream {
 
  private:
   friend class Context;
-  /// Decides on the other side's certificate, as a callback of OpenSSL.
+  /// Decides on the other side's certificate, as a callback of OpenSSL; also of connections that are no
+  /// Stream, which only servers have.
   static int verify(int good, X509_STORE_CTX* store);
   bool verify_owner(X509_STORE_CTX* store, X509* certificate);
 

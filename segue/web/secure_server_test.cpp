@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The server for browsers of other computers: over TLS, for people with certificates.
+#include <segue/control/authority.hpp>
+#include <segue/web/server.hpp>
+#include <segue/web/test_support.hpp>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+
+#include <fstream>
+#include <optional>
+
+namespace segue::web {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace ssl = asio::ssl;
+using control::Authority;
+using type::Value;
+using Tcp = asio::ip::tcp;
+
+/// A browser with a certificate, or without.
+class Browser {
+ public:
+  Browser(std::uint16_t port, const std::filesystem::path& folder, const std::string& name)
+      : port_(port), tls_(ssl::context::tls_client) {
+    tls_.load_verify_file((folder / "ca.crt").string());
+    tls_.set_verify_mode(ssl::verify_peer);
+    if (!name.empty()) {
+      tls_.use_certificate_file((folder / (name + ".crt")).string(), ssl::context::pem);
+      tls_.use_private_key_file((folder / (name + ".key")).string(), ssl::context::pem);
+    }
+    stream_.emplace(context_, tls_);
+    auto& layer = stream_->next_layer();
+    layer.set_verify_callback(ssl::host_name_verification("left"));
+    layer.next_layer().connect({asio::ip::address_v4::loopback(), port}, problem_);
+    if (!problem_) layer.handshake(ssl::stream_base::client, problem_);
+  }
+
+  /// The status of the answer, 0 where the connection has ended.
+  unsigned get(const std::string& host) {
+    http::request<http::empty_body> request(http::verb::get, "/", 11);
+    request.set(http::field::host, host);
+    if (!problem_) http::write(stream_->next_layer(), request, problem_);
+    http::response<http::string_body> response;
+    beast::flat_buffer buffer;
+    if (!problem_) http::read(stream_->next_layer(), buffer, response, problem_);
+    return problem_ ? 0 : response.result_int();
+  }
+  /// Asks for a WebSocket; whether it got one.
+  bool enter(const std::string& origin = "") {
+    const std::string host = "left:" + std::to_string(port_);
+    stream_->set_option(
+        beast::websocket::stream_base::decorator([&](beast::websocket::request_type& request) {
+          request.set("Origin", origin.empty() ? "https://" + host : origin);
+        }));
+    if (!problem_) stream_->handshake(host, "/socket", problem_);
+    return !problem_;
+  }
+  /// Nothing where the connection has ended.
+  std::optional<Value> receive() {
+    beast::flat_buffer buffer;
+    if (!problem_) stream_->read(buffer, problem_);
+    if (problem_) return std::nullopt;
+    return type::parse_json(beast::buffers_to_string(buffer.data())).value();
+  }
+  std::optional<Value> ask(const std::string& text) {
+    if (!problem_) stream_->write(asio::buffer(text), problem_);
+    while (auto message = receive()) {
+      if (message->find("id") != nullptr) return message;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  const std::uint16_t port_;
+  asio::io_context context_;
+  ssl::context tls_;
+  std::optional<beast::websocket::stream<ssl::stream<Tcp::socket>>> stream_;
+  boost::system::error_code problem_;
+};
+
+class SecureServer : public WebTest {
+ protected:
+  void SetUp() override {
+    WebTest::SetUp();
+    authority_.emplace(Authority::create(folder_ / "ca").value());
+    enrolled_ = folder_ / "enrolled";
+    enrol({.name = "left", .host = true, .addresses = {"127.0.0.1", "left.example"}});
+    enrol({.name = "ann", .role = control::Role::Administer});
+    enrol({.name = "bob", .role = control::Role::Observe});
+    std::filesystem::create_directories(folder_ / "page");
+    std::ofstream(folder_ / "page" / "index.html") << "<title>the page</title>";
+  }
+  void TearDown() override {
+    robot_.release.open();
+    server_.reset();
+    WebTest::TearDown();
+  }
+  void enrol(const control::Enrolment& enrolment) {
+    const auto identity = authority_->enrol(enrolment, enrolled_);
+    ASSERT_TRUE(identity) << to_string(identity.error());
+  }
+  Result<std::unique_ptr<Server>> try_to_start(const std::string& address, bool with_credentials,
+                                               Role role = Role::Operate) {
+    ServerOptions options{.listen = address, .role = role, .robot = "fake"};
+    if (with_credentials) {
+      options.credentials =
+          control::Credentials::load(enrolled_, control::Credentials::Use::Host, "left").value();
+    }
+    return Server::start(PageFiles::read(folder_ / "page").value(), connection(), std::move(options));
+  }
+  void start(Role role = Role::Operate) {
+    auto server = try_to_start("0.0.0.0", true, role);
+    ASSERT_TRUE(server) << to_string(server.error());
+    server_ = std::move(*server);
+  }
+  [[nodiscard]] Browser browser(const std::string& name) const {
+    return Browser(server_->port(), enrolled_, name);
+  }
+  void revoke(const std::string& name) {
+    ASSERT_TRUE(authority_->revoke(name));
+    std::filesystem::copy_file(folder_ / "ca" / "ca.crl", enrolled_ / "new.crl");
+    std::filesystem::rename(enrolled_ / "new.crl", enrolled_ / "ca.crl");
+  }
+  [[nodiscard]] std::string named(const std::string& host) const {
+    return host + ":" + std::to_string(server_->port());
+  }
+
+  static constexpr const char* kSet =
+      R"({"id": 1, "verb": "set", "arguments": {"task": "t", "property": "p", "value": 1}})";
+  std::optional<Authority> authority_;
+  std::filesystem::path enrolled_;
+  std::unique_ptr<Server> server_;
+};
+
+TEST_F(SecureServer, TheRoleInTheCertificateCounts) {
+  start();
+  EXPECT_EQ(server_->address(), "https://" + named("left") + "/");
+  Browser ann = browser("ann");
+  ASSERT_TRUE(ann.enter());
+  EXPECT_EQ(ann.receive(), Value::map({{"role", "operate"}, {"robot", "fake"}}));
+  EXPECT_NE(ann.ask(kSet)->find("result"), nullptr);
+  Browser bob = browser("bob");
+  ASSERT_TRUE(bob.enter());
+  EXPECT_EQ(bob.receive(), Value::map({{"role", "observe"}, {"robot", "fake"}}));
+  EXPECT_EQ(*bob.ask(kSet)->find("error")->find("code"), Value("permission-denied"));
+}
+
+TEST_F(SecureServer, NobodyGetsMoreThanTheStudioPermits) {
+  start(Role::Observe);
+  Browser ann = browser("ann");
+  ASSERT_TRUE(ann.enter());
+  EXPECT_EQ(*ann.receive()->find("role"), Value("observe"));
+}
+
+TEST_F(SecureServer, ThePageIsServedUnderTheNamesOfTheHostOnly) {
+  start();
+  for (const std::string host : {"left", "127.0.0.1"})
+    EXPECT_EQ(browser("bob").get(named(host)), 200U) << host;
+  for (const std::string host : {"evil.example", "localhost", "0.0.0.0"})
+    EXPECT_EQ(browser("bob").get(named(host)), 403U) << host;
+  EXPECT_EQ(browser("bob").get("left"), 403U) << "another port";
+}
+
+TEST_F(SecureServer, OtherPagesCannotUseTheCertificate) {
+  start();
+  for (const std::string& origin : {std::string("https://evil.example"), "http://" + named("left")})
+    EXPECT_FALSE(browser("ann").enter(origin)) << origin;
+}
+
+TEST_F(SecureServer, NobodyEntersWithoutACertificateOfTheAuthority) {
+  start();
+  EXPECT_EQ(browser("").get(named("left")), 0U);
+  enrol({.name = "eve"});
+  revoke("eve");
+  EXPECT_EQ(browser("eve").get(named("left")), 0U) << "revoked";
+  enrol({.name = "old",
+         .valid = std::chrono::hours(1),
+         .from = std::chrono::system_clock::now() - std::chrono::hours(2)});
+  EXPECT_EQ(browser("old").get(named("left")), 0U) << "expired";
+  auto foreign = Authority::create(folder_ / "foreign").value();
+  ASSERT_TRUE(foreign.enrol({.name = "mallory", .role = control::Role::Administer}, folder_ / "theirs"));
+  for (const char* file : {"mallory.crt", "mallory.key"})
+    std::filesystem::copy_file(folder_ / "theirs" / file, enrolled_ / file);
+  EXPECT_EQ(browser("mallory").get(named("left")), 0U) << "of another authority";
+  EXPECT_EQ(browser("bob").get(named("left")), 200U) << "the service goes on";
+}
+
+TEST_F(SecureServer, WhoIsRevokedIsPutOut) {
+  start();
+  Browser ann = browser("ann");
+  ASSERT_TRUE(ann.enter());
+  ASSERT_TRUE(ann.ask(kSet));
+  revoke("ann");
+  EXPECT_FALSE(ann.ask(kSet));
+}
+
+TEST_F(SecureServer, OtherComputersNeedCertificates) {
+  const auto open = try_to_start("0.0.0.0", false);
+  ASSERT_FALSE(open);
+  EXPECT_EQ(open.error().code, ErrorCode::InvalidArgument);
+  for (const std::string address : {"", "left", "300.1.1.1"})
+    EXPECT_EQ(try_to_start(address, true).error().code, ErrorCode::InvalidArgument) << address;
+}
+
+}  // namespace
+}  // namespace segue::web
