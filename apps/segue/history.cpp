@@ -46,13 +46,20 @@ std::string version_of(const Value& result) {
 
 void show_transitions(const Value::List& results, bool with_time) {
   Forecasts forecasts;
+  double saved = 0;
+  std::size_t prepared = 0;
   for (const Value& result : results) {
     forecasts.add(result);
+    if (const Value* ahead = result.find("ahead")) {
+      saved += number_at(*ahead, "saved_s");
+      ++prepared;
+    }
     print_line((with_time ? short_time(text_at(result, "time")) : "") + printable(outcome_line(result)) +
-               version_of(result) + expectation_of(result));
+               version_of(result) + expectation_of(result) + saving_of(result));
   }
   const std::string verdict = forecasts.verdict();
   if (!verdict.empty()) print_line(verdict);
+  if (prepared > 0) print_line(saving_line(saved, prepared));
 }
 
 int show_running(control::RobotService& robot, const HistoryOptions& options, const Context& context) {

@@ -36,7 +36,8 @@ std::string transition_line(const Value& entry) {
   const std::string who = text_at(entry, "who");
   const std::string cause = text_at(entry, "cause");
   const bool is_requested = cause == "request" || cause == "apply";
-  return outcome_line(entry) + (is_requested && !who.empty() ? "; requested by " + who : "");
+  return outcome_line(entry) + saving_of(entry) +
+         (is_requested && !who.empty() ? "; requested by " + who : "");
 }
 
 }  // namespace

@@ -25,6 +25,7 @@
 #include "mission_remote.hpp"
 #include "models.hpp"
 #include "output.hpp"
+#include "report_text.hpp"
 #include "stop_signal.hpp"
 
 namespace segue::cli {
@@ -176,8 +177,24 @@ void show_nodes(FinishedRun& run) {
                          seconds(comparison.sequential), seconds(comparison.critical_path)));
 }
 
-void show_run(FinishedRun& run, bool is_network, bool follows, const Context& context) {
-  if (context.json()) return follows ? print_json_line(run.to_value()) : print_json(run.to_value());
+/// The document of a run, with what look-ahead saved if that is known.
+type::Value document_of(FinishedRun& run, const robot::ServedRobot* robot) {
+  type::Value document = run.to_value();
+  if (robot == nullptr) return document;
+  const auto saved = robot->saved();
+  document.as_map().set("look_ahead",
+                        type::Value::map({{"saved_s", seconds(saved.saved)},
+                                          {"transitions", static_cast<std::uint64_t>(saved.transitions)}}));
+  return document;
+}
+
+/// `robot`: on which it ran; null: on none.
+void show_run(FinishedRun& run, bool is_network, bool follows, const robot::ServedRobot* robot,
+              const Context& context) {
+  if (context.json()) {
+    const type::Value document = document_of(run, robot);
+    return follows ? print_json_line(document) : print_json(document);
+  }
   const auto& overview = run.overview();
   run.as_written() ? show_executions(run) : show_nodes(run);
   if (is_network) return;
@@ -186,6 +203,9 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const Context& co
   for (const auto& [port, value] : overview.outputs)
     print_line(fmt::format("{}: {}", printable(port), one_line(value)));
   if (overview.error && !run.as_written()) print_note(printable(overview.error->message));
+  if (robot == nullptr) return;
+  if (const auto saved = robot->saved(); saved.transitions > 0)
+    print_line(saving_line(seconds(saved.saved), saved.transitions));
 }
 
 /// The robot's pools carry out what is a call of one, and there are as many units as instances, unless the
@@ -258,10 +278,11 @@ namespace {
 
 using Ran = Result<std::unique_ptr<FinishedRun>>;
 
+/// `robot` as of show_run().
 int show(const Ran& run, const session::Session& plan, const MissionOptions& options,
-         const Context& context) {
+         const robot::ServedRobot* robot, const Context& context) {
   if (!run) return failed(context, run.error());
-  if (options.show) show_run(**run, plan.is_network(), options.follow, context);
+  if (options.show) show_run(**run, plan.is_network(), options.follow, robot, context);
   if (options.files.any()) {
     // Standard output has had its document.
     const auto written = write(options.files, (*run)->gantt());
@@ -308,7 +329,7 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
   const Ran run = run_with_progress(*plan, request, options, stop.get_token(), context);
   tell_end(run, remote);
-  const int status = show(run, *plan, options, context);
+  const int status = show(run, *plan, options, robot.get(), context);
   if (*is_unreachable)
     print_note("the robot cannot be reached any more; when it runs again, the mission goes on with --resume");
   return status;
@@ -330,7 +351,8 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, Conte
   if (!request) return failed(context, request.error());
   if (!needs_robot(*plan, options)) {
     StopSignal stop;  // until the run has been shown
-    return show(run_with_progress(*plan, *request, options, stop.token(), context), *plan, options, context);
+    return show(run_with_progress(*plan, *request, options, stop.token(), context), *plan, options, nullptr,
+                context);
   }
   if (options.clock == "virtual") {
     return failed(context, fail(ErrorCode::InvalidArgument,

@@ -118,6 +118,19 @@ std::string outcome_line(const Value& result) {
                             format_seconds(number_at(result, "commit_s")), leftover);
 }
 
+std::string saving_of(const Value& result) {
+  const Value* ahead = result.find("ahead");
+  if (ahead == nullptr) return {};
+  const double tasks = number_at(*ahead, "tasks");
+  return fmt::format("; look-ahead saved {} ({} task{} ready)", format_seconds(number_at(*ahead, "saved_s")),
+                     tasks, tasks == 1 ? " was" : "s were");
+}
+
+std::string saving_line(double seconds, std::size_t transitions) {
+  return fmt::format("Look-ahead saved {} of {} transition{}.", format_seconds(seconds), transitions,
+                     transitions == 1 ? "" : "s");
+}
+
 std::string outcome_text(const Value& result) {
   const bool done = text_at(result, "outcome") == "done";
   return actions_text(result) + coloured(done ? Colour::Green : Colour::Red, outcome_line(result)) + '\n';

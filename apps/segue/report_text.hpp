@@ -4,6 +4,7 @@
 #include <segue/model/transition.hpp>
 #include <segue/type/value.hpp>
 
+#include <cstddef>
 #include <string>
 
 #include "command.hpp"
@@ -19,6 +20,11 @@ std::string describe_transition(const type::Value& transition);
 
 /// "explore -> manual: done, 12 actions in 3.1 ms (commit 1.2 ms)"
 std::string outcome_line(const type::Value& result);
+
+/// "; look-ahead saved 1.2 s (4 tasks were ready)"; "" where nothing was prepared.
+std::string saving_of(const type::Value& result);
+/// "Look-ahead saved 1.2 s of 3 transitions."
+std::string saving_line(double seconds, std::size_t transitions);
 
 /// The actions of a result with their times, and its outcome_line().
 std::string outcome_text(const type::Value& result);

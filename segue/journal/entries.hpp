@@ -5,8 +5,10 @@
 #include <segue/model/action_times.hpp>
 #include <segue/model/transition.hpp>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -45,6 +47,17 @@ struct Prediction {
   friend bool operator==(const Prediction&, const Prediction&) = default;
 };
 
+/// The tasks that a transition found prepared ahead, and what its prepare phase would have taken without
+/// them: with durations as they were measured when they were prepared, or else learned ones.
+struct PreparedAhead {
+  std::size_t tasks = 0;
+  Duration unprepared{0};
+
+  /// What that saved of a transition whose prepare phase took `prepare`; at least zero.
+  [[nodiscard]] Duration saved(Duration prepare) const { return std::max(unprepared - prepare, Duration(0)); }
+  friend bool operator==(const PreparedAhead&, const PreparedAhead&) = default;
+};
+
 /// The result of a request. `total` is from the begin of the execution to the end of its last action, without
 /// solving.
 struct TransitionEntry {
@@ -69,6 +82,7 @@ struct TransitionEntry {
   Duration commit{0};
   Duration retire{0};
   std::optional<Prediction> predicted;
+  std::optional<PreparedAhead> ahead{};  ///< nothing: it found no tasks prepared
   std::vector<ActionEntry> actions;
 
   friend bool operator==(const TransitionEntry&, const TransitionEntry&) = default;

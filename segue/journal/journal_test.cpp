@@ -31,6 +31,7 @@ TEST(Journal, KeepsEveryFieldOfEveryEntry) {
   whole.prepare = 1s;
   whole.commit = 200ms;
   whole.retire = 800ms;
+  whole.ahead = PreparedAhead{4, 1500ms};
   whole.predicted = Prediction{{1s, 2s, 3s}, {100ms, 150ms, 200ms}};
   whole.actions[0].waited = 3us;
   whole.actions[1].outcome = "failed";

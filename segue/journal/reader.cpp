@@ -69,6 +69,8 @@ TransitionEntry transition_in(const Statement& row) {
   entry.from_version = row.text(23);
   entry.to_version = row.text(24);
   entry.runs_version = row.text(25);
+  if (row.integer(26) > 0 && row.integer(27) >= 0)
+    entry.ahead = PreparedAhead{static_cast<std::size_t>(row.integer(26)), duration_in(row, 27)};
   return entry;
 }
 
@@ -205,7 +207,7 @@ Result<std::vector<TransitionEntry>> JournalReader::transitions(std::size_t limi
         self.database,
         R"(SELECT id, request, time, cause, who, source, target, runs, "order", outcome, undone, error, solve, total,
            prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high,
-           source_version, target_version, runs_version FROM "transition")",
+           source_version, target_version, runs_version, ready_tasks, unprepared FROM "transition")",
         limit, [&](const Statement& row) {
           ids.push_back(row.integer(0));
           return transition_in(row);

@@ -118,6 +118,27 @@ TEST(JournalReader, AFileWithoutMissionsIsBroughtUpToDate) {
   EXPECT_EQ(reader->missions(10)->at(0), began);
 }
 
+TEST(JournalReader, AFileWithoutWhatWasPreparedAheadIsBroughtUpToDate) {
+  const Folder folder;
+  leave_older_file(
+      folder / "j", 3,
+      R"(INSERT INTO "transition" VALUES (1, 7, 0, '', '', 'a', 'b', 'b', '', 'done', '', '', 0, 0,
+                      0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, '', '', ''))");
+  TransitionEntry later = transition(8);
+  later.ahead = PreparedAhead{2, 30ms};
+  {
+    Journal journal(folder / "j");
+    journal.add(later);
+  }
+  const auto entries = all_of(folder / "j");
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(entries[0].request, 7U);
+  EXPECT_EQ(entries[0].ahead, std::nullopt);
+  EXPECT_EQ(entries[1], later);
+  EXPECT_EQ(later.ahead->saved(10ms), 20ms);
+  EXPECT_EQ(later.ahead->saved(1s), 0ms);
+}
+
 TEST(JournalReader, RefusesOtherFiles) {
   const Folder folder;
   std::ofstream(folder / "text") << "this is no database, though it is long enough to be looked at: "

@@ -39,6 +39,12 @@ Value to_value(const Prediction& prediction) {
   return Value::map({{"total", to_value(prediction.total)}, {"commit", to_value(prediction.commit)}});
 }
 
+Value to_value(const PreparedAhead& ahead, Duration prepare) {
+  return Value::map({{"tasks", static_cast<std::uint64_t>(ahead.tasks)},
+                     {"unprepared_s", seconds(ahead.unprepared)},
+                     {"saved_s", seconds(ahead.saved(prepare))}});
+}
+
 Value to_value(const TransitionEntry& entry) {
   Value value = Value::map({{"outcome", entry.outcome},
                             {"cause", entry.cause},
@@ -59,6 +65,7 @@ Value to_value(const TransitionEntry& entry) {
                             {"retire_s", seconds(entry.retire)}});
   type::ValueMap& map = value.as_map();
   if (entry.predicted) map.set("predicted_s", to_value(*entry.predicted));
+  if (entry.ahead) map.set("ahead", to_value(*entry.ahead, entry.prepare));
   if (!entry.undone.empty()) map.set("undone", entry.undone);
   if (!entry.error.empty()) map.set("error", entry.error);
   Value::List actions;

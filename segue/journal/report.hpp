@@ -11,6 +11,8 @@ namespace segue::journal {
 type::Value to_value(const model::DurationRange& range);
 /// {"total", "commit"}
 type::Value to_value(const Prediction& prediction);
+/// {"tasks", "unprepared_s", "saved_s"} of a transition whose prepare phase took `prepare`.
+type::Value to_value(const PreparedAhead& ahead, Duration prepare);
 /// The fields of the JSON of `switch`, "time" (ISO 8601, UTC) and, if there was one, "predicted_s".
 type::Value to_value(const TransitionEntry& entry);
 /// {"time", "subject", "sentence", "done"}

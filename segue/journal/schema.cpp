@@ -50,7 +50,12 @@ CREATE TABLE mission (
   error TEXT NOT NULL, duration INTEGER NOT NULL);
 )";
 
-constexpr std::array kSteps = {kFirst, kVersions, kMissions};
+constexpr std::string_view kPreparedAhead = R"(
+ALTER TABLE "transition" ADD COLUMN ready_tasks INTEGER;
+ALTER TABLE "transition" ADD COLUMN unprepared INTEGER;
+)";
+
+constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead};
 
 Error not_ours() {
   return fail(ErrorCode::InvalidArgument, "it is a database of another program, not a journal of Segue");

@@ -129,6 +129,20 @@ std::string ServedRobot::requester(const mission::ControllerRequest& what) const
   return who;
 }
 
+void ServedRobot::count_saving(const Value& transition) {
+  const Value* ahead = transition.find("ahead");
+  const Value* saved = ahead == nullptr ? nullptr : ahead->find("saved_s");
+  if (saved == nullptr || !saved->is_number()) return;
+  const std::lock_guard lock(mutex_);
+  ++saved_.transitions;
+  saved_.saved += std::chrono::duration_cast<Duration>(std::chrono::duration<double>(saved->as_double()));
+}
+
+LookAheadSaving ServedRobot::saved() const {
+  const std::lock_guard lock(mutex_);
+  return saved_;
+}
+
 Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePoint deadline) {
   const auto lease = this->lease();
   if (!lease) return lease.error();
@@ -142,6 +156,7 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePo
   const std::string controller = model::joined_name({what.controllers.begin(), what.controllers.end()}).str();
   const auto answer = service_.switch_to(controller, options, deadline);
   if (!answer) return answer.error();
+  count_saving(*answer);
   const std::string outcome = text_at(*answer, "outcome");
   if (outcome == "done") return {};
   // The taker's request may have taken the place of this one, which says only that a newer one came.

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/control/robot_service.hpp>
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/robot/mission_record.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -14,6 +16,13 @@
 
 /// Robots as missions command them.
 namespace segue::robot {
+
+/// What look-ahead saved of the transitions that a mission asked for.
+struct LookAheadSaving {
+  std::size_t transitions = 0;  ///< that found tasks prepared
+  Duration saved{0};            ///< of all of them
+  friend bool operator==(const LookAheadSaving&, const LookAheadSaving&) = default;
+};
 
 /// A robot that offers a RobotService: one in another process (control::connect), or in this one
 /// (runtime::RuntimeService). Thread safe.
@@ -31,6 +40,8 @@ class ServedRobot final : public mission::CommandedRobot {
   /// What the mission did. Once a mission has begun there, requests are in the name of its actions.
   [[nodiscard]] MissionRecord& record() { return record_; }
 
+  [[nodiscard]] LookAheadSaving saved() const;
+
   Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
   Result<mission::ControllerConflicts> conflicts() override;
@@ -47,13 +58,15 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<std::uint64_t> lease();
   /// By whom, as a sentence; nothing: the lease was not lost.
   Result<std::optional<std::string>> taken_over();
+  void count_saving(const type::Value& transition);
   [[nodiscard]] std::string requester(const mission::ControllerRequest& what) const;
 
   control::RobotService& service_;
   const std::string who_;
   MissionRecord record_;
-  std::mutex mutex_;  ///< protects the lease, which is taken by the first request
-  std::unique_ptr<control::RobotLease> lease_;
+  mutable std::mutex mutex_;                    ///< protects all below
+  std::unique_ptr<control::RobotLease> lease_;  ///< taken by the first request
+  LookAheadSaving saved_;
 };
 
 }  // namespace segue::robot

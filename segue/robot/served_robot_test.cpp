@@ -147,6 +147,16 @@ TEST_F(ServedRobotTest, ReportsWhatHappenedUntilTheRobotHasTakenIt) {
   EXPECT_EQ(service_.reported.as_list()[1].find("happened"), nullptr);
 }
 
+TEST_F(ServedRobotTest, SumsUpWhatLookAheadSaved) {
+  EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
+  EXPECT_EQ(robot_.saved(), LookAheadSaving{}) << "nothing was prepared";
+  service_.switch_answer =
+      Value::map({{"outcome", "done"}, {"ahead", Value::map({{"tasks", 2}, {"saved_s", 0.5}})}});
+  EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
+  EXPECT_TRUE(robot_.request({{"arm"}, {}}, {}));
+  EXPECT_EQ(robot_.saved(), (LookAheadSaving{2, std::chrono::seconds(1)}));
+}
+
 TEST_F(ServedRobotTest, ReportsWhyAControllerDoesNotRun) {
   service_.switch_answer = Value::map({{"outcome", "refused"}, {"error", "no such controller"}});
   const auto refused = robot_.request({{"explore"}, {}}, {});

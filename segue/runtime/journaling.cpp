@@ -151,6 +151,7 @@ journal::TransitionEntry journal_entry(const SwitchResult& result) {
   if (result.error) entry.error = to_string(*result.error);
   entry.solve = result.solve_time;
   entry.prepare = result.prepare;
+  entry.ahead = result.ahead;
   entry.commit = result.commit;
   entry.retire = result.retire;
   return entry;

@@ -142,6 +142,9 @@ Value to_value(const SwitchResult& result) {
   if (result.predicted) {
     value.as_map().set("predicted_s", journal::to_value(*result.predicted));
   }
+  if (result.ahead) {
+    value.as_map().set("ahead", journal::to_value(*result.ahead, result.prepare));
+  }
   if (result.undo) {
     value.as_map().set("undo", undo_value(*result.undo));
   }

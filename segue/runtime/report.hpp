@@ -15,7 +15,8 @@ std::string_view outcome_of(const ActionRecord& record);
 /// {"outcome", "cause", "request", "who", "time", "from", "to", "runs", "from_version", "to_version",
 /// "runs_version", "order", "solve_s", "duration_s", "prepare_s", "commit_s", "retire_s", "actions", and
 /// unless it succeeded "error", "diagnostics", "undo" ("restored", "fallback", "fell_back", "duration_s",
-/// "actions", "error") and "leftover", and with a prediction "predicted_s"}; each action with "started_s",
+/// "actions", "error") and "leftover", with a prediction "predicted_s", and if it found tasks prepared
+/// "ahead" ("tasks", "unprepared_s", "saved_s")}; each action with "started_s",
 /// "duration_s" (until its end was reported), "took_s" (its execution, if measured), "outcome" (done, failed,
 /// skipped).
 type::Value to_value(const SwitchResult& result);

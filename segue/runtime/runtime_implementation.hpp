@@ -6,6 +6,7 @@
 #include <segue/runtime/journaling.hpp>
 #include <segue/runtime/leases.hpp>
 #include <segue/runtime/look_ahead.hpp>
+#include <segue/runtime/look_ahead_savings.hpp>
 #include <segue/runtime/pending.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
@@ -178,10 +179,8 @@ struct Runtime::Implementation {
   std::vector<UnresolvedFault> unresolved;
   std::set<model::HostName> returned_hosts;  ///< reachable again, not yet brought to what they should run
   std::map<model::DeploymentKey, std::string> ended;  ///< processes that ended and are still missing, and why
-
   std::map<model::TaskId, PoolInstance> pool_faults;  ///< instances of pools that do not run
-
-  std::atomic<bool> pools_run = true;  ///< since the last request; until the next one
+  std::atomic<bool> pools_run = true;                 ///< since the last request; until the next one
 
   // Used by the worker thread only.
   detail::RepairScheduler repairs{options.policies.restart, detail::AfterLimit::GiveUp};
@@ -191,6 +190,7 @@ struct Runtime::Implementation {
   /// Not reachable since the start, while nothing has been requested: what they hold is not known.
   std::set<model::HostName> unseen_hosts;
   std::set<std::string> reported_differences;  ///< differences that last and were reported
+  detail::LookAheadSavings savings;
   model::Network standby;  ///< the part of `extra` that is kept on standby on purpose; the rest are leftovers
   TimePoint next_observation = RealClock::instance().now();
 

@@ -146,12 +146,20 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
     }
   }
   const auto known_before = journal.known();
+  const bool may_be_prepared = changes_controller && !standby.empty();
+  const auto before = may_be_prepared ? detail::BeforeTransition{current, belief.controller(), standby}
+                                      : detail::BeforeTransition{};
   running->run(result);
   {
     const std::lock_guard lock(mutex);
     transaction.reset();
   }
+  savings.learn(result);
   conclude(plan, result);
+  if (may_be_prepared && result.outcome == Outcome::Done) {
+    result.ahead =
+        savings.of(result, before, plan, host, catalog, known_before ? *known_before : model::ActionTimes{});
+  }
   journal.ended(result, current, plan.transition, known_before);
 }
 

@@ -75,7 +75,8 @@ struct SwitchResult {
   Duration prepare{0};
   Duration commit{0};
   Duration retire{0};
-  std::optional<journal::Prediction> predicted;  ///< the prediction, if a journal is kept
+  std::optional<journal::Prediction> predicted;   ///< the prediction, if a journal is kept
+  std::optional<journal::PreparedAhead> ahead{};  ///< Outcome::Done: if it found tasks prepared
   /// If part of the old network could not be taken down as planned, the actions of the replanned transition
   /// follow those of the original one.
   std::vector<ActionRecord> actions;

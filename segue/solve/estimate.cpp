@@ -209,4 +209,24 @@ Estimate estimate(const model::Network& current, const model::Transition& transi
   return estimate;
 }
 
+Duration typical_duration(const model::Network& current, const model::Transition& transition,
+                          model::Phase phase, const model::ActionTimes& times,
+                          const std::vector<std::optional<Duration>>& known) {
+  const auto sites = action_sites(current, transition);
+  DurationModel model(times);
+  std::vector<double> durations(sites.size(), 0);
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    const std::size_t source = model.source_of(sites[i].key);
+    if (i < known.size() && known[i]) {
+      durations[i] = static_cast<double>(known[i]->count());
+    } else if (model.is_measured(source)) {
+      durations[i] = model.typical(source);
+    }
+  }
+  const Player player(transition, sites);
+  const Run run =
+      player.play([&](std::size_t i) { return durations[i]; }, [&] { return model.typical_wait(); });
+  return as_duration(run.phase.at(static_cast<std::size_t>(phase)));
+}
+
 }  // namespace segue::solve

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace segue::solve {
@@ -38,5 +39,12 @@ struct Estimate {
 /// process, which are sequential. Pure: equal arguments give equal estimates.
 Estimate estimate(const model::Network& current, const model::Transition& transition,
                   const model::ActionTimes& times, const EstimateOptions& options = {});
+
+/// The typical duration of one phase of such a transition, where some durations of its actions are known: in
+/// the order of the list, nothing where one is not. The others are those typical of `times`; actions that
+/// were never measured take no time. Pure.
+Duration typical_duration(const model::Network& current, const model::Transition& transition,
+                          model::Phase phase, const model::ActionTimes& times,
+                          const std::vector<std::optional<Duration>>& known);
 
 }  // namespace segue::solve

@@ -91,9 +91,22 @@ TEST(Estimate, RunsPhasesSequentiallyAndActionsConcurrently) {
 }
 
 TEST(Estimate, OfAnEmptyTransitionIsZero) {
+  EXPECT_EQ(typical_duration({}, {}, Phase::Prepare, {}, {}), Duration(0));
   const Estimate found = estimate({}, {}, {});
   EXPECT_EQ(found.total, model::DurationRange{});
   EXPECT_THAT(found.critical_path, IsEmpty());
+}
+
+TEST(TypicalDuration, PrefersWhatIsKnownToWhatWasLearned) {
+  const auto phase = [](Phase which, const ActionTimes& times, std::vector<std::optional<Duration>> known) {
+    const Duration found = typical_duration(three_tasks(), six_actions(), which, times, known);
+    return std::chrono::duration_cast<std::chrono::milliseconds>(found + 500us);  // logarithms round
+  };
+  EXPECT_EQ(phase(Phase::Prepare, three_measured(), {}), 100ms) << "a, beside b and then c";
+  EXPECT_EQ(phase(Phase::Prepare, three_measured(), {20ms}), 80ms) << "b and then c";
+  EXPECT_EQ(phase(Phase::Prepare, three_measured(), {{}, 300ms, {}}), 350ms);
+  EXPECT_EQ(phase(Phase::Commit, three_measured(), {1s, 1s, 1s}), 50ms);
+  EXPECT_EQ(phase(Phase::Prepare, {}, {{}, 30ms, {}}), 30ms) << "what nobody measured takes no time";
 }
 
 TEST(Estimate, AddsUsualWaits) {

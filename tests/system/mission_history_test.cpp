@@ -11,6 +11,7 @@ namespace segue::testing {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -53,6 +54,30 @@ constexpr const char* kVisit = R"(def execute(self, inputs, outputs, gvm):
     return "success"
 )";
 
+/// Waits until the rover moves, and then needs a controller whose task takes long to configure.
+constexpr const char* kWork = R"(mission: work
+actions:
+  wait:
+    outcomes: [moving]
+    run:
+      controller: drive_only
+      until: [{port: drive.velocity, where: 'forward > 0.1', outcome: moving}, {after: 5min, outcome: aborted}]
+  work: {run: {controller: work}}
+outcomes: [done]
+start: wait
+states:
+  wait: {on: {moving: work}}
+  work: {on: {success: return done}}
+)";
+constexpr const char* kDriveOnly = R"(network: drive_only
+tasks: {drive: {component: "demo::Drive", properties: {timeout: 300s}}}
+)";
+constexpr const char* kWorking = R"(network: work
+tasks:
+  drive: {component: "demo::Drive", properties: {timeout: 300s}}
+  arm: {component: "x::Arm", properties: {stand_in: {configure: 300ms}}}
+)";
+
 class MissionHistory : public SystemTest {
  protected:
   /// "began tour/there", "asked tour/there go_to", "transition -> go_to by mission tour/there".
@@ -86,6 +111,19 @@ class MissionHistory : public SystemTest {
     }
   }
 
+  /// What lies ahead is prepared then.
+  void wait_until_ready(const std::string& controller) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (std::chrono::steady_clock::now() < deadline) {
+      const auto status = json({"status"});
+      for (const auto& one : status.find("ready")->as_list()) {
+        if (one.find("controller")->as_string() == controller && one.find("ready")->as_bool()) return;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    FAIL() << controller << " is not prepared";
+  }
+
   static std::unique_ptr<Process> begin(const std::string& file, const std::filesystem::path& folder) {
     auto mission = std::make_unique<Process>(command({"mission", "run", file, "--follow"}), folder);
     EXPECT_TRUE(mission->wait_for("began"));
@@ -98,6 +136,7 @@ TEST_F(MissionHistory, ShowsInOneOrderWhatTheRobotDid) {
   write("tour.yaml", kTour);
   const auto run = json({"mission", "run", "tour.yaml", "--look-ahead", "0"});
   EXPECT_EQ(run.find("outcome")->as_string(), "done") << type::to_json(run);
+  EXPECT_EQ(run.find("look_ahead")->find("transitions")->as_int(), 0) << "it is turned off";
   const auto lines = history_until("ended tour done");
   EXPECT_THAT(
       lines,
@@ -159,6 +198,36 @@ TEST_F(MissionHistory, SaysThatAMissionWasKilledOrLostTheRobot) {
            std::chrono::steady_clock::now() < deadline);
   EXPECT_THAT(text, HasSubstr("beyond ended: lost after "));
   EXPECT_THAT(text, HasSubstr("the robot was taken over by segue switch"));
+}
+
+TEST_F(MissionHistory, SaysWhatLookAheadSaved) {
+  ASSERT_EQ(segue({"init", "rover"}).status, 0);
+  write("rover/controllers/drive_only.yaml", kDriveOnly);
+  write("rover/controllers/work.yaml", kWorking);
+  start({"--stand-in"});
+  write("work.yaml", kWork);
+  auto working = begin("work.yaml", folder_);
+  wait_until_ready("work");
+  EXPECT_EQ(segue({"write", "drive.command={forward: 0.3, turn: 0.0}"}).status, 0);
+  const auto ended = working->wait();
+  EXPECT_EQ(ended.status, 0) << ended.output << ended.errors;
+  EXPECT_THAT(ended.output, ContainsRegex("Look-ahead saved [0-9.]+ m?s of 1 transition\\."));
+  (void)history_until("ended work done");
+  EXPECT_THAT(segue({"history"}).output,
+              ContainsRegex("-> drive_only\\+work: done.*; look-ahead saved .* \\(1 task was ready\\)"));
+  EXPECT_THAT(segue({"history", "--missions"}).output, HasSubstr("; look-ahead saved "));
+  const auto history = json({"history", "--all"});
+  std::vector<double> saved;
+  for (const auto& entry : history.as_list()) {
+    const auto* ahead = entry.find("ahead");
+    if (ahead == nullptr) continue;
+    EXPECT_EQ(entry.find("to")->as_string(), "drive_only+work");
+    EXPECT_EQ(ahead->find("tasks")->as_int(), 1);
+    EXPECT_GE(ahead->find("unprepared_s")->as_double(), 0.3);
+    saved.push_back(ahead->find("saved_s")->as_double());
+  }
+  ASSERT_EQ(saved.size(), 1U);
+  EXPECT_GT(saved.front(), 0.0);
 }
 
 TEST_F(MissionHistory, ARobotNeedsNoJournalForAMission) {

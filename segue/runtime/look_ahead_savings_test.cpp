@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/journal/reader.hpp>
+#include <segue/runtime/report.hpp>
+#include <segue/runtime/test_support.hpp>
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+/// What look-ahead saves, measured.
+namespace segue::runtime {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kCruise = R"(
+network: cruise
+tasks: {base: {component: x::Base}}
+)";
+/// One task in a process of its own takes long, the other, which waits for nobody, longer.
+constexpr const char* kPark = R"(
+network: park
+tasks:
+  base: {component: x::Base}
+  camera: {component: x::Camera, properties: {stand_in: {configure: 80ms}}}
+  servo: {component: x::Servo, properties: {stand_in: {configure: 200ms}}}
+deployments:
+  d: {host: localhost, process: vision, tasks: [camera, servo]}
+connections: [camera.image -> servo.image, servo.command -> base.command]
+)";
+
+class SavedByLookAhead : public ::testing::Test {
+ protected:
+  explicit SavedByLookAhead(RuntimeOptions options = {}) : robot_(std::move(options)) {
+    EXPECT_FALSE(runtime_.add_controller(testing::network_of(kCruise)).has_errors());
+    EXPECT_FALSE(runtime_.add_controller(testing::network_of(kPark)).has_errors());
+    EXPECT_EQ(switch_to("cruise").outcome, Outcome::Done);
+  }
+  SwitchResult switch_to(const char* name) { return runtime_.switch_to(model::NetworkName(name)); }
+  void prepare(std::vector<model::NetworkName> names) {
+    for (const auto& one : runtime_.prepare(std::move(names)).get())
+      EXPECT_TRUE(one.ready) << one.reason;
+  }
+
+  testing::StandInRobot robot_;
+  Runtime& runtime_ = robot_.runtime;
+};
+
+TEST_F(SavedByLookAhead, IsWhatPreparingHadTakenAhead) {
+  prepare({model::NetworkName("park")});
+  const auto parked = switch_to("park");
+  ASSERT_EQ(parked.outcome, Outcome::Done) << testing::why(parked);
+  ASSERT_TRUE(parked.ahead);
+  EXPECT_EQ(parked.ahead->tasks, 2U) << "the third ran already";
+  EXPECT_GE(parked.ahead->unprepared, 200ms) << "both are configured at once";
+  EXPECT_LT(parked.ahead->unprepared, 60s);
+  const auto value = to_value(parked);
+  const auto* ahead = value.find("ahead");
+  ASSERT_NE(ahead, nullptr);
+  EXPECT_EQ(ahead->find("tasks")->as_uint(), 2U);
+  EXPECT_GE(ahead->find("unprepared_s")->as_double(), ahead->find("saved_s")->as_double());
+}
+
+TEST_F(SavedByLookAhead, IsNothingWhereNothingWasPrepared) {
+  EXPECT_EQ(switch_to("park").ahead, std::nullopt);
+  EXPECT_EQ(switch_to("cruise").ahead, std::nullopt);
+  prepare({model::NetworkName("cruise")});
+  EXPECT_EQ(switch_to("cruise").ahead, std::nullopt) << "it runs";
+}
+
+TEST_F(SavedByLookAhead, IsWhatItHadTakenBeforeWhereItStaysPrepared) {
+  EXPECT_EQ(switch_to("park").outcome, Outcome::Done);
+  prepare({model::NetworkName("park")});
+  EXPECT_EQ(switch_to("cruise").outcome, Outcome::Done);
+  const auto again = switch_to("park");
+  ASSERT_TRUE(again.ahead) << "its tasks were kept when it ended";
+  EXPECT_GE(again.ahead->unprepared, 200ms);
+}
+
+class SavedInJournal : public SavedByLookAhead {
+ protected:
+  SavedInJournal() : SavedByLookAhead(options()) {}
+  ~SavedInJournal() override { std::filesystem::remove_all(folder()); }
+  static const std::filesystem::path& folder() {
+    static const std::filesystem::path made = [] {
+      std::string pattern = ::testing::TempDir() + "segue-savings-XXXXXX";
+      EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
+      return std::filesystem::path(pattern);
+    }();
+    return made;
+  }
+  static RuntimeOptions options() {
+    RuntimeOptions options;
+    options.journal = folder() / "journal.sqlite";
+    return options;
+  }
+};
+
+TEST_F(SavedInJournal, StandsBesideWhatItTook) {
+  prepare({model::NetworkName("park")});
+  const auto parked = switch_to("park");
+  ASSERT_TRUE(parked.ahead);
+  const TimePoint deadline = RealClock::instance().now() + 60s;
+  while (RealClock::instance().now() < deadline) {
+    auto reader = journal::JournalReader::open(options().journal);
+    const auto entries = reader ? *reader->transitions(1) : std::vector<journal::TransitionEntry>{};
+    if (!entries.empty() && entries.front().request == parked.request) {
+      EXPECT_EQ(entries.front().ahead, parked.ahead);
+      EXPECT_EQ(entries.front().prepare, parked.prepare);
+      return;
+    }
+    std::this_thread::sleep_for(10ms);
+  }
+  FAIL() << "the journal does not have it";
+}
+
+}  // namespace
+}  // namespace segue::runtime
