@@ -31,10 +31,11 @@ void wait(Duration duration, const std::stop_token& end = {}) {
 
 }  // namespace
 
-MissionRemote::MissionRemote(robot::ServedRobot& robot, std::string mission, session::PauseControl& pause,
-                             std::stop_source stop)
+MissionRemote::MissionRemote(robot::ServedRobot& robot, std::string mission, Plan plan,
+                             session::PauseControl& pause, std::stop_source stop)
     : robot_(robot),
       mission_(std::move(mission)),
+      plan_(std::move(plan)),
       pause_(pause),
       stop_(std::move(stop)),
       thread_([this](const std::stop_token& end) { work(end); }) {
@@ -64,9 +65,7 @@ void MissionRemote::work(const std::stop_token& end) {
       for (const std::string& what : *asked)
         heed(what);
     }
-    Value now = doing();
-    const bool has_news = now != reported || robot_.record().has_waiting();
-    if (has_news && robot_.report(now)) reported = std::move(now);
+    report(reported);
     wait(kPeriod, end);
   }
   while (robot_.record().has_waiting()) {
@@ -74,10 +73,27 @@ void MissionRemote::work(const std::stop_token& end) {
   }
 }
 
+void MissionRemote::report(Value& reported) {
+  Value now = doing();
+  if (now == reported && !shall_show_plan_ && !robot_.record().has_waiting()) return;
+  Value full = now;
+  if (shall_show_plan_) full.as_map().set("plan", plan_());
+  auto done = robot_.report(std::move(full));
+  if (!done && done.error().code == ErrorCode::ResourceExhausted && shall_show_plan_) {
+    full = now;
+    full.as_map().set("plan", Value::map({{"problem", done.error().message}}));
+    done = robot_.report(std::move(full));
+  }
+  if (!done) return;
+  shall_show_plan_ = false;
+  reported = std::move(now);
+}
+
 void MissionRemote::heed(const std::string& what) {
   if (what == "pause") pause_.pause();
   if (what == "resume") pause_.resume();
   if (what == "stop") stop_.request_stop();
+  if (what == "plan") shall_show_plan_ = true;
 }
 
 Value MissionRemote::doing() const {

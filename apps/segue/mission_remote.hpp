@@ -6,6 +6,7 @@
 #include <segue/session/pause_control.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <set>
 #include <stop_token>
@@ -21,9 +22,12 @@ namespace segue::cli {
 /// status`, `pause`, `resume` and `stop`; and the robot record it in its journal.
 class MissionRemote {
  public:
+  /// What the mission will do (draw::shown_plan), made where somebody wants to see it.
+  using Plan = std::function<type::Value()>;
+
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
   /// requested when the mission shall stop.
-  MissionRemote(robot::ServedRobot& robot, std::string mission, session::PauseControl& pause,
+  MissionRemote(robot::ServedRobot& robot, std::string mission, Plan plan, session::PauseControl& pause,
                 std::stop_source stop);
   MissionRemote(const MissionRemote&) = delete;
   MissionRemote& operator=(const MissionRemote&) = delete;
@@ -37,15 +41,18 @@ class MissionRemote {
  private:
   void work(const std::stop_token& end);
   void heed(const std::string& what);
+  void report(type::Value& reported);
   [[nodiscard]] type::Value doing() const;
 
   robot::ServedRobot& robot_;
   const std::string mission_;
+  const Plan plan_;
   session::PauseControl& pause_;
   std::stop_source stop_;
   mutable std::mutex mutex_;                         ///< protects the next two
   std::multiset<std::string, std::less<>> running_;  ///< paths of actions
   std::uint64_t ended_ = 0;                          ///< actions
+  bool shall_show_plan_ = false;                     ///< for the thread only
   std::jthread thread_;
 };
 

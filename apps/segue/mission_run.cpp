@@ -2,6 +2,7 @@
 #include "mission_run.hpp"
 
 #include <segue/base/text.hpp>
+#include <segue/draw/shown_plan.hpp>
 #include <segue/mission/controller_runner.hpp>
 #include <segue/mission/controllers.hpp>
 #include <segue/mission/fact_observer.hpp>
@@ -102,13 +103,13 @@ MissionProgress::Style style_of(const MissionOptions& options, const Context& co
 }
 
 /// What is known before the run of what waits for what: nothing of a mission that runs as it is written.
-draw::Diagram known_plan(const session::Session& plan, const RunRequest& request,
-                         MissionProgress::Style style) {
-  if (style != MissionProgress::Style::Block || request.mode != RunMode::Concurrent) return {};
+draw::Diagram known_plan(const session::Session& plan, const RunRequest& request) {
+  if (request.mode != RunMode::Concurrent) return {};
   session::ConvertRequest wanted;
   wanted.inputs = request.inputs;
   wanted.facts = request.facts;
   wanted.order = request.order;
+  wanted.strict = request.strict;
   wanted.most = wanted.horizon;
   auto diagram = plan.convert(wanted);  // where it fails, so does the run
   return diagram ? std::move(*diagram) : draw::Diagram{};
@@ -118,7 +119,9 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
                                                        const MissionOptions& options, std::stop_token stop,
                                                        const Context& context) {
   const auto style = style_of(options, context);
-  MissionProgress progress(plan.name(), style, options.clock == "real", known_plan(plan, request, style));
+  const bool shows_plan = style == MissionProgress::Style::Block;
+  MissionProgress progress(plan.name(), style, options.clock == "real",
+                           shows_plan ? known_plan(plan, request) : draw::Diagram{});
   request.note = [&](const std::string& text) { progress.note(text); };
   if (style != MissionProgress::Style::None) {
     request.on_action = [&, further = request.on_action](const mission::ActionEvent& event) {
@@ -278,6 +281,12 @@ namespace {
 
 using Ran = Result<std::unique_ptr<FinishedRun>>;
 
+type::Value shown_plan(const session::Session& plan, const RunRequest& request) {
+  const bool is_concurrent = request.mode == RunMode::Concurrent;
+  const draw::Diagram diagram = known_plan(plan, request);
+  return draw::shown_plan(*plan.program(), is_concurrent ? &diagram : nullptr);
+}
+
 /// `robot` as of show_run().
 int show(const Ran& run, const session::Session& plan, const MissionOptions& options,
          const robot::ServedRobot* robot, const Context& context) {
@@ -325,7 +334,8 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   if (auto given = run_by_robot(request, *plan, robot, how); !given) return failed(context, given.error());
   session::PauseControl pause;
   request.pause = &pause;
-  MissionRemote remote(*robot, plan->name(), pause, stop);
+  MissionRemote remote(
+      *robot, plan->name(), [&] { return shown_plan(*plan, request); }, pause, stop);
   request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
   const Ran run = run_with_progress(*plan, request, options, stop.get_token(), context);
   tell_end(run, remote);

@@ -200,6 +200,11 @@ TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
     ASSERT_TRUE(robot->lease("the next")) << "the last has ended when its destructor returns";
 }
 
+TEST_F(ControlTest, AMissionIsShown) {
+  serve();
+  EXPECT_EQ(client()->mission(12, true).value(), Value::map({{"after", 12}, {"with_plan", true}}));
+}
+
 TEST_F(ControlTest, ALeaseEndsWithTheConnectionOfItsHolder) {
   serve();
   auto robot = client();

@@ -36,4 +36,5 @@ interface Robot {
   write @17 (task :Text, port :Text, value :Wire.Value, timeout :Int64) -> (answer :Wire.Answer);
   report @18 (lease :UInt64, doing :Wire.Value) -> (answer :Wire.Answer);
   askHolder @19 (what :Text) -> (answer :Wire.Answer);
+  mission @20 (after :UInt64, withPlan :Bool) -> (answer :Wire.Answer);
 }

@@ -222,6 +222,15 @@ class Client final : public RobotService {
         }));
   }
 
+  Result<Value> mission(std::uint64_t after, bool with_plan) override {
+    return channel_->ask(kLookTimeout, [after, with_plan](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Robot>().missionRequest();
+      request.setAfter(after);
+      request.setWithPlan(with_plan);
+      return RpcChannel::send(request);
+    });
+  }
+
   Result<void> ask_holder(std::string_view what) override {
     return without_value(
         channel_->ask(kLookTimeout, [what = std::string(what)](RpcChannel::Connection& connection) {

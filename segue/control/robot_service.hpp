@@ -101,6 +101,14 @@ class RobotService {
   /// "entries": a list of {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"),
   /// "action" (none: the mission), "iteration", "controller", "outcome", "error", "duration_ns"}}.
   virtual Result<void> report(std::uint64_t lease, const type::Value& doing) = 0;
+  /// The mission that commands the robot, or the last one that did; null where none has since the runtime
+  /// began: {"run" (counts missions), "mission", "who", "state" ("running", "paused", "stopping", "ended"),
+  /// "outcome" and "error" of what has ended ("lost": it did not say how), "entries": what happened after
+  /// entry `after`, oldest first, 2000 at most, each {"number" (rising, over all missions), "time_s" (since
+  /// 1970), "kind" ("began", "asked", "ended"), "action" ("": the mission), "iteration", "controller",
+  /// "outcome", "error", "duration_s"}, "dropped": entries that are not kept any more}. `with_plan`: also
+  /// "plan", what the mission says of itself; null until it has, for which it is asked.
+  virtual Result<type::Value> mission(std::uint64_t after, bool with_plan) = 0;
   /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; it may take its time. NotFound
   /// where nobody does.
   virtual Result<void> ask_holder(std::string_view what) = 0;

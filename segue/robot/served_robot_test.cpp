@@ -68,6 +68,7 @@ class FakeService final : public control::RobotService {
     reported = Value::list({lease, doing});
     return report_answer;
   }
+  Result<Value> mission(std::uint64_t /*after*/, bool /*with_plan*/) override { return no(); }
   Result<void> ask_holder(std::string_view /*what*/) override { return no(); }
   Result<Value> apply_transition(std::string_view /*text*/, std::string_view /*file*/,
                                  TimePoint /*deadline*/) override {

@@ -14,7 +14,7 @@ Result<std::uint64_t> Leases::take(std::string holder) {
   if (held_) {
     return fail(ErrorCode::InvalidState, "the robot is commanded by " + held_->holder);
   }
-  held_ = Lease{++taken_, std::move(holder), {}, {}};
+  held_ = Lease{.number = ++taken_, .holder = std::move(holder)};
   missions_.begin(held_->holder);
   log_.add(EventKind::Lease, "", held_->holder + " commands the robot");
   return held_->number;
@@ -58,6 +58,14 @@ type::Value Leases::doing() const {
   return held_ ? held_->doing : type::Value();
 }
 
+type::Value Leases::mission(std::uint64_t after, bool with_plan) {
+  const std::lock_guard lock(mutex_);
+  const type::Value* state = held_ ? held_->doing.find("state") : nullptr;
+  if (held_ && with_plan && !missions_.recent().has_plan()) held_->shall_show_plan = true;
+  return missions_.recent().to_value(after, with_plan,
+                                     state != nullptr && state->is_string() ? state->as_string() : "running");
+}
+
 Result<void> Leases::ask(std::string_view what) {
   static constexpr std::array<std::string_view, 3> kKnown = {"pause", "resume", "stop"};
   if (std::ranges::find(kKnown, what) == kKnown.end()) {
@@ -75,7 +83,10 @@ Result<void> Leases::ask(std::string_view what) {
 
 std::vector<std::string> Leases::take_asked(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
-  return held_ && held_->number == number ? std::exchange(held_->asked, {}) : std::vector<std::string>();
+  if (!held_ || held_->number != number) return {};
+  auto asked = std::exchange(held_->asked, {});
+  if (std::exchange(held_->shall_show_plan, false)) asked.emplace_back("plan");
+  return asked;
 }
 
 std::optional<Error> Leases::refusal_of(const RequestOptions& options) {
@@ -96,7 +107,7 @@ std::optional<Error> Leases::refusal_of(const RequestOptions& options) {
   const std::string who = options.who.empty() ? "a request" : options.who;
   log_.add(EventKind::Lease, "", who + " took the robot over from " + held_->holder);
   missions_.end("the robot was taken over by " + who);
-  lost_ = Lease{held_->number, options.who, {}, {}};
+  lost_ = Lease{.number = held_->number, .holder = options.who};
   held_.reset();
   return std::nullopt;
 }

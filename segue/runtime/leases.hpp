@@ -28,6 +28,8 @@ class Leases {
   /// What the holder does, and what it has been asked to do (control::RobotService::report, ask_holder).
   Result<void> report(std::uint64_t number, type::Value doing);
   [[nodiscard]] type::Value doing() const;
+  /// As of control::RobotService::mission. Asks the holder for its plan where that is wanted and not known.
+  [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan);
   Result<void> ask(std::string_view what);
   std::vector<std::string> take_asked(std::uint64_t number);
   /// Why a request with these options is not accepted. Where they say so, the robot is taken over.
@@ -39,6 +41,7 @@ class Leases {
     std::string holder;
     type::Value doing{};
     std::vector<std::string> asked{};
+    bool shall_show_plan = false;
   };
   [[nodiscard]] std::optional<std::string> who_took(std::uint64_t number) const;
 

@@ -56,6 +56,14 @@ void MissionReports::begin(std::string holder) {
 
 void MissionReports::take(Value& doing) {
   if (!doing.is_map()) return;
+  take_happened(doing);
+  if (Value* plan = doing.as_map().find("plan"); plan != nullptr) {
+    recent_.set_plan(std::move(*plan));
+    doing.as_map().erase("plan");
+  }
+}
+
+void MissionReports::take_happened(Value& doing) {
   const Value* happened = doing.find("happened");
   if (happened == nullptr) return;
   refill();
@@ -106,6 +114,7 @@ void MissionReports::take(const Value& one, const std::string& mission, WallTime
 void MissionReports::add(MissionEntry entry) {
   if (entry.action.empty() && entry.kind == MissionEntry::Kind::Began) mission_ = entry;
   if (entry.action.empty() && entry.kind == MissionEntry::Kind::Ended) mission_.reset();
+  recent_.add(entry);
   journal_.did(std::move(entry));
 }
 
@@ -119,6 +128,7 @@ void MissionReports::end(const std::string& why) {
   entry.kind = MissionEntry::Kind::Ended;
   entry.outcome = journal::kLost;
   entry.error = why.substr(0, kLongestError);
+  recent_.add(entry);
   journal_.did(std::move(entry));
 }
 

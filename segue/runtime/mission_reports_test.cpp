@@ -207,5 +207,63 @@ TEST_F(ReportedMission, NeedsNoJournal) {
   without.runtime.end_lease(lease);
 }
 
+std::string recent(Runtime& runtime, std::uint64_t after = 0) {
+  std::string line;
+  const Value mission = runtime.mission(after, false);
+  for (const Value& one : mission.find("entries")->as_list())
+    line += one.find("kind")->as_string() + " " + one.find("action")->as_string() + "; ";
+  return line + mission.find("state")->as_string();
+}
+
+TEST_F(ReportedMission, IsShownToWhoeverLooks) {
+  EXPECT_TRUE(runtime().mission(0, true).is_null());
+  report({entry(1, "began"), entry(2, "began", "there")});
+  EXPECT_EQ(recent(runtime()), "began ; began there; running");
+  Value doing = report_of({entry(3, "ended", "there", Value::map({{"outcome", "success"}}))});
+  doing.as_map().set("state", "paused");
+  EXPECT_TRUE(runtime().report(lease_, doing));
+  const Value shown = runtime().mission(0, false);
+  const auto last = shown.find("entries")->as_list()[1].find("number")->as_uint();
+  EXPECT_EQ(recent(runtime(), last), "ended there; paused");
+  EXPECT_EQ(shown.find("plan"), nullptr);
+  EXPECT_EQ(*shown.find("run"), Value(1));
+  runtime().end_lease(lease_);
+  EXPECT_EQ(recent(runtime(), last), "ended there; ended ; ended");
+  EXPECT_EQ(*runtime().mission(0, false).find("outcome"), Value(journal::kLost));
+}
+
+TEST_F(ReportedMission, IsAskedForItsPlanWhenSomebodyLooks) {
+  report({entry(1, "began")});
+  EXPECT_THAT(runtime().take_asked(lease_), IsEmpty());
+  (void)runtime().mission(0, false);
+  EXPECT_THAT(runtime().take_asked(lease_), IsEmpty());
+  EXPECT_TRUE(runtime().mission(0, true).find("plan")->is_null());
+  EXPECT_TRUE(runtime().ask_holder("pause"));
+  EXPECT_THAT(runtime().take_asked(lease_), ElementsAre("pause", "plan"));
+  EXPECT_TRUE(runtime().report(lease_, Value::map({{"mission", "patrol"}, {"plan", "here"}})));
+  EXPECT_EQ(*runtime().mission(0, true).find("plan"), Value("here"));
+  EXPECT_THAT(runtime().take_asked(lease_), IsEmpty());
+  EXPECT_EQ(runtime().reported(), Value::map({{"mission", "patrol"}})) << "for status()";
+  report({entry(2, "ended"), entry(3, "began")});
+  EXPECT_TRUE(runtime().mission(0, true).find("plan")->is_null())
+      << "that of the next mission is another one";
+}
+
+TEST_F(ReportedMission, IsShownAsFarAsItIsKept) {
+  report({entry(1, "began")});
+  std::uint64_t number = 1;
+  for (std::size_t sent = 0; sent < 4500; sent += 500) {
+    Value::List entries;
+    for (int i = 0; i < 500; ++i)
+      entries.push_back(entry(++number, "began", "a"));
+    report(std::move(entries));
+  }
+  const Value first = runtime().mission(0, false);
+  EXPECT_THAT(first.find("entries")->as_list(), SizeIs(2000));
+  const auto last = first.find("entries")->as_list().back().find("number")->as_uint();
+  EXPECT_EQ(runtime().mission(last, false).find("entries")->as_list().front().find("number")->as_uint(),
+            last + 1);
+}
+
 }  // namespace
 }  // namespace segue::runtime

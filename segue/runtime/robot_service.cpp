@@ -291,6 +291,10 @@ Result<void> RuntimeService::report(std::uint64_t lease, const type::Value& doin
   return runtime_.report(lease, doing);
 }
 
+Result<type::Value> RuntimeService::mission(std::uint64_t after, bool with_plan) {
+  return runtime_.mission(after, with_plan);
+}
+
 Result<void> RuntimeService::ask_holder(std::string_view what) {
   return runtime_.ask_holder(what);
 }

@@ -30,6 +30,7 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> conflicts(const std::vector<std::string>& controllers) override;
   Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override;
   Result<void> report(std::uint64_t lease, const type::Value& doing) override;
+  Result<type::Value> mission(std::uint64_t after, bool with_plan) override;
   Result<void> ask_holder(std::string_view what) override;
   Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                        TimePoint deadline) override;

@@ -197,6 +197,10 @@ type::Value Runtime::reported() const {
   return implementation_->leases.doing();
 }
 
+type::Value Runtime::mission(std::uint64_t after, bool with_plan) {
+  return implementation_->leases.mission(after, with_plan);
+}
+
 Result<void> Runtime::ask_holder(std::string_view what) {
   return implementation_->leases.ask(what);
 }

@@ -141,6 +141,8 @@ class Runtime {
   /// What the holder of that lease says that it is doing, for status; InvalidState where it lost it.
   Result<void> report(std::uint64_t lease, type::Value doing);
   [[nodiscard]] type::Value reported() const;  ///< null: nothing
+  /// As of control::RobotService::mission.
+  [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan);
   /// Asks the holder to "pause", "resume" or "stop", which it learns by take_asked(). NotFound without one.
   Result<void> ask_holder(std::string_view what);
   [[nodiscard]] std::vector<std::string> take_asked(std::uint64_t lease);

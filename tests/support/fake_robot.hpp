@@ -109,6 +109,9 @@ class FakeRobot : public RobotService {
   Result<void> report(std::uint64_t lease, const type::Value& doing) override {
     return set_property("lease " + std::to_string(lease), "doing", doing, {});
   }
+  Result<type::Value> mission(std::uint64_t after, bool with_plan) override {
+    return type::Value::map({{"after", after}, {"with_plan", with_plan}});
+  }
   Result<void> ask_holder(std::string_view what) override {
     const std::lock_guard lock(mutex_);
     asked_.emplace_back(what);

@@ -205,6 +205,14 @@ class RobotServer final : public wire::Robot::Server {
                                 });
   }
 
+  kj::Promise<void> mission(MissionContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        context, [&service = service(), after = params.getAfter(), with_plan = params.getWithPlan()] {
+          return service.mission(after, with_plan);
+        });
+  }
+
   kj::Promise<void> askHolder(AskHolderContext context) override {
     return caller_.answer_value(Role::Operate, context,
                                 [&service = service(), what = as_string(context.getParams().getWhat())] {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/journal/entries.hpp>
+#include <segue/type/value.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <string>
+
+namespace segue::runtime::detail {
+
+/// The mission that commands the robot, or the last one that did, for whoever looks at it
+/// (control::RobotService::mission). Bounded. Not thread safe; nothing blocks.
+class RecentMission {
+ public:
+  static constexpr std::size_t kMostEntries = 20'000;
+  static constexpr std::size_t kMostAtOnce = 2'000;
+
+  /// A mission's own begin replaces what is known of the last one.
+  void add(const journal::MissionEntry& entry);
+  void set_plan(type::Value plan);
+  [[nodiscard]] bool has_plan() const { return !plan_.is_null(); }
+
+  /// Null where no mission has begun yet. `state` while it has not ended.
+  [[nodiscard]] type::Value to_value(std::uint64_t after, bool with_plan, const std::string& state) const;
+
+ private:
+  struct Numbered {
+    std::uint64_t number = 0;
+    journal::MissionEntry entry;
+  };
+
+  std::uint64_t runs_ = 0;      ///< missions so far
+  std::uint64_t entries_ = 0;   ///< of all missions
+  journal::MissionEntry last_;  ///< of the mission itself
+  std::deque<Numbered> kept_;
+  std::uint64_t dropped_ = 0;  ///< entries of this mission
+  type::Value plan_;
+};
+
+}  // namespace segue::runtime::detail
