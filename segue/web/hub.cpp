@@ -21,6 +21,8 @@ using type::ValueMap;
 constexpr Duration kShortestPause = std::chrono::milliseconds(20);
 constexpr Duration kEventWait = std::chrono::seconds(1);
 constexpr std::size_t kSampleBuffer = 16;
+/// Of a mission in one answer: there are more.
+constexpr std::size_t kManyEntries = 2000;
 
 /// The status with its lists as maps.
 Value with_keys(Value status) {
@@ -31,6 +33,28 @@ Value with_keys(Value status) {
   if (Value* connections = map.find("connections"); connections != nullptr && connections->is_list())
     *connections = keyed(connections->as_list(), {"from", "to", "policy"});
   return status;
+}
+
+/// Adds maps with a "number" beyond `last` by that number; of more than `most` the newest are kept.
+void add_numbered(ValueMap& known, Value::List& fresh, std::uint64_t& last, std::size_t most) {
+  if (fresh.empty()) return;
+  ValueMap kept;
+  const std::size_t room = most - std::min(most, fresh.size());
+  std::size_t skip = known.size() - std::min(room, known.size());
+  for (auto& [number, one] : known) {
+    if (skip > 0) {
+      --skip;
+    } else {
+      kept.append(number, std::move(one));
+    }
+  }
+  for (std::size_t at = fresh.size() - std::min(fresh.size(), most); at < fresh.size(); ++at) {
+    const Value* number = fresh[at].find("number");
+    if (number == nullptr || !number->is_integer() || number->as_uint() <= last) continue;
+    last = number->as_uint();
+    kept.append(std::to_string(last), std::move(fresh[at]));
+  }
+  known = std::move(kept);
 }
 
 /// "port/TASK/PORT" -> TASK, PORT.
@@ -68,8 +92,10 @@ struct Hub::Watched {
   std::shared_ptr<const Document> newest{};  ///< null at first
   std::uint64_t generation = 0;              ///< from here on: used by the thread of this kind alone
   std::unique_ptr<control::SampleStream> stream{};
-  std::uint64_t last_event = 0;
-  ValueMap events{};
+  std::uint64_t last_event = 0;  ///< or entry of a mission
+  ValueMap events{};             ///< or entries of a mission
+  std::uint64_t run = 0;         ///< of a mission
+  Value plan{};
 };
 
 Hub::Hub(RobotLink& link) : Hub(link, Periods{}) {}
@@ -92,7 +118,7 @@ Hub::~Hub() {
 Result<void> Hub::look(const std::shared_ptr<Viewer>& viewer, const std::string& document) {
   const auto port = port_of(document);
   const auto task = task_of(document);
-  if (!port && !task && document != "status" && document != "events")
+  if (!port && !task && document != "status" && document != "events" && document != "mission")
     return fail(ErrorCode::NotFound, "there is no document " + quote(document));
   const std::lock_guard lock(mutex_);
   auto& entry = documents_[document];
@@ -183,6 +209,7 @@ void Hub::refresh(Watched& document) {
     document.stream.reset();
     document.last_event = 0;
     document.events = {};
+    document.run = 0;
   }
   auto value = ask(document, *link);
   if (value) return publish(document, std::move(*value), "");
@@ -195,6 +222,7 @@ Result<Value> Hub::ask(Watched& document, const RobotLink::Connected& link) {
   if (document.kind == kPorts) return read_port(document, link);
   if (document.kind == kEvents) return follow_events(document, link);
   if (!document.task.empty()) return link.robot->task(document.task);
+  if (document.name == "mission") return follow_mission(document, link);
   auto status = link.robot->status();
   if (!status) return status;
   return with_keys(std::move(*status));
@@ -218,29 +246,41 @@ Result<Value> Hub::read_port(Watched& document, const RobotLink::Connected& link
       {{"type", document.stream->type_name()}, {"time_s", time}, {"value", std::move(samples->back())}});
 }
 
+/// Of the mission that runs now, even if another one did when it was asked last.
+Result<Value> Hub::follow_mission(Watched& document, const RobotLink::Connected& link) {
+  Value rest;
+  std::size_t fresh = 0;
+  do {
+    auto mission = link.robot->mission(document.last_event, document.plan.is_null());
+    if (!mission) return mission;
+    if (mission->is_null()) return Value::map({{"run", 0}});
+    const Value* run = mission->find("run");
+    Value* entries = mission->is_map() ? mission->as_map().find("entries") : nullptr;
+    if (run == nullptr || !run->is_integer() || entries == nullptr || !entries->is_list())
+      return fail(ErrorCode::Internal, "the robot sent a mission without entries");
+    if (run->as_uint() != document.run) {
+      document.run = run->as_uint();
+      document.events = {};
+      document.plan = Value();
+    }
+    if (Value* plan = mission->as_map().find("plan")) document.plan = std::move(*plan);
+    fresh = entries->as_list().size();
+    add_numbered(document.events, entries->as_list(), document.last_event, kMostMissionEntries);
+    rest = std::move(*mission);
+  } while (fresh >= kManyEntries);
+  rest.as_map().set("plan", document.plan);
+  rest.as_map().set("entries", document.events);
+  return rest;
+}
+
 Result<Value> Hub::follow_events(Watched& document, const RobotLink::Connected& link) {
   auto events = link.robot->events(document.last_event, document.last_event == 0 ? Duration(0) : kEventWait);
   if (!events) return events;
   if (!events->is_list()) return fail(ErrorCode::Internal, "the robot sent events that are no list");
-  ValueMap kept;
   auto& fresh = events->as_list();
-  const std::size_t room = kMostEvents - std::min(kMostEvents, fresh.size());
-  std::size_t skip = document.events.size() - std::min(room, document.events.size());
-  for (auto& [number, event] : document.events) {
-    if (skip > 0) {
-      --skip;
-    } else {
-      kept.append(number, std::move(event));
-    }
-  }
-  for (std::size_t at = fresh.size() - std::min(fresh.size(), kMostEvents); at < fresh.size(); ++at) {
-    const Value* number = fresh[at].find("number");
-    if (number == nullptr || !number->is_integer() || number->as_uint() <= document.last_event) continue;
-    document.last_event = number->as_uint();
-    kept.append(std::to_string(document.last_event), std::move(fresh[at]));
-  }
-  document.events = std::move(kept);
-  if (!fresh.empty()) {
+  const bool has_news = !fresh.empty();
+  add_numbered(document.events, fresh, document.last_event, kMostEvents);
+  if (has_news) {
     const std::lock_guard lock(mutex_);
     ++nudges_;
     changed_.notify_all();

@@ -37,8 +37,10 @@ class Viewer {
 
 /// Turns a robot into documents while somebody looks at them; what nobody looks at is not asked of the robot.
 /// The documents: "status", with "tasks" and "connections" as maps; "events", a map of the last events by
-/// number; "task/ID", the report of a task; "port/TASK/PORT", {"type", "time_s", "value"}: the newest sample
-/// and when it was read (monotonic). All functions may be called from any thread.
+/// number; "mission", as of control::RobotService::mission, with "plan" where it is known and "entries" as a
+/// map by number, and {"run": 0} where there is none; "task/ID", the report of a task; "port/TASK/PORT",
+/// {"type", "time_s", "value"}: the newest sample and when it was read (monotonic). All functions may be
+/// called from any thread.
 class Hub {
  public:
   /// The time between two questions to the robot.
@@ -47,6 +49,7 @@ class Hub {
     Duration ports = std::chrono::milliseconds(50);
   };
   static constexpr std::size_t kMostEvents = 1000;
+  static constexpr std::size_t kMostMissionEntries = 20'000;
   static constexpr std::size_t kMostDocuments = 1000;
 
   explicit Hub(RobotLink& link);
@@ -73,6 +76,7 @@ class Hub {
   void refresh(Watched& document);
   Result<type::Value> ask(Watched& document, const RobotLink::Connected& link);
   Result<type::Value> read_port(Watched& document, const RobotLink::Connected& link);
+  static Result<type::Value> follow_mission(Watched& document, const RobotLink::Connected& link);
   Result<type::Value> follow_events(Watched& document, const RobotLink::Connected& link);
   void publish(Watched& document, type::Value value, std::string error);
 

@@ -99,5 +99,26 @@ TEST_F(HubTest, UnknownDocumentsAndTasksAreErrors) {
   }));
 }
 
+TEST_F(HubTest, AMissionIsFollowedAsItRunsAndTheNextOneToo) {
+  Hub hub(link_, often_);
+  const auto shows = [&](std::uint64_t run, std::size_t entries, const Value& plan) {
+    return comes_true([&] {
+      const auto newest = hub.newest("mission");
+      const Value* shown = newest ? newest->value.find("entries") : nullptr;
+      return shown != nullptr && *newest->value.find("run") == Value(run) &&
+             shown->as_map().size() == entries && *newest->value.find("plan") == plan;
+    });
+  };
+  ASSERT_TRUE(hub.look(looker_, "mission"));
+  EXPECT_TRUE(becomes(hub, "mission", Value::map({{"run", 0}})));
+  robot_.show_mission(1, "running", 2, Value());
+  EXPECT_TRUE(shows(1, 2, Value())) << "its plan comes later";
+  robot_.show_mission(1, "running", 4500, "plan");
+  EXPECT_TRUE(shows(1, 4500, "plan")) << "in several answers";
+  EXPECT_EQ(hub.newest("mission")->value.find("entries")->find("4500")->find("number")->as_uint(), 4500U);
+  robot_.show_mission(2, "running", 4501, Value());
+  EXPECT_TRUE(shows(2, 1, Value())) << "what the last one did is gone";
+}
+
 }  // namespace
 }  // namespace segue::web

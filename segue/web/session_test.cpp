@@ -70,7 +70,7 @@ TEST_F(SessionTest, VerbsAreAnsweredUnderTheirNumber) {
 
 TEST_F(SessionTest, AnObserverOnlyLooks) {
   const auto session = browser(Role::Observe);
-  for (const std::string verb : {"switch", "prepare", "set", "call", "write"})
+  for (const std::string verb : {"switch", "prepare", "set", "call", "write", "mission"})
     EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": ")" + verb + "\"}"), "permission-denied") << verb;
   EXPECT_EQ(robot_.last_set(), Value());
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "status"})"), "");
@@ -156,6 +156,17 @@ TEST_F(SessionTest, TooManyCallsAndDocumentsAreRefused) {
   }
   EXPECT_EQ(error_code(*session, R"({"id": 3, "verb": "look", "arguments": {"document": "status"}})"),
             "resource-exhausted");
+}
+
+TEST_F(SessionTest, AMissionIsPausedWhileItRuns) {
+  const auto session = browser();
+  const std::string pause = R"({"id": 1, "verb": "mission", "arguments": {"what": "pause"}})";
+  EXPECT_EQ(error_code(*session, pause), "not-found") << "none has run";
+  robot_.show_mission(1, "running", 1, Value());
+  EXPECT_EQ(error_code(*session, pause), "");
+  EXPECT_EQ(robot_.lease("a test").value()->asked().value(), std::vector<std::string>{"pause"});
+  robot_.show_mission(1, "ended", 2, Value());
+  EXPECT_EQ(error_code(*session, pause), "not-found");
 }
 
 TEST_F(SessionTest, ABrowserThatIsGoneGetsNoAnswer) {

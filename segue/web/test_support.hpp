@@ -38,6 +38,26 @@ class ShownRobot final : public control::FakeRobot {
     if (id == "gone") return fail(ErrorCode::NotFound, "no task 'gone' runs");
     return type::Value::map({{"id", id}});
   }
+  /// What show_mission() said last; none at first.
+  Result<type::Value> mission(std::uint64_t after, bool with_plan) override {
+    ++questions;
+    const std::lock_guard lock(mutex_);
+    type::Value::List entries;
+    for (std::uint64_t i = after + 1; i <= mission_entries_ && entries.size() < 2000; ++i)
+      entries.push_back(type::Value::map({{"number", i}, {"kind", "began"}}));
+    if (mission_state_.empty()) return type::Value();
+    auto shown =
+        type::Value::map({{"run", mission_run_}, {"state", mission_state_}, {"entries", std::move(entries)}});
+    if (with_plan) shown.as_map().set("plan", mission_plan_);
+    return shown;
+  }
+  void show_mission(std::uint64_t run, const std::string& state, std::uint64_t entries, type::Value plan) {
+    const std::lock_guard lock(mutex_);
+    mission_run_ = run;
+    mission_state_ = state;
+    mission_entries_ = entries;
+    mission_plan_ = std::move(plan);
+  }
   Result<type::Value> events(std::uint64_t after, Duration wait) override {
     ++questions;
     return control::FakeRobot::events(after, std::min(wait, Duration(std::chrono::milliseconds(20))));
@@ -45,6 +65,10 @@ class ShownRobot final : public control::FakeRobot {
 
  private:
   std::mutex mutex_;
+  std::uint64_t mission_run_ = 0;
+  std::string mission_state_;
+  std::uint64_t mission_entries_ = 0;
+  type::Value mission_plan_;
   type::Value status_ = type::Value::map({{"robot", "fake"}});
 };
 

@@ -4,7 +4,9 @@
 #include <segue/base/text.hpp>
 
 #include <array>
+#include <cstdint>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -99,6 +101,18 @@ Result<Value> do_write(const Request& request) {
                      });
 }
 
+/// "pause", "resume" or "stop"; the mission may take its time.
+Result<Value> ask_of_mission(const Request& request) {
+  const auto what = request.command.text("what");
+  if (!what) return what.error();
+  const auto mission = request.robot.mission(std::numeric_limits<std::uint64_t>::max(), false);
+  if (!mission) return mission;
+  const Value* state = mission->find("state");
+  if (state == nullptr || *state == Value("ended"))
+    return fail(ErrorCode::NotFound, "no mission commands the robot");
+  return nothing_or_error(request.robot.ask_holder(*what));
+}
+
 Result<Value> ask_status(const Request& request) {
   return request.robot.status();
 }
@@ -140,6 +154,7 @@ const std::vector<VerbEntry>& verb_entries() {
       {"history", Role::Observe, ask_history, {}},
       {"diff", Role::Observe, ask_diff, {"controller", "force", "order", "take_over", "timeout_s"}},
       {"switch", Role::Operate, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
+      {"mission", Role::Operate, ask_of_mission, {"what"}},
       {"prepare", Role::Operate, do_prepare, {"controllers", "timeout_s"}},
       {"set", Role::Operate, do_set, {"task", "property", "value", "yaml", "timeout_s"}},
       {"call", Role::Operate, do_call, {"task", "operation", "value", "yaml", "timeout_s"}},
