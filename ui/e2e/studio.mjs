@@ -56,6 +56,30 @@ function addFailingController() {
   writeFileSync(join(folder, 'rover/controllers/broken.yaml'), broken);
 }
 
+/** Drives to a place that is near and one where it never arrives; what comes after it waits. */
+const tour = `mission: tour
+actions:
+  think: {pure: true, outputs: {place: map}, run: {simulated: {duration: 200ms, outputs: {place: {x: 1000.0, y: 0.0}}}}}
+  drive_to:
+    inputs: {place: map}
+    run:
+      controller: go_to
+      set: {seeker.speed: 2.0}
+      call: {seeker.set_goal: {goal: "{place}"}}
+      until: [{task: seeker, state: arrived}, {after: 5min}]
+start: outward
+states:
+  outward:
+    start: near
+    flows: [think.place -> far.place]
+    states:
+      near: {action: drive_to, inputs: {place: {x: 0.2, y: 0.0}}, on: {success: think}}
+      think: {on: {success: far}}
+      far: {action: drive_to, on: {success: return success}}
+    on: {success: home}
+  home: {action: drive_to, inputs: {place: {x: 0.0, y: 0.0}}, on: {success: return success}}
+`;
+
 async function look(page, name) {
   await page.screenshot({ path: join(pictures, name + '.png') });
   await page.evaluate(axe);
@@ -124,6 +148,75 @@ async function drive(page) {
   await look(page, 'events');
 }
 
+const startMission = () => start(['mission', 'run', 'tour.yaml', '--mode', 'concurrent', '--follow', '--no-progress'], /began outward\/far/);
+
+async function driveMission(page) {
+  const seen = (locator) => locator.waitFor({ timeout: 30000 });
+  writeFileSync(join(folder, 'tour.yaml'), tour);
+  await page.getByRole('link', { name: 'Missions' }).click();
+  await seen(page.getByText('No mission has commanded the robot'));
+  await look(page, 'missions_none');
+
+  // Running states are lit, and what waits says for what.
+  const first = await startMission();
+  const state = (path) => page.locator('.react-flow__node[data-id="state:' + path + '"]');
+  await seen(state('outward/far').locator('.life-running'));
+  await seen(state('outward/near').locator('.life-done'));
+  await seen(state('home').locator('.life-idle'));
+  await seen(state('outward').locator('.life-running'));
+  await page.getByPlaceholder('Find nodes').fill('home');
+  await page.getByPlaceholder('Find nodes').press('Enter');
+  const home = page.getByRole('complementary', { name: 'Node home' });
+  await seen(home.getByText('waiting'));
+  await page.getByPlaceholder('Find nodes').fill('');
+  await look(page, 'missions');
+  await home.getByRole('button', { name: /outward\/far/ }).click();
+  const far = page.getByRole('complementary', { name: 'Node outward/far' });
+  await seen(far.getByText('running').first());
+  await page.locator('.chart').press('ArrowUp');
+  await seen(page.getByRole('complementary', { name: 'Node outward/think' }).getByText('done').first());
+  await page.keyboard.press('Escape');
+
+  // Containers close and open.
+  await state('outward').focus();
+  await page.keyboard.press('Enter');
+  await state('outward/far').waitFor({ state: 'detached' });
+  await page.getByRole('button', { name: 'open all' }).click();
+  await seen(state('outward/far'));
+
+  // Pause and resume, as the command line sees it, too.
+  const badge = (text) => page.locator('.main > .bar .badge', { hasText: text });
+  await page.getByRole('button', { name: 'Pause' }).click();
+  await seen(badge('paused'));
+  assert.equal(JSON.parse(run(['mission', 'status', '--format', 'json'])).state, 'paused');
+  await page.getByRole('button', { name: 'Resume' }).click();
+  await seen(badge('running'));
+
+  // A mission that is killed shows as such; the next one is stopped.
+  first.child.kill('SIGKILL');
+  await seen(badge('killed or lost'));
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await look(page, 'missions_killed_dark');
+  await page.emulateMedia({ colorScheme: 'light' });
+  const second = await startMission();
+  const ended = new Promise((resolve) => second.child.on('exit', resolve));
+  await seen(state('outward/far').locator('.life-running'));
+  await page.getByRole('button', { name: 'Stop' }).click();
+  await seen(badge('ended: preempted'));
+  await ended;
+
+  // A run that was recorded.
+  writeFileSync(join(folder, 'run.json'), run(['mission', 'run', 'tour.yaml', '--mode', 'concurrent', '--clock', 'virtual', '--simulate', '--format', 'json']));
+  await page.getByLabel('Open a recorded run').setInputFiles(join(folder, 'run.json'));
+  await seen(badge('recorded'));
+  await seen(page.getByText('4 nodes', { exact: true }));
+  await page.getByLabel('Open a recorded run').setInputFiles(join(folder, 'tour.yaml'));
+  await seen(page.getByRole('alert').filter({ hasText: 'tour.yaml: this is no JSON' }));
+  await look(page, 'missions_recorded');
+  await page.getByRole('button', { name: 'Back to the robot' }).click();
+  await seen(badge('ended: preempted'));
+}
+
 function run(args) {
   return execFileSync(segue, args, { cwd: folder, env: environment, encoding: 'utf8' });
 }
@@ -148,6 +241,7 @@ try {
   await page.goto(studio.found);
   await page.waitForURL((address) => !address.search.includes('token'));
   await drive(page);
+  await driveMission(page);
 
   // The runtime ends and starts again.
   await end(robot.child);

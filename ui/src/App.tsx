@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from 'react';
 import { EventsView } from './events/EventsView';
+import { MissionsView } from './missions/MissionsView';
 import { NetworkView } from './network/NetworkView';
 import { useConnection, useDocument, useLink } from './robot/hooks';
 import { statusOf } from './robot/types';
 import { SwitchView } from './switch/SwitchView';
 
-const views = ['Network', 'Switch', 'Events'] as const;
+const views = ['Network', 'Switch', 'Missions', 'Events'] as const;
 type View = (typeof views)[number];
 
 function viewOfAddress(): View {
@@ -69,9 +70,10 @@ export function App() {
         <p className="banner" role="alert">The robot cannot be reached, what is shown is old: {shown.error}</p>
       )}
       <main>
-        {!status && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
+        {!status && (view === 'Network' || view === 'Switch') && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
         {status && view === 'Network' && <NetworkView status={status} />}
         {status && view === 'Switch' && <SwitchView status={status} />}
+        {view === 'Missions' && <MissionsView />}
         {view === 'Events' && <EventsView />}
       </main>
     </>

@@ -2,11 +2,11 @@
 import { Handle, Position, ReactFlow, Background, Controls, MarkerType, useReactFlow, ReactFlowProvider, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
 import { useEffect, useMemo, useState } from 'react';
-import { layOut, nodeHeight, nodeWidth, type Box } from './layout';
+import { layOut, nodeHeight, nodeWidth, type Box, type BoxTree } from './layout';
 
 export interface GraphNode {
   id: string;
-  group: string;
+  group?: string;
   title: string;
   detail: string;
   /** Which colours: a class of style.css. */
@@ -22,10 +22,13 @@ export interface GraphEdge {
 export interface GraphGroup {
   id: string;
   title: string;
+  /** The group around it; groups come before those in them. */
+  group?: string;
+  look?: string;
 }
 
 type TaskNode = Node<{ title: string; detail: string; look: string }, 'task'>;
-type GroupNode = Node<{ title: string }, 'place'>;
+type GroupNode = Node<{ title: string; look: string }, 'place'>;
 
 function TaskBox({ data, selected }: NodeProps<TaskNode>) {
   return (
@@ -39,7 +42,13 @@ function TaskBox({ data, selected }: NodeProps<TaskNode>) {
 }
 
 function PlaceBox({ data }: NodeProps<GroupNode>) {
-  return <div className="place-box">{data.title}</div>;
+  return (
+    <div className={'place-box ' + data.look}>
+      <Handle type="target" position={Position.Left} isConnectable={false} />
+      {data.title}
+      <Handle type="source" position={Position.Right} isConnectable={false} />
+    </div>
+  );
 }
 
 const nodeTypes = { task: TaskBox, place: PlaceBox };
@@ -53,6 +62,16 @@ interface Props {
   /** Moved into view whenever it changes. */
   target?: string | null;
   onSelect?: (id: string | null) => void;
+  /** A click on a group. */
+  onToggle?: (id: string) => void;
+}
+
+/** Boxes of the groups and nodes in a group; undefined: those that are in none. */
+function treeOf(groups: GraphGroup[], nodes: GraphNode[], around: string | undefined): BoxTree[] {
+  return [
+    ...groups.filter((group) => group.group === around).map((group) => ({ id: group.id, children: treeOf(groups, nodes, group.id) })),
+    ...nodes.filter((node) => node.group === around).map((node) => ({ id: node.id })),
+  ];
 }
 
 /** A graph of tasks in their processes. It is laid out anew where its structure changes, not where values do. */
@@ -64,25 +83,18 @@ export function Graph(props: Props) {
   );
 }
 
-function Flow({ label, groups, nodes, edges, selected, target, onSelect }: Props) {
+function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggle }: Props) {
   const [boxes, setBoxes] = useState<Map<string, Box>>(new Map());
   const flow = useReactFlow();
   const structure = JSON.stringify([
-    groups.map((group) => group.id),
+    groups.map((group) => [group.id, group.group]),
     nodes.map((node) => [node.id, node.group]),
     edges.map((edge) => edge.id),
   ]);
 
   useEffect(() => {
     let current = true;
-    const input = {
-      groups: groups.map((group) => ({
-        id: group.id,
-        nodes: nodes.filter((node) => node.group === group.id).map((node) => node.id),
-      })),
-      edges,
-    };
-    void layOut(input).then((found) => {
+    void layOut({ roots: treeOf(groups, nodes, undefined), edges }).then((found) => {
       if (current) setBoxes(found);
     });
     return () => {
@@ -107,13 +119,13 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect }: Props
       const box = boxes.get(group.id);
       if (!box) continue;
       placed.push({
-        id: group.id, type: 'place', position: box, data: { title: group.title }, selectable: false, focusable: false,
-        draggable: false, style: { width: box.width, height: box.height },
+        id: group.id, type: 'place', parentId: group.group, position: box, data: { title: group.title, look: group.look ?? '' }, selectable: false,
+        focusable: onToggle !== undefined, draggable: false, ariaLabel: group.title, style: { width: box.width, height: box.height },
       });
     }
     for (const node of nodes) {
       const box = boxes.get(node.id);
-      if (!box || !boxes.has(node.group)) continue;
+      if (!box || (node.group !== undefined && !boxes.has(node.group))) continue;
       placed.push({
         id: node.id, type: 'task', zIndex: 2, parentId: node.group, position: box, draggable: false, selected: node.id === selected,
         data: { title: node.title, detail: node.detail, look: node.look }, ariaLabel: node.title + ', ' + node.detail,
@@ -121,7 +133,7 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect }: Props
       });
     }
     return placed;
-  }, [boxes, groups, nodes, selected]);
+  }, [boxes, groups, nodes, selected, onToggle]);
 
   const flowEdges = useMemo<Edge[]>(
     () =>
@@ -139,11 +151,13 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect }: Props
         nodes={flowNodes}
         edges={flowEdges}
         nodeTypes={nodeTypes}
-        onNodeClick={(_, node) => node.type === 'task' && onSelect?.(node.id)}
+        onNodeClick={(_, node) => (node.type === 'task' ? onSelect?.(node.id) : onToggle?.(node.id))}
         onPaneClick={() => onSelect?.(null)}
         onKeyDown={(event) => {
           const id = (event.target as HTMLElement).dataset['id'];
-          if (event.key === 'Enter' && id && boxes.has(id)) onSelect?.(id);
+          if (event.key !== 'Enter' || !id || !boxes.has(id)) return;
+          if (groups.some((group) => group.id === id)) onToggle?.(id);
+          else onSelect?.(id);
         }}
         nodesConnectable={false}
         minZoom={0.1}

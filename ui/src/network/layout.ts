@@ -13,31 +13,43 @@ export interface Box {
   height: number;
 }
 
+/** What has children is drawn around them. */
+export interface BoxTree {
+  id: string;
+  children?: BoxTree[];
+}
+
 export interface LayoutInput {
-  groups: { id: string; nodes: string[] }[];
+  roots: BoxTree[];
   edges: { id: string; source: string; target: string }[];
 }
 
 let elk: Elk | null = null;
 
-/** Places of nodes (in their group) and groups, from left to right along the edges; computed in a worker. */
+const spacing = { 'elk.layered.spacing.nodeNodeBetweenLayers': '84', 'elk.spacing.nodeNode': '30' };
+
+function nodeOf(box: BoxTree): ElkNode {
+  if (!box.children) return { id: box.id, width: nodeWidth, height: nodeHeight };
+  return { id: box.id, layoutOptions: { ...spacing, 'elk.padding': '[top=38,left=18,bottom=18,right=18]' }, children: box.children.map(nodeOf) };
+}
+
+function idsOf(boxes: BoxTree[]): string[] {
+  return boxes.flatMap((box) => [box.id, ...idsOf(box.children ?? [])]);
+}
+
+/** Places, each relative to the box around it, from left to right along the edges; computed in a worker. */
 export async function layOut(input: LayoutInput): Promise<Map<string, Box>> {
   elk ??= new ElkApi({ workerUrl });
-  const known = new Set(input.groups.flatMap((group) => group.nodes));
+  const known = new Set(idsOf(input.roots));
   const graph: ElkNode = {
     id: 'root',
     layoutOptions: {
       'elk.algorithm': 'layered',
       'elk.direction': 'RIGHT',
       'elk.hierarchyHandling': 'INCLUDE_CHILDREN',
-      'elk.layered.spacing.nodeNodeBetweenLayers': '84',
-      'elk.spacing.nodeNode': '30',
+      ...spacing,
     },
-    children: input.groups.map((group) => ({
-      id: group.id,
-      layoutOptions: { 'elk.padding': '[top=38,left=18,bottom=18,right=18]' },
-      children: group.nodes.map((id) => ({ id, width: nodeWidth, height: nodeHeight })),
-    })),
+    children: input.roots.map(nodeOf),
     edges: input.edges
       .filter((edge) => known.has(edge.source) && known.has(edge.target))
       .map((edge) => ({ id: edge.id, sources: [edge.source], targets: [edge.target] })),

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { GraphEdge, GraphGroup, GraphNode } from '../network/Graph';
+import { pathsTo, type Life, type Plan, type PlanState } from './mission';
+
+/** Of a plan with more states only the outermost are open at first. */
+const mostOpen = 40;
+
+export interface StateGraph {
+  groups: GraphGroup[];
+  nodes: GraphNode[];
+  edges: GraphEdge[];
+}
+
+export const idOf = (path: string): string => 'state:' + path;
+export const pathOf = (id: string): string => id.slice('state:'.length);
+
+const words: Record<Life, string> = { idle: '', running: 'running', done: 'has ended', failed: 'failed' };
+
+export function isContainer(state: PlanState): boolean {
+  return ['hierarchy', 'barrier', 'preemptive'].includes(state.kind);
+}
+
+/** Which containers are open at first: all, or as many of the outermost as can be seen. */
+export function openAtFirst(plan: Plan): Set<string> {
+  const open = new Set<string>();
+  let shown = 0;
+  for (const state of plan.states) {
+    ++shown;
+    if (state.path !== '' && isContainer(state) && shown <= mostOpen) open.add(state.path);
+  }
+  return open;
+}
+
+/** The innermost states around `path` that can be seen. */
+function visibleFor(path: string, open: Set<string>): string {
+  for (const outer of pathsTo(path)) {
+    if (outer !== path && !open.has(outer)) return outer;
+  }
+  return path;
+}
+
+function detailOf(state: PlanState, life: Life): string {
+  const returns = state.next.filter((one) => one.returns !== undefined).map((one) => (one.outcome === one.returns ? '↩ ' + one.returns : one.outcome + ' ↩ ' + one.returns));
+  return [words[life], isContainer(state) ? state.kind + ', closed' : '', ...returns].filter((part) => part !== '').join(' · ') || state.action || state.kind;
+}
+
+/** The states that can be seen, in their open containers, with transitions and, if wanted, data flows between them. */
+export function stateGraphOf(plan: Plan, lives: Map<string, Life>, open: Set<string>, withFlows: boolean): StateGraph {
+  const root = plan.states[0];
+  const graph: StateGraph = { groups: [], nodes: [], edges: [] };
+  const states = root && !isContainer(root) ? [root] : plan.states.filter((state) => state.path !== '' && visibleFor(state.path, open) === state.path);
+  const starts = new Set(plan.states.map((state) => state.start));
+  for (const state of states) {
+    const life = lives.get(state.path) ?? 'idle';
+    const title = (starts.has(state.path) ? '▶ ' : '') + (state.title || plan.mission);
+    const group = state.in ? idOf(state.in) : undefined;
+    if (isContainer(state) && open.has(state.path)) {
+      graph.groups.push({ id: idOf(state.path), group, title: '▾ ' + title + ' (' + [state.kind, words[life]].filter((part) => part !== '').join(', ') + ')', look: 'life-' + life });
+    } else {
+      graph.nodes.push({ id: idOf(state.path), group, title: (isContainer(state) ? '▸ ' : '') + title, detail: detailOf(state, life), look: 'life-' + life });
+    }
+  }
+  const edges = new Map<string, GraphEdge>();
+  const add = (source: string, target: string, label: string, look: string) => {
+    const id = look + ' ' + source + ' ' + target;
+    const known = edges.get(id);
+    edges.set(id, { id, source: idOf(source), target: idOf(target), label: known?.label ? known.label + ', ' + label : label, look });
+  };
+  for (const state of states) {
+    for (const { outcome, to } of state.next) if (to !== undefined) add(state.path, to, outcome, 'transition');
+    if (withFlows) for (const flow of state.flows ?? []) if (open.has(state.path)) add(flow.from, flow.to, flow.what, 'flow');
+  }
+  if (withFlows && root && !states.includes(root)) for (const flow of root.flows ?? []) add(flow.from, flow.to, flow.what, 'flow');
+  graph.edges = [...edges.values()].filter((edge) => edge.source !== edge.target || edge.look === 'transition');
+  return graph;
+}
