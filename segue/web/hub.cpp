@@ -20,9 +20,26 @@ using type::ValueMap;
 /// Between two questions to the robot at the least, however often something happens there.
 constexpr Duration kShortestPause = std::chrono::milliseconds(20);
 constexpr Duration kEventWait = std::chrono::seconds(1);
-constexpr std::size_t kSampleBuffer = 16;
 /// Of a mission in one answer: there are more.
 constexpr std::size_t kManyEntries = 2000;
+constexpr std::size_t kSampleBuffer = 1;  // only the newest is shown
+
+/// Numbers, texts and the like in a sample.
+std::size_t scalars_in(const Value& value) {
+  if (value.is_list()) {
+    std::size_t count = 0;
+    for (const Value& item : value.as_list())
+      count += scalars_in(item);
+    return count;
+  }
+  if (value.is_map()) {
+    std::size_t count = 0;
+    for (const auto& [key, entry] : value.as_map())
+      count += scalars_in(entry);
+    return count;
+  }
+  return 1;
+}
 
 /// The status with its lists as maps.
 Value with_keys(Value status) {
@@ -96,6 +113,8 @@ struct Hub::Watched {
   ValueMap events{};             ///< or entries of a mission
   std::uint64_t run = 0;         ///< of a mission
   Value plan{};
+  Duration pause{};  ///< of a port: after each reading, for the size of its samples
+  TimePoint next_read{};
 };
 
 Hub::Hub(RobotLink& link) : Hub(link, Periods{}) {}
@@ -207,10 +226,12 @@ void Hub::refresh(Watched& document) {
   if (link->generation != document.generation) {
     document.generation = link->generation;
     document.stream.reset();
+    document.next_read = {};
     document.last_event = 0;
     document.events = {};
     document.run = 0;
   }
+  if (document.kind == kPorts && monotonic_now() < document.next_read) return;
   auto value = ask(document, *link);
   if (value) return publish(document, std::move(*value), "");
   link_.failed(link->generation, value.error());
@@ -228,7 +249,8 @@ Result<Value> Hub::ask(Watched& document, const RobotLink::Connected& link) {
   return with_keys(std::move(*status));
 }
 
-/// The value that is known already, where there is no new sample.
+/// The value that is known already, where there is no new sample. Large samples are read less often, so that
+/// neither the robot nor a browser is flooded.
 Result<Value> Hub::read_port(Watched& document, const RobotLink::Connected& link) {
   if (!document.stream) {
     auto stream = link.robot->open_port(document.task, document.port, kSampleBuffer);
@@ -237,13 +259,20 @@ Result<Value> Hub::read_port(Watched& document, const RobotLink::Connected& link
   }
   auto samples = document.stream->read(kSampleBuffer);
   if (!samples) return samples.error();
+  const TimePoint now = monotonic_now();
+  document.next_read = now + document.pause;
   if (samples->empty()) {
     const auto known = newest(document.name);
     return known && known->error.empty() ? known->value : Value();
   }
-  const double time = std::chrono::duration<double>(monotonic_now().time_since_epoch()).count();
-  return Value::map(
-      {{"type", document.stream->type_name()}, {"time_s", time}, {"value", std::move(samples->back())}});
+  using Seconds = std::chrono::duration<double>;
+  const Seconds least(static_cast<double>(scalars_in(samples->back())) / periods_.scalars_per_second);
+  document.pause = std::chrono::duration_cast<Duration>(least);
+  document.next_read = now + document.pause;
+  return Value::map({{"type", document.stream->type_name()},
+                     {"time_s", Seconds(now.time_since_epoch()).count()},
+                     {"period_s", std::max(least, Seconds(periods_.ports)).count()},
+                     {"value", std::move(samples->back())}});
 }
 
 /// Of the mission that runs now, even if another one did when it was asked last.

@@ -39,14 +39,16 @@ class Viewer {
 /// The documents: "status", with "tasks" and "connections" as maps; "events", a map of the last events by
 /// number; "mission", as of control::RobotService::mission, with "plan" where it is known and "entries" as a
 /// map by number, and {"run": 0} where there is none; "task/ID", the report of a task; "port/TASK/PORT",
-/// {"type", "time_s", "value"}: the newest sample and when it was read (monotonic). All functions may be
-/// called from any thread.
+/// {"type", "time_s", "period_s", "value"}: the newest sample, when it was read (monotonic), and how long
+/// after it the next one is read at the soonest. All functions may be called from any thread.
 class Hub {
  public:
   /// The time between two questions to the robot.
   struct Periods {
     Duration snapshots = std::chrono::milliseconds(500);  ///< status and tasks; also asked after events
     Duration ports = std::chrono::milliseconds(50);
+    /// Of each port; samples with many numbers, such as images, are read less often than `ports` says.
+    double scalars_per_second = 2e6;
   };
   static constexpr std::size_t kMostEvents = 1000;
   static constexpr std::size_t kMostMissionEntries = 20'000;

@@ -75,6 +75,28 @@ TEST_F(HubTest, ALostRobotIsSaidAndFoundAgain) {
   EXPECT_TRUE(becomes(hub, "status", Value::map({{"robot", "fake"}})));
 }
 
+TEST_F(HubTest, LargeSamplesAreReadLessOftenAndThatIsSaid) {
+  // A sample of the fake robot is one number: at a thousandth of a number a second it is large.
+  Hub hub(link_, {.snapshots = often_.snapshots, .ports = often_.ports, .scalars_per_second = 1e-3});
+  ASSERT_TRUE(hub.look(looker_, "port/t/out"));
+  const auto has_sample = [&] {
+    const auto newest = hub.newest("port/t/out");
+    return newest && newest->value.is_map();
+  };
+  ASSERT_TRUE(comes_true(has_sample));
+  EXPECT_DOUBLE_EQ(hub.newest("port/t/out")->value.find("period_s")->as_double(), 1000.0);
+  std::this_thread::sleep_for(10 * often_.ports);
+  EXPECT_EQ(hub.newest("port/t/out")->version, 1U) << "the next one is due in 1000 s";
+
+  Hub quick(link_, often_);
+  ASSERT_TRUE(quick.look(looker_, "port/t/out"));
+  EXPECT_TRUE(comes_true([&] {
+    const auto newest = quick.newest("port/t/out");
+    return newest && newest->version > 3;
+  }));
+  EXPECT_DOUBLE_EQ(quick.newest("port/t/out")->value.find("period_s")->as_double(), 0.02);
+}
+
 TEST_F(HubTest, EventsAreKeptInOrder) {
   Hub hub(link_, often_);
   ASSERT_TRUE(hub.look(looker_, "events"));
