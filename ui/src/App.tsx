@@ -3,11 +3,12 @@ import { useEffect, useState } from 'react';
 import { EventsView } from './events/EventsView';
 import { MissionsView } from './missions/MissionsView';
 import { NetworkView } from './network/NetworkView';
+import { PlotsView } from './plots/PlotsView';
 import { useConnection, useDocument, useLink } from './robot/hooks';
 import { statusOf } from './robot/types';
 import { SwitchView } from './switch/SwitchView';
 
-const views = ['Network', 'Switch', 'Missions', 'Events'] as const;
+const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events'] as const;
 type View = (typeof views)[number];
 
 function viewOfAddress(): View {
@@ -74,6 +75,7 @@ export function App() {
         {status && view === 'Network' && <NetworkView status={status} />}
         {status && view === 'Switch' && <SwitchView status={status} />}
         {view === 'Missions' && <MissionsView />}
+        {status && view === 'Plots' && <PlotsView status={status} />}
         {view === 'Events' && <EventsView />}
       </main>
     </>

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What tests in a browser have in common: a robot in a folder of its own, its studio, and a page of it. Ends with status 77
+// where there is no browser.
+import { spawn, execFileSync } from 'node:child_process';
+import { mkdtempSync, mkdirSync, rmSync, readFileSync, existsSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import assert from 'node:assert/strict';
+import { chromium } from 'playwright-core';
+
+const browserProgram = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
+
+export class Stage {
+  constructor(segue, pictures) {
+    if (!browserProgram) {
+      console.log('skipped: chromium is not installed (tools/setup --test)');
+      process.exit(77);
+    }
+    this.segue = segue;
+    this.pictures = pictures;
+    this.folder = mkdtempSync(join(tmpdir(), 'segue-studio-'));
+    this.environment = { ...process.env, XDG_RUNTIME_DIR: join(this.folder, 'run'), XDG_STATE_HOME: join(this.folder, 'state') };
+    this.running = [];
+    this.problems = [];
+    this.axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+    mkdirSync(pictures, { recursive: true });
+    mkdirSync(join(this.folder, 'run'), { mode: 0o700 });
+  }
+
+  run(args) {
+    return execFileSync(this.segue, args, { cwd: this.folder, env: this.environment, encoding: 'utf8' });
+  }
+
+  /** Starts `segue`, and waits for a line that fits. */
+  start(args, fits) {
+    const child = spawn(this.segue, args, { cwd: this.folder, env: this.environment });
+    this.running.push(child);
+    return new Promise((resolve, reject) => {
+      let output = '';
+      const take = (data) => {
+        output += data;
+        const found = fits.exec(output);
+        if (found) resolve({ child, found: found[0] });
+      };
+      child.stdout.on('data', take);
+      child.stderr.on('data', take);
+      child.on('exit', () => reject(new Error(args.join(' ') + ' ended: ' + output)));
+    });
+  }
+
+  /** The page of a studio beside the robot that runs; what goes wrong in it is in `problems`. */
+  async openPage() {
+    this.studio = await this.start(['studio', '--port', '0'], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
+    this.browser = await chromium.launchPersistentContext(join(this.folder, 'browser'), {
+      executablePath: browserProgram,
+      headless: true,
+      viewport: { width: 1360, height: 820 },
+      args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+    });
+    const page = this.browser.pages()[0] ?? (await this.browser.newPage());
+    page.on('pageerror', (error) => this.problems.push(String(error)));
+    page.on('console', (message) => /Content Security Policy/.test(message.text()) && this.problems.push(message.text()));
+    page.setDefaultTimeout(30000);
+    return page;
+  }
+
+  /** Takes a picture, and looks for violations of accessibility. */
+  async look(page, name) {
+    await page.screenshot({ path: join(this.pictures, name + '.png') });
+    await page.evaluate(this.axe);
+    const found = await page.evaluate(() => window.axe.run());
+    const violations = found.violations.map((one) => one.id + ': ' + one.nodes.map((node) => node.html.slice(0, 160)).join(' | '));
+    assert.deepEqual(violations, [], 'accessibility of ' + name);
+  }
+
+  async close(failed) {
+    const page = this.browser?.pages()[0];
+    if (failed) await page?.screenshot({ path: join(this.pictures, 'failed.png') }).catch(() => {});
+    await this.browser?.close();
+    for (const child of this.running) if (child.exitCode === null) child.kill('SIGKILL');
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+import { gridPixels, roundLength, toCanvas, type Grid, type Point, type Pose, type View } from './map';
+
+/** What a map shows, in metres. */
+export interface Scene {
+  grids: Grid[];
+  paths: Point[][];
+  scans: { from: Pose; points: Point[] }[];
+  trails: Point[][];
+  poses: Pose[];
+}
+
+const light = { lines: '#e3e6eb', text: '#59616f', free: [255, 255, 255], occupied: [26, 31, 41], path: '#0b6b49', scan: '#b3261e', trail: '#8fb0ee', pose: '#1f5fd0' };
+const dark = { lines: '#2a303a', text: '#a0a9b8', free: [52, 59, 70], occupied: [230, 233, 238], path: '#6fd3a8', scan: '#ff9d95', trail: '#3f66ad', pose: '#82aefc' };
+
+const pictures = new WeakMap<object, { dark: boolean; picture: HTMLCanvasElement }>();
+
+/** A grid as a picture, made once for each sample. */
+function pictureOf(grid: Grid, isDark: boolean): HTMLCanvasElement {
+  const known = pictures.get(grid);
+  if (known?.dark === isDark) return known.picture;
+  const picture = document.createElement('canvas');
+  picture.width = grid.width;
+  picture.height = grid.height;
+  const colours = isDark ? dark : light;
+  const pixels = gridPixels(grid, colours.free, colours.occupied) as Uint8ClampedArray<ArrayBuffer>;
+  picture.getContext('2d')?.putImageData(new ImageData(pixels, grid.width, grid.height), 0, 0);
+  pictures.set(grid, { dark: isDark, picture });
+  return picture;
+}
+
+export function drawScene(context: CanvasRenderingContext2D, style: CSSStyleDeclaration, isDark: boolean, width: number, height: number, view: View, scene: Scene): void {
+  const colours = isDark ? dark : light;
+  const at = (point: Point) => toCanvas(view, width, height, point);
+  const line = (points: Point[], colour: string, thick: number) => {
+    context.strokeStyle = colour;
+    context.lineWidth = thick;
+    context.beginPath();
+    for (const point of points) {
+      const { x, y } = at(point);
+      context.lineTo(x, y);
+    }
+    context.stroke();
+  };
+  context.clearRect(0, 0, width, height);
+  context.lineJoin = 'round';
+  context.imageSmoothingEnabled = false;
+  for (const grid of scene.grids) {
+    const corner = at({ x: grid.x, y: grid.y + grid.height * grid.resolution });
+    const side = grid.resolution * view.scale;
+    context.drawImage(pictureOf(grid, isDark), corner.x, corner.y, grid.width * side, grid.height * side);
+  }
+
+  const step = roundLength(view, 60);
+  const low = { x: view.x - width / 2 / view.scale, y: view.y - height / 2 / view.scale };
+  const high = { x: view.x + width / 2 / view.scale, y: view.y + height / 2 / view.scale };
+  for (let index = Math.ceil(low.x / step); index * step <= high.x; ++index)
+    line([{ x: index * step, y: low.y }, { x: index * step, y: high.y }], colours.lines, index === 0 ? 2 : 1);
+  for (let index = Math.ceil(low.y / step); index * step <= high.y; ++index)
+    line([{ x: low.x, y: index * step }, { x: high.x, y: index * step }], colours.lines, index === 0 ? 2 : 1);
+
+  for (const trail of scene.trails) line(trail, colours.trail, 2.5);
+  for (const path of scene.paths) {
+    line(path, colours.path, 2);
+    context.fillStyle = colours.path;
+    for (const point of path.slice(-1)) {
+      const { x, y } = at(point);
+      context.fillRect(x - 4, y - 4, 8, 8);
+    }
+  }
+  context.fillStyle = colours.scan;
+  for (const scan of scene.scans) {
+    for (const point of scan.points) {
+      const { x, y } = at(point);
+      context.fillRect(x - 2, y - 2, 4, 4);
+    }
+  }
+  for (const pose of scene.poses) {
+    const { x, y } = at(pose);
+    context.save();
+    context.translate(x, y);
+    context.rotate(-pose.theta);
+    context.fillStyle = colours.pose;
+    context.beginPath();
+    context.moveTo(13, 0);
+    context.lineTo(-8, -7);
+    context.lineTo(-4, 0);
+    context.lineTo(-8, 7);
+    context.fill();
+    context.restore();
+  }
+
+  context.fillStyle = colours.text;
+  context.strokeStyle = colours.text;
+  context.lineWidth = 1.5;
+  context.beginPath();
+  context.moveTo(10, height - 15);
+  context.lineTo(10, height - 10);
+  context.lineTo(10 + step * view.scale, height - 10);
+  context.lineTo(10 + step * view.scale, height - 15);
+  context.stroke();
+  context.font = '11px ' + style.fontFamily;
+  context.fillText(Number(step.toPrecision(3)) + ' m', 16, height - 16);
+}
