@@ -71,7 +71,7 @@ export function App() {
         <p className="banner" role="alert">The robot cannot be reached, what is shown is old: {shown.error}</p>
       )}
       <main>
-        {!status && (view === 'Network' || view === 'Switch') && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
+        {!status && view !== 'Missions' && view !== 'Events' && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
         {status && view === 'Network' && <NetworkView status={status} />}
         {status && view === 'Switch' && <SwitchView status={status} />}
         {view === 'Missions' && <MissionsView />}
