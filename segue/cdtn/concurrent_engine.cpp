@@ -44,7 +44,9 @@ ConcurrentEngine::Implementation::Implementation(const TaskNetwork& network, con
       events_(options_.clock),
       pool_(network.resources),
       world_(network.initial_world),
-      prefix_world_(network.initial_world) {}
+      prefix_world_(network.initial_world) {
+  world_.take_attachments_of({});
+}
 
 ConcurrentEngine::Implementation::Implementation(TaskNetwork& network, Expansion& expansion,
                                                  Environment& environment, ConcurrentEngineOptions options)
@@ -257,7 +259,7 @@ RunResult ConcurrentEngine::Implementation::result() {
   result.failed = failed_;
   result.error = error_;
   result.stopped = stopped_;
-  result.world = world_;
+  result.world = real_world(NodeId{static_cast<std::uint32_t>(states_.size())});
   for (std::uint32_t i = 0; i < network_.resources.size(); ++i)
     result.units.push_back(pool_.total(ResourceId{i}));
   result.nodes = std::move(results_);

@@ -226,7 +226,7 @@ void ConcurrentEngine::Implementation::apply_undeclared(NodeId node, const Liter
   if (std::ranges::any_of(accesses,
                           [&](const Access& one) { return one.writes && one.fact == literal.fact; }))
     return;
-  undeclared_[index(literal.fact)].emplace_back(node, literal.value);
+  undeclared_.add(node, literal);
   world_.set(literal);
 }
 

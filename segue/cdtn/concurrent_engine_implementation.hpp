@@ -9,12 +9,12 @@
 #include <segue/cdtn/preemption.hpp>
 #include <segue/cdtn/resource_pool.hpp>
 #include <segue/cdtn/turns.hpp>
+#include <segue/cdtn/world_changes.hpp>
 
 #include <atomic>
 #include <set>
 #include <string>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 namespace segue::cdtn {
@@ -135,6 +135,7 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool projected(const Access& access) const;
   [[nodiscard]] bool assumed_on_path(NodeId writer, NodeId at) const;
   VersionedWorld projected_world(NodeId at);
+  VersionedWorld real_world(NodeId at);
   void catch_up_prefix_world();
   void add_effects(VersionedWorld& world, NodeId node) const;
   [[nodiscard]] std::uint32_t input_version(NodeId node, std::size_t place) const;
@@ -156,7 +157,7 @@ class ConcurrentEngine::Implementation {
   std::unique_ptr<OrderBuilder> builder_;
   CompletionQueue events_;
   ResourcePool pool_;
-  VersionedWorld world_;
+  VersionedWorld world_;  ///< the facts; what is attached follows the order of the plan, in prefix_world_
   std::vector<State> states_;
   std::vector<NodeResult> results_;  ///< the times; the rest is added at the end
   std::vector<ReportPtr> reports_;
@@ -188,9 +189,8 @@ class ConcurrentEngine::Implementation {
   Patience patience_;
   VersionedWorld prefix_world_;  ///< at prefix_world_at_, in program order
   std::uint32_t prefix_world_at_ = 0;
-  std::unordered_map<std::uint32_t, std::vector<std::pair<NodeId, bool>>>
-      undeclared_;                                                   ///< by fact: of opaque nodes
-  std::unordered_map<std::uint32_t, std::vector<Literal>> guesses_;  ///< by node
+  UndeclaredEffects undeclared_;
+  std::unordered_map<std::uint32_t, WorldGuess> guesses_;  ///< by node
   std::vector<WastedRun> wasted_;
   RunStatistics statistics_;
   RunLog log_;

@@ -31,7 +31,7 @@ class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
   [[nodiscard]] VersionedWorld world() override {
     engine_.at(node()).asked_world = true;
     return engine_.network_[node()].kind == ActionClass::Pure ? engine_.projected_world(node())
-                                                              : engine_.world_;
+                                                              : engine_.real_world(node());
   }
   [[nodiscard]] std::uint32_t units(ResourceId resource) const override {
     return engine_.pool_.total(resource);

@@ -27,32 +27,19 @@ bool ConcurrentEngine::Implementation::projected(const Access& access) const {
     if (writes_[place] >= 2) break;
     if (writes_[place] == 0 && assumed_on_path(write.node, access.node)) break;
   }
-  if (const auto others = undeclared_.find(index(access.fact)); others != undeclared_.end()) {
-    const NodeId after = place == kNone ? NodeId{0} : network_.access(place).node;
-    const std::pair<NodeId, bool>* last = nullptr;
-    for (const auto& write : others->second) {
-      const bool between = write.first < access.node && (place == kNone || write.first > after);
-      if (between && (last == nullptr || write.first > last->first)) last = &write;
-    }
-    if (last != nullptr) return last->second;
-  }
+  const NodeId first{place == kNone ? 0 : index(network_.access(place).node) + 1};
+  if (const auto last = undeclared_.last(access.fact, first, access.node)) return *last;
   if (place == kNone) return network_.initial_world.holds(access.fact);
   return writes_[place] == 0 ? network_.access(place).value : writes_[place] == 3;
 }
 
 /// Applies the effects of a node that has ended.
 void ConcurrentEngine::Implementation::add_effects(VersionedWorld& world, NodeId node) const {
-  const auto accesses = network_.accesses(node);
-  for (std::uint32_t i = 0; i < accesses.size(); ++i) {
-    const std::uint8_t written = writes_[network_[node].first_access + i];
-    if (written >= 2) world.set({accesses[i].fact, written == 3});
+  for (const std::uint32_t place : network_.effects(node)) {
+    if (writes_[place] >= 2) world.set({network_.access(place).fact, writes_[place] == 3});
   }
-  if (!network_[node].opaque) return;
-  for (const auto& [fact, writes] : undeclared_) {
-    for (const auto& [writer, value] : writes) {
-      if (writer == node) world.set({FactId{fact}, value});
-    }
-  }
+  for (const Literal& literal : undeclared_.of(node))
+    world.set(literal);
 }
 
 void ConcurrentEngine::Implementation::catch_up_prefix_world() {
@@ -65,22 +52,37 @@ void ConcurrentEngine::Implementation::catch_up_prefix_world() {
 VersionedWorld ConcurrentEngine::Implementation::projected_world(NodeId node) {
   catch_up_prefix_world();
   VersionedWorld world = prefix_world_;
-  std::vector<Literal>& guesses = guesses_[index(node)];
-  guesses.clear();
+  WorldGuess& guess = guesses_[index(node)];
+  guess.facts.clear();
   for (NodeId before{prefix_}; before < node; before = NodeId{index(before) + 1}) {
     if (at(before).phase == Phase::Done) {
       add_effects(world, before);
       continue;
     }
     const bool assumed = at(before).phase != Phase::Skipped && assumed_on_path(before, node);
-    for (const Access& access : network_.accesses(before)) {
-      if (!access.writes) continue;
+    for (const std::uint32_t place : network_.effects(before)) {
+      const Access& access = network_.access(place);
       if (assumed) world.set({access.fact, access.value});
-      guesses.push_back({access.fact, false});
+      guess.facts.push_back({access.fact, false});
     }
   }
-  for (Literal& guess : guesses)
-    guess.value = world.holds(guess.fact);
+  for (Literal& fact : guess.facts)
+    fact.value = world.holds(fact.fact);
+  guess.history = world.history();
+  return world;
+}
+
+/// The facts as they are now, and what is attached to them as the effects of all that has ended before the
+/// node leave it in program order: the order in which nodes end depends on how long they take.
+VersionedWorld ConcurrentEngine::Implementation::real_world(NodeId node) {
+  if (!prefix_world_.has_attachments()) return world_;
+  catch_up_prefix_world();
+  VersionedWorld in_order = prefix_world_;
+  for (NodeId before{prefix_world_at_}; before < node; before = NodeId{index(before) + 1}) {
+    if (at(before).phase == Phase::Done) add_effects(in_order, before);
+  }
+  VersionedWorld world = world_;
+  world.take_attachments_of(in_order);
   return world;
 }
 
@@ -121,7 +123,10 @@ bool ConcurrentEngine::Implementation::world_is_valid(NodeId node) {
   if (found == guesses_.end() || planted(EngineFault::NeverValidates)) return true;
   if (prefix_ != index(node)) return true;  // it does not read the world as a whole
   catch_up_prefix_world();
-  return std::ranges::all_of(found->second, [&](const Literal& guess) { return prefix_world_.holds(guess); });
+  // Facts may have come to the same in another way, which what is attached to them remembers.
+  if (prefix_world_.has_attachments()) return prefix_world_.history() == found->second.history;
+  return std::ranges::all_of(found->second.facts,
+                             [&](const Literal& guess) { return prefix_world_.holds(guess); });
 }
 
 }  // namespace segue::cdtn

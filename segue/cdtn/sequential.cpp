@@ -115,8 +115,9 @@ class SequentialRun {
   ReportPtr wait_for(NodeId node);
 
   void apply(NodeId node, const NodeOutcome& outcome) {
-    for (const Access& access : network_.accesses(node)) {
-      if (access.writes && outcome.as_declared) result_.world.set({access.fact, access.value});
+    if (outcome.as_declared) {
+      for (const std::uint32_t place : network_.effects(node))
+        result_.world.set({network_.access(place).fact, network_.access(place).value});
     }
     for (const Literal& literal : outcome.effects)
       result_.world.set(literal);

@@ -72,6 +72,16 @@ void TaskNetwork::close(NodeRecord& next) const {
   next.first_condition = static_cast<std::uint32_t>(conditions_.size());
 }
 
+std::vector<std::uint32_t> TaskNetwork::effects(NodeId node) const {
+  std::vector<std::uint32_t> places;
+  const std::uint32_t first = (*this)[node].first_access;
+  for (std::uint32_t i = 0; i < accesses(node).size(); ++i) {
+    if (accesses_[first + i].writes) places.push_back(first + i);
+  }
+  std::ranges::stable_sort(places, {}, [this](std::uint32_t place) { return accesses_[place].turn; });
+  return places;
+}
+
 void TaskNetwork::append_accesses(const NodeSpec& spec, NodeId node) {
   const auto access_to = [&](FactId fact) -> Access& {
     const auto known = std::ranges::find(scratch_, fact, &Access::fact);
@@ -87,9 +97,11 @@ void TaskNetwork::append_accesses(const NodeSpec& spec, NodeId node) {
     access.reads = true;
     access.needed = literal.value;
   }
-  for (const Literal& literal : spec.effects) {
+  for (std::size_t turn = 0; turn < spec.effects.size(); ++turn) {
+    const Literal& literal = spec.effects[turn];
     Access& access = access_to(literal.fact);
     access.value = literal.value || (access.writes && access.value);
+    if (!access.writes) access.turn = static_cast<std::uint8_t>(std::min<std::size_t>(turn, 255));
     access.writes = true;
   }
   for (Access& access : scratch_) {

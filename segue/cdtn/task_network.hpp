@@ -66,6 +66,7 @@ struct Access {
   bool needed : 1 = false;  ///< the value that the precondition asks for
   bool writes : 1 = false;
   bool value : 1 = false;  ///< the value that is predicted
+  std::uint8_t turn = 0;   ///< among the node's effects, as declared; the 256th and later ones are equal
 };
 
 /// A node as stored: everything of variable length lies in arrays of the network.
@@ -134,6 +135,8 @@ class TaskNetwork {
     return part(conditions_, node, &NodeRecord::first_condition);
   }
   [[nodiscard]] const Access& access(std::uint32_t place) const { return accesses_[place]; }
+  /// The places of the accesses by which the node writes, in the order in which it declares its effects.
+  [[nodiscard]] std::vector<std::uint32_t> effects(NodeId node) const;
   [[nodiscard]] std::uint32_t access_count() const { return static_cast<std::uint32_t>(accesses_.size()); }
   [[nodiscard]] std::uint32_t input_count() const { return static_cast<std::uint32_t>(inputs_.size()); }
   [[nodiscard]] std::span<const GroupLock> groups() const { return groups_; }

@@ -5,6 +5,19 @@
 
 namespace segue::cdtn {
 
+namespace {
+
+/// A permutation of all numbers in which each bit depends on all bits (the finalizer of splitmix64: Steele,
+/// Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
+std::uint64_t mixed(std::uint64_t number) {
+  number += 0x9e3779b97f4a7c15U;
+  number = (number ^ (number >> 30)) * 0xbf58476d1ce4e5b9U;
+  number = (number ^ (number >> 27)) * 0x94d049bb133111ebU;
+  return number ^ (number >> 31);
+}
+
+}  // namespace
+
 bool VersionedWorld::reaches(std::uint32_t number) const {
   return root_ && (std::uint64_t{number} >> (kBits * (depth_ + 1))) == 0;
 }
@@ -47,6 +60,7 @@ std::uint64_t& VersionedWorld::writable_cell(FactId fact) {
 bool VersionedWorld::set(const Literal& literal) {
   if (holds(literal)) return false;
   writable_cell(literal.fact) = ++version_ << 1 | (literal.value ? 1U : 0U);
+  history_ = mixed(history_ ^ (std::uint64_t{index(literal.fact)} << 1 | (literal.value ? 1U : 0U)));
   for (Attachment& attachment : attachments_) {
     if (!attachment.data.unique()) attachment.data = attachment.data->clone();
     attachment.data->changed(literal);

@@ -39,10 +39,18 @@ class VersionedWorld {
   /// Changes nothing, the version neither, where the fact has that value already. Returns whether it changed.
   bool set(const Literal& literal);
 
+  /// A number that two copies of one world share if the same changes were made to both since, in the same
+  /// order; else hardly ever (one time in 2^64).
+  [[nodiscard]] std::uint64_t history() const { return history_; }
+
   /// Attaches data under a name, in the place of what had that name.
   void attach(std::string name, CowPtr<UserData> data);
   /// Null where nothing has that name. Valid until this world changes.
   [[nodiscard]] const UserData* attached(std::string_view name) const;
+
+  [[nodiscard]] bool has_attachments() const { return !attachments_.empty(); }
+  /// What is attached to `other` takes the place of what is attached to this.
+  void take_attachments_of(const VersionedWorld& other) { attachments_ = other.attachments_; }
 
   /// The facts that hold, in the order of their ids. Linear in the largest id.
   [[nodiscard]] std::vector<FactId> facts() const;
@@ -76,6 +84,7 @@ class VersionedWorld {
   CowPtr<Page> root_;
   unsigned depth_ = 0;  ///< inner levels above the leaves
   std::uint64_t version_ = 0;
+  std::uint64_t history_ = 0;
   std::vector<Attachment> attachments_;
 };
 

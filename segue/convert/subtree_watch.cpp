@@ -24,11 +24,13 @@ SubtreeWatch::SubtreeWatch(const mission::MissionPart& part)
     : facts_(part.world.facts()),
       units_(part.units),
       iterations_(part.iterations),
-      begun_(part.iterations->begin(), part.iterations->end()) {}
+      begun_(part.iterations->begin(), part.iterations->end()),
+      has_data_(!part.world.data().empty()) {}
 
 SubtreeChanges SubtreeWatch::changes(const mission::Engine& engine) const {
-  SubtreeChanges changes{
-      differences(facts_, engine.world().facts()), engine.units().changes_since(units_), {}};
+  SubtreeChanges changes{has_data_ ? engine.world().changes() : differences(facts_, engine.world().facts()),
+                         engine.units().changes_since(units_),
+                         {}};
   for (std::size_t i = 0; i < begun_.size(); ++i) {
     if (const std::uint32_t now = (*iterations_)[i]; now != begun_[i])
       changes.begun[static_cast<mission::StateIndex>(i)] = now;

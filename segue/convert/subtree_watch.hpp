@@ -22,6 +22,7 @@ class SubtreeWatch {
   mission::Units::Counts units_;
   std::shared_ptr<mission::Iterations> iterations_;
   std::vector<std::uint32_t> begun_;  ///< by state
+  bool has_data_;                     ///< which follow each change of a fact
 };
 
 }  // namespace segue::convert

@@ -27,8 +27,9 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
                             : initial_units(program->mission(), options.resources);
   if (!units) return units.error();
   if (runners.observer() && !options.part) runners.observer()->begin(*facts);
-  World world(std::move(*facts), options.backward,
-              options.part ? options.part->world.data() : options.world_data);
+  const AttachedData data = options.part ? options.part->world.data() : options.world_data;
+  const bool lists_changes = options.part && !data.empty();
+  World world(std::move(*facts), options.backward || lists_changes, data);
   auto core = std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(world),
                                                    Units(*units), std::move(options));
   core->observer = runners.observer();

@@ -45,6 +45,14 @@ World::Changes World::apply(std::span<const GroundFact> effects) {
   return {first, static_cast<std::uint32_t>(changes_.size())};
 }
 
+std::vector<std::string> World::changes() const {
+  std::vector<std::string> texts;
+  for (const Change& change : changes_) {
+    if (!change.undone) texts.push_back((change.fact.holds ? "" : "!") + change.fact.text);
+  }
+  return texts;
+}
+
 void World::undo(Changes changes) {
   for (std::uint32_t i = changes.first; i < changes.second; ++i)
     changes_[i].undone = true;

@@ -24,7 +24,7 @@ class World {
   using Changes = std::pair<std::uint32_t, std::uint32_t>;
 
   World() = default;
-  /// `keep`: records changes, so that they can be undone.
+  /// `keep`: records changes, so that they can be undone, and listed.
   World(Facts facts, bool keep, const AttachedData& data = {});
 
   [[nodiscard]] const Facts& facts() const { return facts_; }
@@ -35,6 +35,9 @@ class World {
                                               const std::function<bool(const GroundFact&)>& counts) const;
 
   Changes apply(std::span<const GroundFact> effects);
+  /// Those that were made and not undone, in their order, also where a fact had that value already: "p(a)",
+  /// "!q(b)".
+  [[nodiscard]] std::vector<std::string> changes() const;
   /// Undoes these changes as if they had never been made; later ones remain.
   void undo(Changes changes);
 

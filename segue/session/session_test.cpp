@@ -385,6 +385,72 @@ states:
   }
 }
 
+/// The changes of facts, in their order.
+mission::WorldEffects<std::string> noted_changes(const std::vector<std::string>& facts) {
+  mission::WorldEffects<std::string> effects;
+  for (const std::string& fact : facts) {
+    for (const std::string sign : {"+", "-"})
+      effects.on(sign + fact, [=](std::string& notes, auto) { notes += " " + sign + fact; });
+  }
+  return effects.shown_as([](const std::string& notes) { return type::Value(notes); });
+}
+
+std::string noted(const Session& session, RunRequest request, const std::vector<std::string>& facts) {
+  std::string seen;
+  request.world_data.emplace("notes", mission::world_data(std::string(), noted_changes(facts)));
+  request.runners.add("look", [&](mission::ActionCall& call) {
+    seen = *mission::data_of<std::string>(call.world().value(), "notes");
+    return mission::Ending{};
+  });
+  const auto run = session.run(request).value();
+  EXPECT_TRUE(run->overview().succeeded);
+  return seen;
+}
+
+TEST_F(Sessions, EffectsComeInTheOrderOfThePlan) {
+  for (const std::string how : {"", "pure: true, "}) {
+    const Session session = load("order.yaml", R"j(mission: m
+actions:
+  slow: {effects: ["+a()"], run: {simulated: {duration: 4s}}}
+  quick: {preconditions: ["!d()", "!b()"], effects: ["+c()", "+b()", "+d()"], run: {simulated: {duration: 1s}}}
+  back: {effects: ["-c()"], run: {simulated: {duration: 1s}}}
+  again: {effects: ["+c()"], run: {simulated: {duration: 1s}}}
+  look: {)j" + how + R"j(reads_world: true, run: {callback: look}}
+start: slow
+states:
+  slow: {on: {success: quick}}
+  quick: {on: {success: as_written}}
+  as_written:
+    start: back
+    on: {success: look}
+    states:
+      back: {on: {success: again, preempted: again}}
+      again: {on: {success: return success}}
+  look: {on: {success: return success}}
+)j");
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      EXPECT_EQ(noted(session, request(mode), {"a", "b", "c", "d"}), " +a +c +b +d -c +c") << how;
+    }
+  }
+}
+
+TEST_F(Sessions, FactsThatCameToTheSameInAnotherWayAreNotTheSameToData) {
+  const Session session = load("ways.yaml", R"j(mission: m
+actions:
+  open: {effects: ["+open()"], run: {simulated: {duration: 4s, outcomes: [aborted]}}, expect: {duration: 4s}}
+  close: {effects: ["-open()"], run: {simulated: {duration: 1s}}}
+  look: {pure: true, reads_world: true, run: {callback: look}}
+start: open
+states:
+  open: {on: {success: close, aborted: close}}
+  close: {on: {success: look}}
+  look: {on: {success: return success}}
+)j");
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    EXPECT_EQ(noted(session, request(mode), {"open"}), "");
+  }
+}
+
 TEST_F(Sessions, ActionsSeeTheWorldThatIsPredictedWithWhatIsAttachedToIt) {
   const Session session = load("world.yaml", R"j(mission: m
 actions:

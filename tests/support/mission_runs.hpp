@@ -28,13 +28,13 @@ inline std::uint64_t digest(std::string_view text, std::uint64_t number) {
   return hash ^ (hash >> 29);
 }
 
-/// Follows the facts of a run: a digest of all that are not as they were initially.
+/// Follows the facts of a run: a digest of how often each has become true and false.
 class ChangeCount final : public mission::WorldData {
  public:
   [[nodiscard]] std::shared_ptr<mission::WorldData> clone() const override {
     return std::make_shared<ChangeCount>(*this);
   }
-  void changed(const std::string& fact, bool /*holds*/) override { count ^= digest(fact, 1); }
+  void changed(const std::string& fact, bool holds) override { count += digest(fact, holds ? 1 : 2); }
   std::uint64_t count = 0;
 };
 
