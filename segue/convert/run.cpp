@@ -4,6 +4,7 @@
 #include <segue/convert/unfinished_outputs.hpp>
 #include <segue/convert/world_views.hpp>
 #include <segue/mission/fact_observer.hpp>
+#include <segue/mission/scripted_data.hpp>
 
 #include <algorithm>
 #include <mutex>
@@ -151,6 +152,8 @@ Result<std::unique_ptr<Run>> Run::create(std::shared_ptr<const mission::Program>
   auto plan = MissionPlan::create(std::move(program), std::move(inputs), options.facts, PlanScope::AsKnown,
                                   options.resources);
   if (!plan) return plan.error();
+  if (auto attached = mission::attach_declared((*plan)->program().mission(), options.world_data); !attached)
+    return attached.error();
   auto& network = (*plan)->network();
   attach(network.initial_world, network.facts, options.world_data);
   if (runners.observer()) {

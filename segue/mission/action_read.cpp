@@ -113,21 +113,6 @@ Simulated read_simulated(const Value& value, const std::string& what, const Sour
   return simulated;
 }
 
-Script read_script(const Value& value, const std::string& what, const Source& source) {
-  Script script;
-  if (const auto file = model::detail::scalar_text(value)) {
-    script.file = *file;
-    return script;
-  }
-  Fields fields(value, "the script of " + what, source);
-  script.file = fields.text("file");
-  script.text = fields.text("text");
-  fields.finish();
-  if (script.file.empty() == script.text.empty())
-    source.error("bad-script", fields.what() + ": give either 'file' or 'text'", value);
-  return script;
-}
-
 Decision read_decision(const Value& value, const std::string& what, const Source& source) {
   Decision decision;
   if (!value.is_list()) {
@@ -240,6 +225,21 @@ void read_declarations(Action& action, Fields& fields, const Source& source) {
   if (fields.find("controllers", Value::Kind::List) != nullptr)
     action.controllers = fields.texts("controllers");
   read_expectation(action, fields, source);
+}
+
+Script read_script(const Value& value, const std::string& what, const Source& source) {
+  Script script;
+  if (const auto file = model::detail::scalar_text(value)) {
+    script.file = *file;
+    return script;
+  }
+  Fields fields(value, "the script of " + what, source);
+  script.file = fields.text("file");
+  script.text = fields.text("text");
+  fields.finish();
+  if (script.file.empty() == script.text.empty())
+    source.error("bad-script", fields.what() + ": give either 'file' or 'text'", value);
+  return script;
 }
 
 Procedure read_run(Fields& action, const Source& source) {

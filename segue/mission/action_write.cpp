@@ -38,8 +38,7 @@ Value write_run(const Callback& callback) {
 }
 
 Value write_run(const Script& script) {
-  if (script.text.empty()) return Value::map({{"python", script.file}});
-  return Value::map({{"python", Value::map({{"text", script.text}})}});
+  return Value::map({{"python", write_script(script)}});
 }
 
 Value write_run(const Simulated& simulated) {
@@ -135,6 +134,11 @@ Value write_action(const Action& action) {
   Value run = std::visit([](const auto& how) { return write_run(how); }, action.run);
   if (!run.is_null()) map.append("run", std::move(run));
   return map;
+}
+
+Value write_script(const Script& script) {
+  if (script.text.empty()) return script.file;
+  return Value::map({{"text", script.text}});
 }
 
 Value write_resource(const Resource& resource) {

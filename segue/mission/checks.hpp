@@ -18,6 +18,8 @@ Diagnostics validate(const MissionIndex& index);
 void check_actions(const Mission& mission, Diagnostics& diagnostics);
 /// Facts that contradict each other, are listed twice, or can never become as an action needs them.
 void check_facts(const Mission& mission, Diagnostics& diagnostics);
+/// Data that follow facts: their names and functions, and whether anything concerns them.
+void check_declared_data(const Mission& mission, Diagnostics& diagnostics);
 /// Resources that an action needs but that can never exist.
 void check_resources(const Mission& mission, Diagnostics& diagnostics);
 /// What actions that are controllers say about their inputs, outputs and outcomes.

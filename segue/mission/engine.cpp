@@ -2,6 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/engine_core.hpp>
 #include <segue/mission/fact_observer.hpp>
+#include <segue/mission/scripted_data.hpp>
 
 #include <algorithm>
 
@@ -27,7 +28,10 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
                             : initial_units(program->mission(), options.resources);
   if (!units) return units.error();
   if (runners.observer() && !options.part) runners.observer()->begin(*facts);
-  const AttachedData data = options.part ? options.part->world.data() : options.world_data;
+  AttachedData data = options.part ? options.part->world.data() : options.world_data;
+  if (!options.part) {
+    if (auto attached = attach_declared(program->mission(), data); !attached) return attached.error();
+  }
   const bool lists_changes = options.part && !data.empty();
   World world(std::move(*facts), options.backward || lists_changes, data);
   auto core = std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(world),

@@ -35,6 +35,8 @@ Diagnostics validate(const Mission& mission);
 
 /// The path of an action's script file, which is relative to the file that declares the action.
 std::filesystem::path script_file(const Mission& mission, const Action& action);
+/// The path of a script's file that is named at `where`.
+std::filesystem::path script_file(const Mission& mission, const Script& script, const SourcePlace& where);
 
 /// Reads the file and its libraries and validates the mission. Nothing if there are errors. Warns of missing
 /// scripts. Blocks on files.

@@ -129,24 +129,31 @@ void add_libraries(Mission& mission, const std::vector<path>& folders, Diagnosti
 }
 
 path script_file(const Mission& mission, const Action& action) {
-  const path origin = action.where.file.empty() ? mission.file : action.where.file;
+  return script_file(mission, std::get<Script>(action.run), action.where);
+}
+
+path script_file(const Mission& mission, const Script& script, const SourcePlace& where) {
+  const path origin = where.file.empty() ? mission.file : where.file;
   std::error_code ignored;
   const path folder = origin.empty() ? path() : std::filesystem::absolute(origin, ignored).parent_path();
-  return (folder / std::get<Script>(action.run).file).lexically_normal();
+  return (folder / script.file).lexically_normal();
 }
 
 namespace {
 
 void check_scripts(const Mission& mission, Diagnostics& diagnostics) {
+  const auto check = [&](const Script& script, const std::string& what, const SourcePlace& where) {
+    std::error_code ignored;
+    if (script.file.empty() || std::filesystem::is_regular_file(script_file(mission, script, where), ignored))
+      return;
+    diagnostics.warning("missing-script", what + ": there is no script " + quote(script.file), where);
+  };
   for (const Action& action : mission.actions) {
     const auto* script = std::get_if<Script>(&action.run);
-    if (script == nullptr || script->file.empty()) continue;
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(script_file(mission, action), ignored)) continue;
-    diagnostics.warning("missing-script",
-                        "action " + quote(action.name.str()) + ": there is no script " + quote(script->file),
-                        action.where);
+    if (script != nullptr) check(*script, "action " + quote(action.name.str()), action.where);
   }
+  for (const DeclaredData& data : mission.world_data)
+    check(data.functions, "the world data " + quote(data.name), data.where);
 }
 
 }  // namespace

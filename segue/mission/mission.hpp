@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/mission/action.hpp>
+#include <segue/mission/declared_data.hpp>
 
 #include <array>
 #include <cstdint>
@@ -131,7 +132,8 @@ struct ObservedFact {
 struct Mission {
   std::string name;
   std::vector<Port> globals;
-  std::vector<Fact> world;  ///< the facts that hold at the beginning, without inputs
+  std::vector<Fact> world;               ///< the facts that hold at the beginning, without inputs
+  std::vector<DeclaredData> world_data;  ///< that follow the facts
   std::vector<ObservedFact> observed;
   std::vector<Resource> resources;
   std::vector<Action> actions;
@@ -139,9 +141,9 @@ struct Mission {
   std::vector<Library> libraries;
   std::string file;
   friend bool operator==(const Mission& a, const Mission& b) {
-    return a.name == b.name && a.globals == b.globals && a.world == b.world && a.observed == b.observed &&
-           a.resources == b.resources && a.actions == b.actions && a.states == b.states &&
-           a.libraries == b.libraries;
+    return a.name == b.name && a.globals == b.globals && a.world == b.world && a.world_data == b.world_data &&
+           a.observed == b.observed && a.resources == b.resources && a.actions == b.actions &&
+           a.states == b.states && a.libraries == b.libraries;
   }
 
   [[nodiscard]] const State& root() const { return states.front(); }

@@ -26,6 +26,7 @@ class Reader {
     mission_.name = fields.required_name("mission", "give it a name");
     mission_.globals = detail::read_ports(fields, "globals", source_);
     mission_.world = detail::read_world(fields, source_);
+    mission_.world_data = detail::read_declared_data(fields, source_);
     mission_.observed = detail::read_observed(fields, source_);
     read_named(fields, "resources", [&](const std::string& name, const Value& value) {
       mission_.resources.push_back(detail::read_resource(name, value, source_));

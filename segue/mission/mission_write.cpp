@@ -101,6 +101,7 @@ std::string write_mission(const Mission& mission) {
       world.emplace_back(to_string(fact));
     map.append("world", std::move(world));
   }
+  detail::write_declared_data(map, mission.world_data);
   detail::write_observed(map, mission.observed);
   write_named(
       map, "resources", mission.resources, [](const Resource& resource) { return resource.name; },

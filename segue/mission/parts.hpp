@@ -33,6 +33,10 @@ void read_needs(std::vector<Fact>& preconditions, std::vector<ResourceUse>& reso
                 const Source& source);
 /// Reads what an action declares of its facts, resources and class, and what is expected of it.
 void read_declarations(Action& action, Fields& fields, const Source& source);
+/// Reads "world_data".
+std::vector<DeclaredData> read_declared_data(Fields& fields, const Source& source);
+/// Reads a file's name, or {text: ...}.
+Script read_script(const type::Value& value, const std::string& what, const Source& source);
 /// Reads "run", if there is one.
 Procedure read_run(Fields& action, const Source& source);
 Action read_action(const std::string& name, const type::Value& value, const Source& source);
@@ -51,6 +55,8 @@ void write_needs(type::ValueMap& map, const std::vector<Fact>& preconditions,
 type::Value write_action(const Action& action);
 type::Value write_controller(const ControllerUse& use);
 type::Value write_pool_call(const PoolCall& call);
+void write_declared_data(type::ValueMap& map, const std::vector<DeclaredData>& data);
+type::Value write_script(const Script& script);
 void write_observed(type::ValueMap& map, const std::vector<ObservedFact>& observed);
 type::Value write_resource(const Resource& resource);
 

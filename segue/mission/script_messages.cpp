@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/files.hpp>
+#include <segue/mission/script_data.hpp>
 #include <segue/mission/script_messages.hpp>
 #include <segue/type/json.hpp>
 
@@ -214,7 +215,8 @@ std::string path_of(const ActionCall& call) {
   return path.empty() ? call.program().mission().name : path;
 }
 
-Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call, bool has_robot) {
+Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call, bool has_robot,
+                              const WorldView* world) {
   auto inputs = inputs_of(call);
   if (!inputs) return inputs.error();
   const Program& program = call.program();
@@ -225,9 +227,10 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("run", run);
   message.append("backward", call.backward());
   message.append("discardable", call.may_be_discarded());
-  if (const auto world = call.world()) {
+  if (world != nullptr) {
     message.append("world", Value::List(world->facts().begin(), world->facts().end()));
     message.append("world_data", shown_data(*world));
+    message.append("computed_data", ScriptData(*world).names());
   }
   message.append("no_robot", why_no_robot(call, has_robot));
   message.append("path", path_of(call));

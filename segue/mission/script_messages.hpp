@@ -53,9 +53,9 @@ class LineReader {
 std::string path_of(const ActionCall& call);
 
 /// The message "execute", with everything that the script sees. InvalidArgument if an input cannot be passed
-/// to a script. `has_robot`: the run has one.
+/// to a script. `has_robot`: the run has one. `world`: that the script may read; null: none.
 Result<type::Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call,
-                                    bool has_robot);
+                                    bool has_robot, const WorldView* world);
 
 /// Carries out a request of a script about global variables: returns "value", or "error" and "code".
 type::ValueMap answer_about_globals(Globals& globals, const type::Value& request);

@@ -120,7 +120,9 @@ Result<void> ScriptRunner::check() const {
 
 std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   const auto [id, run] = impl_->next_run();
-  const auto message = detail::execute_message(id, run, call, impl_->options().robot != nullptr);
+  const auto world = call.world();
+  const auto message =
+      detail::execute_message(id, run, call, impl_->options().robot != nullptr, world ? &*world : nullptr);
   if (!message) return Ending{kAborted, message.error().message};
   std::optional<ScriptRobot::Rights> rights;
   if (call.action().controllers && impl_->options().robot && !call.backward()) {
@@ -130,7 +132,8 @@ std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   }
   const auto text = detail::framed(*message, impl_->options().largest_message);
   if (!text) return Ending{kAborted, "its inputs: " + text.error().message};
-  detail::ScriptExecution execution{detail::path_of(call), {}, call.globals(), {}, {}, {}, {}, {}};
+  detail::ScriptExecution execution{detail::path_of(call), {}, call.globals(), {}, {}, {}, {}, {}, {}};
+  if (world) execution.data = std::make_shared<detail::ScriptData>(*world);
   for (const Port& port : call.action().outputs)
     execution.output_names.push_back(port.name);
   execution.outputs.assign(call.outputs().begin(), call.outputs().end());

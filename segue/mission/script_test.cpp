@@ -3,6 +3,7 @@
 #include <segue/mission/engine.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/script_runner.hpp>
+#include <segue/mission/scripted_data.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -755,6 +756,109 @@ TEST_F(Scripts, mayOutliveTheirEngine) {
   other.join();
   engine_.reset();
   EXPECT_EQ(run_body("return 0").outcome, 0);
+}
+
+// Data of the world
+
+/// A mission that counts with functions in Python and then looks.
+std::string counting(const std::string& functions, const std::string& more_states = "") {
+  return "mission: m\nworld_data:\n  tally:\n    initial: {count: 0}\n    python:\n      text: |\n" +
+         indented(functions, "        ") + "\n    effects: {'+done': add}\nactions:\n" +
+         action("work", execute("return 0"), "inputs: {what: text}\neffects: ['+done({what})']") +
+         action("die", execute("import os; os._exit(3)"), "resources: []") +
+         action("look", execute("outputs['x'] = self.world.data['tally']\nreturn 0"),
+                "reads_world: true\noutputs: {x: any}") +
+         "start: work\noutputs: {x: any}\nflows: [look.x -> outputs.x]\nstates:\n"
+         "  work: {inputs: {what: a}, on: {success: " +
+         (more_states.empty() ? "look" : "first") + "}}\n" + more_states +
+         "  look: {on: {success: return success}}\n";
+}
+
+TEST_F(Scripts, getDataThatFollowFactsAlsoAfterTheirProcessHasDied) {
+  const auto& result = run(counting("def add(tally, what):\n  tally['count'] += 1\n  tally[what] = True",
+                                    "  first: {action: look, on: {success: die}}\n"
+                                    "  die: {on: {success: more, aborted: more}}\n"
+                                    "  more: {action: work, inputs: {what: b}, on: {success: look}}\n"));
+  ASSERT_EQ(result.outcome, 0) << result.error;
+  EXPECT_EQ(result.outputs.front(), Value::map({{"count", 2}, {"a", true}, {"b", true}}));
+}
+
+TEST_F(Scripts, areToldWhyDataCannotBeComputed) {
+  const std::string impatient = "import sys\nsys.modules['__main__'].EffectCalls.LONGEST = 0.2\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"def add(tally, what):\n  print('adds')\n  tally['nothing']",
+       "the world data 'tally': world data tally:3: KeyError: 'nothing', in add for +done(a)"},
+      {"x = 1", "world data tally: it has no function 'add', which +done(a) calls"},
+      {"def add(tally):\n  pass", "takes 1 positional argument but 2 were given, in add for +done(a)"},
+      {"def add(tally, what):\n  return {'x': [{1}]}",
+       "after +done(a)['x'][0]: a value of type set cannot be passed on"},
+      {"def add(tally, what):\n  return float('nan')", "nan cannot be passed on"},
+      {"x = = 1", "SyntaxError: invalid syntax, in the script for +done(a)"},
+      {"def add(tally, what):\n  raise SystemExit", "SystemExit, in add for +done(a)"},
+      {"def add(tally, what):\n  import os\n  os._exit(3)", "the Python process"},
+      {impatient + "def add(tally, what):\n  while True:\n    pass",
+       "world data tally:4: add has not returned after 0.2 s, for +done(a)"},
+      {impatient + "import time\nwhile True:\n  time.sleep(0.01)", "the script has not returned after 0.2 s"},
+      {"def add(tally, what):\n  return 'x' * 70_000_000", "that can be passed at once"}};
+  for (const auto& [functions, expected] : cases) {
+    const auto& result = run(counting(functions));
+    EXPECT_EQ(result.outcome, kAborted);
+    EXPECT_THAT(result.error, HasSubstr(expected));
+    EXPECT_TRUE(engine_->world().holds("done(a)")) << "nothing but the data is missing";
+    runner_.reset();
+  }
+  EXPECT_THAT(lines_.text(), HasSubstr("info look: adds"));
+}
+
+TEST_F(Scripts, arePreemptedWhileTheyWaitForData) {
+  load(
+      counting("import time\ndef add(tally, what):\n  print('begins')\n  while True:\n    time.sleep(0.01)"));
+  std::jthread running([this] { engine_->run(); });
+  EXPECT_TRUE(lines_.wait_for("begins"));
+  engine_->stop();
+  running.join();
+  EXPECT_EQ(engine_->result().outcome, kPreempted);
+  EXPECT_THAT(lines_.text(), ::testing::Not(HasSubstr("ignored its preemption")));
+}
+
+/// Data with one function, for changes of "p", and facts that have none.
+std::shared_ptr<WorldData> scripted_data() {
+  DeclaredData declared{"d", Value(1), {"", "x = 1"}, {{"+p", "f", {}}}, {}};
+  return std::make_shared<ScriptedData>(
+      std::make_shared<const ScriptedData::Functions>(ScriptedData::Functions{declared, "m.yaml"}));
+}
+
+TEST(DataOfTheWorld, AreComputedInPiecesFromWhatIsKnown) {
+  const auto data = scripted_data();
+  const auto& scripted = dynamic_cast<const ScriptedData&>(*data);
+  EXPECT_TRUE(scripted.next(10).changes.empty());
+  for (const char* fact : {"p(1)", "q(1)", "p(2)", "p(3)"})
+    data->changed(fact, true);
+  data->changed("p(3)", false);
+  const auto copy = data->clone();
+  copy->changed("p(4)", true);
+  const auto first = scripted.next(2);
+  EXPECT_EQ(*first.base, Value(1));
+  ASSERT_EQ(first.changes.size(), 2U) << "only those that have functions";
+  EXPECT_EQ(first.changes[1].fact, "p(2)");
+  EXPECT_FALSE(first.is_last);
+  scripted.computed(first, Value(2));
+  const auto rest = dynamic_cast<const ScriptedData&>(*copy).next(10);
+  EXPECT_EQ(*rest.base, Value(2)) << "copies share what was computed before they came apart";
+  EXPECT_EQ(rest.changes.size(), 2U);
+  EXPECT_TRUE(rest.is_last);
+  dynamic_cast<const ScriptedData&>(*copy).computed(rest, Value(3));
+  EXPECT_EQ(*scripted.next(10).base, Value(2)) << "and nothing of what came then";
+  scripted.computed(first, Value(7));
+  EXPECT_EQ(*scripted.next(10).base, Value(2)) << "it was known";
+}
+
+TEST(DataOfTheWorld, MayHaveManyChangesThatNobodyLooksAt) {
+  const auto data = scripted_data();
+  for (int i = 0; i < 300'000; ++i)
+    data->changed("p(" + std::to_string(i) + ")", true);
+  const auto copy = data->clone();
+  EXPECT_EQ(dynamic_cast<const ScriptedData&>(*copy).next(7).changes.size(), 7U);
 }
 
 }  // namespace

@@ -231,7 +231,13 @@ void ScriptWorker::complete(ScriptExecution execution, Ending ending) {
 void ScriptWorker::handle_question(const Value& message) {
   std::unique_lock guard(mutex_);
   const auto found = executions_.find(number_of(message, "execution").value_or(0));
-  const bool of_robot = message_text(message, "about") == "robot";
+  const std::string about = message_text(message, "about");
+  if (about == "data" && found != executions_.end() && found->second.data) {
+    const auto data = found->second.data;
+    guard.unlock();
+    return answer(data->answer(message), number_of(message, "number").value_or(0));
+  }
+  const bool of_robot = about == "robot";
   if (of_robot && found != executions_.end() && found->second.robot) {
     const auto robot = found->second.robot;
     guard.unlock();

@@ -3,6 +3,7 @@
 
 #include <segue/base/descriptor.hpp>
 #include <segue/mission/reach.hpp>
+#include <segue/mission/script_data.hpp>
 #include <segue/mission/script_memory.hpp>
 #include <segue/mission/script_messages.hpp>
 #include <segue/mission/script_process.hpp>
@@ -31,6 +32,7 @@ struct ScriptExecution {
   std::vector<std::pair<std::string, Globals::Key>> locks;
   std::optional<TimePoint> overdue;           ///< once preempted: until when it must end
   std::shared_ptr<ScriptRobot::Use> robot{};  ///< null: it uses none
+  std::shared_ptr<ScriptData> data{};  ///< for the thread of the process; null: it does not read the world
 };
 
 /// One Python process, and the thread that communicates with it from the first execution until the process

@@ -274,6 +274,114 @@ def full_traceback(error):
     return "".join(traceback.format_exception(type(error), error, trace)).rstrip("\n")
 
 
+class EffectCalls:
+    """Calls functions of a script for changes of facts, one after the other, with the data that they change. Each must
+    return within LONGEST seconds."""
+
+    LONGEST = 10
+    LONGEST_PAUSE = 0.05
+
+    def __init__(self, scripts, script, data, changes):
+        self._scripts = scripts
+        self._script = script
+        self._file = script_name(script)
+        self._data = data
+        self._changes = changes
+        self._call = None  # what is called, for which change, and since when
+        self._ended = threading.Event()
+        self._error = None
+        self._thread = None
+
+    def result(self, state):
+        """Waits for it in another thread than that which calls, so that one that does not return can be given up."""
+        self._thread = threading.Thread(target=self._run, args=(state.get_path(),), daemon=True)
+        self._thread.start()
+        while not self._ended.wait(self.LONGEST_PAUSE):
+            call = self._call
+            if state.preempted:
+                self._give_up()
+                raise interface.Preempted
+            if call is not None and time.monotonic() - call[2] > self.LONGEST:
+                place = self._place()
+                self._give_up()
+                raise interface.DataError(f"{place}: {call[0]} has not returned after {self.LONGEST} s, for {call[1]}")
+        if self._error is not None:
+            raise self._error
+        return self._data
+
+    def _run(self, path):
+        outputs = [output for output in (sys.stdout, sys.stderr) if isinstance(output, Output)]
+        for output in outputs:
+            output.begin(path)
+        try:
+            self._begin("the script", self._changes[0][0])
+            names = self._scripts.module(self._script)
+            for change, name, arguments in self._changes:
+                self._begin(name, change)
+                self._data = self._called(names, name, change, arguments)
+        except interface.DataError as error:
+            self._error = error
+        except BaseException as error:
+            self._error = interface.DataError(f"{describe(error, self._file)}, in {self._call[0]} for {self._call[1]}")
+            self._error.__cause__ = error
+        for output in outputs:
+            output.end()
+        self._ended.set()
+
+    def _begin(self, what, change):
+        self._call = what, change, time.monotonic()
+
+    def _called(self, names, name, change, arguments):
+        function = names.get(name)
+        if not callable(function):
+            raise interface.DataError(f"{self._file}: it has no function {name!r}, which {change} calls")
+        answer = function(self._data, *arguments)
+        return self._data if answer is None else answer
+
+    def _place(self):
+        """Where the script is now."""
+        frame = sys._current_frames().get(self._thread.ident)
+        while frame is not None and frame.f_code.co_filename != self._file:
+            frame = frame.f_back
+        return self._file if frame is None else f"{self._file}:{frame.f_lineno}"
+
+    def _give_up(self):
+        """Ends the thread at its next line of Python."""
+        import ctypes
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._thread.ident), ctypes.py_object(SystemExit))
+
+
+class ComputedData:
+    """Data of the world that follow facts by functions in Python, as one execution sees them: the engine has what was
+    computed last and the changes of facts since (segue/mission/scripted_data.hpp)."""
+
+    def __init__(self, channel, scripts, execution, state):
+        self._channel = channel
+        self._scripts = scripts
+        self._execution = execution
+        self._state = state
+
+    def compute(self, name):
+        try:
+            task = self._ask(name)
+            while task["changes"]:
+                calls = EffectCalls(self._scripts, task["script"], task["base"], task["changes"])
+                data = interface.plain(calls.result(self._state), f"after {task['changes'][-1][0]}")
+                next_task = self._ask(name, value=data)
+                if task["is_last"]:
+                    return data
+                task = next_task
+            return task["base"]
+        except (interface.DataError, TypeError, ValueError) as error:
+            raise interface.DataError(f"the world data {name!r}: {error}") from error
+
+    def _ask(self, name, **value):
+        answer = self._channel.ask(about="data", execution=self._execution, name=name, **value)
+        if "error" in answer:
+            raise interface.DataError(answer["error"])
+        return answer.get("value")
+
+
 class Worker:
     def __init__(self, channel):
         self._channel = channel
@@ -301,6 +409,7 @@ class Worker:
             state = kind(message, ScriptLogger(self._channel, message["path"]), memory, self._paused)
             state._errors = self._errors
             state._robot = interface.Robot(self._channel, message, state)
+            state._compute = ComputedData(self._channel, self._scripts, message["id"], state).compute
             self._states[message["id"]] = state
         try:
             self._pool.submit(self._in_thread, message, state)

@@ -178,8 +178,36 @@ class World(frozenset):
         return fact in self
 
 
+class DataError(RuntimeError):
+    """Data that are attached to the world could not be computed."""
+
+
+class WorldData(Mapping):
+    """What is attached to the world, by name. Data with functions in Python are computed when they are looked at."""
+
+    def __init__(self, known, to_compute, compute):
+        self._values = dict(known)
+        self._names = [*known, *to_compute]
+        self._compute = compute
+        self._lock = threading.Lock()
+
+    def __getitem__(self, name):
+        if name not in self._names:
+            raise KeyError(name)
+        with self._lock:
+            if name not in self._values:
+                self._values[name] = self._compute(name)
+            return self._values[name]
+
+    def __iter__(self):
+        return iter(self._names)
+
+    def __len__(self):
+        return len(self._names)
+
+
 class Preempted(BaseException):
-    """The script was preempted while it used the robot. Ends the action as preempted where nobody handles it."""
+    """The script was preempted while it used the robot or waited for data of the world. Ends the action as preempted where nobody handles it."""
 
 
 class RobotError(RuntimeError):
@@ -334,6 +362,7 @@ class ScriptState:
         self.run_id = message["run"]
         self._world = message.get("world")
         self._world_data = message.get("world_data")
+        self._computed_data = message.get("computed_data")
         self._memory = memory
         self.logger = logger
         self.outcomes = dict(enumerate(map(Outcome, itertools.count(), message["outcomes"])))
@@ -363,7 +392,7 @@ class ScriptState:
         if self._world is None:
             raise RuntimeError("the action does not declare 'reads_world'")
         if not isinstance(self._world, World):
-            self._world = World(self._world, self._world_data)
+            self._world = World(self._world, WorldData(self._world_data, self._computed_data, self._compute))
         return self._world
 
     @property

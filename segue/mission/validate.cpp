@@ -34,6 +34,7 @@ Diagnostics validate(const MissionIndex& index) {
   Diagnostics diagnostics;
   check_actions(index.mission(), diagnostics);
   check_facts(index.mission(), diagnostics);
+  check_declared_data(index.mission(), diagnostics);
   check_resources(index.mission(), diagnostics);
   check_pools(index.mission(), diagnostics);
   check_controllers(index.mission(), diagnostics);

@@ -451,6 +451,63 @@ states:
   }
 }
 
+/// Boxes that are lifted and put down, by functions that do not commute.
+constexpr const char* kScriptedScene = R"j(mission: m
+world_data:
+  scene:
+    initial: {red: 2.0}
+    python: scene.py
+    effects: {"+holding": lift, "-holding": put}
+actions:
+  grasp: {effects: ["+holding(red)", "+seen(red)"], run: {callback: grasp}}
+  put: {effects: ["-holding(red)"], run: {callback: put}}
+  tell:
+    outputs: {seen: any}
+    pure: true
+    reads_world: true
+    run:
+      python:
+        text: |
+          def execute(self, inputs, outputs, gvm):
+              outputs["seen"] = [sorted(self.world.data), dict(self.world.data["scene"])]
+              self.world.data["scene"].clear()
+              return 0
+start: grasp
+outputs: {first: any, last: any}
+flows: [first.seen -> outputs.first, last.seen -> outputs.last]
+states:
+  grasp: {on: {success: first}}
+  first: {action: tell, on: {success: put}}
+  put: {on: {success: last, aborted: last}}
+  last: {action: tell, on: {success: return success}}
+)j";
+
+TEST_F(Sessions, DataFollowFactsByFunctionsInPython) {
+  write("scene.py",
+        "def lift(scene, box):\n  scene['gripper'] = scene.pop(box)\n"
+        "def put(scene, box):\n  return {**{k: v for k, v in scene.items() if k != 'gripper'},\n"
+        "          box: scene['gripper'] + 1}\n");
+  const Session session = load("scripted.yaml", kScriptedScene);
+  for (const bool slips : {false, true}) {
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      SCOPED_TRACE(slips);
+      RunRequest wanted = request(mode);
+      wanted.clock = cdtn::ClockKind::Real;
+      wanted.runners.add("put", [&](mission::ActionCall&) {
+        return slips ? mission::Ending{mission::kAborted, "it stuck"} : mission::Ending{};
+      });
+      const auto run = session.run(wanted).value();
+      const auto& outputs = run->overview().outputs;
+      ASSERT_TRUE(run->overview().succeeded);
+      EXPECT_EQ(type::to_json(*outputs.find("first"), -1), R"j([["scene"],{"gripper":2.0}])j");
+      EXPECT_EQ(type::to_json(*outputs.find("last"), -1),
+                slips ? R"j([["scene"],{"gripper":2.0}])j" : R"j([["scene"],{"red":3.0}])j");
+      wanted.world_data.emplace("scene", mission::world_data(Scene(), scene_effects()));
+      EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidArgument) << "both have a scene";
+    }
+  }
+}
+
 TEST_F(Sessions, ActionsSeeTheWorldThatIsPredictedWithWhatIsAttachedToIt) {
   const Session session = load("world.yaml", R"j(mission: m
 actions:

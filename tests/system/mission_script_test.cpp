@@ -342,5 +342,65 @@ states:
   }
 }
 
+/// Notes what was done, in order, in data that follow facts. In the middle, the whole run is killed once.
+constexpr const char* kNoted = R"j(mission: noted
+world_data:
+  notes: {initial: [], python: notes.py, effects: {"+done": add}}
+actions:
+  work: {inputs: {what: text}, effects: ["+done({what})"], run: {simulated: {duration: 1ms}}}
+  crash:
+    resources: [{block: crash}]
+    run:
+      python:
+        text: |
+          import os, signal
+          def execute(self, inputs, outputs, gvm):
+              if os.path.exists("crash"):
+                  os.remove("crash")
+                  os.kill(os.getppid(), signal.SIGKILL)
+                  self.preemptive_wait()
+              return "success"
+  look:
+    outputs: {notes: list}
+    pure: true
+    reads_world: true
+    run:
+      python:
+        text: |
+          def execute(self, inputs, outputs, gvm):
+              outputs["notes"] = self.world.data["notes"]
+              return "success"
+outputs: {early: list, notes: list}
+flows: [early.notes -> outputs.early, look.notes -> outputs.notes]
+start: first
+states:
+  first: {action: work, inputs: {what: b}, on: {success: early}}
+  early: {action: look, on: {success: crash}}
+  crash: {on: {success: second}}
+  second: {action: work, inputs: {what: a}, on: {success: look}}
+  look: {on: {success: return success}}
+)j";
+
+TEST_F(MissionScripts, DataFollowFactsAlsoInARunThatIsResumed) {
+  write("noted.yaml", kNoted);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
+    write("crash", "");
+    write("notes.py", "def add(notes, what):\n  notes.append(what)\n");
+    const std::vector<std::string> run = {"mission", "run",       "noted.yaml", "--mode",
+                                          mode,      "--journal", mode + ".db"};
+    EXPECT_NE(segue(run).status, 0);
+    auto resumed = run;
+    resumed.insert(resumed.end(), {"--resume", "--under-way", "skip"});
+    const auto ended = json(resumed);
+    EXPECT_EQ(type::to_json(*ended.find("outputs"), -1), R"j({"early":["b"],"notes":["b","a"]})j");
+    write("notes.py", "def add(notes, what):\n  notes.append(what / 2)\n");
+    const auto wrong = segue({"mission", "run", "noted.yaml", "--mode", mode});
+    EXPECT_EQ(wrong.status, 1);
+    EXPECT_THAT(wrong.output + wrong.errors, HasSubstr("notes.py:2: TypeError: unsupported operand"));
+    EXPECT_THAT(wrong.output + wrong.errors, HasSubstr("in add for +done(b)"));
+  }
+}
+
 }  // namespace
 }  // namespace segue::testing
