@@ -115,6 +115,7 @@ struct Hub::Watched {
   Value plan{};
   Duration pause{};  ///< of a port: after each reading, for the size of its samples
   TimePoint next_read{};
+  TimePoint heard{};  ///< the newest sample, or when the stream was opened
 };
 
 Hub::Hub(RobotLink& link) : Hub(link, Periods{}) {}
@@ -249,22 +250,25 @@ Result<Value> Hub::ask(Watched& document, const RobotLink::Connected& link) {
   return with_keys(std::move(*status));
 }
 
-/// The value that is known already, where there is no new sample. Large samples are read less often, so that
-/// neither the robot nor a browser is flooded.
+/// The value that is known already, where there is no new sample. A stream that is silent is opened again:
+/// its task may have gone, or be another one of the same name by now, of which the old stream would say
+/// nothing. Large samples are read less often, so that neither the robot nor a browser is flooded.
 Result<Value> Hub::read_port(Watched& document, const RobotLink::Connected& link) {
-  if (!document.stream) {
+  const TimePoint now = monotonic_now();
+  if (!document.stream || now - document.heard > periods_.silence) {
     auto stream = link.robot->open_port(document.task, document.port, kSampleBuffer);
     if (!stream) return stream.error();
     document.stream = std::move(*stream);
+    document.heard = now;
   }
   auto samples = document.stream->read(kSampleBuffer);
   if (!samples) return samples.error();
-  const TimePoint now = monotonic_now();
   document.next_read = now + document.pause;
   if (samples->empty()) {
     const auto known = newest(document.name);
     return known && known->error.empty() ? known->value : Value();
   }
+  document.heard = now;
   using Seconds = std::chrono::duration<double>;
   const Seconds least(static_cast<double>(scalars_in(samples->back())) / periods_.scalars_per_second);
   document.pause = std::chrono::duration_cast<Duration>(least);

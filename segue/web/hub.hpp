@@ -49,6 +49,7 @@ class Hub {
     Duration ports = std::chrono::milliseconds(50);
     /// Of each port; samples with many numbers, such as images, are read less often than `ports` says.
     double scalars_per_second = 2e6;
+    Duration silence = std::chrono::seconds(2);  ///< after which a port is opened again
   };
   static constexpr std::size_t kMostEvents = 1000;
   static constexpr std::size_t kMostMissionEntries = 20'000;

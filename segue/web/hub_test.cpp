@@ -97,6 +97,24 @@ TEST_F(HubTest, LargeSamplesAreReadLessOftenAndThatIsSaid) {
   EXPECT_DOUBLE_EQ(quick.newest("port/t/out")->value.find("period_s")->as_double(), 0.02);
 }
 
+TEST_F(HubTest, ASilentPortIsOpenedAgain) {
+  Hub hub(link_, {.snapshots = often_.snapshots, .ports = often_.ports, .silence = often_.ports});
+  robot_.is_silent = true;
+  ASSERT_TRUE(hub.look(looker_, "port/t/out"));
+  ASSERT_TRUE(comes_true([&] { return robot_.opened > 2; }));
+  robot_.is_gone = true;
+  ASSERT_TRUE(comes_true([&] {
+    const auto newest = hub.newest("port/t/out");
+    return newest && newest->error.find("no such task") != std::string::npos;
+  })) << "that its task has gone is said";
+  robot_.is_silent = false;
+  robot_.is_gone = false;
+  EXPECT_TRUE(comes_true([&] {
+    const auto newest = hub.newest("port/t/out");
+    return newest && newest->error.empty() && newest->value.is_map();
+  })) << "its successor is heard";
+}
+
 TEST_F(HubTest, EventsAreKeptInOrder) {
   Hub hub(link_, often_);
   ASSERT_TRUE(hub.look(looker_, "events"));

@@ -23,6 +23,9 @@ namespace segue::web {
 class ShownRobot final : public control::FakeRobot {
  public:
   std::atomic<int> questions{0};
+  std::atomic<int> opened{0};          ///< ports
+  std::atomic<bool> is_silent{false};  ///< the ports that are opened from now on
+  std::atomic<bool> is_gone{false};    ///< the task whose ports are opened
 
   void show(type::Value status) {
     const std::lock_guard lock(mutex_);
@@ -62,8 +65,23 @@ class ShownRobot final : public control::FakeRobot {
     ++questions;
     return control::FakeRobot::events(after, std::min(wait, Duration(std::chrono::milliseconds(20))));
   }
+  Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
+                                                           std::size_t buffer) override {
+    ++opened;
+    if (is_gone) return fail(ErrorCode::NotFound, "no such task runs");
+    if (is_silent) return std::make_unique<Silent>();
+    return control::FakeRobot::open_port(task, port, buffer);
+  }
 
  private:
+  class Silent final : public control::SampleStream {
+   public:
+    Result<std::vector<type::Value>> read(std::size_t /*limit*/) override {
+      return std::vector<type::Value>();
+    }
+    [[nodiscard]] std::string type_name() const override { return "/int32_t"; }
+  };
+
   std::mutex mutex_;
   std::uint64_t mission_run_ = 0;
   std::string mission_state_;
