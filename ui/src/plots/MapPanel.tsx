@@ -5,7 +5,7 @@ import { pointsOf, shapeOf, valueAt } from './fields';
 import { Footer } from './Footer';
 import { documentOf, sourceText, type Panel } from './layout';
 import { drawScene, type Scene } from './draw_map';
-import { fromCanvas, gridOf, poseOf, scanPoints, viewOf, zoomed, type Point, type Pose, type View } from './map';
+import { fromCanvas, gridOf, poseOf, scanPoints, toCanvas, viewOf, zoomed, type Point, type Pose, type View } from './map';
 import { useDark, useFrame, useSamples, useSize } from './useSamples';
 
 interface Past {
@@ -53,23 +53,31 @@ export function MapPanel({ panel, paused }: { panel: Panel; paused: boolean }) {
   const samples = useRef(new Map<string, Json>());
   const trails = useRef(new Map<number, Past[]>());
   const view = useRef<View | null>(null);
+  /** Nobody has moved the map: it shows everything. */
+  const showsAll = useRef(true);
   const drag = useRef<Point | null>(null);
   const [follow, setFollow] = useState(false);
   const dark = useDark();
 
   const size = () => ({ width: canvas.current?.clientWidth ?? 0, height: canvas.current?.clientHeight ?? 0 });
-  const fitAll = (scene: Scene) => {
+  /** So that everything is seen; as it was where that is so already. */
+  const fitAll = (scene: Scene, anyway: boolean) => {
     const corners = scene.grids.flatMap((grid) => [grid, { x: grid.x + grid.width * grid.resolution, y: grid.y + grid.height * grid.resolution }]);
     const points = [...scene.poses, ...scene.trails.flat(), ...scene.paths.flat(), ...scene.scans.flatMap((scan) => scan.points), ...corners];
     const { width, height } = size();
-    view.current = viewOf(points, width, height) ?? view.current;
+    const shown = view.current;
+    const isSeen = (point: Point) => {
+      const { x, y } = toCanvas(shown!, width, height, point);
+      return x >= 0 && x <= width && y >= 0 && y <= height;
+    };
+    if (anyway || !shown || !points.every(isSeen)) view.current = viewOf(points, width, height) ?? shown;
   };
   const draw = useFrame(() => {
     const { width, height } = size();
     const context = canvas.current?.getContext('2d');
     if (!canvas.current || !context || width === 0) return;
     const scene = sceneOf(panel, samples.current, trails.current);
-    if (!view.current) fitAll(scene);
+    if (showsAll.current) fitAll(scene, false);
     const pose = scene.poses[0];
     if (follow && pose && view.current) view.current = { ...view.current, x: pose.x, y: pose.y };
     const ratio = window.devicePixelRatio || 1;
@@ -97,12 +105,14 @@ export function MapPanel({ panel, paused }: { panel: Panel; paused: boolean }) {
   useEffect(() => {
     trails.current.clear(); // they are by the numbers of sources
     view.current = null;
+    showsAll.current = true;
     draw();
   }, [sources, draw]);
   useEffect(draw, [draw, dark, follow]);
   useSize(canvas, draw);
 
   const change = (next: (before: View) => View) => {
+    showsAll.current = false;
     if (view.current) view.current = next(view.current);
     draw();
   };
@@ -121,7 +131,8 @@ export function MapPanel({ panel, paused }: { panel: Panel; paused: boolean }) {
     return () => place?.removeEventListener('wheel', turn);
   }, []);
   const fitNow = () => {
-    fitAll(sceneOf(panel, samples.current, trails.current));
+    fitAll(sceneOf(panel, samples.current, trails.current), true);
+    showsAll.current = true;
     setFollow(false);
     draw();
   };
@@ -136,7 +147,10 @@ export function MapPanel({ panel, paused }: { panel: Panel; paused: boolean }) {
         <button type="button" className="small" aria-label="Zoom in" onClick={() => zoom(1.5)}>+</button>
         <button type="button" className="small" aria-label="Zoom out" onClick={() => zoom(1 / 1.5)}>−</button>
         <button type="button" className="small" onClick={fitNow}>All</button>
-        <label><input type="checkbox" checked={follow} onChange={(event) => setFollow(event.target.checked)} /> follow</label>
+        <label><input type="checkbox" checked={follow} onChange={(event) => {
+          showsAll.current = false;
+          setFollow(event.target.checked);
+        }} /> follow</label>
         <p className="quiet" ref={words} />
       </div>
       <canvas

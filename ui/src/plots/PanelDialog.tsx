@@ -42,7 +42,7 @@ function FieldList({ port, chosen, onToggle }: { port: PortOfTask; chosen: Choic
               <span>
                 <input type="checkbox" checked={chosen.some((one) => sourceText(one.source) === text)} onChange={() => onToggle({ source, field })} />{' '}
                 {pathText(field.path) || 'the whole sample'}
-              </span>
+              </span>{' '}
               <span className="quiet">{shapeNames[field.shape]}{field.shape === 'numbers' ? ', ' + field.size : ''}</span>
             </label>
           </li>
