@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/credentials.hpp>
+#include <segue/model/files.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/server.hpp>
 
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "connection.hpp"
+#include "models.hpp"
 #include "stop_signal.hpp"
 
 namespace segue::cli {
@@ -63,6 +65,13 @@ std::string introduction(const std::string& robot, const StudioOptions& options,
       secure ? "Open it in browsers that have the certificate of a person:" : "Open in one browser:");
 }
 
+model::ComponentCatalog models_for_editing(const model::Robot& robot, Diagnostics& diagnostics) {
+  model::ComponentCatalog catalog = load_catalog({}, diagnostics);
+  add_robot_models(robot, catalog, diagnostics);
+  model::resolve_inheritance(catalog, diagnostics);
+  return catalog;
+}
+
 int serve_studio(const std::string& robot, const StudioOptions& options, const Context& context) {
   auto page = page_of(options);
   if (!page) return failed(context, page.error());
@@ -79,6 +88,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
                                       .credentials = *credentials,
                                       .role = options.observe ? web::Role::Observe : web::Role::Operate,
                                       .robot = robot,
+                                      .models = models_for_editing,
                                       .entered = [&context](const std::string& address) {
                                         if (!context.json())
                                           print_line("a browser has come in; for another one:");

@@ -62,8 +62,9 @@ class RobotService {
  public:
   virtual ~RobotService() = default;
 
-  /// {"robot", "controller", "version", "loaded_version", "changed_files", "state", "controllers", "pools",
-  /// "pid", "uptime_s", "tasks", "connections", "differences", "commanded_by", "doing"}
+  /// {"robot", "file" (the robot file; null: none), "controller", "version", "loaded_version",
+  /// "changed_files", "state", "controllers", "pools", "pid", "uptime_s", "tasks", "connections",
+  /// "differences", "commanded_by", "doing"}
   virtual Result<type::Value> status() = 0;
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing"}
   virtual Result<type::Value> task(std::string_view id) = 0;

@@ -120,7 +120,7 @@ std::optional<RobotFiles> read_robot_files(const fs::path& file, Diagnostics& di
 }
 
 ControllerFiles::ControllerFiles(fs::path file, const RobotFiles& started)
-    : file_(std::move(file)), robot_(started.robot) {
+    : file_(std::move(file)), absolute_(fs::absolute(file_).lexically_normal()), robot_(started.robot) {
   std::ranges::copy_if(started.controllers.files, std::back_inserter(models_), &LoadedFile::is_model);
 }
 

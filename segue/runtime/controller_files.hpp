@@ -47,6 +47,9 @@ class ControllerFiles {
   /// `started` as they were read from the robot file `file` when the runtime was started.
   ControllerFiles(std::filesystem::path file, const RobotFiles& started);
 
+  /// The absolute path of the robot file.
+  [[nodiscard]] const std::filesystem::path& file() const { return absolute_; }
+
   /// The files as they are now, checked one by one and together (model::validate() of the robot). Nothing
   /// where there are errors. What a running robot cannot take (hosts, libraries, models, policies, pools and
   /// the limits of look-ahead of the robot file; component model files) is a warning, `needs-restart`;
@@ -63,6 +66,7 @@ class ControllerFiles {
   void keep_models(std::vector<LoadedFile>& files, Diagnostics& diagnostics) const;
 
   const std::filesystem::path file_;
+  const std::filesystem::path absolute_;
   const model::Robot robot_;
   std::vector<LoadedFile> models_;  ///< of the start
 };

@@ -100,6 +100,7 @@ RuntimeService::RuntimeService(Runtime& runtime, const ControllerFiles* files,
 
 Result<type::Value> RuntimeService::status() {
   type::Value status = status_of(runtime_);
+  status.as_map().set("file", files_ != nullptr ? type::Value(files_->file().string()) : type::Value());
   status.as_map().set("pid", static_cast<std::int64_t>(::getpid()));
   const Duration uptime = RealClock::instance().now() - started_;
   status.as_map().set("uptime_s", std::chrono::duration<double>(uptime).count());

@@ -119,7 +119,7 @@ struct Shared {
   RobotLink watching;        ///< apart, so that calls that take long cannot use up the connection's calls
   RobotLink calling;
   Hub hub{watching, options.periods};
-  Verbs verbs{calling};
+  Verbs verbs{calling, options.models};
   detail::Refusals refusals;
   std::set<Open*> connections;
   std::uint64_t sockets = 0;  ///< WebSockets so far: their names in logs

@@ -3,6 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/control/credentials.hpp>
+#include <segue/web/files_verbs.hpp>
 #include <segue/web/hub.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/robot_link.hpp>
@@ -25,6 +26,7 @@ struct ServerOptions {
   Role role = Role::Operate;  ///< nobody gets more
   std::string robot{};        ///< its name, for the page
   Hub::Periods periods{};
+  ModelsOf models{};  ///< for files that are edited; empty: no component is known
   /// A browser has come in with the token; this address is for the next one. Called by the server's thread.
   std::function<void(const std::string& address)> entered{};
 };

@@ -17,6 +17,7 @@ namespace segue::web {
 namespace {
 
 using control::RobotService;
+using control::SwitchOptions;
 using type::Value;
 
 constexpr Duration kSwitchTime = std::chrono::seconds(60);
@@ -29,21 +30,42 @@ struct Request {
   const std::string& who;
 };
 
-Result<Value> ask_switch(const Request& request, bool dry_run) {
-  const auto controller = request.command.text("controller");
-  if (!controller) return controller.error();
+Result<SwitchOptions> switch_options(const Request& request, bool dry_run) {
   const auto force = request.command.flag("force");
   if (!force) return force.error();
   const auto take_over = request.command.flag("take_over");
   if (!take_over) return take_over.error();
   const auto order = request.command.text_or("order", "");
   if (!order) return order.error();
+  return SwitchOptions{
+      .dry_run = dry_run, .force = *force, .order = *order, .who = request.who, .take_over = *take_over};
+}
+
+Result<Value> ask_switch(const Request& request, bool dry_run) {
+  const auto controller = request.command.text("controller");
+  if (!controller) return controller.error();
+  const auto options = switch_options(request, dry_run);
+  if (!options) return options.error();
   const auto deadline = request.command.deadline(kSwitchTime);
   if (!deadline) return deadline.error();
-  return request.robot.switch_to(
-      *controller,
-      {.dry_run = dry_run, .force = *force, .order = *order, .who = request.who, .take_over = *take_over},
-      *deadline);
+  return request.robot.switch_to(*controller, *options, *deadline);
+}
+
+/// What the robot's files, as they are now, would change or do change.
+Result<Value> take_files(const Request& request, bool dry_run) {
+  const auto options = switch_options(request, dry_run);
+  if (!options) return options.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return dry_run ? request.robot.plan("", *options, *deadline) : request.robot.apply(*options, *deadline);
+}
+
+Result<Value> ask_plan(const Request& request) {
+  return take_files(request, true);
+}
+
+Result<Value> do_apply(const Request& request) {
+  return take_files(request, false);
 }
 
 Result<Value> ask_diff(const Request& request) {
@@ -139,11 +161,14 @@ Result<Value> ask_history(const Request& request) {
   return history;
 }
 
+using OfFiles = Result<Value> (FileVerbs::*)(const Command&);
+
 struct VerbEntry {
   std::string_view name;
   Role role;
   Result<Value> (*execute)(const Request&);
   std::vector<std::string> arguments;
+  OfFiles of_files = nullptr;  ///< in place of `execute`
 };
 
 const std::vector<VerbEntry>& verb_entries() {
@@ -159,6 +184,13 @@ const std::vector<VerbEntry>& verb_entries() {
       {"set", Role::Operate, do_set, {"task", "property", "value", "yaml", "timeout_s"}},
       {"call", Role::Operate, do_call, {"task", "operation", "value", "yaml", "timeout_s"}},
       {"write", Role::Operate, do_write, {"task", "port", "value", "yaml", "timeout_s"}},
+      {"files", Role::Observe, nullptr, {}, &FileVerbs::list},
+      {"read_file", Role::Observe, nullptr, {"path"}, &FileVerbs::read},
+      {"check_file", Role::Observe, nullptr, {"path", "text"}, &FileVerbs::check},
+      {"save_file", Role::Operate, nullptr, {"path", "text", "version"}, &FileVerbs::save},
+      {"models", Role::Observe, nullptr, {}, &FileVerbs::models},
+      {"plan_files", Role::Observe, ask_plan, {"force", "order", "timeout_s"}},
+      {"apply_files", Role::Operate, do_apply, {"force", "order", "take_over", "timeout_s"}},
   };
   return entries;
 }
@@ -172,7 +204,7 @@ const VerbEntry* find_verb(std::string_view name) {
 
 }  // namespace
 
-Verbs::Verbs(RobotLink& link) : link_(link) {}
+Verbs::Verbs(RobotLink& link, ModelsOf models) : link_(link), files_(link, std::move(models)) {}
 
 void Verbs::begin(Command command, Role role, const std::string& who, Answer answer) {
   const VerbEntry* entry = find_verb(command.verb());
@@ -187,9 +219,11 @@ void Verbs::begin(Command command, Role role, const std::string& who, Answer ans
 }
 
 Result<Value> Verbs::execute(const Command& command, const std::string& who) {
+  const VerbEntry& entry = *find_verb(command.verb());
+  if (entry.of_files != nullptr) return (files_.*entry.of_files)(command);
   const auto link = link_.get();
   if (!link) return link.error();
-  auto answer = find_verb(command.verb())->execute({*link->robot, command, who});
+  auto answer = entry.execute({*link->robot, command, who});
   if (!answer) link_.failed(link->generation, answer.error());
   return answer;
 }

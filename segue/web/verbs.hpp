@@ -5,6 +5,7 @@
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>
+#include <segue/web/files_verbs.hpp>
 #include <segue/web/robot_link.hpp>
 #include <segue/web/role.hpp>
 
@@ -22,7 +23,7 @@ class Verbs {
   /// At once; what is beyond is refused with ResourceExhausted.
   static constexpr std::size_t kMostCalls = 12;
 
-  explicit Verbs(RobotLink& link);
+  explicit Verbs(RobotLink& link, ModelsOf models = {});
   /// Waits for the calls in progress, until their deadlines at most.
   ~Verbs() { pool_.close(); }
   Verbs(const Verbs&) = delete;
@@ -36,6 +37,7 @@ class Verbs {
   Result<type::Value> execute(const Command& command, const std::string& who);
 
   RobotLink& link_;
+  FileVerbs files_;
   concurrent::ThreadPool pool_{"segue-studio", {.threads = kMostCalls, .idle = 2}};
 };
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/descriptor.hpp>
+#include <segue/base/result.hpp>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace segue::web {
+
+/// Files below one folder, named by others: relative paths with '/', that lead neither out of the folder nor
+/// through symbolic links, to regular files of kLongestFile bytes at most. Otherwise InvalidArgument,
+/// PermissionDenied, ResourceExhausted. Blocks; may be used by several threads, replace() by one at a time.
+class FileFolder {
+ public:
+  /// So that a file fits into a message of a browser, as JSON.
+  static constexpr std::size_t kLongestFile = 500'000;
+
+  struct Content {
+    std::string text;
+    std::string version;  ///< SHA-256
+  };
+
+  static Result<FileFolder> open(const std::filesystem::path& folder);
+
+  [[nodiscard]] Result<Content> read(std::string_view path) const;
+  /// Whether read() would get that far that it reads.
+  [[nodiscard]] Result<void> look(std::string_view path) const;
+  /// Puts `text` in the place of the file, atomically and with the file's mode; answers the new version.
+  /// InvalidState where the file is not of that version any more, or gone.
+  [[nodiscard]] Result<std::string> replace(std::string_view path, std::string_view text,
+                                            const std::string& version) const;
+
+ private:
+  explicit FileFolder(Descriptor folder) : folder_(std::move(folder)) {}
+  /// The folder of the file, and the file's name in it.
+  [[nodiscard]] Result<std::pair<Descriptor, std::string>> parent_of(std::string_view path) const;
+
+  Descriptor folder_;
+};
+
+}  // namespace segue::web

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/model/files.hpp>
+#include <segue/web/session.hpp>
+#include <segue/web/test_support.hpp>
+
+namespace segue::web {
+namespace {
+
+namespace fs = std::filesystem;
+using type::Value;
+
+constexpr std::string_view kComponents = R"(components:
+  t::Source:
+    doc: makes numbers
+    ports: [{name: out, direction: output, type: /double}]
+  t::Sink:
+    ports: [{name: in, direction: input, type: /double}, {name: text, direction: input, type: /std/string}]
+    properties: [{name: gain, type: /double, default: 2.0, live: true, doc: in metres}]
+)";
+constexpr std::string_view kNetwork = R"(network: a
+tasks:
+  source: {component: "t::Source"}
+  sink: {component: "t::Sink"}
+connections:
+  - source.out -> sink.in
+)";
+
+model::ComponentCatalog test_models(const model::Robot& /*robot*/, Diagnostics& diagnostics) {
+  model::ComponentCatalog catalog;
+  model::read_components(kComponents, "components.yaml", catalog, diagnostics);
+  return catalog;
+}
+
+class FileVerbsTest : public WebTest {
+ protected:
+  FileVerbsTest() : link_([this] { return connection()(); }), hub_(link_), verbs_(link_, test_models) {}
+
+  void SetUp() override {
+    WebTest::SetUp();
+    home_ = folder_ / "home";
+    fs::create_directories(home_ / "networks");
+    write("robot.yaml", "robot: fake\ncontrollers: [networks/*.yaml, ../*.yaml]\n");
+    write("networks/a.yaml", kNetwork);
+    write("notes.txt", "a secret");
+    write("../outside.yaml", "network: outside\n");
+    fs::create_symlink(home_ / "notes.txt", home_ / "networks" / "link.yaml");
+    robot_.show(Value::map({{"robot", "fake"}, {"file", (home_ / "robot.yaml").string()}}));
+  }
+  void write(const fs::path& path, std::string_view text) const {
+    ASSERT_TRUE(write_file(home_ / path, text));
+  }
+  [[nodiscard]] std::string content(const fs::path& path) const {
+    return read_file(home_ / path).value_or("");
+  }
+
+  Value ask(const std::string& verb, const Value& arguments, Role role = Role::Operate) {
+    const auto session = Session::create(hub_, verbs_, {role, "fake", "somebody"}, [] {});
+    session->next();
+    session->receive(type::to_json(Value::map({{"id", 1}, {"verb", verb}, {"arguments", arguments}}), -1));
+    std::optional<std::string> text;
+    EXPECT_TRUE(comes_true([&] { return (text = session->next()).has_value(); })) << verb;
+    return text ? type::parse_json(*text).value() : Value();
+  }
+  Value result(const std::string& verb, const Value& arguments, Role role = Role::Operate) {
+    const Value answer = ask(verb, arguments, role);
+    const Value* found = answer.find("result");
+    EXPECT_NE(found, nullptr) << type::to_json(answer, -1);
+    return found != nullptr ? *found : Value();
+  }
+  std::string error(const std::string& verb, const Value& arguments, Role role = Role::Operate) {
+    const Value answer = ask(verb, arguments, role);
+    const Value* found = answer.find("error");
+    return found != nullptr ? found->find("code")->as_string() : "";
+  }
+  /// "error unknown-port 6:5" a problem.
+  std::vector<std::string> problems(const std::string& path, const std::string& text) {
+    std::vector<std::string> found;
+    const Value answer = result("check_file", Value::map({{"path", path}, {"text", text}}), Role::Observe);
+    for (const Value& one : answer.find("problems")->as_list())
+      found.push_back(one.find("severity")->as_string() + " " + one.find("code")->as_string() + " " +
+                      std::to_string(one.find("line")->as_int()) + ":" +
+                      std::to_string(one.find("column")->as_int()));
+    return found;
+  }
+
+  const Value nothing_{type::ValueMap{}};
+  fs::path home_;
+  RobotLink link_;
+  Hub hub_;
+  Verbs verbs_;
+};
+
+TEST_F(FileVerbsTest, ListsTheFilesOfTheRobotAndWhyOthersAreClosed) {
+  const Value answer = result("files", nothing_, Role::Observe);
+  EXPECT_EQ(*answer.find("folder"), Value(home_.string()));
+  std::map<std::string, bool> closed;
+  for (const Value& file : answer.find("files")->as_list())
+    closed[file.find("path")->as_string()] = !file.find("problem")->as_string().empty();
+  EXPECT_EQ(closed, (std::map<std::string, bool>{{"robot.yaml", false},
+                                                 {"networks/a.yaml", false},
+                                                 {"networks/link.yaml", true},
+                                                 {"../outside.yaml", true}}));
+}
+
+TEST_F(FileVerbsTest, AFileIsReadCheckedAndSaved) {
+  const Value file = result("read_file", Value::map({{"path", "networks/a.yaml"}}));
+  EXPECT_EQ(*file.find("text"), Value(kNetwork));
+  const std::string edited = std::string(kNetwork) + "# edited\n";
+  const Value saved =
+      result("save_file",
+             Value::map({{"path", "networks/a.yaml"}, {"text", edited}, {"version", *file.find("version")}}));
+  EXPECT_EQ(content("networks/a.yaml"), edited);
+  EXPECT_EQ(*result("read_file", Value::map({{"path", "networks/a.yaml"}})).find("version"),
+            *saved.find("version"));
+  EXPECT_EQ(error("save_file", Value::map({{"path", "networks/a.yaml"},
+                                           {"text", "network: mine\n"},
+                                           {"version", *file.find("version")}})),
+            "invalid-state");
+  EXPECT_EQ(content("networks/a.yaml"), edited);
+}
+
+TEST_F(FileVerbsTest, ProblemsHaveTheirPlace) {
+  fs::remove(home_ / "networks" / "link.yaml");
+  const std::string text(kNetwork);
+  EXPECT_EQ(problems("networks/a.yaml", text), std::vector<std::string>{});
+  EXPECT_EQ(problems("networks/a.yaml", text + "  - source.out -> sink.text\n"),
+            std::vector<std::string>{"error type-mismatch 7:5"});
+  EXPECT_EQ(problems("networks/a.yaml", text + "  - source.none -> sink.in\n"),
+            std::vector<std::string>{"error unknown-port 7:5"});
+  const auto broken = problems("networks/a.yaml", "network: [\n");
+  ASSERT_EQ(broken.size(), 1U);
+  EXPECT_TRUE(broken[0].starts_with("error ")) << broken[0];
+  EXPECT_EQ(content("networks/a.yaml"), text) << "checking writes nothing";
+}
+
+TEST_F(FileVerbsTest, ANetworkIsCheckedTogetherWithTheOthers) {
+  fs::remove(home_ / "networks" / "link.yaml");
+  write("networks/b.yaml", "network: b\ntasks: {}\n");
+  const auto found = problems("networks/b.yaml", "network: a\ntasks: {}\n");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_TRUE(found[0].starts_with("error ")) << found[0];
+  EXPECT_EQ(problems("networks/b.yaml", "network: b\ntasks: {}\n"), std::vector<std::string>{});
+}
+
+TEST_F(FileVerbsTest, ARobotFileIsCheckedAlthoughItIsBroken) {
+  write("robot.yaml", "robot: fake\ncontrollers: [networks/*.yaml]\nhosts: [\n");
+  EXPECT_EQ(result("files", nothing_).find("files")->as_list().size(), 1U);
+  const std::string good = "robot: fake\ncontrollers: [networks/a.yaml]\n";
+  EXPECT_EQ(problems("robot.yaml", good), std::vector<std::string>{});
+  EXPECT_FALSE(problems("robot.yaml", good + "fallback: none\n").empty());
+}
+
+TEST_F(FileVerbsTest, NothingElseCanBeNamed) {
+  for (const std::string path :
+       {"notes.txt", "../outside.yaml", "networks/link.yaml", "networks/../notes.txt", "/etc/passwd", "", ".",
+        "networks", "networks/%2e%2e/robot.yaml", "../home/robot.yaml"}) {
+    const Value text = Value::map({{"path", path}, {"text", "x"}});
+    EXPECT_NE(error("read_file", Value::map({{"path", path}})), "") << path;
+    EXPECT_NE(error("save_file", Value::map({{"path", path}, {"text", "x"}, {"version", ""}})), "") << path;
+  }
+  for (const std::string path : {"notes.txt", "/etc/passwd", "", "networks/../notes.txt"})
+    EXPECT_EQ(error("check_file", Value::map({{"path", path}, {"text", "x"}})), "not-found") << path;
+  EXPECT_EQ(content("notes.txt"), "a secret");
+  EXPECT_EQ(content("../outside.yaml"), "network: outside\n");
+}
+
+TEST_F(FileVerbsTest, AnObserverMaySaveAndApplyNothing) {
+  const Value file = result("read_file", Value::map({{"path", "networks/a.yaml"}}), Role::Observe);
+  EXPECT_EQ(
+      error("save_file",
+            Value::map({{"path", "networks/a.yaml"}, {"text", "x"}, {"version", *file.find("version")}}),
+            Role::Observe),
+      "permission-denied");
+  EXPECT_EQ(error("apply_files", nothing_, Role::Observe), "permission-denied");
+  EXPECT_EQ(content("networks/a.yaml"), kNetwork);
+  EXPECT_EQ(*result("apply_files", nothing_).find("who"), Value("somebody"));
+}
+
+TEST_F(FileVerbsTest, ModelsSayPortsAndProperties) {
+  const Value answer = result("models", nothing_, Role::Observe);
+  const Value* sink = answer.find("components")->find("t::Sink");
+  ASSERT_NE(sink, nullptr);
+  EXPECT_EQ(*sink->find("properties")->as_list().at(0).find("doc"), Value("in metres"));
+}
+
+TEST_F(FileVerbsTest, FilesCanBeSavedWhileTheRobotIsGone) {
+  const Value file = result("read_file", Value::map({{"path", "networks/a.yaml"}}));
+  serving_.reset();
+  result("save_file",
+         Value::map(
+             {{"path", "networks/a.yaml"}, {"text", "network: a\n"}, {"version", *file.find("version")}}));
+  EXPECT_EQ(content("networks/a.yaml"), "network: a\n");
+}
+
+TEST_F(FileVerbsTest, ARobotWithoutFilesHasNothingToEdit) {
+  robot_.show(Value::map({{"robot", "fake"}, {"file", Value()}}));
+  EXPECT_EQ(error("files", nothing_), "unsupported");
+}
+
+}  // namespace
+}  // namespace segue::web
