@@ -8,6 +8,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import assert from 'node:assert/strict';
 import { chromium } from 'playwright-core';
+import { driveEdit } from './edit.mjs';
 
 const [segue, pictures] = process.argv.slice(2);
 const browserProgram = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
@@ -242,6 +243,7 @@ try {
   await page.waitForURL((address) => !address.search.includes('token'));
   await drive(page);
   await driveMission(page);
+  await driveEdit(page, { folder, look, run });
 
   // The runtime ends and starts again.
   await end(robot.child);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useState } from 'react';
+import { lazy, Suspense, useEffect, useState } from 'react';
 import { EventsView } from './events/EventsView';
 import { MissionsView } from './missions/MissionsView';
 import { NetworkView } from './network/NetworkView';
@@ -8,7 +8,9 @@ import { useConnection, useDocument, useLink } from './robot/hooks';
 import { statusOf } from './robot/types';
 import { SwitchView } from './switch/SwitchView';
 
-const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events'] as const;
+const EditView = lazy(() => import('./edit/EditView').then((part) => ({ default: part.EditView }))); // the editor is large
+
+const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit'] as const;
 type View = (typeof views)[number];
 
 function viewOfAddress(): View {
@@ -71,12 +73,13 @@ export function App() {
         <p className="banner" role="alert">The robot cannot be reached, what is shown is old: {shown.error}</p>
       )}
       <main>
-        {!status && view !== 'Missions' && view !== 'Events' && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
+        {!status && view !== 'Missions' && view !== 'Events' && view !== 'Edit' && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
         {status && view === 'Network' && <NetworkView status={status} />}
         {status && view === 'Switch' && <SwitchView status={status} />}
         {view === 'Missions' && <MissionsView />}
         {status && view === 'Plots' && <PlotsView status={status} />}
         {view === 'Events' && <EventsView />}
+        {view === 'Edit' && <Suspense fallback={<p className="empty">…</p>}><EditView /></Suspense>}
       </main>
     </>
   );

@@ -22,15 +22,21 @@ export interface BoxTree {
 export interface LayoutInput {
   roots: BoxTree[];
   edges: { id: string; source: string; target: string }[];
+  /** nodeHeight unless given. */
+  heightOf?: (id: string) => number;
 }
 
 let elk: Elk | null = null;
 
 const spacing = { 'elk.layered.spacing.nodeNodeBetweenLayers': '84', 'elk.spacing.nodeNode': '30' };
 
-function nodeOf(box: BoxTree): ElkNode {
-  if (!box.children) return { id: box.id, width: nodeWidth, height: nodeHeight };
-  return { id: box.id, layoutOptions: { ...spacing, 'elk.padding': '[top=38,left=18,bottom=18,right=18]' }, children: box.children.map(nodeOf) };
+function nodeOf(box: BoxTree, heightOf: LayoutInput['heightOf']): ElkNode {
+  if (!box.children) return { id: box.id, width: nodeWidth, height: heightOf?.(box.id) ?? nodeHeight };
+  return {
+    id: box.id,
+    layoutOptions: { ...spacing, 'elk.padding': '[top=38,left=18,bottom=18,right=18]' },
+    children: box.children.map((child) => nodeOf(child, heightOf)),
+  };
 }
 
 function idsOf(boxes: BoxTree[]): string[] {
@@ -49,7 +55,7 @@ export async function layOut(input: LayoutInput): Promise<Map<string, Box>> {
       'elk.hierarchyHandling': 'INCLUDE_CHILDREN',
       ...spacing,
     },
-    children: input.roots.map(nodeOf),
+    children: input.roots.map((box) => nodeOf(box, input.heightOf)),
     edges: input.edges
       .filter((edge) => known.has(edge.source) && known.has(edge.target))
       .map((edge) => ({ id: edge.id, sources: [edge.source], targets: [edge.target] })),
