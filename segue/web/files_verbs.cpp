@@ -6,6 +6,7 @@
 #include <segue/base/text.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/type/scalar_text.hpp>
 #include <segue/web/files_folder.hpp>
 
 #include <algorithm>
@@ -154,6 +155,8 @@ Result<Value> FileVerbs::read(const Command& command) {
   if (!folder) return folder.error();
   const auto content = folder->read(file->path);
   if (!content) return content.error();
+  if (type::detail::valid_utf8(content->text) != content->text)  // JSON could not carry it unchanged
+    return fail(ErrorCode::Unsupported, quote(file->path) + " is no text in UTF-8");
   return Value::map({{"path", file->path}, {"text", content->text}, {"version", content->version}});
 }
 

@@ -120,6 +120,11 @@ TEST_F(FileVerbsTest, AFileIsReadCheckedAndSaved) {
   EXPECT_EQ(content("networks/a.yaml"), edited);
 }
 
+TEST_F(FileVerbsTest, WhatIsNoTextIsNotEdited) {
+  write("networks/a.yaml", "network: \xff\n");
+  EXPECT_EQ(error("read_file", Value::map({{"path", "networks/a.yaml"}})), "unsupported");
+}
+
 TEST_F(FileVerbsTest, ProblemsHaveTheirPlace) {
   fs::remove(home_ / "networks" / "link.yaml");
   const std::string text(kNetwork);
@@ -155,7 +160,6 @@ TEST_F(FileVerbsTest, NothingElseCanBeNamed) {
   for (const std::string path :
        {"notes.txt", "../outside.yaml", "networks/link.yaml", "networks/../notes.txt", "/etc/passwd", "", ".",
         "networks", "networks/%2e%2e/robot.yaml", "../home/robot.yaml"}) {
-    const Value text = Value::map({{"path", path}, {"text", "x"}});
     EXPECT_NE(error("read_file", Value::map({{"path", path}})), "") << path;
     EXPECT_NE(error("save_file", Value::map({{"path", path}, {"text", "x"}, {"version", ""}})), "") << path;
   }

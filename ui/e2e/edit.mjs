@@ -66,10 +66,11 @@ export async function driveEdit(page, { folder, look, run }) {
   await page.getByText('Add a task').click();
   await seen(handle('joystick', 'command'));
   await page.getByRole('complementary', { name: 'Edit task joystick' }).getByRole('button', { name: 'Close' }).click();
-  await page.waitForTimeout(300); // until the graph stands still
+  await holds(async () => {
+    await draw(handle('joystick', 'command'), handle('drive', 'command')); // again where the graph moved meanwhile
+    return (await shown()).includes('- joystick.command -> drive.command');
+  }, 'two ports are connected');
   await draw(handle('laser', 'scan'), handle('drive', 'command'));
-  await draw(handle('joystick', 'command'), handle('drive', 'command'));
-  await holds(async () => (await shown()).includes('- joystick.command -> drive.command'), 'two ports are connected');
   assert.ok(!(await shown()).includes('laser.scan -> drive.command'), 'ports of different types are not');
   await seen(status('unsaved changes'));
   await look(page, 'edit');
@@ -86,7 +87,7 @@ export async function driveEdit(page, { folder, look, run }) {
   await page.keyboard.press('Control+s');
   await seen(status('as in the file'));
   assert.equal(onDisk(), before.replace('"demo::LaserScanner"}', '"demo::LaserScanner", properties: {beams: 16}}'));
-  await page.getByRole('button', { name: 'Apply' }).click();
+  await page.getByRole('button', { name: 'Apply', exact: true }).click();
   await seen(page.getByText('applied: explore'));
   assert.deepEqual(JSON.parse(run(['status', '--format', 'json'])).changed_files, []);
 
@@ -97,7 +98,7 @@ export async function driveEdit(page, { folder, look, run }) {
   await page.keyboard.press('Enter');
   const theirs = '# theirs\n' + onDisk();
   writeFileSync(place, theirs);
-  await page.getByRole('button', { name: 'Save' }).click();
+  await page.getByRole('button', { name: 'Save', exact: true }).click();
   await seen(page.getByRole('alert').filter({ hasText: 'changed by somebody else' }));
   assert.equal(onDisk(), theirs);
   await look(page, 'edit_conflict');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useMemo, useRef, useState, useSyncExternalStore } from 'react';
+import { useDeferredValue, useEffect, useMemo, useRef, useState, useSyncExternalStore } from 'react';
 import type { Json } from '../robot/change';
 import { useConnection, useLink } from '../robot/hooks';
 import { draftsOf, type Draft, type Drafts, type FileEntry } from './drafts';
@@ -188,7 +188,7 @@ let lastPath: string | null = null;
 function DraftView({ draft, drafts, models, anyUnsaved }: { draft: Draft; drafts: Drafts; models: Models; anyUnsaved: boolean }) {
   const connection = useConnection();
   const path = draft.path;
-  const text = draft.state.doc.toString();
+  const text = useDeferredValue(draft.state.doc.toString()); // typing goes before drawing
   const unsaved = drafts.isUnsaved(draft);
   const now = useMemo(() => networkIn(text), [text]);
   const lastGood = useRef<NetworkText | null>(null);

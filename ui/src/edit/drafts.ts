@@ -32,6 +32,8 @@ export interface Draft {
   /** What was read or saved last. */
   saved: string;
   version: string;
+  /** Lines end in CR LF in the file; here they never do. */
+  carriageReturns: boolean;
   state: EditorState;
   /** Of this text; null: not checked yet. */
   problems: Problem[] | null;
@@ -64,6 +66,7 @@ const look = EditorView.theme({
   '.cm-textfield, .cm-button': { background: 'var(--front)', color: 'var(--text)', border: '1px solid var(--line)' },
 });
 
+const notChecked = 'not checked: ';
 const message = (error: unknown) => (error instanceof Error ? error.message : String(error));
 
 function place(state: EditorState, problem: Problem): Diagnostic {
@@ -101,7 +104,7 @@ export class Drafts {
     const { text, version } = await this.read(path);
     if (this.drafts.has(path)) return;
     const state = EditorState.create({ doc: text, extensions: this.extensions(path) });
-    this.set({ path, saved: state.doc.toString(), version, state, problems: null, error: '', conflict: '', kept: null, saving: false });
+    this.set({ path, saved: state.doc.toString(), version, carriageReturns: text.includes('\r\n'), state, problems: null, error: '', conflict: '', kept: null, saving: false });
   }
 
   /** Where the text is shown. */
@@ -153,7 +156,7 @@ export class Drafts {
     const text = draft.state.doc.toString();
     this.patch(path, { saving: true, error: '', conflict: '' });
     try {
-      const answer = (await this.connection.call('save_file', { path, text, version: draft.version })) as { version: string };
+      const answer = (await this.connection.call('save_file', { path, text: draft.carriageReturns ? text.replace(/\n/g, '\r\n') : text, version: draft.version })) as { version: string };
       this.patch(path, { saving: false, saved: text, version: answer.version });
     } catch (error) {
       const conflict = error instanceof RobotError && error.code === 'invalid-state';
@@ -166,8 +169,8 @@ export class Drafts {
     const mine = this.drafts.get(path)?.state.doc.toString() ?? '';
     try {
       const { text, version } = await this.read(path);
-      this.replace(path, text);
-      this.patch(path, { saved: this.drafts.get(path)?.state.doc.toString() ?? text, version, conflict: '', error: '', kept: keep ? mine : null });
+      this.replace(path, text.replace(/\r\n?/g, '\n'));
+      this.patch(path, { saved: this.drafts.get(path)?.state.doc.toString() ?? text, version, carriageReturns: text.includes('\r\n'), conflict: '', error: '', kept: keep ? mine : null });
     } catch (error) {
       this.patch(path, { error: message(error) });
     }
@@ -184,12 +187,17 @@ export class Drafts {
     try {
       const answer = await this.connection.call('check_file', { path, text: state.doc.toString() });
       const problems = (answer as { problems: Json }).problems as unknown as Problem[];
-      if (this.drafts.get(path)?.state.doc.eq(state.doc)) this.patch(path, { problems });
+      if (this.drafts.get(path)?.state.doc.eq(state.doc)) this.checked(path, problems);
       return problems.map((problem) => place(state, problem));
     } catch (error) {
-      this.patch(path, { problems: null, error: 'not checked: ' + message(error) });
+      this.patch(path, { problems: null, error: notChecked + message(error) });
       return [];
     }
+  }
+
+  private checked(path: string, problems: Problem[]): void {
+    const error = this.drafts.get(path)?.error ?? '';
+    this.patch(path, { problems, error: error.startsWith(notChecked) ? '' : error });
   }
 
   private extensions(path: string): Extension[] {
