@@ -79,6 +79,20 @@ async function drawn(canvas, most) {
   );
 }
 
+/** Waits until a canvas has a pixel of about that colour. */
+async function coloured(canvas, colour) {
+  const handle = await canvas.elementHandle();
+  await canvas.page().waitForFunction(
+    ([place, wanted]) => {
+      const { data } = place.getContext('2d').getImageData(0, 0, place.width, place.height);
+      for (let at = 0; at < data.length; at += 4) if (wanted.every((part, index) => Math.abs(data[at + index] - part) <= 12)) return true;
+      return false;
+    },
+    [handle, colour],
+    { polling: 300 },
+  );
+}
+
 async function addPanels(page, looking) {
   // By the keyboard alone: Enter in the search chooses the first port.
   await page.getByRole('button', { name: 'Add a panel' }).focus();
@@ -116,7 +130,6 @@ async function usePanels(page, looking) {
   // Zooming pauses, and a paused panel asks for nothing.
   await speed.getByRole('button', { name: 'Zoom in' }).click();
   await speed.getByText('Paused').waitFor();
-  await page.waitForFunction(() => true);
   assert.ok(!looking.ports().includes('port/drive/velocity'));
   await speed.getByRole('img').focus();
   await page.keyboard.press('ArrowLeft');
@@ -198,7 +211,10 @@ async function see(page) {
   await panelOf(page, 'Camera').getByText('640 × 480 pixels').first().waitFor();
   await drawn(panelOf(page, 'Camera').locator('canvas'), 20);
   await panelOf(page, 'Camera').getByText('Large samples: one in').waitFor();
-  await drawn(panelOf(page, 'Seen').locator('canvas'), 4);
+  await panelOf(page, 'Seen').getByText(/x -?\d+\.\d\d m, y/).waitFor();
+  await panelOf(page, 'Seen').getByText('Waiting').waitFor({ state: 'detached' });
+  // A free cell and what the laser met.
+  for (const colour of [[52, 59, 70], [255, 157, 149]]) await coloured(panelOf(page, 'Seen').locator('canvas'), colour);
   await stage.look(page, 'plots_camera');
 }
 
