@@ -3,7 +3,7 @@ import { useEffect, useMemo, useState } from 'react';
 import { Graph } from '../network/Graph';
 import { useConnection, useDocument } from '../robot/hooks';
 import { GanttChart } from './GanttChart';
-import { livesOf, missionOf, planOf, type Mission, type Plan } from './mission';
+import { livesOf, missionOf, planOf, planProblem, type Mission, type Plan } from './mission';
 import { runOfFile, runOfMission, type Row, type Run } from './run';
 import { idOf, isContainer, openAtFirst, pathOf, stateGraphOf } from './states';
 
@@ -103,6 +103,7 @@ function NodePanel({ run, row, index, onSelect }: { run: Run; row: Row; index: n
         {row.outcome && ': ' + row.outcome}
         {bar && ', from ' + secondsText(bar.from) + (bar.until === Infinity ? '' : ' to ' + secondsText(bar.until))}
         {row.critical && ', on the critical path ◆'}
+        {row.ahead && ', ran ahead of its turn, and its result counts'}
       </p>
       {row.error && <p className="bad">{row.error}</p>}
       <h3>{row.status === 'waiting' ? 'Waits for' : 'Waited for'}</h3>
@@ -171,7 +172,7 @@ export function MissionsView() {
         {!run && shown && <p className="empty">No mission has commanded the robot since its runtime began. Start one: segue mission run FILE</p>}
         {plan && mission && <States plan={plan} mission={mission} selected={chosen === null ? null : chosen.replace(/#\d+$/, '')} onSelect={setChosen} />}
         {!recorded && mission && !plan && (
-          <p className="quiet note">{mission.plan && 'problem' in mission.plan ? 'The plan cannot be shown: ' + mission.plan.problem : mission.state === 'ended' ? 'Nobody looked while it ran, so its plan is not known.' : 'Waiting for the plan …'}</p>
+          <p className="quiet note">{planProblem(mission)}</p>
         )}
         {run && <GanttChart run={run} selected={selected} onSelect={select} />}
       </section>

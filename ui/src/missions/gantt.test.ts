@@ -4,7 +4,7 @@ import { axisHeight, Bars, moved, paint, pixelOf, rowAt, ticksOf, timeAt, xOf, z
 import type { Row } from './run';
 
 function row(from: number, until: number): Row {
-  return { label: '', status: 'done', outcome: '', error: '', critical: false, bars: [{ from, until, discarded: false }], waits: [] };
+  return { label: '', status: 'done', outcome: '', error: '', critical: false, ahead: false, bars: [{ from, until, discarded: false }], waits: [] };
 }
 
 describe('the window of a chart', () => {

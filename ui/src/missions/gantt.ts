@@ -215,6 +215,10 @@ function drawRow(context: CanvasRenderingContext2D, bars: Bars, index: number, w
     } else {
       context.fillRect(left, top + 4, width, height - 8);
     }
+    if (row.ahead) {
+      context.fillStyle = palette.accent;
+      context.fillRect(left, top + 1, width, 2);
+    }
     if (row.critical) {
       context.fillStyle = palette.critical;
       context.fillRect(left, top + height - 3, width, 3);

@@ -56,8 +56,42 @@ export function missionOf(value: Json | undefined): Mission | null {
   return isMap(value) && isMap(value['entries']) ? (value as unknown as Mission) : null;
 }
 
+const isText = (value: Json | undefined): value is string => typeof value === 'string';
+
+function isState(value: Json): boolean {
+  if (!isMap(value)) return false;
+  const { path, title, kind, next, flows } = value;
+  const hasFlows = flows === undefined || (Array.isArray(flows) && flows.every((one) => isMap(one) && isText(one['from']) && isText(one['to']) && isText(one['what'])));
+  return isText(path) && isText(title) && isText(kind) && Array.isArray(next) && next.every(isMap) && hasFlows;
+}
+
+function isNode(value: Json): boolean {
+  if (!isMap(value) || !isText(value['name']) || !isText(value['role']) || !Array.isArray(value['after'])) return false;
+  return value['after'].every((one) => isMap(one) && typeof one['node'] === 'number' && isText(one['kind']) && isText(one['because']));
+}
+
+function isPlan(plan: Json): boolean {
+  if (!isMap(plan)) return false;
+  const { states, nodes } = plan;
+  return Array.isArray(states) && states.every(isState) && (nodes === null || (Array.isArray(nodes) && nodes.every(isNode)));
+}
+
+const checked = new WeakMap<object, boolean>();
+
+/** What the mission says of itself; it is another program, so what is not as it should be is no plan. */
 export function planOf(mission: Mission): Plan | null {
-  return mission.plan && 'states' in mission.plan ? mission.plan : null;
+  const { plan } = mission;
+  if (typeof plan !== 'object' || plan === null) return null;
+  const known = checked.get(plan) ?? isPlan(plan as unknown as Json);
+  checked.set(plan, known);
+  return known ? (plan as Plan) : null;
+}
+
+/** Why the plan is not shown. */
+export function planProblem(mission: Mission): string {
+  const plan = mission.plan as unknown as Json;
+  if (isMap(plan)) return 'The plan cannot be shown: ' + (isText(plan['problem']) ? plan['problem'] : 'it is not as expected');
+  return mission.state === 'ended' ? 'Nobody looked while it ran, so its plan is not known.' : 'Waiting for the plan …';
 }
 
 /** What happened, in its order: keys of maps that look like numbers are sorted by JavaScript. */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { livesOf, type Entry, type Mission, type PlanNode } from './mission';
+import { livesOf, planProblem, type Entry, type Mission, type PlanNode } from './mission';
 import { runOfFile, runOfMission } from './run';
 
 let number = 0;
@@ -36,6 +36,17 @@ describe('a mission that runs', () => {
     const run = runOfMission(mission('running', entries, plan));
     expect(run.rows[3]).toMatchObject({ status: 'discarded', bars: [{ from: 0, until: 2, discarded: true }] });
     expect(run.rows[2]?.status).toBe('waiting');
+  });
+  it('says what ran ahead of its turn and counts', () => {
+    const entries = [entry(0, 'began', ''), entry(0, 'began', 'look'), entry(0, 'began', 'plan'), entry(1, 'ended', 'plan', 'success'), entry(2, 'ended', 'look', 'success')];
+    expect(runOfMission(mission('running', entries, plan)).rows.map((row) => row.ahead)).toEqual([false, true, false, false]);
+  });
+  it('does without a plan that is none', () => {
+    for (const bad of ['here', 7, { states: 5 }, { states: [{ path: 1 }], nodes: null }, { states: [], nodes: [{ name: 'a', role: 'pure', after: [3] }] }]) {
+      const strange = { ...mission('running', [entry(0, 'began', ''), entry(0, 'began', 'a')]), plan: bad } as unknown as Mission;
+      expect(runOfMission(strange).rows).toHaveLength(1);
+      expect(planProblem(strange)).not.toBe('');
+    }
   });
   it('looks through what is no action', () => {
     const joined = [node('a'), node('b'), node('join', [[0, 'condition', 'success'], [1, 'condition', 'success']], 'join'), node('c', [[2, 'condition', 'success']])];

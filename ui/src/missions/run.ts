@@ -28,6 +28,8 @@ export interface Row {
   error: string;
   /** Part of the longest chain of nodes that waited for each other. */
   critical: boolean;
+  /** It began before it was certain to count, and does. */
+  ahead: boolean;
   bars: Bar[];
   waits: Wait[];
 }
@@ -74,7 +76,7 @@ function looksOf(nodes: PlanNode[], rowOf: (node: number) => Row | undefined): L
 }
 
 function emptyRow(label: string): Row {
-  return { label, status: 'waiting', outcome: '', error: '', critical: false, bars: [], waits: [] };
+  return { label, status: 'waiting', outcome: '', error: '', critical: false, ahead: false, bars: [], waits: [] };
 }
 
 function statusOf(outcome: string): RowStatus {
@@ -174,7 +176,9 @@ function explain(rows: Row[], nodes: PlanNode[], rowOfNode: number[], order: num
         return { row: blocker, kind: because.split(' ')[0] ?? '', because, from: 0, until: Infinity };
       });
     } else if (row.bars.length > 0) {
-      row.waits = lastWait(row, rows, reasonsOf(node, nodes, rowOfNode));
+      const reasons = reasonsOf(node, nodes, rowOfNode);
+      row.waits = lastWait(row, rows, reasons);
+      row.ahead = row.status === 'done' && reasons.some((reason) => reason.kind !== 'resource' && endOf(rows[reason.row] ?? row) > startOf(row) && reason.row !== rowOfNode[index]);
     }
   });
   // Nothing is known of those that are not planned: as written, each comes after the one that ended last.
@@ -259,6 +263,7 @@ function recordedRow(node: JsonMap, label: string, positions: Map<string, number
   row.status = statuses[text(node['status'])] ?? 'done';
   row.outcome = text(node['outcome']);
   row.error = text(node['error']);
+  row.ahead = row.status === 'done' && number(node['commit_s']) > number(node['end_s']);
   const started = node['start_s'] !== undefined && node['start_s'] !== null;
   const discarded = row.status === 'skipped';
   if (started && (row.status !== 'skipped' || number(node['end_s']) > number(node['start_s']))) {
