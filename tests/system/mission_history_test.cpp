@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What missions did, in the journal of the robot that they commanded.
+#include <segue/control/server.hpp>
+
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -124,8 +126,10 @@ class MissionHistory : public SystemTest {
     FAIL() << controller << " is not prepared";
   }
 
-  static std::unique_ptr<Process> begin(const std::string& file, const std::filesystem::path& folder) {
-    auto mission = std::make_unique<Process>(command({"mission", "run", file, "--follow"}), folder);
+  static std::unique_ptr<Process> begin(const std::string& file, const std::filesystem::path& folder,
+                                        const std::string& mode = "sequential") {
+    auto mission =
+        std::make_unique<Process>(command({"mission", "run", file, "--follow", "--mode", mode}), folder);
     EXPECT_TRUE(mission->wait_for("began"));
     return mission;
   }
@@ -228,6 +232,31 @@ TEST_F(MissionHistory, SaysWhatLookAheadSaved) {
   }
   ASSERT_EQ(saved.size(), 1U);
   EXPECT_GT(saved.front(), 0.0);
+}
+
+TEST_F(MissionHistory, AMissionTellsItsPlanWhenSomebodyLooks) {
+  start({"--no-journal"});
+  std::string text = kTour;
+  text.replace(text.find("x: 0.2"), 6, "x: 900.0");
+  write("tour.yaml", text);
+  const auto mission = begin("tour.yaml", folder_, "concurrent");
+  const auto robot = control::connect(control::socket_path("rover").value());
+  ASSERT_TRUE(robot) << to_string(robot.error());
+  type::Value shown;
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  do {
+    shown = (*robot)->mission(0, true).value();
+  } while ((shown.is_null() || shown.find("plan")->is_null()) && std::chrono::steady_clock::now() < deadline);
+  const type::Value& plan = *shown.find("plan");
+  EXPECT_EQ(plan.find("states")->as_list().size(), 3U) << type::to_json(plan);
+  const auto& look = plan.find("nodes")->as_list().at(1);
+  EXPECT_EQ(look.find("name")->as_string(), "look");
+  const auto& after = look.find("after")->as_list().at(0);
+  EXPECT_EQ(after.find("node")->as_uint(), 0U);
+  EXPECT_NE(after.find("because")->as_string(), "");
+  EXPECT_EQ(shown.find("state")->as_string(), "running");
+  const auto status = (*robot)->status().value();
+  EXPECT_EQ(status.find("doing")->find("plan"), nullptr) << "which stays small";
 }
 
 TEST_F(MissionHistory, ARobotNeedsNoJournalForAMission) {

@@ -7,6 +7,8 @@ import { livesOf, missionOf, planOf, planProblem, type Mission, type Plan } from
 import { runOfFile, runOfMission, type Row, type Run } from './run';
 import { idOf, isContainer, openAtFirst, pathOf, stateGraphOf } from './states';
 
+const longestAsked = 5000;
+
 function secondsText(value: number): string {
   return value.toFixed(value < 10 ? 2 : 1) + ' s';
 }
@@ -18,6 +20,12 @@ function Controls({ mission }: { mission: Mission }) {
   const [problem, setProblem] = useState('');
   const { state } = mission;
   useEffect(() => setAsked((before) => (before && before.state !== state ? null : before)), [state]);
+  // Somebody else may have asked for the opposite before this browser saw what became of it.
+  useEffect(() => {
+    if (!asked) return;
+    const timer = setTimeout(() => setAsked(null), longestAsked);
+    return () => clearTimeout(timer);
+  }, [asked]);
   if (connection.role !== 'operate' || state === 'ended') return null;
   const ask = (what: string) => {
     setAsked({ what, state });
