@@ -61,6 +61,7 @@ export async function driveEdit(page, { folder, look, run }) {
   await panel.getByLabel('beams', { exact: true }).press('Enter');
   await holds(async () => (await shown()).includes('laser: {component: "demo::LaserScanner", properties: {beams: 16}}'), 'a property is set');
   await page.getByText('Add a task').click();
+  await look(page, 'edit_task');
   await page.getByLabel('Find components').fill('joystick');
   await page.getByRole('button', { name: 'demo::Joystick' }).press('Enter');
   await page.getByText('Add a task').click();
@@ -121,4 +122,16 @@ export async function driveEdit(page, { folder, look, run }) {
   await page.reload();
   assert.equal(asked, 'beforeunload');
   assert.equal(onDisk(), theirs);
+}
+
+/** Who may only observe reads the files. */
+export async function observeEdit(page) {
+  await page.getByRole('link', { name: 'Edit' }).click();
+  await page.getByRole('button', { name: 'controllers/go_to.yaml' }).click();
+  await page.getByText('read only').waitFor();
+  await page.getByRole('region', { name: 'Problems' }).getByText('No problems').waitFor();
+  await page.locator('.cm-content').focus();
+  await page.keyboard.type('x');
+  await page.getByRole('status').filter({ hasText: 'as in the file' }).waitFor();
+  for (const name of ['Save', 'Apply']) assert.equal(await page.getByRole('button', { name, exact: true }).count(), 0);
 }

@@ -8,7 +8,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import assert from 'node:assert/strict';
 import { chromium } from 'playwright-core';
-import { driveEdit } from './edit.mjs';
+import { driveEdit, observeEdit } from './edit.mjs';
 
 const [segue, pictures] = process.argv.slice(2);
 const browserProgram = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
@@ -244,6 +244,12 @@ try {
   await drive(page);
   await driveMission(page);
   await driveEdit(page, { folder, look, run });
+  const observing = await start(['studio', '--port', '0', '--observe'], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
+  const observer = await browser.newPage();
+  await observer.goto(observing.found);
+  await observeEdit(observer);
+  await observer.close();
+  assert.equal(await end(observing.child), 0);
 
   // The runtime ends and starts again.
   await end(robot.child);

@@ -79,6 +79,7 @@ function Flow({ network, models, fixed, task, connection, onTask, onConnection, 
     const inputs = all.filter((port) => port.direction === 'input').length;
     return headHeight + portHeight * Math.max(inputs, all.length - inputs);
   };
+  const panel = task !== null; // beside the graph
   const structure = JSON.stringify([network.tasks.map((one) => [one.id, one.place, heightOf(one.id)]), edges.map((edge) => edge.id)]);
 
   useEffect(() => {
@@ -94,7 +95,7 @@ function Flow({ network, models, fixed, task, connection, onTask, onConnection, 
   useEffect(() => {
     const timer = setTimeout(() => void flow.fitView({ padding: 0.08, maxZoom: 1.1 }), 30);
     return () => clearTimeout(timer);
-  }, [boxes, flow]);
+  }, [boxes, flow, panel]);
 
   const nodes: Node[] = [];
   for (const place of places) {

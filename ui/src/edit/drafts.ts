@@ -206,7 +206,7 @@ export class Drafts {
       basicSetup, yaml(), syntaxHighlighting(colours), look,
       linter((view) => this.check(path, view.state), { delay: 350 }), lintGutter(),
       EditorState.readOnly.of(this.connection.role !== 'operate'),
-      EditorView.contentAttributes.of({ 'aria-label': 'Text of ' + path }),
+      EditorView.contentAttributes.of({ 'aria-label': 'Text of ' + path, tabindex: '0' }),
     ];
   }
 
