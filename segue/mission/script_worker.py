@@ -289,6 +289,7 @@ class EffectCalls:
         self._changes = changes
         self._call = None  # what is called, for which change, and since when
         self._ended = threading.Event()
+        self._ending = threading.Lock()  # while it is held, the thread is there or has said that it ends
         self._error = None
         self._thread = None
 
@@ -326,7 +327,8 @@ class EffectCalls:
             self._error.__cause__ = error
         for output in outputs:
             output.end()
-        self._ended.set()
+        with self._ending:
+            self._ended.set()
 
     def _begin(self, what, change):
         self._call = what, change, time.monotonic()
@@ -346,9 +348,12 @@ class EffectCalls:
         return self._file if frame is None else f"{self._file}:{frame.f_lineno}"
 
     def _give_up(self):
-        """Ends the thread at its next line of Python."""
+        """Ends the thread at its next line of Python. One that has ended is left alone: another may have its number."""
         import ctypes
-        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._thread.ident), ctypes.py_object(SystemExit))
+        with self._ending:
+            if not self._ended.is_set():
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._thread.ident),
+                                                           ctypes.py_object(SystemExit))
 
 
 class ComputedData:
