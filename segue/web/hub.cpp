@@ -116,6 +116,7 @@ struct Hub::Watched {
   Duration pause{};  ///< of a port: after each reading, for the size of its samples
   TimePoint next_read{};
   TimePoint heard{};  ///< the newest sample, or when the stream was opened
+  Value rest{};       ///< of the mission, but for its plan and entries
 };
 
 Hub::Hub(RobotLink& link) : Hub(link, Periods{}) {}
@@ -234,26 +235,32 @@ void Hub::refresh(Watched& document) {
   }
   if (document.kind == kPorts && monotonic_now() < document.next_read) return;
   auto value = ask(document, *link);
-  if (value) return publish(document, std::move(*value), "");
+  if (value && *value) return publish(document, std::move(**value), "");
+  if (value) return;
   link_.failed(link->generation, value.error());
   document.stream.reset();
   publish(document, Value(), to_string(value.error()));
 }
 
-Result<Value> Hub::ask(Watched& document, const RobotLink::Connected& link) {
-  if (document.kind == kPorts) return read_port(document, link);
-  if (document.kind == kEvents) return follow_events(document, link);
-  if (!document.task.empty()) return link.robot->task(document.task);
-  if (document.name == "mission") return follow_mission(document, link);
-  auto status = link.robot->status();
-  if (!status) return status;
-  return with_keys(std::move(*status));
+/// Whether what was published last is what the robot said last.
+bool Hub::is_known(const Watched& document) const {
+  const auto known = newest(document.name);
+  return known && known->error.empty();
 }
 
-/// The value that is known already, where there is no new sample. A stream that is silent is opened again:
-/// its task may have gone, or be another one of the same name by now, of which the old stream would say
-/// nothing. Large samples are read less often, so that neither the robot nor a browser is flooded.
-Result<Value> Hub::read_port(Watched& document, const RobotLink::Connected& link) {
+Hub::Answer Hub::ask(Watched& document, const RobotLink::Connected& link) {
+  if (document.kind == kPorts) return read_port(document, link);
+  if (document.kind == kEvents) return follow_events(document, link);
+  if (document.name == "mission") return follow_mission(document, link);
+  auto snapshot = document.task.empty() ? link.robot->status() : link.robot->task(document.task);
+  if (!snapshot) return snapshot.error();
+  return document.task.empty() ? with_keys(std::move(*snapshot)) : std::move(*snapshot);
+}
+
+/// A stream that is silent is opened again: its task may have gone, or be another one of the same name by
+/// now, of which the old stream would say nothing. Large samples are read less often, so that neither the
+/// robot nor a browser is flooded.
+Hub::Answer Hub::read_port(Watched& document, const RobotLink::Connected& link) {
   const TimePoint now = monotonic_now();
   if (!document.stream || now - document.heard > periods_.silence) {
     auto stream = link.robot->open_port(document.task, document.port, kSampleBuffer);
@@ -264,10 +271,7 @@ Result<Value> Hub::read_port(Watched& document, const RobotLink::Connected& link
   auto samples = document.stream->read(kSampleBuffer);
   if (!samples) return samples.error();
   document.next_read = now + document.pause;
-  if (samples->empty()) {
-    const auto known = newest(document.name);
-    return known && known->error.empty() ? known->value : Value();
-  }
+  if (samples->empty()) return is_known(document) ? std::nullopt : std::optional(Value());
   document.heard = now;
   using Seconds = std::chrono::duration<double>;
   const Seconds least(static_cast<double>(scalars_in(samples->back())) / periods_.scalars_per_second);
@@ -280,12 +284,13 @@ Result<Value> Hub::read_port(Watched& document, const RobotLink::Connected& link
 }
 
 /// Of the mission that runs now, even if another one did when it was asked last.
-Result<Value> Hub::follow_mission(Watched& document, const RobotLink::Connected& link) {
+Hub::Answer Hub::follow_mission(Watched& document, const RobotLink::Connected& link) {
   Value rest;
+  bool has_news = !is_known(document);
   std::size_t fresh = 0;
   do {
     auto mission = link.robot->mission(document.last_event, document.plan.is_null());
-    if (!mission) return mission;
+    if (!mission) return mission.error();
     if (mission->is_null()) return Value::map({{"run", 0}});
     const Value* run = mission->find("run");
     Value* entries = mission->is_map() ? mission->as_map().find("entries") : nullptr;
@@ -296,19 +301,27 @@ Result<Value> Hub::follow_mission(Watched& document, const RobotLink::Connected&
       document.events = {};
       document.plan = Value();
     }
-    if (Value* plan = mission->as_map().find("plan")) document.plan = std::move(*plan);
+    if (Value* plan = mission->as_map().find("plan"); plan != nullptr && !plan->is_null()) {
+      document.plan = std::move(*plan);
+      has_news = true;
+    }
     fresh = entries->as_list().size();
+    has_news = has_news || fresh > 0;
     add_numbered(document.events, entries->as_list(), document.last_event, kMostMissionEntries);
+    mission->as_map().erase("plan");
+    mission->as_map().erase("entries");
     rest = std::move(*mission);
   } while (fresh >= kManyEntries);
+  if (!has_news && rest == document.rest) return std::nullopt;
+  document.rest = rest;
   rest.as_map().set("plan", document.plan);
   rest.as_map().set("entries", document.events);
   return rest;
 }
 
-Result<Value> Hub::follow_events(Watched& document, const RobotLink::Connected& link) {
+Hub::Answer Hub::follow_events(Watched& document, const RobotLink::Connected& link) {
   auto events = link.robot->events(document.last_event, document.last_event == 0 ? Duration(0) : kEventWait);
-  if (!events) return events;
+  if (!events) return events.error();
   if (!events->is_list()) return fail(ErrorCode::Internal, "the robot sent events that are no list");
   auto& fresh = events->as_list();
   const bool has_news = !fresh.empty();
@@ -318,6 +331,7 @@ Result<Value> Hub::follow_events(Watched& document, const RobotLink::Connected& 
     ++nudges_;
     changed_.notify_all();
   }
+  if (!has_news && is_known(document)) return std::nullopt;
   return Value(document.events);
 }
 

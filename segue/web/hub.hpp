@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -77,10 +78,13 @@ class Hub {
   void run(Kind kind);
   std::vector<std::shared_ptr<Watched>> watched(Kind kind) const;
   void refresh(Watched& document);
-  Result<type::Value> ask(Watched& document, const RobotLink::Connected& link);
-  Result<type::Value> read_port(Watched& document, const RobotLink::Connected& link);
-  static Result<type::Value> follow_mission(Watched& document, const RobotLink::Connected& link);
-  Result<type::Value> follow_events(Watched& document, const RobotLink::Connected& link);
+  /// What the robot answers; nothing: as is known already.
+  using Answer = Result<std::optional<type::Value>>;
+  [[nodiscard]] bool is_known(const Watched& document) const;
+  Answer ask(Watched& document, const RobotLink::Connected& link);
+  Answer read_port(Watched& document, const RobotLink::Connected& link);
+  Answer follow_mission(Watched& document, const RobotLink::Connected& link);
+  Answer follow_events(Watched& document, const RobotLink::Connected& link);
   void publish(Watched& document, type::Value value, std::string error);
 
   RobotLink& link_;
