@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-import { Handle, Position, ReactFlow, Background, Controls, MarkerType, useReactFlow, ReactFlowProvider, type Edge, type Node, type NodeProps } from '@xyflow/react';
+import { Handle, Position, ReactFlow, Background, Controls, MarkerType, useReactFlow, useStore, ReactFlowProvider, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
-import { useEffect, useMemo, useState } from 'react';
+import { useEffect, useMemo, useRef, useState } from 'react';
 import { layOut, nodeHeight, nodeWidth, type Box, type BoxTree } from './layout';
 
 export interface GraphNode {
@@ -86,6 +86,9 @@ export function Graph(props: Props) {
 function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggle }: Props) {
   const [boxes, setBoxes] = useState<Map<string, Box>>(new Map());
   const flow = useReactFlow();
+  const moved = useRef(false);
+  const width = useStore((store) => store.width);
+  const height = useStore((store) => store.height);
   const structure = JSON.stringify([
     groups.map((group) => [group.id, group.group]),
     nodes.map((node) => [node.id, node.group]),
@@ -108,6 +111,11 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     const timer = setTimeout(() => void flow.fitView({ padding: 0.08, maxZoom: 1.15 }), 30);
     return () => clearTimeout(timer);
   }, [boxes, flow]);
+
+  // Where nobody has moved the graph, all of it stays in view, whatever opens beside it.
+  useEffect(() => {
+    if (!moved.current) void flow.fitView({ padding: 0.08, maxZoom: 1.15 });
+  }, [width, height, flow]);
 
   useEffect(() => {
     if (target && boxes.has(target)) void flow.fitView({ nodes: [{ id: target }], duration: 250, maxZoom: flow.getZoom() });
@@ -158,6 +166,9 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
           if (event.key !== 'Enter' || !id || !boxes.has(id)) return;
           if (groups.some((group) => group.id === id)) onToggle?.(id);
           else onSelect?.(id);
+        }}
+        onMoveStart={(event) => {
+          if (event) moved.current = true;
         }}
         nodesConnectable={false}
         minZoom={0.1}
