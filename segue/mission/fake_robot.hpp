@@ -26,12 +26,9 @@ class FakeRobot final : public CommandedRobot {
       text += " " + controller;
     for (const MemberValue& one : what.properties)
       text += " " + to_string(one.member) + "=" + std::to_string(one.value.as_double());
-    note(text);
-    const std::lock_guard lock(mutex_);
-    if (taken_over_) return fail(ErrorCode::InvalidState, kTakenOver);
-    if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
-    runs_ = what.controllers.empty() ? "" : what.controllers.front();
-    return {};
+    const auto answered = answer(what);
+    note(text);  // last: what a test does once it has been asked comes after the answer
+    return answered;
   }
   Result<ControllerTrouble> trouble(std::string_view controller) override {
     const std::lock_guard lock(mutex_);
@@ -116,6 +113,14 @@ class FakeRobot final : public CommandedRobot {
 
  private:
   static constexpr const char* kTakenOver = "the robot was taken over by somebody";
+
+  Result<void> answer(const ControllerRequest& what) {
+    const std::lock_guard lock(mutex_);
+    if (taken_over_) return fail(ErrorCode::InvalidState, kTakenOver);
+    if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
+    runs_ = what.controllers.empty() ? "" : what.controllers.front();
+    return {};
+  }
   class Samples final : public PortSamples {
    public:
     explicit Samples(FakeRobot& robot) : robot_(robot) {}
