@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // SIGKILL of random deployment processes at random times, while random controllers are requested.
 // SEGUE_KILL_ROUNDS=2000 runs as many rounds, SEGUE_SEED=n another sequence of them.
+#include <support/number_from.hpp>
+
 #include <array>
 #include <csignal>
-#include <cstdlib>
 #include <random>
 #include <thread>
 
@@ -20,11 +21,6 @@ constexpr int kRounds = 10;
 #else
 constexpr int kRounds = 60;
 #endif
-
-int number_from(const char* variable, int otherwise) {
-  const char* text = std::getenv(variable);
-  return text == nullptr ? otherwise : std::atoi(text);
-}
 
 class KilledAtRandom : public DisturbedTransition {
  protected:

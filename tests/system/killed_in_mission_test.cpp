@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Processes of the robot are killed while a mission uses its controllers. SEGUE_KILLED_MISSIONS=50 runs as
 // many missions, SEGUE_SEED=n another sequence of kills.
+#include <support/number_from.hpp>
+
 #include <gmock/gmock.h>
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <random>
 #include <thread>
 
@@ -45,11 +46,6 @@ states:
   look_again: {action: look, on: {success: return success, aborted: look_again}}
 )";
 
-int number_from(const char* variable, int otherwise) {
-  const char* text = std::getenv(variable);
-  return text == nullptr ? otherwise : std::atoi(text);
-}
-
 class KilledInMission : public SystemTest {
  protected:
   /// The robot with its tasks in processes.
@@ -66,7 +62,6 @@ class KilledInMission : public SystemTest {
     std::ofstream(folder_ / "rover" / file, std::ios::app) << text;
   }
   std::map<std::string, pid_t> deployments() const { return deployments_of(folder_ / "runtime"); }
-  [[nodiscard]] std::string controller() { return json({"status"}).find("controller")->as_string(); }
 };
 
 TEST_F(KilledInMission, AControllerThatIsLostIsReported) {

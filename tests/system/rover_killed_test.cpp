@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Planner, camera, controllers, watch, runtime or the mission itself are killed while the simulated rover
 // brings a box to its deck. SEGUE_KILLED_MISSIONS=50 runs as many missions, SEGUE_SEED=n other ones.
+#include <support/number_from.hpp>
+
 #include <gmock/gmock.h>
 
 #include <Eigen/Core>
-#include <cstdlib>
 #include <iostream>
 #include <random>
 #include <set>
@@ -17,11 +18,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-int number(const char* variable, int otherwise) {
-  const char* text = std::getenv(variable);
-  return text == nullptr ? otherwise : std::atoi(text);
-}
 
 class RoverKilled : public SystemTest {
  protected:
@@ -111,12 +107,12 @@ class RoverKilled : public SystemTest {
     return (box - Eigen::Vector3d(0.85 + 0.05, -0.27, 0.34)).norm();  // as the mission says
   }
 
-  std::mt19937_64 random_{static_cast<std::uint64_t>(number("SEGUE_SEED", 1))};
+  std::mt19937_64 random_{static_cast<std::uint64_t>(number_from("SEGUE_SEED", 1))};
 };
 
 TEST_F(RoverKilled, EndsWellOrSaysWhyNot) {
   std::map<std::string, std::map<std::string, int>> ends;
-  const int missions = number("SEGUE_KILLED_MISSIONS", 2);
+  const int missions = number_from("SEGUE_KILLED_MISSIONS", 2);
   for (int i = 0; i < missions && !HasFailure(); ++i) {
     make_robot();
     ASSERT_NO_FATAL_FAILURE(start_runtime());
