@@ -33,6 +33,13 @@ export async function driveEdit(page, { folder, look, run }) {
     await page.mouse.up();
   };
 
+  // No task disappears while somebody types, not even for a moment.
+  await page.evaluate(() => {
+    window.hiddenTasks = [];
+    const look = (records) => records.forEach(({ target }) => target.style.visibility === 'hidden' && window.hiddenTasks.push(target.dataset.id ?? target.className));
+    new MutationObserver(look).observe(document.body, { subtree: true, attributes: true, attributeFilter: ['style'] });
+  });
+
   // A problem is shown at its place while somebody types, and the text outlives the view.
   await page.getByRole('link', { name: 'Edit' }).click();
   await page.getByRole('button', { name: 'controllers/explore.yaml' }).click();
@@ -81,6 +88,8 @@ export async function driveEdit(page, { folder, look, run }) {
   await page.getByLabel('Connect joystick.command').selectOption('drive.command');
   await page.getByRole('button', { name: 'Remove task' }).press('Enter');
   await node('joystick').waitFor({ state: 'detached' });
+
+  assert.deepEqual(await page.evaluate(() => window.hiddenTasks), [], 'tasks that disappeared');
 
   // Saved, and taken by the robot.
   await seen(problems.getByText('No problems'));

@@ -2,26 +2,36 @@
 import { Background, Controls, Handle, MarkerType, Position, ReactFlow, ReactFlowProvider, useReactFlow, type Connection, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
 import { useEffect, useMemo, useState } from 'react';
-import { layOut, nodeWidth, type Box } from '../network/layout';
+import { geometry, layOut, nodeWidth, type Anchor, type Box } from '../network/layout';
 import { portOf, taskOf } from '../robot/types';
 import { portsOf, refusal, type EditedPort, type Models } from './models';
 import type { NetworkText } from './text';
 
-const headHeight = 44;
+const headHeight = 41;
 const portHeight = 18;
+const footHeight = 3;
+
+function portsOn(side: 'input' | 'output', ports: EditedPort[]) {
+  return ports.filter((port) => port.direction === side);
+}
+
+function anchorsOf(ports: EditedPort[]): Anchor[] {
+  return (['input', 'output'] as const).flatMap((side) =>
+    portsOn(side, ports).map((port, index) => ({ id: port.name, type: side === 'input' ? ('target' as const) : ('source' as const), y: headHeight + portHeight * (index + 0.5) })),
+  );
+}
 
 type TaskNode = Node<{ title: string; component: string; ports: EditedPort[]; known: boolean; fixed: boolean }, 'edited'>;
 
 function TaskBox({ data, selected }: NodeProps<TaskNode>) {
-  const side = (direction: string) => data.ports.filter((port) => port.direction === direction);
   return (
     <div className={'task-box edited ' + (data.known ? 'tone-idle' : 'tone-warn') + (selected ? ' selected' : '')}>
       <strong>{data.title}</strong>
       <span>{data.component || 'no component'}</span>
       {(['input', 'output'] as const).map((direction) => (
-        <div key={direction} className={'ports ' + direction}>
-          {side(direction).map((port) => (
-            <div key={port.name} className="port" title={[port.type, port.doc].filter(Boolean).join(': ')}>
+        <div key={direction} className={'ports ' + direction} style={{ top: headHeight, lineHeight: portHeight + 'px' }}>
+          {portsOn(direction, data.ports).map((port) => (
+            <div key={port.name} className="port" style={{ height: portHeight }} title={[port.type, port.doc].filter(Boolean).join(': ')}>
               <Handle
                 id={port.name} type={direction === 'input' ? 'target' : 'source'} position={direction === 'input' ? Position.Left : Position.Right}
                 isConnectable={!data.fixed}
@@ -76,8 +86,8 @@ function Flow({ network, models, fixed, task, connection, onTask, onConnection, 
   );
   const heightOf = (id: string) => {
     const all = ports.get(id) ?? [];
-    const inputs = all.filter((port) => port.direction === 'input').length;
-    return headHeight + portHeight * Math.max(inputs, all.length - inputs);
+    const inputs = portsOn('input', all).length;
+    return headHeight + portHeight * Math.max(inputs, all.length - inputs) + footHeight;
   };
   const panel = task !== null; // beside the graph
   const structure = JSON.stringify([network.tasks.map((one) => [one.id, one.place, heightOf(one.id)]), edges.map((edge) => edge.id)]);
@@ -100,7 +110,7 @@ function Flow({ network, models, fixed, task, connection, onTask, onConnection, 
   const nodes: Node[] = [];
   for (const place of places) {
     const box = boxes.get('group:' + place);
-    if (box) nodes.push({ id: 'group:' + place, type: 'place', position: box, data: { title: place || 'runtime' }, selectable: false, focusable: false, draggable: false, style: { width: box.width, height: box.height } });
+    if (box) nodes.push({ id: 'group:' + place, type: 'place', position: box, data: { title: place || 'runtime' }, selectable: false, focusable: false, draggable: false, ...geometry(box.width, box.height, []) });
   }
   for (const one of network.tasks) {
     const box = boxes.get(one.id);
@@ -108,7 +118,7 @@ function Flow({ network, models, fixed, task, connection, onTask, onConnection, 
     nodes.push({
       id: one.id, type: 'edited', zIndex: 2, parentId: 'group:' + one.place, position: box, draggable: false, selected: one.id === task,
       data: { title: one.id, component: one.component, ports: ports.get(one.id) ?? [], known: models.has(one.component), fixed },
-      ariaLabel: one.id + ', ' + one.component, style: { width: nodeWidth, height: heightOf(one.id) },
+      ariaLabel: one.id + ', ' + one.component, ...geometry(nodeWidth, heightOf(one.id), anchorsOf(ports.get(one.id) ?? [])),
     });
   }
   const ends = (drawn: Connection | Edge) => [drawn.source + '.' + drawn.sourceHandle, drawn.target + '.' + drawn.targetHandle] as const;

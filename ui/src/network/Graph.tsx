@@ -2,7 +2,7 @@
 import { Handle, Position, ReactFlow, Background, Controls, MarkerType, useReactFlow, useStore, ReactFlowProvider, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
 import { useEffect, useMemo, useRef, useState } from 'react';
-import { layOut, nodeHeight, nodeWidth, type Box, type BoxTree } from './layout';
+import { geometry, layOut, nodeHeight, nodeWidth, type Box, type BoxTree } from './layout';
 
 export interface GraphNode {
   id: string;
@@ -128,7 +128,8 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
       if (!box) continue;
       placed.push({
         id: group.id, type: 'place', parentId: group.group, position: box, data: { title: group.title, look: group.look ?? '' }, selectable: false,
-        focusable: onToggle !== undefined, draggable: false, ariaLabel: group.title, style: { width: box.width, height: box.height },
+        focusable: onToggle !== undefined, draggable: false, ariaLabel: group.title,
+        ...geometry(box.width, box.height, [{ type: 'target' }]),
       });
     }
     for (const node of nodes) {
@@ -137,7 +138,7 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
       placed.push({
         id: node.id, type: 'task', zIndex: 2, parentId: node.group, position: box, draggable: false, selected: node.id === selected,
         data: { title: node.title, detail: node.detail, look: node.look }, ariaLabel: node.title + ', ' + node.detail,
-        style: { width: nodeWidth, height: nodeHeight },
+        ...geometry(nodeWidth, nodeHeight, [{ type: 'target' }, { type: 'source' }]),
       });
     }
     return placed;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { Position } from '@xyflow/react';
 import type { ELK as Elk, ElkNode } from 'elkjs/lib/elk-api';
 import ElkApi from 'elkjs/lib/elk-api.js';
 import workerUrl from 'elkjs/lib/elk-worker.min.js?url';
@@ -17,6 +18,34 @@ export interface Box {
 export interface BoxTree {
   id: string;
   children?: BoxTree[];
+}
+
+/** Where an edge begins or ends at a node: the middle of its left or right side, or `y` below its upper corner. */
+export interface Anchor {
+  type: 'source' | 'target';
+  id?: string;
+  y?: number;
+}
+
+/**
+ * Size and ends of edges of a node for React Flow. What is said need not be measured: React Flow hides a node until it
+ * has been measured, and misses that where nodes are replaced in between.
+ */
+export function geometry(width: number, height: number, anchors: Anchor[]) {
+  return {
+    width,
+    height,
+    measured: { width, height },
+    handles: anchors.map((anchor) => ({
+      id: anchor.id ?? null,
+      type: anchor.type,
+      position: anchor.type === 'target' ? Position.Left : Position.Right,
+      x: anchor.type === 'target' ? 0 : width,
+      y: anchor.y ?? height / 2,
+      width: 0,
+      height: 0,
+    })),
+  };
 }
 
 export interface LayoutInput {
