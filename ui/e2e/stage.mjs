@@ -49,9 +49,13 @@ export class Stage {
     });
   }
 
+  startStudio(...options) {
+    return this.start(['studio', '--port', '0', ...options], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
+  }
+
   /** The page of a studio beside the robot that runs; what goes wrong in it is in `problems`. */
   async openPage() {
-    this.studio = await this.start(['studio', '--port', '0'], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
+    this.studio = await this.startStudio();
     this.browser = await chromium.launchPersistentContext(join(this.folder, 'browser'), {
       executablePath: browserProgram,
       headless: true,

@@ -1,44 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drives a real robot through the page in a real browser. Status 77: there is no browser.
 //   node studio.mjs SEGUE SCREENSHOT_FOLDER
-import { spawn, execFileSync } from 'node:child_process';
-import { mkdtempSync, mkdirSync, rmSync, readFileSync, writeFileSync, existsSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { tmpdir } from 'node:os';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import assert from 'node:assert/strict';
-import { chromium } from 'playwright-core';
 import { driveEdit, observeEdit } from './edit.mjs';
+import { Stage } from './stage.mjs';
 
-const [segue, pictures] = process.argv.slice(2);
-const browserProgram = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
-if (!browserProgram) {
-  console.log('skipped: chromium is not installed (tools/setup --test)');
-  process.exit(77);
-}
-mkdirSync(pictures, { recursive: true });
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const folder = mkdtempSync(join(tmpdir(), 'segue-studio-'));
-mkdirSync(join(folder, 'run'), { mode: 0o700 });
-const environment = { ...process.env, XDG_RUNTIME_DIR: join(folder, 'run'), XDG_STATE_HOME: join(folder, 'state') };
-const running = [];
-
-/** Starts `segue`, and waits for a line that fits. */
-function start(args, fits) {
-  const child = spawn(segue, args, { cwd: folder, env: environment });
-  running.push(child);
-  return new Promise((resolve, reject) => {
-    let output = '';
-    const take = (data) => {
-      output += data;
-      const found = fits.exec(output);
-      if (found) resolve({ child, found: found[0] });
-    };
-    child.stdout.on('data', take);
-    child.stderr.on('data', take);
-    child.on('exit', () => reject(new Error(args.join(' ') + ' ended: ' + output)));
-  });
-}
+const stage = new Stage(...process.argv.slice(2));
+const { folder } = stage;
+const look = (page, name) => stage.look(page, name);
+const run = (args) => stage.run(args);
 
 function end(child) {
   const ended = new Promise((resolve) => child.on('exit', (status) => resolve(status)));
@@ -46,7 +18,7 @@ function end(child) {
   return ended;
 }
 
-const startRobot = (file) => start(['run', file, '--controller', 'explore'], /robot rover runs/);
+const startRobot = (file) => stage.start(['run', file, '--controller', 'explore'], /robot rover runs/);
 
 /** A controller that cannot be configured is added to the robot. */
 function addFailingController() {
@@ -80,14 +52,6 @@ states:
     on: {success: home}
   home: {action: drive_to, inputs: {place: {x: 0.0, y: 0.0}}, on: {success: return success}}
 `;
-
-async function look(page, name) {
-  await page.screenshot({ path: join(pictures, name + '.png') });
-  await page.evaluate(axe);
-  const found = await page.evaluate(() => window.axe.run());
-  const violations = found.violations.map((one) => one.id + ': ' + one.nodes.map((node) => node.html.slice(0, 160)).join(' | '));
-  assert.deepEqual(violations, [], 'accessibility of ' + name);
-}
 
 async function drive(page) {
   const seen = (locator) => locator.waitFor({ timeout: 30000 });
@@ -149,7 +113,7 @@ async function drive(page) {
   await look(page, 'events');
 }
 
-const startMission = () => start(['mission', 'run', 'tour.yaml', '--mode', 'concurrent', '--follow', '--no-progress'], /began outward\/far/);
+const startMission = () => stage.start(['mission', 'run', 'tour.yaml', '--mode', 'concurrent', '--follow', '--no-progress'], /began outward\/far/);
 
 async function driveMission(page) {
   const seen = (locator) => locator.waitFor({ timeout: 30000 });
@@ -218,34 +182,19 @@ async function driveMission(page) {
   await seen(badge('ended: preempted'));
 }
 
-function run(args) {
-  return execFileSync(segue, args, { cwd: folder, env: environment, encoding: 'utf8' });
-}
-
-let browser = null;
+let failed = false;
 try {
   run(['init', 'rover']);
   addFailingController();
   let robot = await startRobot('rover/robot.yaml');
-  const studio = await start(['studio', '--port', '0'], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
-  browser = await chromium.launchPersistentContext(join(folder, 'browser'), {
-    executablePath: browserProgram,
-    headless: true,
-    viewport: { width: 1360, height: 820 },
-    args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
-  });
-  const page = browser.pages()[0] ?? (await browser.newPage());
-  const problems = [];
-  page.on('pageerror', (error) => problems.push(String(error)));
-  page.on('console', (message) => /Content Security Policy/.test(message.text()) && problems.push(message.text()));
-  page.setDefaultTimeout(30000);
-  await page.goto(studio.found);
+  const page = await stage.openPage();
+  await page.goto(stage.studio.found);
   await page.waitForURL((address) => !address.search.includes('token'));
   await drive(page);
   await driveMission(page);
   await driveEdit(page, { folder, look, run });
-  const observing = await start(['studio', '--port', '0', '--observe'], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
-  const observer = await browser.newPage();
+  const observing = await stage.startStudio('--observe');
+  const observer = await stage.browser.newPage();
   await observer.goto(observing.found);
   await observeEdit(observer);
   await observer.close();
@@ -262,17 +211,14 @@ try {
   await page.locator('.react-flow__node[data-id=laser]').click();
   await page.getByRole('complementary', { name: 'Task laser' }).getByLabel('beams').waitFor();
   await look(page, 'network_dark');
-  assert.deepEqual(problems, []);
-  assert.equal(await end(studio.child), 0);
+  assert.deepEqual(stage.problems, []);
+  assert.equal(await end(stage.studio.child), 0);
   await end(robot.child);
-  console.log('passed; screenshots are in ' + pictures);
+  console.log('passed; screenshots are in ' + stage.pictures);
 } catch (error) {
-  const page = browser?.pages()[0];
-  await page?.screenshot({ path: join(pictures, 'failed.png') }).catch(() => {});
+  failed = true;
   console.error(error);
   process.exitCode = 1;
 } finally {
-  await browser?.close();
-  for (const child of running) if (child.exitCode === null) child.kill('SIGKILL');
-  rmSync(folder, { recursive: true, force: true });
+  await stage.close(failed);
 }
