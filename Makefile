@@ -1,7 +1,7 @@
 # Everything a person runs by hand. CMake does the work; presets are in CMakePresets.json.
 JOBS ?= $(shell nproc)
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo demo-artemis test bench format tidy install clean
+.PHONY: help setup build demo demo-artemis studio test bench format tidy install clean
 
 help: ## this text
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 22
@@ -19,6 +19,9 @@ demo: ## a simulated rover fetches a box: a film, a Gantt chart and the transiti
 
 demo-artemis: build ## the four controllers of the Artemis rover, switched online
 	@build/release/bin/artemis_demo examples/04_artemis/robot.yaml
+
+studio: build ## the Artemis rover in a browser: its twelve transitions by hand, until Ctrl-C
+	@build/release/bin/segue run --stand-in examples/04_artemis/robot.yaml --controller search_explore --studio
 
 test: ## everything that CI runs (see tools/test --help)
 	@tools/test

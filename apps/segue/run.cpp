@@ -21,6 +21,7 @@
 #include "output.hpp"
 #include "report_text.hpp"
 #include "stop_signal.hpp"
+#include "studio_process.hpp"
 
 namespace segue::cli {
 
@@ -37,6 +38,8 @@ struct RunOptions {
   bool daemon = false;
   bool take_over = false;
   bool no_journal = false;
+  bool studio = false;
+  std::uint32_t studio_port = kStudioPort;
   std::string journal;
   bool verbose = false;
   LogLevel log_level = LogLevel::Info;
@@ -150,6 +153,16 @@ int shut_down(EmbeddedRobot& robot) {
   return explain_outcome(result);
 }
 
+/// If wanted. The robot runs with or without it.
+std::optional<StudioProcess> start_studio(const EmbeddedRobot& robot, const RunOptions& options,
+                                          const Context& context) {
+  if (!options.studio) return std::nullopt;
+  auto started = StudioProcess::start(robot.robot().name, options.studio_port, context.json());
+  if (started) return std::move(*started);
+  print_error({}, started.error());
+  return std::nullopt;
+}
+
 int serve(EmbeddedRobot& robot, const RunOptions& options, StopSignal& stop, const Context& context) {
   runtime::Runtime& runtime = robot.runtime();
   if (const auto known = check_controller(robot, runtime, options.controller); !known) {
@@ -170,6 +183,7 @@ int serve(EmbeddedRobot& robot, const RunOptions& options, StopSignal& stop, con
     print_line(fmt::format("robot {} runs (pid {}); Ctrl-C stops it cleanly, `segue status` shows its state",
                            robot.robot().name, ::getpid()));
   }
+  const auto studio = start_studio(robot, options, context);
   EventPrinter printer(runtime, context, options.verbose);
   const int operated = operate(std::move(first), options, stop, printer);
   const int ended = shut_down(robot);
@@ -206,6 +220,7 @@ void add_run(Verb& app, Context& context) {
   Verb& verb = add_verb(
       app, context, "run", "start a robot's runtime; Ctrl-C stops it cleanly",
       "  segue run robot.yaml --controller explore\n"
+      "  segue run robot.yaml --studio       # to be watched and operated in a browser\n"
       "  segue run --stand-in robot.yaml     # simulates components that are not installed\n\n"
       "Tasks of deployments run in processes of their own, all others in this one. SIGINT (Ctrl-C) and\n"
       "SIGTERM stop every task cleanly and end those processes; a second signal ends this process at once\n"
@@ -229,6 +244,12 @@ void add_run(Verb& app, Context& context) {
       .excludes(in_process);
   const Option no_journal = verb.flag("--no-journal", options->no_journal, "keep no journal");
   add_journal_option(verb, options->journal).excludes(no_journal);
+  const Option studio =
+      verb.flag("--studio", options->studio,
+                "also serve the robot to browsers of this computer, as `segue studio` does, until it ends");
+  verb.option("--studio-port PORT", options->studio_port, "where it listens (default 8475; 0: any free port)")
+      .needs(studio)
+      .between(std::size_t{0}, std::size_t{65535});
   verb.option("--for DURATION", options->length, "end after this time")
       .between(std::chrono::milliseconds(1), kLongestWait);
   verb.flag("-v,--verbose", options->verbose, "also print every action");

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/folders.hpp>
 #include <segue/control/credentials.hpp>
 #include <segue/model/files.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/server.hpp>
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -16,20 +18,20 @@
 #include "connection.hpp"
 #include "models.hpp"
 #include "stop_signal.hpp"
+#include "studio_process.hpp"
 
 namespace segue::cli {
 
 namespace {
 
-constexpr std::uint32_t kDefaultPort = 8475;
-
 struct StudioOptions {
-  std::uint32_t port = kDefaultPort;
+  std::uint32_t port = kStudioPort;
   std::string listen;  ///< empty: for this computer only
   std::string credentials;
   std::string name;
   std::string page;
   bool observe = false;
+  bool until_eof = false;
 };
 
 void print_address(const std::string& address, const Context& context) {
@@ -60,8 +62,8 @@ Result<std::optional<control::Credentials>> credentials_of(const StudioOptions& 
 
 std::string introduction(const std::string& robot, const StudioOptions& options, bool secure) {
   return fmt::format(
-      "the studio of robot {}{}; Ctrl-C ends it, the robot goes on. {}", robot,
-      options.observe ? " (observe only)" : "",
+      "the studio of robot {}{}{}. {}", robot, options.observe ? " (observe only)" : "",
+      options.until_eof ? "" : "; Ctrl-C ends it, the robot goes on",
       secure ? "Open it in browsers that have the certificate of a person:" : "Open in one browser:");
 }
 
@@ -72,10 +74,17 @@ model::ComponentCatalog models_for_editing(const model::Robot& robot, Diagnostic
   return catalog;
 }
 
+/// At a port of its own choice a studio meets no browser again.
+std::filesystem::path known_browsers(const std::string& robot, const StudioOptions& options) {
+  const auto folder = runtime_folder();
+  if (options.port == 0 || !options.listen.empty() || !folder) return {};
+  return *folder / fmt::format("{}.studio-{}", robot, options.port);
+}
+
 int serve_studio(const std::string& robot, const StudioOptions& options, const Context& context) {
   auto page = page_of(options);
   if (!page) return failed(context, page.error());
-  StopSignal stop;
+  StopSignal stop(options.until_eof ? STDIN_FILENO : -1);
   const auto connect = [robot]() -> Result<std::unique_ptr<control::RobotService>> {
     const auto socket = control::socket_path(robot);
     if (!socket) return socket.error();
@@ -88,6 +97,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
                                       .credentials = *credentials,
                                       .role = options.observe ? web::Role::Observe : web::Role::Operate,
                                       .robot = robot,
+                                      .browsers = known_browsers(robot, options),
                                       .models = models_for_editing,
                                       .entered = [&context](const std::string& address) {
                                         if (!context.json())
@@ -132,6 +142,8 @@ void add_studio(Verb& app, Context& context) {
   verb.option("--page FOLDER", options->page,
               "the built page (default: the one that is installed with segue)");
   verb.flag("--observe", options->observe, "browsers may look but not change anything");
+  verb.flag("--until-eof", options->until_eof,
+            "end when standard input ends, too: for programs that start a studio");
   add_robot_option(verb, context);
 }
 

@@ -5,6 +5,8 @@
 #include <segue/base/text.hpp>
 
 #include <fcntl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -87,6 +89,13 @@ Result<pid_t> ChildProcess::start(const std::string& program, std::vector<std::s
                                     pointers(variables).data());
   if (reason != 0) return system_error("cannot start " + what + quote(program), reason);
   return pid;
+}
+
+void wait_for_end(pid_t child, Duration patience) {
+  const Descriptor process(static_cast<int>(::syscall(SYS_pidfd_open, child, 0)));
+  const bool ended = process.valid() && wait_for_input(process.get(), RealClock::instance().now() + patience);
+  if (!ended) ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
 }
 
 }  // namespace segue

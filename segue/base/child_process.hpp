@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
 
@@ -42,5 +43,8 @@ class ChildProcess {
   std::vector<Descriptor> moved_;
   std::vector<std::pair<std::string, std::string>> more_;
 };
+
+/// Blocks until a child has ended, and forgets it; kills it after `patience`.
+void wait_for_end(pid_t child, Duration patience);
 
 }  // namespace segue

@@ -65,5 +65,16 @@ TEST(ChildProcess, TellsWhatCannotBeStarted) {
             "cannot start the program '/nowhere/program': No such file or directory");
 }
 
+TEST(ChildProcess, IsKilledWhereItDoesNotEnd) {
+  for (const auto& [command, patience] : {std::pair<std::string, Duration>("exit 0", std::chrono::minutes(1)),
+                                          {"while :; do sleep 1; done", std::chrono::milliseconds(1)}}) {
+    ChildProcess shell(3);
+    const auto started = shell.start("sh", {"sh", "-c", command});
+    ASSERT_TRUE(started) << to_string(started.error());
+    wait_for_end(*started, patience);
+    EXPECT_EQ(::kill(*started, 0), -1) << command;
+  }
+}
+
 }  // namespace
 }  // namespace segue

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
+
 #include <utility>
 
 namespace segue {
@@ -22,5 +24,8 @@ class Descriptor {
  private:
   int fd_;
 };
+
+/// Blocks until the descriptor can be read from, or has ended, or until `deadline`; false then.
+bool wait_for_input(int descriptor, TimePoint deadline);
 
 }  // namespace segue

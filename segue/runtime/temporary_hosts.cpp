@@ -8,9 +8,6 @@
 #include <segue/base/text.hpp>
 #include <segue/model/files.hpp>
 
-#include <poll.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -33,15 +30,6 @@ fs::path runtime_folder_of(const fs::path& folder, const std::string& host) {
   return folder / host / "run";
 }
 
-bool wait_for_input(int descriptor, TimePoint deadline) {
-  for (;;) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - RealClock::instance().now());
-    pollfd waited{descriptor, POLLIN, 0};
-    const int ready = ::poll(&waited, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
-    if (ready >= 0 || errno != EINTR) return ready > 0;
-  }
-}
-
 /// Waits for the first line of a daemon.
 Result<void> wait_until_it_serves(int output, const std::string& name) {
   const auto deadline = RealClock::instance().now() + kPatience;
@@ -51,15 +39,6 @@ Result<void> wait_until_it_serves(int output, const std::string& name) {
     if (::read(output, &next, 1) <= 0) return fail(ErrorCode::Unavailable, "it has ended at once", name);
   }
   return {};
-}
-
-/// Kills it where it does not end by itself.
-void wait_for_end(pid_t pid) {
-  const Descriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
-  const bool ended =
-      process.valid() && wait_for_input(process.get(), RealClock::instance().now() + kPatience);
-  if (!ended) ::kill(pid, SIGKILL);
-  ::waitpid(pid, nullptr, 0);
 }
 
 /// A configuration of its own, since that of this user may name addresses to listen at.
@@ -84,7 +63,7 @@ TemporaryHosts::~TemporaryHosts() {
   for (Daemon& daemon : daemons_)
     daemon.input = Descriptor();
   for (const Daemon& daemon : daemons_)
-    wait_for_end(daemon.pid);
+    wait_for_end(daemon.pid, kPatience);
   std::error_code ignored;
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }

@@ -3,12 +3,7 @@
 
 #include <segue/base/text.hpp>
 
-#include <sys/random.h>
-
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <system_error>
 #include <utility>
 
 namespace segue::web {
@@ -29,31 +24,12 @@ std::string_view next_cookie(std::string_view& cookies) {
 
 }  // namespace
 
-std::string random_secret() {
-  std::array<unsigned char, 32> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::system_error(errno, std::generic_category(), "getrandom");
-  std::string text;
-  for (const unsigned char byte : bytes) {
-    text += "0123456789abcdef"[byte >> 4U];
-    text += "0123456789abcdef"[byte & 15U];
-  }
-  return text;
-}
-
-bool equal_secrets(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned difference = 0;
-  for (std::size_t at = 0; at < a.size(); ++at)
-    difference |= static_cast<unsigned char>(a[at]) ^ static_cast<unsigned char>(b[at]);
-  return difference == 0;
-}
-
-Gate::Gate(Place place, Role role)
+Gate::Gate(Place place, Role role, KnownBrowsers browsers)
     : place_(std::move(place)),
       role_(role),
       cookie_name_("segue_studio_" + std::to_string(place_.port)),
-      token_(random_secret()) {}
+      token_(random_secret()),
+      browsers_(std::move(browsers)) {}
 
 std::string Gate::token() const {
   const std::lock_guard lock(mutex_);
@@ -72,16 +48,14 @@ Result<void> Gate::check_names(const Entrance& entrance) const {
   return {};
 }
 
-bool Gate::knows(std::string_view cookies) const {
+std::optional<Role> Gate::role_of(std::string_view cookies) const {
   const std::string prefix = cookie_name_ + "=";
-  bool known = false;
-  while (!cookies.empty()) {
+  std::optional<Role> role;
+  while (!cookies.empty() && !role) {
     const std::string_view one = next_cookie(cookies);
-    if (!one.starts_with(prefix)) continue;
-    for (const auto& [secret, number] : browsers_)
-      known = equal_secrets(secret, one.substr(prefix.size())) || known;
+    if (one.starts_with(prefix)) role = browsers_.role_of(one.substr(prefix.size()));
   }
-  return known;
+  return role;
 }
 
 Result<Gate::Admission> Gate::admit(const Entrance& entrance) {
@@ -92,16 +66,12 @@ Result<Gate::Admission> Gate::admit(const Entrance& entrance) {
   const bool brings_token =
       target.starts_with(kTokenQuery) && equal_secrets(target.substr(kTokenQuery.size()), token_);
   if (!brings_token || entrance.is_socket) {
-    if (knows(entrance.cookies)) return Admission{role_, {}};
+    if (const auto known = role_of(entrance.cookies)) return Admission{std::min(role_, *known), {}};
     return fail(ErrorCode::PermissionDenied, target.starts_with(kTokenQuery)
                                                  ? "the token is not valid (any more)"
                                                  : "the request has no token and no valid cookie");
   }
-  if (browsers_.size() >= kMostBrowsers) {
-    browsers_.erase(std::ranges::min_element(browsers_, {}, [](const auto& one) { return one.second; }));
-  }
-  const std::string secret = random_secret();
-  browsers_.emplace(secret, ++entered_);
+  const std::string secret = browsers_.add(role_);
   token_ = random_secret();
   return Admission{role_, cookie_name_ + "=" + secret + "; Path=/; HttpOnly; SameSite=Strict"};
 }

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/web/known_browsers.hpp>
 #include <segue/web/role.hpp>
 
 #include <cstdint>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -37,16 +37,14 @@ class Gate {
     std::string new_cookie{};
   };
 
-  static constexpr std::size_t kMostBrowsers = 64;
-
   struct Place {
     std::string scheme = "http";
     std::vector<std::string> names{};  ///< of this computer, beside the addresses of connections
     std::uint16_t port = 0;
   };
 
-  /// Nobody gets more than `role`.
-  Gate(Place place, Role role);
+  /// Nobody gets more than `role`, or than the role with which his browser came in.
+  Gate(Place place, Role role, KnownBrowsers browsers = KnownBrowsers());
 
   /// PermissionDenied, with why.
   Result<Admission> admit(const Entrance& entrance);
@@ -55,21 +53,14 @@ class Gate {
 
  private:
   [[nodiscard]] Result<void> check_names(const Entrance& entrance) const;
-  [[nodiscard]] bool knows(std::string_view cookies) const;
+  [[nodiscard]] std::optional<Role> role_of(std::string_view cookies) const;
 
   const Place place_;
   const Role role_;
   const std::string cookie_name_;
   mutable std::mutex mutex_;  ///< protects all below
   std::string token_;
-  std::uint64_t entered_ = 0;
-  std::map<std::string, std::uint64_t> browsers_;  ///< by cookie: which came in first
+  KnownBrowsers browsers_;
 };
-
-/// 256 random bits of the system in hexadecimal digits. Throws std::system_error where it gives none.
-std::string random_secret();
-
-/// Compares in a time that does not depend on where the texts differ.
-bool equal_secrets(std::string_view a, std::string_view b);
 
 }  // namespace segue::web

@@ -82,20 +82,12 @@ TEST(GateTest, TheOldestOfManyBrowsersIsForgotten) {
   Gate gate(kPlace, Role::Observe);
   const std::string oldest = enter(gate);
   const std::string second = enter(gate);
-  for (std::size_t more = 2; more < Gate::kMostBrowsers + 1; ++more)
+  for (std::size_t more = 2; more < KnownBrowsers::kMost + 1; ++more)
     enter(gate);
   EXPECT_FALSE(gate.admit({.target = "/", .host = kHost, .cookies = oldest}));
   const auto known = gate.admit({.target = "/", .host = kHost, .cookies = second});
   ASSERT_TRUE(known);
   EXPECT_EQ(known->role, Role::Observe);
-}
-
-TEST(Secrets, AreEqualOrNot) {
-  EXPECT_TRUE(equal_secrets("abc", "abc"));
-  EXPECT_FALSE(equal_secrets("abc", "abd"));
-  EXPECT_FALSE(equal_secrets("abc", "ab"));
-  EXPECT_EQ(random_secret().size(), 64U);
-  EXPECT_NE(random_secret(), random_secret());
 }
 
 TEST(GateTest, ACertificateOpensAndSaysWhatItsOwnerMayDo) {

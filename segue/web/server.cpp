@@ -403,7 +403,7 @@ Result<void> Server::Implementation::listen() {
   } else {
     entrance.names.push_back("localhost");
   }
-  gate.emplace(std::move(entrance), options.role);
+  gate.emplace(std::move(entrance), options.role, KnownBrowsers(options.browsers));
   return {};
 }
 

@@ -10,6 +10,7 @@
 #include <segue/web/role.hpp>
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -25,6 +26,8 @@ struct ServerOptions {
   std::optional<control::Credentials> credentials{};
   Role role = Role::Operate;  ///< nobody gets more
   std::string robot{};        ///< its name, for the page
+  /// Where browsers that came in are kept, to be known again later; empty: nowhere.
+  std::filesystem::path browsers{};
   Hub::Periods periods{};
   ModelsOf models{};  ///< for files that are edited; empty: no component is known
   /// A browser has come in with the token; this address is for the next one. Called by the server's thread.

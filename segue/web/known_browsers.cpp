@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/web/known_browsers.hpp>
+
+#include <segue/base/file.hpp>
+#include <segue/base/sha256.hpp>
+
+#include <sys/random.h>
+
+#include <array>
+#include <cerrno>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+namespace segue::web {
+
+namespace {
+
+constexpr std::string_view kHexadecimal = "0123456789abcdef";
+constexpr std::size_t kDigits = 64;  // of 256 bits
+constexpr std::size_t kLongestFile = 100 * KnownBrowsers::kMost;
+
+std::optional<Role> role_named(std::string_view name) {
+  for (const Role role : {Role::Observe, Role::Operate})
+    if (name == to_string(role)) return role;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string random_secret() {
+  std::array<unsigned char, kDigits / 2> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::system_error(errno, std::generic_category(), "getrandom");
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    text += kHexadecimal[byte >> 4U];
+    text += kHexadecimal[byte & 15U];
+  }
+  return text;
+}
+
+bool equal_secrets(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t at = 0; at < a.size(); ++at)
+    difference |= static_cast<unsigned char>(a[at]) ^ static_cast<unsigned char>(b[at]);
+  return difference == 0;
+}
+
+KnownBrowsers::KnownBrowsers(std::filesystem::path file) : file_(std::move(file)) {
+  if (file_.empty()) return;
+  const auto text = read_file(file_, kLongestFile);
+  std::istringstream words(text ? *text : "");
+  for (std::string role, digest; words >> role >> digest && browsers_.size() < kMost;) {
+    const auto known = role_named(role);
+    const bool is_digest =
+        digest.size() == kDigits && digest.find_first_not_of(kHexadecimal) == std::string::npos;
+    if (known && is_digest) browsers_.push_back({*known, digest});
+  }
+}
+
+std::optional<Role> KnownBrowsers::role_of(std::string_view secret) const {
+  const std::string digest = sha256(secret);
+  std::optional<Role> role;
+  for (const Browser& browser : browsers_) {
+    if (equal_secrets(browser.digest, digest)) role = browser.role;
+  }
+  return role;
+}
+
+std::string KnownBrowsers::add(Role role) {
+  if (browsers_.size() >= kMost) browsers_.erase(browsers_.begin());
+  std::string secret = random_secret();
+  browsers_.push_back({role, sha256(secret)});
+  keep();
+  return secret;
+}
+
+void KnownBrowsers::keep() const {
+  if (file_.empty()) return;
+  std::string text;
+  for (const Browser& browser : browsers_)
+    text += std::string(to_string(browser.role)) + " " + browser.digest + "\n";
+  static_cast<void>(write_private_file(file_, text));
+}
+
+}  // namespace segue::web
