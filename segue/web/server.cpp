@@ -46,6 +46,7 @@ constexpr auto kRequestTime = std::chrono::seconds(10);
 constexpr auto kIdleTime = std::chrono::seconds(30);
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
 constexpr std::uint32_t kLongestHeader = 16 * 1024;
+constexpr int kSendBuffer = 256 * 1024;  ///< what a slow browser would get although it is old
 
 std::string text_of(beast::string_view text) {
   return {text.data(), text.size()};
@@ -416,6 +417,8 @@ void Server::Implementation::accept() {
         if (!stopped && acceptor.is_open()) accept();
       });
     }
+    error_code as_it_is;
+    socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer), as_it_is);
     if (connections.size() < kMostConnections) {
       std::make_shared<Connection>(*this, std::move(socket))->start();
     } else {

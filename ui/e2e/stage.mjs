@@ -11,6 +11,13 @@ import { chromium } from 'playwright-core';
 
 const browserProgram = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
 
+/** Ends a program by Ctrl-C; resolves to its exit status. */
+export function end(child) {
+  const ended = new Promise((resolve) => child.on('exit', (status) => resolve(status)));
+  child.kill('SIGINT');
+  return ended;
+}
+
 export class Stage {
   constructor(segue, pictures) {
     if (!browserProgram) {
@@ -53,9 +60,14 @@ export class Stage {
     return this.start(['studio', '--port', '0', ...options], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
   }
 
-  /** The page of a studio beside the robot that runs; what goes wrong in it is in `problems`. */
+  /** The page of a studio beside the robot that runs. */
   async openPage() {
     this.studio = await this.startStudio();
+    return this.openBrowser();
+  }
+
+  /** An empty page; what goes wrong in it is in `problems`. */
+  async openBrowser() {
     this.browser = await chromium.launchPersistentContext(join(this.folder, 'browser'), {
       executablePath: browserProgram,
       headless: true,

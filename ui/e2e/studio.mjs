@@ -5,18 +5,12 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import assert from 'node:assert/strict';
 import { driveEdit, observeEdit } from './edit.mjs';
-import { Stage } from './stage.mjs';
+import { end, Stage } from './stage.mjs';
 
 const stage = new Stage(...process.argv.slice(2));
 const { folder } = stage;
 const look = (page, name) => stage.look(page, name);
 const run = (args) => stage.run(args);
-
-function end(child) {
-  const ended = new Promise((resolve) => child.on('exit', (status) => resolve(status)));
-  child.kill('SIGINT');
-  return ended;
-}
 
 const startRobot = (file) => stage.start(['run', file, '--controller', 'explore'], /robot rover runs/);
 
