@@ -84,10 +84,18 @@ export async function driveEdit(page, { folder, look, run }) {
   await look(page, 'edit');
   await node('joystick').focus();
   await page.keyboard.press('Enter');
-  await page.getByRole('complementary', { name: 'Edit task joystick' }).getByRole('button', { name: 'Remove joystick.command to drive.command' }).press('Enter');
-  await page.getByLabel('Connect joystick.command').selectOption('drive.command');
+  await page.getByRole('complementary', { name: 'Edit task joystick' }).getByLabel('Name', { exact: true }).fill('stick');
+  await page.keyboard.press('Enter');
+  await seen(handle('stick', 'command'));
+  await holds(async () => (await shown()).includes('- stick.command -> drive.command'), 'a task is renamed with its connections');
+  await page.getByRole('complementary', { name: 'Edit task stick' }).getByLabel('Name', { exact: true }).fill('drive');
+  await page.keyboard.press('Enter');
+  await seen(page.getByRole('complementary', { name: 'Edit task stick' }).getByText('there is a task drive already'));
+  await page.keyboard.press('Escape');
+  await page.getByRole('complementary', { name: 'Edit task stick' }).getByRole('button', { name: 'Remove stick.command to drive.command' }).press('Enter');
+  await page.getByLabel('Connect stick.command').selectOption('drive.command');
   await page.getByRole('button', { name: 'Remove task' }).press('Enter');
-  await node('joystick').waitFor({ state: 'detached' });
+  await node('stick').waitFor({ state: 'detached' });
 
   assert.deepEqual(await page.evaluate(() => window.hiddenTasks), [], 'tasks that disappeared');
 

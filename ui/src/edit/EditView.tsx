@@ -7,7 +7,7 @@ import './edit.css';
 import { EditGraph } from './EditGraph';
 import { found, modelsOf, newId, type Models } from './models';
 import { TaskForm, type Edits } from './TaskForm';
-import { addConnection, addTask, networkIn, removeConnection, removeProperty, removeTask, setProperty, type NetworkText } from './text';
+import { addConnection, addTask, networkIn, removeConnection, removeProperty, removeTask, renameTask, setProperty, type NetworkText } from './text';
 import { TextEditor } from './TextEditor';
 
 const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
@@ -67,7 +67,10 @@ function Palette({ models, onAdd }: { models: Models; onAdd: (component: string)
       <ul className="plain">
         {shown.slice(0, 100).map((model) => (
           <li key={model.name}>
-            <button type="button" className="line" title={model.doc} onClick={() => onAdd(model.name)}>{model.name}</button>
+            <button type="button" className="line documented" onClick={() => onAdd(model.name)}>
+              <span>{model.name}</span>
+              {model.doc && <small className="quiet">{model.doc}</small>}
+            </button>
           </li>
         ))}
       </ul>
@@ -227,6 +230,11 @@ function DraftView({ draft, drafts, models, anyUnsaved }: { draft: Draft; drafts
     },
     removeTask: (id) => {
       if (edit((before) => removeTask(before, id)) === null) setTask(null);
+    },
+    renameTask: (id, name) => {
+      const refused = edit((before) => renameTask(before, id, name));
+      if (refused === null) setTask(name);
+      return refused;
     },
   };
   const add = (component: string) => {

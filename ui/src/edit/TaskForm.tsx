@@ -3,6 +3,7 @@ import { useState, type FormEvent } from 'react';
 import { stringify } from 'yaml';
 import { portOf, taskOf } from '../robot/types';
 import { partners, portsOf, type EditedPort, type Models, type PropertyModel } from './models';
+import { NameField } from './NameField';
 import type { NetworkText } from './text';
 
 const written = (value: unknown) => (value === undefined ? '' : stringify(value, { collectionStyle: 'flow', lineWidth: 0, flowCollectionPadding: false }).trimEnd());
@@ -13,6 +14,8 @@ export interface Edits {
   connect: (from: string, to: string) => void;
   disconnect: (index: number) => void;
   removeTask: (task: string) => void;
+  /** Why not, or null. */
+  renameTask: (task: string, name: string) => string | null;
 }
 
 function PropertyField({ task, model, value, edits, fixed }: { task: string; model: PropertyModel; value: unknown; edits: Edits; fixed: boolean }) {
@@ -93,6 +96,7 @@ export function TaskForm({ id, network, models, edits, fixed, onClose }: { id: s
       </header>
       <p>{task.component} {!model && <span className="badge warn">unknown component</span>}</p>
       {model?.doc && <p className="quiet">{model.doc}</p>}
+      {!fixed && <NameField key={id} label="Name" name={id} onRename={(name) => edits.renameTask(id, name)} />}
       {properties.length > 0 && <h3>Properties</h3>}
       {properties.map((property) => (
         <PropertyField key={property.name} task={id} model={property} value={task.properties[property.name]} edits={edits} fixed={fixed} />

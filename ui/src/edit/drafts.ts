@@ -9,7 +9,7 @@ import { tags } from '@lezer/highlight';
 import { basicSetup } from 'codemirror';
 import type { Json } from '../robot/change';
 import { RobotError, type Connection } from '../robot/connection';
-import { changeBetween } from './text';
+import { changeBetween } from './yaml_edit';
 
 export interface Problem {
   severity: 'error' | 'warning';

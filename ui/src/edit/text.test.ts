@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { addConnection, addTask, changeBetween, networkIn, removeConnection, removeProperty, removeTask, setProperty } from './text';
+import { addConnection, addTask, networkIn, removeConnection, removeProperty, removeTask, renameTask, setProperty } from './text';
 
 const network = `# Wanders about.
 network: explore
@@ -90,15 +90,21 @@ describe('edits touch nothing else', () => {
     expect(difference(network, removeProperty(network, 'laser', 'beams'))).toEqual(['-    properties:', '-      beams: 32   # few']);
     expect(removeProperty(network, 'wanderer', 'speed')).toContain('properties: {names: [a, "b"]}}');
   });
+  it('renames a task with its connections and its place', () => {
+    expect(difference(network, renameTask(network, 'laser', 'eye'))).toEqual([
+      '-  laser:', '-  - laser.scan -> wanderer.scan   # what it sees', '-  eyes: {tasks: [laser, other]}   # apart',
+      '+  eye:', '+  - eye.scan -> wanderer.scan   # what it sees', '+  eyes: {tasks: [eye, other]}   # apart',
+    ]);
+    expect(difference(network, renameTask(network, 'drive', 'wheels'))).toEqual([
+      '-  drive: {component: "demo::Drive"}   # the wheels', '-  - {from: wanderer.command, to: drive.command, policy: buffer, size: 4}',
+      '+  wheels: {component: "demo::Drive"}   # the wheels', '+  - {from: wanderer.command, to: wheels.command, policy: buffer, size: 4}',
+    ]);
+    expect(renameTask(network, 'laser', 'laser')).toBe(network);
+    expect(() => renameTask(network, 'laser', 'drive')).toThrow('already');
+    for (const name of ['', 'a b', 'a.b', '{x}']) expect(() => renameTask(network, 'laser', name)).toThrow('named by');
+  });
   it('keeps anchors that others need', () => {
     const shared = 'network: a\ntasks:\n  x: &x {component: t::X}\n  y: *x\n';
     expect(() => setProperty(shared, 'y', 'p', '1')).toThrow('alias');
   });
-});
-
-it('changeBetween is one replacement', () => {
-  for (const [a, b] of [['abc', 'abxc'], ['aa', 'aaa'], ['', 'x'], ['same', 'same'], ['abab', 'ab']] as const) {
-    const { from, to, insert } = changeBetween(a, b);
-    expect(a.slice(0, from) + insert + a.slice(to)).toBe(b);
-  }
 });
