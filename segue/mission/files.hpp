@@ -44,6 +44,11 @@ std::optional<Mission> load_mission(const std::filesystem::path& file,
                                     const std::vector<std::filesystem::path>& library_folders,
                                     Diagnostics& diagnostics);
 
+/// The same of a text that takes the place of the file's.
+std::optional<Mission> load_mission_text(std::string_view text, const std::filesystem::path& file,
+                                         const std::vector<std::filesystem::path>& library_folders,
+                                         Diagnostics& diagnostics);
+
 /// Whether a port of that type accepts the value. Null is always accepted.
 bool accepts(std::string_view type, const type::Value& value);
 /// Whether values of a port of type `from` may flow to a port of type `to`.

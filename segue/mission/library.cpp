@@ -158,17 +158,22 @@ void check_scripts(const Mission& mission, Diagnostics& diagnostics) {
 
 }  // namespace
 
-std::optional<Mission> load_mission(const path& file, const std::vector<path>& library_folders,
-                                    Diagnostics& diagnostics) {
+std::optional<Mission> load_mission_text(std::string_view text, const path& file,
+                                         const std::vector<path>& library_folders, Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
-  const auto text = model::detail::read_text(file, diagnostics);
-  auto mission = text ? read_mission(*text, file.string(), diagnostics) : std::nullopt;
+  auto mission = read_mission(text, file.string(), diagnostics);
   if (!mission) return std::nullopt;
   add_libraries(*mission, library_folders, diagnostics);
   diagnostics.append(validate(*mission));
   check_scripts(*mission, diagnostics);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return mission;
+}
+
+std::optional<Mission> load_mission(const path& file, const std::vector<path>& library_folders,
+                                    Diagnostics& diagnostics) {
+  const auto text = model::detail::read_text(file, diagnostics);
+  return text ? load_mission_text(*text, file, library_folders, diagnostics) : std::nullopt;
 }
 
 }  // namespace segue::mission

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
+#include <segue/base/result.hpp>
 #include <segue/mission/mission.hpp>
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +15,8 @@
 /// State machines of RAFCON (github.com/DLR-RM/RAFCON), in every version of its storage format from 0.7 on.
 namespace segue::mission {
 
-/// The folder of the libraries whose path begins with `name` (an entry of RAFCON's LIBRARY_PATHS).
+/// The folder of the libraries whose path begins with `name` (an entry of RAFCON's LIBRARY_PATHS); without a
+/// name, of those whose path begins with any.
 struct RafconLibraryPath {
   std::string name;
   std::filesystem::path folder;
@@ -36,13 +39,17 @@ struct RafconImport {
   RafconCounts counts;
 };
 
+/// The text of a file.
+using ReadText = std::function<Result<std::string>(const std::filesystem::path&)>;
+
 /// Reads the machine in `folder` (with its statemachine.json) and the libraries that it uses. Ids are derived
 /// from names, which are kept as titles; RAFCON's ids are kept as script ids; scripts become Python actions,
 /// semantic data become notes. Transitions of the states of a barrier, which RAFCON ignores, are left out.
 /// Nothing if there are errors: unreadable files, missing libraries, dangling references. The mission may
-/// still have problems that validate() finds. Blocks on files.
+/// still have problems that validate() finds. Blocks on files, which `read` reads (nothing:
+/// read_input_file()).
 std::optional<RafconImport> import_rafcon(const std::filesystem::path& folder,
                                           const std::vector<RafconLibraryPath>& libraries,
-                                          Diagnostics& diagnostics);
+                                          Diagnostics& diagnostics, const ReadText& read = {});
 
 }  // namespace segue::mission

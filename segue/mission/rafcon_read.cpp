@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/rafcon_state.hpp>
 #include <segue/model/reader.hpp>
@@ -214,8 +214,8 @@ constexpr int kDeepest = 200;
 
 class Loader {
  public:
-  Loader(const std::vector<RafconLibraryPath>& paths, Diagnostics& diagnostics)
-      : paths_(paths), diagnostics_(diagnostics) {}
+  Loader(const std::vector<RafconLibraryPath>& paths, const ReadText& read, Diagnostics& diagnostics)
+      : paths_(paths), read_(read), diagnostics_(diagnostics) {}
 
   detail::RafconFiles load(const path& folder) {
     files_.root = machine(folder);
@@ -239,7 +239,7 @@ class Loader {
   [[nodiscard]] path find(const std::string& name) const {
     const auto slash = name.find('/');
     for (const RafconLibraryPath& known : paths_) {
-      if (known.name != name.substr(0, slash)) continue;
+      if (!known.name.empty() && known.name != name.substr(0, slash)) continue;
       path folder = slash == std::string::npos ? known.folder : known.folder / name.substr(slash + 1);
       std::error_code ignored;
       if (std::filesystem::is_regular_file(folder / "statemachine.json", ignored)) return folder;
@@ -248,7 +248,7 @@ class Loader {
   }
 
   std::unique_ptr<RafconState> machine(const path& folder) {
-    const auto text = model::detail::read_text(folder / "statemachine.json", diagnostics_);
+    const auto text = text_of(folder / "statemachine.json");
     if (!text) return nullptr;
     const auto root = type::parse_json(*text, (folder / "statemachine.json").string());
     if (!root) {
@@ -270,7 +270,7 @@ class Loader {
 
   std::unique_ptr<RafconState> state(const path& folder, int depth) {
     const path file = folder / "core_data.json";
-    const auto text = model::detail::read_text(file, diagnostics_);
+    const auto text = text_of(file);
     if (!text) return nullptr;
     auto state = detail::read_core_data(*text, file.string(), diagnostics_);
     if (!state) return nullptr;
@@ -283,11 +283,11 @@ class Loader {
   void read_beside(RafconState& state, const path& folder) {
     std::error_code ignored;
     if (const path script = folder / "script.py"; std::filesystem::is_regular_file(script, ignored)) {
-      state.script = model::detail::read_text(script, diagnostics_).value_or("");
+      state.script = text_of(script).value_or("");
     }
     const path notes = folder / "semantic_data.json";
     if (!std::filesystem::is_regular_file(notes, ignored)) return;
-    const auto text = model::detail::read_text(notes, diagnostics_);
+    const auto text = text_of(notes);
     auto read = type::parse_json(text.value_or("{}"), notes.string());
     if (!read) {
       diagnostics_.error("parse-error", read.error().message, read.error().where);
@@ -310,7 +310,15 @@ class Loader {
     }
   }
 
+  std::optional<std::string> text_of(const path& file) {
+    auto text = read_ ? read_(file) : read_input_file(file);
+    if (text) return std::move(*text);
+    diagnostics_.error("unreadable-file", text.error().message, {file.string(), 0, 0});
+    return std::nullopt;
+  }
+
   const std::vector<RafconLibraryPath>& paths_;
+  const ReadText& read_;
   Diagnostics& diagnostics_;
   detail::RafconFiles files_;
   std::vector<std::pair<std::string, SourceLocation>> wanted_;
@@ -332,9 +340,9 @@ std::vector<RafconLibraryPath> rafcon_library_paths(const std::vector<std::strin
 }
 
 std::optional<RafconImport> import_rafcon(const path& folder, const std::vector<RafconLibraryPath>& libraries,
-                                          Diagnostics& diagnostics) {
+                                          Diagnostics& diagnostics, const ReadText& read) {
   const std::size_t errors_before = diagnostics.error_count();
-  const detail::RafconFiles files = Loader(libraries, diagnostics).load(folder);
+  const detail::RafconFiles files = Loader(libraries, read, diagnostics).load(folder);
   if (diagnostics.error_count() > errors_before || !files.root) return std::nullopt;
   return detail::convert(files, diagnostics);
 }

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <vector>
 
@@ -81,22 +82,42 @@ bool write_all(const Descriptor& file, std::string_view text) {
   return ::fsync(file.get()) == 0;
 }
 
-/// A new file beside the old one, which takes its place.
+enum class Place : std::uint8_t { Taken, Free };
+
+/// Moves a file, over another one where its place is Taken. 0, or the reason in errno.
+int move_file(const Descriptor& from, const std::string& name, const Descriptor& to,
+              const std::string& new_name, Place place) {
+  const unsigned flags = place == Place::Free ? RENAME_NOREPLACE : 0;
+  return ::renameat2(from.get(), name.c_str(), to.get(), new_name.c_str(), flags);
+}
+
+Error taken(std::string_view path) {
+  return fail(ErrorCode::AlreadyExists,
+              quote(std::string(path)) + " is there already; nothing was written over it");
+}
+
+/// A new file beside its place, which it then takes.
 Result<void> put(const Descriptor& parent, const std::string& name, std::string_view text, mode_t mode,
-                 std::string_view path) {
+                 std::string_view path, Place place) {
   const std::string temporary = "." + name + std::string(kTemporary);
   ::unlinkat(parent.get(), temporary.c_str(), 0);  // of a studio that was killed
   const Descriptor file(
       ::openat(parent.get(), temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (!file.valid()) return failure(path, "write");
   if (!write_all(file, text) || ::fchmod(file.get(), mode) != 0 ||
-      ::renameat(parent.get(), temporary.c_str(), parent.get(), name.c_str()) != 0) {
-    Error error = failure(path, "write");
+      move_file(parent, temporary, parent, name, place) != 0) {
+    Error error = errno == EEXIST ? taken(path) : failure(path, "write");
     ::unlinkat(parent.get(), temporary.c_str(), 0);
     return error;
   }
   ::fsync(parent.get());  // the file itself is safe already
   return {};
+}
+
+Result<void> check_length(std::string_view text) {
+  if (text.size() <= FileFolder::kLongestFile) return {};
+  return fail(ErrorCode::ResourceExhausted,
+              "the text is too long to be saved here: " + format_size(text.size()));
 }
 
 }  // namespace
@@ -147,29 +168,69 @@ Result<FileFolder::Content> FileFolder::read(std::string_view path) const {
   return Content{std::move(*text), std::move(version)};
 }
 
-Result<std::string> FileFolder::replace(std::string_view path, std::string_view text,
-                                        const std::string& version) const {
-  if (text.size() > kLongestFile)
-    return fail(ErrorCode::ResourceExhausted,
-                "the text is too long to be saved here: " + format_size(text.size()));
-  const auto place = parent_of(path);
-  if (!place) return place.error();
-  const auto& [parent, name] = *place;
-  const auto file = open_file(parent, name, path);
+Result<Descriptor> FileFolder::expect(const Descriptor& parent, const std::string& name,
+                                      std::string_view path, const std::string& version) {
+  auto file = open_file(parent, name, path);
   if (!file && file.error().code == ErrorCode::NotFound)
     return fail(ErrorCode::InvalidState,
-                quote(std::string(path)) + " was removed meanwhile; nothing was saved");
+                quote(std::string(path)) + " was removed meanwhile; nothing was changed");
   if (!file) return file.error();
   const auto before = read_all(*file, path);
   if (!before) return before.error();
   if (sha256(*before) != version)
     return fail(ErrorCode::InvalidState,
-                quote(std::string(path)) + " was changed by somebody else meanwhile; nothing was saved");
+                quote(std::string(path)) + " was changed by somebody else meanwhile; nothing was changed");
+  return file;
+}
+
+Result<std::string> FileFolder::replace(std::string_view path, std::string_view text,
+                                        const std::string& version) const {
+  if (auto fits = check_length(text); !fits) return fits.error();
+  const auto place = parent_of(path);
+  if (!place) return place.error();
+  const auto& [parent, name] = *place;
+  const auto file = expect(parent, name, path, version);
+  if (!file) return file.error();
   struct stat status {};
   if (::fstat(file->get(), &status) != 0 || ::faccessat(parent.get(), name.c_str(), W_OK, AT_EACCESS) != 0)
     return failure(path, "write");
-  if (auto done = put(parent, name, text, status.st_mode & 07777U, path); !done) return done.error();
+  if (auto done = put(parent, name, text, status.st_mode & 07777U, path, Place::Taken); !done)
+    return done.error();
   return sha256(text);
+}
+
+Result<std::string> FileFolder::create(std::string_view path, std::string_view text) const {
+  if (auto fits = check_length(text); !fits) return fits.error();
+  const auto place = parent_of(path);
+  if (!place) return place.error();
+  constexpr mode_t kMode = 0644;
+  if (auto done = put(place->first, place->second, text, kMode, path, Place::Free); !done)
+    return done.error();
+  return sha256(text);
+}
+
+Result<void> FileFolder::rename(std::string_view path, std::string_view to,
+                                const std::string& version) const {
+  const auto from = parent_of(path);
+  if (!from) return from.error();
+  const auto place = parent_of(to);
+  if (!place) return place.error();
+  if (const auto file = expect(from->first, from->second, path, version); !file) return file.error();
+  if (move_file(from->first, from->second, place->first, place->second, Place::Free) != 0)
+    return errno == EEXIST ? taken(to) : failure(to, "write");
+  ::fsync(place->first.get());
+  ::fsync(from->first.get());
+  return {};
+}
+
+Result<void> FileFolder::remove(std::string_view path, const std::string& version) const {
+  const auto place = parent_of(path);
+  if (!place) return place.error();
+  const auto& [parent, name] = *place;
+  if (const auto file = expect(parent, name, path, version); !file) return file.error();
+  if (::unlinkat(parent.get(), name.c_str(), 0) != 0) return failure(path, "delete");
+  ::fsync(parent.get());
+  return {};
 }
 
 }  // namespace segue::web

@@ -33,8 +33,19 @@ class FileFolder {
   /// InvalidState where the file is not of that version any more, or gone.
   [[nodiscard]] Result<std::string> replace(std::string_view path, std::string_view text,
                                             const std::string& version) const;
+  /// A file where there is none yet, atomically; answers its version. AlreadyExists where something is there.
+  [[nodiscard]] Result<std::string> create(std::string_view path, std::string_view text) const;
+  /// InvalidState where the file is not of that version any more, or gone; AlreadyExists where something is
+  /// at `to`.
+  [[nodiscard]] Result<void> rename(std::string_view path, std::string_view to,
+                                    const std::string& version) const;
+  /// InvalidState where the file is not of that version any more, or gone.
+  [[nodiscard]] Result<void> remove(std::string_view path, const std::string& version) const;
 
  private:
+  /// That the file is of that version; InvalidState. It stays open.
+  [[nodiscard]] static Result<Descriptor> expect(const Descriptor& parent, const std::string& name,
+                                                 std::string_view path, const std::string& version);
   explicit FileFolder(Descriptor folder) : folder_(std::move(folder)) {}
   /// The folder of the file, and the file's name in it.
   [[nodiscard]] Result<std::pair<Descriptor, std::string>> parent_of(std::string_view path) const;

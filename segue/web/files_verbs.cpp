@@ -2,16 +2,18 @@
 #include <segue/web/files_verbs.hpp>
 
 #include <segue/base/file.hpp>
-#include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/mission/controllers.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/mission/pools.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/type/scalar_text.hpp>
-#include <segue/web/files_folder.hpp>
+#include <segue/web/mission_files.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -21,49 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using type::Value;
-
-/// The networks that the robot file names.
-std::vector<fs::path> networks_of(const model::Robot& robot) {
-  std::set<fs::path> files;
-  for (const std::string& pattern : robot.controllers) {
-    for (const fs::path& file : glob_files(robot.folder / pattern))
-      files.insert(file.lexically_normal());
-  }
-  return {files.begin(), files.end()};
-}
-
-/// Whatever can be read of it: a robot file with errors must be shown, too.
-std::optional<model::Robot> robot_in(const fs::path& file) {
-  Diagnostics ignored;
-  const auto text = read_input_file(file);
-  return text ? model::read_robot_parts(*text, file.string(), ignored) : std::nullopt;
-}
-
-struct EditedFile {
-  std::string path;  ///< within the folder
-  fs::path place;
-  bool is_robot = false;
-};
-
-/// The robot file first.
-std::vector<EditedFile> files_of(const fs::path& robot_file) {
-  const fs::path folder = robot_file.parent_path();
-  std::vector<EditedFile> files = {{robot_file.filename().string(), robot_file, true}};
-  const auto robot = robot_in(robot_file);
-  for (const fs::path& file : robot ? networks_of(*robot) : std::vector<fs::path>{}) {
-    if (file != robot_file) files.push_back({file.lexically_relative(folder).generic_string(), file});
-  }
-  return files;
-}
-
-/// NotFound where the robot has no such file, whatever else is there.
-Result<EditedFile> find_file(const fs::path& robot_file, const std::string& path) {
-  for (EditedFile& file : files_of(robot_file)) {
-    if (file.path == path) return std::move(file);
-  }
-  return fail(ErrorCode::NotFound,
-              quote(path) + " is no file of the robot: neither its robot file nor one of its controllers");
-}
 
 /// The networks of the robot but that of `file`; those with errors are left out.
 std::vector<model::Network> other_networks(const model::Robot& robot, const std::string& file) {
@@ -88,6 +47,76 @@ Value to_problem(const Diagnostic& item) {
                      {"message", item.message},
                      {"line", item.where.line},
                      {"column", item.where.column}});
+}
+
+Result<Value> read_machine(const FileFolder& folder, const fs::path& robot, const std::string& path) {
+  const auto machine = import_machine(folder, robot.parent_path(), files_of(robot), path);
+  if (!machine) return machine.error();
+  Value::List notes;
+  for (const Diagnostic& item : machine->notes.items())
+    notes.push_back(item.message);
+  return Value::map({{"path", path}, {"text", machine->text}, {"version", ""}, {"notes", std::move(notes)}});
+}
+
+/// Machines of RAFCON are only read.
+Result<void> may_change(const RobotFile& file) {
+  if (file.kind != RobotFileKind::Machine) return {};
+  return fail(ErrorCode::Unsupported,
+              quote(file.path) + " is a state machine of RAFCON; save it as a new mission");
+}
+
+/// So that what a page has saved can be read again.
+Result<void> stays_file(const RobotFile& file, const std::string& text) {
+  const bool stays = file.kind != RobotFileKind::Mission || file.is_named ||
+                     model::kind_of_file(file.place, text) == model::FileKind::Mission;
+  if (stays) return {};
+  return fail(ErrorCode::InvalidArgument,
+              "a mission names itself, as in 'mission: fetch'; without that nothing was saved");
+}
+
+/// What a change of files makes of the robot file.
+struct RobotChange {
+  fs::path file;
+  std::string text;  ///< as it is now, where `version` is empty
+  std::string version;
+  [[nodiscard]] bool is_wanted() const { return !version.empty(); }
+
+  static Result<RobotChange> of(const Command& command, const fs::path& robot_file) {
+    const auto text = command.text_or("robot_text", "");
+    const auto version = command.text_or("robot_version", "");
+    if (!text || !version) return text ? version.error() : text.error();
+    if (text->empty() != version->empty())
+      return fail(ErrorCode::InvalidArgument, "'robot_text' and 'robot_version' belong together");
+    return RobotChange{robot_file, *text, *version};
+  }
+
+  /// Whether the robot names that network, which is there already.
+  [[nodiscard]] bool names(const fs::path& network) const {
+    Diagnostics ignored;
+    const auto robot = is_wanted() ? model::read_robot_parts(text, file.string(), ignored) : robot_in(file);
+    if (!robot) return false;
+    const auto networks = networks_of(*robot);
+    return std::ranges::find(networks, network) != networks.end();
+  }
+
+  [[nodiscard]] Result<void> apply(const FileFolder& folder) const {
+    if (!is_wanted()) return {};
+    const auto done = folder.replace(file.filename().string(), text, version);
+    return done ? Result<void>() : Result<void>(done.error());
+  }
+};
+
+/// After a file has come to `path`: the robot file follows, or `undo` is called.
+Result<void> follow(const FileFolder& folder, const RobotChange& robot, const fs::path& place,
+                    bool is_network, const std::function<void()>& undo) {
+  Result<void> done;
+  if (is_network && !robot.names(place))
+    done =
+        fail(ErrorCode::InvalidArgument, "the robot file does not name " + quote(place.filename().string()) +
+                                             " among its controllers; nothing was changed");
+  if (done) done = robot.apply(folder);
+  if (!done) undo();
+  return done;
 }
 
 /// What texts of a command a verb needs.
@@ -135,13 +164,17 @@ Result<Value> FileVerbs::list(const Command& /*command*/) {
   const auto folder = FileFolder::open(robot->parent_path());
   if (!folder) return folder.error();
   Value::List files;
-  for (const EditedFile& file : files_of(*robot)) {
-    const auto good = folder->look(file.path);
+  const RobotFiles found = files_of(*robot);
+  for (const RobotFile& file : found.files) {
+    const bool is_machine = file.kind == RobotFileKind::Machine;
+    const auto good = is_machine ? Result<void>() : folder->look(file.path);
     files.push_back(Value::map({{"path", file.path},
-                                {"kind", file.is_robot ? "robot" : "network"},
+                                {"kind", std::string(to_string(file.kind))},
+                                {"named", file.is_named},
                                 {"problem", good ? std::string() : good.error().message}}));
   }
-  return Value::map({{"folder", robot->parent_path().string()}, {"files", std::move(files)}});
+  return Value::map(
+      {{"folder", robot->parent_path().string()}, {"complete", found.complete}, {"files", std::move(files)}});
 }
 
 Result<Value> FileVerbs::read(const Command& command) {
@@ -153,11 +186,15 @@ Result<Value> FileVerbs::read(const Command& command) {
   if (!file) return file.error();
   const auto folder = FileFolder::open(robot->parent_path());
   if (!folder) return folder.error();
+  if (file->kind == RobotFileKind::Machine) return read_machine(*folder, *robot, file->path);
   const auto content = folder->read(file->path);
   if (!content) return content.error();
   if (type::detail::valid_utf8(content->text) != content->text)  // JSON could not carry it unchanged
     return fail(ErrorCode::Unsupported, quote(file->path) + " is no text in UTF-8");
-  return Value::map({{"path", file->path}, {"text", content->text}, {"version", content->version}});
+  return Value::map({{"path", file->path},
+                     {"text", content->text},
+                     {"version", content->version},
+                     {"notes", Value::List()}});
 }
 
 Result<Value> FileVerbs::save(const Command& command) {
@@ -169,10 +206,94 @@ Result<Value> FileVerbs::save(const Command& command) {
   if (!file) return file.error();
   const auto folder = FileFolder::open(robot->parent_path());
   if (!folder) return folder.error();
+  if (const auto may = may_change(*file); !may) return may.error();
+  if (const auto stays = stays_file(*file, texts->at(1)); !stays) return stays.error();
   const std::lock_guard lock(saving_);
   const auto version = folder->replace(file->path, texts->at(1), texts->at(2));
   if (!version) return version.error();
   return Value::map({{"version", *version}});
+}
+
+Result<Value> FileVerbs::create(const Command& command) {
+  const auto texts = texts_of(command, {"path", "text"});
+  if (!texts) return texts.error();
+  const std::string& path = texts->at(0);
+  const auto robot = robot_file();
+  if (!robot) return robot.error();
+  if (const auto named = check_new_path(path); !named) return named.error();
+  const auto kind = model::kind_of_file(path, texts->at(1));
+  if (kind != model::FileKind::Network && kind != model::FileKind::Mission)
+    return fail(ErrorCode::InvalidArgument, "only networks and missions can be created here");
+  const auto change = RobotChange::of(command, *robot);
+  if (!change) return change.error();
+  const auto folder = FileFolder::open(robot->parent_path());
+  if (!folder) return folder.error();
+  const std::lock_guard lock(saving_);
+  const auto version = folder->create(path, texts->at(1));
+  if (!version) return version.error();
+  const auto done = follow(*folder, *change, robot->parent_path() / path, kind == model::FileKind::Network,
+                           [&] { (void)folder->remove(path, *version); });
+  if (!done) return done.error();
+  return Value::map({{"version", *version}});
+}
+
+Result<FileVerbs::Changed> FileVerbs::file_to_change(const Command& command) {
+  const auto texts = texts_of(command, {"path", "version"});
+  if (!texts) return texts.error();
+  const auto robot = robot_file();
+  if (!robot) return robot.error();
+  auto file = find_file(*robot, texts->at(0));
+  if (!file) return file.error();
+  if (file->kind == RobotFileKind::Robot)
+    return fail(ErrorCode::InvalidArgument, "the robot file stays where it is");
+  if (const auto may = may_change(*file); !may) return may.error();
+  auto folder = FileFolder::open(robot->parent_path());
+  if (!folder) return folder.error();
+  return Changed{*robot, std::move(*file), texts->at(1), std::move(*folder)};
+}
+
+Result<Value> FileVerbs::rename(const Command& command) {
+  const auto to = command.text("to");
+  if (!to) return to.error();
+  const auto changed = file_to_change(command);
+  if (!changed) return changed.error();
+  if (const auto named = check_new_path(*to); !named) return named.error();
+  const auto change = RobotChange::of(command, changed->robot);
+  if (!change) return change.error();
+  const std::lock_guard lock(saving_);
+  if (auto done = changed->folder.rename(changed->file.path, *to, changed->version); !done)
+    return done.error();
+  const auto done = follow(changed->folder, *change, changed->robot.parent_path() / *to,
+                           changed->file.kind == RobotFileKind::Network,
+                           [&] { (void)changed->folder.rename(*to, changed->file.path, changed->version); });
+  if (!done) return done.error();
+  return Value();
+}
+
+Result<Value> FileVerbs::remove(const Command& command) {
+  const auto changed = file_to_change(command);
+  if (!changed) return changed.error();
+  const auto change = RobotChange::of(command, changed->robot);
+  if (!change) return change.error();
+  const std::lock_guard lock(saving_);
+  const auto content = changed->folder.read(changed->file.path);
+  if (auto done = changed->folder.remove(changed->file.path, changed->version); !done) return done.error();
+  const auto done = follow(changed->folder, *change, changed->file.place, false,
+                           [&] { (void)changed->folder.create(changed->file.path, content->text); });
+  if (!done) return done.error();
+  return Value();
+}
+
+Result<Value> FileVerbs::libraries(const Command& command) {
+  const auto texts = texts_of(command, {"path"});
+  if (!texts) return texts.error();
+  const auto robot = robot_file();
+  if (!robot) return robot.error();
+  const auto file = find_file(*robot, texts->at(0));
+  if (!file) return file.error();
+  const auto folder = FileFolder::open(robot->parent_path());
+  if (!folder) return folder.error();
+  return Value::map({{"libraries", libraries_for(*folder, files_of(*robot), file->path)}});
 }
 
 Result<Value> FileVerbs::check(const Command& command) {
@@ -185,9 +306,15 @@ Result<Value> FileVerbs::check(const Command& command) {
   const auto file = find_file(*robot, texts->at(0));
   if (!file) return file.error();
   const auto parts = robot_in(*robot);
-  Diagnostics found = file->is_robot
-                          ? check_robot(file->place.string(), texts->at(1))
-                          : check_network(parts ? &*parts : nullptr, file->place.string(), texts->at(1));
+  const std::string place = file->place.string();
+  Diagnostics found;
+  if (file->kind == RobotFileKind::Robot) {
+    found = check_robot(place, texts->at(1));
+  } else if (file->kind == RobotFileKind::Network) {
+    found = check_network(parts ? &*parts : nullptr, place, texts->at(1));
+  } else {
+    found = check_mission(parts ? &*parts : nullptr, *file, texts->at(1));
+  }
   found.sort();
   Value::List problems;
   for (const Diagnostic& item : found.items())
@@ -211,6 +338,22 @@ Diagnostics FileVerbs::check_network(const model::Robot* robot, const std::strin
   auto networks = other_networks(*robot, file);
   networks.push_back(*network);
   add_those_of(file, model::validate(*robot, networks), found);
+  return found;
+}
+
+/// What a mission asks of the robot counts where the robot file names it.
+Diagnostics FileVerbs::check_mission(const model::Robot* robot, const RobotFile& file,
+                                     const std::string& text) {
+  Diagnostics found = web::check_mission(file.place, text);
+  if (robot == nullptr || !file.is_named || found.has_errors()) return found;
+  Diagnostics ignored;
+  auto mission = mission::load_mission_text(text, file.place, {}, ignored);
+  if (!mission || !mission::needs_robot(*mission)) return found;
+  const auto known = catalog(*robot, false, ignored);
+  Diagnostics asked;
+  mission::check_controllers(*mission, other_networks(*robot, {}), *known, asked);
+  mission::check_pools(*mission, robot->pools, *known, asked);
+  add_those_of(file.place.string(), asked, found);
   return found;
 }
 

@@ -7,6 +7,8 @@
 #include <segue/model/robot.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>
+#include <segue/web/files_folder.hpp>
+#include <segue/web/robot_files.hpp>
 #include <segue/web/robot_link.hpp>
 
 #include <filesystem>
@@ -20,32 +22,52 @@ namespace segue::web {
 /// The component models that a robot knows; problems go to the diagnostics. Called by any thread.
 using ModelsOf = std::function<model::ComponentCatalog(const model::Robot& robot, Diagnostics& diagnostics)>;
 
-/// What pages ask of a robot's files: its robot file and the networks that this names, of the computer where
-/// the studio runs. Which robot file it is the robot says, so it must have been reached once; files can be
-/// edited while it does not run. Nothing but these files can be named (FileFolder). Functions block and may
-/// be called from any thread.
+/// What pages ask of a robot's files: its robot file, the networks and missions that this names, and what is
+/// in its folder (RobotFiles), of the computer where the studio runs. Which robot file it is the robot says,
+/// so it must have been reached once; files can be edited while it does not run. Nothing but these files can
+/// be named (FileFolder). Functions block and may be called from any thread.
 class FileVerbs {
  public:
   FileVerbs(RobotLink& link, ModelsOf models) : link_(link), models_of_(std::move(models)) {}
 
-  /// {"folder", "files": [{"path", "kind" ("robot", "network"), "problem" (why it cannot be edited; "")}]}
+  /// {"folder", "complete", "files": [{"path", "kind" (RobotFileKind), "named" (by the robot file), "problem"
+  /// (why it cannot be edited; "")}]}
   Result<type::Value> list(const Command& command);
-  /// path -> {"path", "text", "version"}
+  /// path -> {"path", "text", "version", "notes"}; of a machine of RAFCON the mission that it becomes, with
+  /// notes on what could not be kept.
   Result<type::Value> read(const Command& command);
   /// path, text -> {"problems": [{"severity", "code", "message", "line", "column"}]}: what `segue check`
   /// would find in that file if it had this text, with the other files as they are.
   Result<type::Value> check(const Command& command);
   /// path, text, version -> {"version"}; InvalidState where the file is of another version.
   Result<type::Value> save(const Command& command);
+  /// A network or mission where no file is yet: path, text -> {"version"}. robot_text, robot_version: the
+  /// text that the robot file gets with it. It must name the network, or nothing is changed: InvalidArgument.
+  Result<type::Value> create(const Command& command);
+  /// path, to, version; robot_text and robot_version as of create().
+  Result<type::Value> rename(const Command& command);
+  /// path, version; robot_text and robot_version as of create().
+  Result<type::Value> remove(const Command& command);
+  /// path -> {"libraries"}: of libraries_for().
+  Result<type::Value> libraries(const Command& command);
   /// {"components": {name: model}}, read anew.
   Result<type::Value> models(const Command& command);
 
  private:
+  /// A file that is to go or to be called otherwise.
+  struct Changed {
+    std::filesystem::path robot;
+    RobotFile file;
+    std::string version;
+    FileFolder folder;
+  };
+  Result<Changed> file_to_change(const Command& command);
   Result<std::filesystem::path> robot_file();
   std::shared_ptr<const model::ComponentCatalog> catalog(const model::Robot& robot, bool anew,
                                                          Diagnostics& diagnostics);
   Diagnostics check_network(const model::Robot* robot, const std::string& file, const std::string& text);
   Diagnostics check_robot(const std::string& file, const std::string& text);
+  Diagnostics check_mission(const model::Robot* robot, const RobotFile& file, const std::string& text);
 
   RobotLink& link_;
   const ModelsOf models_of_;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/base/result.hpp>
+#include <segue/type/value.hpp>
+#include <segue/web/files_folder.hpp>
+#include <segue/web/robot_files.hpp>
+
+#include <filesystem>
+#include <string>
+
+/// What pages ask of missions as files. Functions block on files.
+namespace segue::web {
+
+/// What `segue mission check` would find in the file if it had this text; problems of the libraries that it
+/// uses have no place.
+Diagnostics check_mission(const std::filesystem::path& file, const std::string& text);
+
+/// The missions that a mission at `path` can name as libraries, since they are in its folder or below:
+/// a list of {"name", "path", "description", "inputs", "outputs" (each a list of {"name", "type",
+/// "default"}), "outcomes"}. Those with errors are left out.
+type::Value libraries_for(const FileFolder& folder, const RobotFiles& files, const std::string& path);
+
+/// A machine of RAFCON as a mission.
+struct ImportedMachine {
+  std::string text;
+  Diagnostics notes;  ///< what could not be kept
+};
+/// Its libraries are found below any folder within the robot's. All files are read through `folder`, by its
+/// rules. ResourceExhausted where the machine or the mission is too large for pages.
+Result<ImportedMachine> import_machine(const FileFolder& folder, const std::filesystem::path& root,
+                                       const RobotFiles& files, const std::string& path);
+
+}  // namespace segue::web
