@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useDeferredValue, useEffect, useMemo, useRef, useState, useSyncExternalStore } from 'react';
+import { useCallback, useDeferredValue, useEffect, useMemo, useState, useSyncExternalStore } from 'react';
 import type { Json } from '../robot/change';
 import { useConnection, useLink } from '../robot/hooks';
 import { draftsOf, type Draft, type Drafts, type FileEntry } from './drafts';
 import './edit.css';
-import { EditGraph } from './EditGraph';
-import { found, modelsOf, newId, type Models } from './models';
-import { TaskForm, type Edits } from './TaskForm';
-import { addConnection, addTask, networkIn, removeConnection, removeProperty, removeTask, renameTask, setProperty, type NetworkText } from './text';
+import { FileActions, NewFile } from './FileActions';
+import { MissionEditor } from './MissionEditor';
+import { modelsOf, type Models } from './models';
+import { NetworkEditor } from './NetworkEditor';
 import { TextEditor } from './TextEditor';
 
 const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
@@ -19,14 +19,17 @@ function useFiles() {
   const [files, setFiles] = useState<FileEntry[]>([]);
   const [models, setModels] = useState<Models>(new Map());
   const [error, setError] = useState('');
+  const [complete, setComplete] = useState(true);
+  const [asked, setAsked] = useState(0);
+  const again = useCallback(() => setAsked((count) => count + 1), []);
   useEffect(() => {
     if (link !== 'open') return;
     let current = true;
     const ask = async () => {
       try {
-        const list = (await connection.call('files')) as { files: Json };
+        const list = (await connection.call('files')) as { files: Json; complete: boolean };
         const known = modelsOf(await connection.call('models'));
-        if (current) [setFiles(list.files as unknown as FileEntry[]), setModels(known), setError('')];
+        if (current) [setFiles(list.files as unknown as FileEntry[]), setComplete(list.complete), setModels(known), setError('')];
       } catch (problem) {
         if (current) setError(reason(problem));
       }
@@ -35,47 +38,51 @@ function useFiles() {
     return () => {
       current = false;
     };
-  }, [connection, link]);
-  return { files, models, error };
+  }, [connection, link, asked]);
+  return { files, complete, models, error, again };
 }
 
-function FileList({ files, chosen, drafts, onChoose }: { files: FileEntry[]; chosen: string | null; drafts: Drafts; onChoose: (path: string) => void }) {
+const kinds = [
+  { title: 'Files', kinds: ['robot', 'network'] },
+  { title: 'Missions', kinds: ['mission'] },
+  { title: 'RAFCON', kinds: ['rafcon'] },
+];
+
+interface FileListProps {
+  files: FileEntry[];
+  complete: boolean;
+  chosen: string | null;
+  drafts: Drafts;
+  onChoose: (path: string) => void;
+  onFiles: (path: string | null) => void;
+}
+
+function FileList({ files, complete, chosen, drafts, onChoose, onFiles }: FileListProps) {
+  const connection = useConnection();
   return (
     <section className="controllers" aria-label="Files">
-      <h2>Files</h2>
-      <ul className="plain">
-        {files.map((file) => (
-          <li key={file.path}>
-            <button type="button" className="line" aria-pressed={chosen === file.path} disabled={file.problem !== ''} title={file.problem} onClick={() => onChoose(file.path)}>
-              <span>{file.path}</span>
-              {drafts.isUnsaved(drafts.get(file.path)) && <span className="badge warn">unsaved</span>}
-            </button>
-          </li>
-        ))}
-      </ul>
+      {kinds.map(({ title, kinds: shown }) => {
+        const those = files.filter((file) => shown.includes(file.kind));
+        if (those.length === 0 && title !== 'Files') return null;
+        return (
+          <div key={title}>
+            <h2>{title}</h2>
+            <ul className="plain">
+              {those.map((file) => (
+                <li key={file.path}>
+                  <button type="button" className="line" aria-pressed={chosen === file.path} disabled={file.problem !== ''} title={file.problem} onClick={() => onChoose(file.path)}>
+                    <span>{file.path}</span>
+                    {drafts.isUnsaved(drafts.get(file.path)) && <span className="badge warn">unsaved</span>}
+                  </button>
+                </li>
+              ))}
+            </ul>
+          </div>
+        );
+      })}
+      {!complete && <p className="quiet">There are more files than are looked for.</p>}
+      {connection.role === 'operate' && files.length > 0 && <NewFile files={files} drafts={drafts} onFiles={onFiles} />}
     </section>
-  );
-}
-
-function Palette({ models, onAdd }: { models: Models; onAdd: (component: string) => void }) {
-  const [words, setWords] = useState('');
-  const shown = found(models, words);
-  return (
-    <details className="palette">
-      <summary>Add a task</summary>
-      <input type="search" aria-label="Find components" placeholder="Find components" value={words} onChange={(event) => setWords(event.target.value)} />
-      <ul className="plain">
-        {shown.slice(0, 100).map((model) => (
-          <li key={model.name}>
-            <button type="button" className="line documented" onClick={() => onAdd(model.name)}>
-              <span>{model.name}</span>
-              {model.doc && <small className="quiet">{model.doc}</small>}
-            </button>
-          </li>
-        ))}
-      </ul>
-      {shown.length > 100 && <p className="quiet">{shown.length - 100} more; search for them.</p>}
-    </details>
   );
 }
 
@@ -162,7 +169,7 @@ function Apply({ unsaved }: { unsaved: boolean }) {
 export function EditView() {
   const connection = useConnection();
   const drafts = draftsOf(connection);
-  const { files, models, error } = useFiles();
+  const { files, complete, models, error, again } = useFiles();
   const [path, setPath] = useState<string | null>(lastPath);
   const [problem, setProblem] = useState('');
   const draft = useSyncExternalStore(drafts.subscribe, () => drafts.get(path));
@@ -173,12 +180,18 @@ export function EditView() {
       (refused: unknown) => setProblem(reason(refused)),
     );
   };
+  /** After files were created, renamed or deleted. */
+  const onFiles = (wanted: string | null) => {
+    again();
+    if (wanted === null) setPath((lastPath = null));
+    else choose(wanted);
+  };
   return (
     <div className="view switch edit">
-      <FileList files={files} chosen={path} drafts={drafts} onChoose={choose} />
+      <FileList files={files} complete={complete} chosen={path} drafts={drafts} onChoose={choose} onFiles={onFiles} />
       {(error || problem) && <p className="bad" role="alert">{error || problem}</p>}
       {draft ? (
-        <DraftView key={draft.path} draft={draft} drafts={drafts} models={models} anyUnsaved={files.some((file) => drafts.isUnsaved(drafts.get(file.path)))} />
+        <DraftView key={draft.path} draft={draft} drafts={drafts} models={models} files={files} onFiles={onFiles} anyUnsaved={files.some((file) => drafts.isUnsaved(drafts.get(file.path)))} />
       ) : (
         <p className="empty">Choose a file. What is edited here changes the robot only when it is saved and applied.</p>
       )}
@@ -188,106 +201,40 @@ export function EditView() {
 /** Shown again when the view is. */
 let lastPath: string | null = null;
 
-function DraftView({ draft, drafts, models, anyUnsaved }: { draft: Draft; drafts: Drafts; models: Models; anyUnsaved: boolean }) {
+function DraftView({ draft, drafts, models, files, anyUnsaved, onFiles }: { draft: Draft; drafts: Drafts; models: Models; files: FileEntry[]; anyUnsaved: boolean; onFiles: (path: string | null) => void }) {
   const connection = useConnection();
   const path = draft.path;
   const text = useDeferredValue(draft.state.doc.toString()); // typing goes before drawing
   const unsaved = drafts.isUnsaved(draft);
-  const now = useMemo(() => networkIn(text), [text]);
-  const lastGood = useRef<NetworkText | null>(null);
-  if (now) lastGood.current = now;
-  const network = now ?? lastGood.current;
-  const fixed = connection.role !== 'operate';
-  const closed = fixed || !now?.editable;
-  const [task, setTask] = useState<string | null>(null);
-  const [chosen, setChosen] = useState<number | null>(null);
-  const [problem, setProblem] = useState('');
-
-  /** What is wrong, or null. */
-  const edit = (change: (before: string) => string): string | null => {
-    try {
-      if (closed) throw new Error('this text cannot be edited in the graph now');
-      drafts.replace(path, change(draft.state.doc.toString()));
-      setProblem('');
-      return null;
-    } catch (error) {
-      setProblem(reason(error));
-      return reason(error);
-    }
-  };
-  const select = (id: string | null) => {
-    setTask(id);
-    setChosen(null);
-    const at = network?.tasks.find((one) => one.id === id)?.at;
-    if (at !== undefined) drafts.jump(path, at);
-  };
-  const edits: Edits = {
-    setProperty: (id, name, yaml) => edit((before) => setProperty(before, id, name, yaml)),
-    removeProperty: (id, name) => void edit((before) => removeProperty(before, id, name)),
-    connect: (from, to) => void edit((before) => addConnection(before, from, to)),
-    disconnect: (index) => {
-      if (edit((before) => removeConnection(before, index)) === null) setChosen(null);
-    },
-    removeTask: (id) => {
-      if (edit((before) => removeTask(before, id)) === null) setTask(null);
-    },
-    renameTask: (id, name) => {
-      const refused = edit((before) => renameTask(before, id, name));
-      if (refused === null) setTask(name);
-      return refused;
-    },
-  };
-  const add = (component: string) => {
-    if (!network) return;
-    const id = newId(network, component);
-    if (edit((before) => addTask(before, id, component)) === null) setTask(id);
-  };
-  const link = chosen === null ? null : network?.connections[chosen];
-
+  const file = files.find((one) => one.path === path);
+  const fixed = connection.role !== 'operate' || draft.isReadOnly;
+  const isMission = useMemo(() => /^["']?mission["']?:/m.test(text), [text]);
   return (
-    <>
-      <section className="main" aria-label={'Edit ' + path}>
-        <div className="bar">
-          <strong>{path}</strong>
-          {fixed ? <span className="badge">read only</span> : (
-            <>
-              <button type="button" className="primary" disabled={!unsaved || draft.saving} onClick={() => void drafts.save(path)} title="Ctrl+S in the text">Save</button>
-              <button type="button" onClick={() => drafts.undo(path)}>Undo</button>
-              <button type="button" onClick={() => drafts.redo(path)}>Redo</button>
-              <Apply unsaved={anyUnsaved} />
-            </>
-          )}
-          <span role="status" className="quiet">{unsaved ? 'unsaved changes' : 'as in the file'}</span>
-        </div>
-        <Conflict draft={draft} drafts={drafts} />
-        <div className="halves">
-          <div className="half">
-            <TextEditor drafts={drafts} path={path} />
-            <Problems draft={draft} drafts={drafts} />
-          </div>
-          {network && (
-            <div className="half">
-              <div className="bar">
-                {!closed && <Palette models={models} onAdd={add} />}
-                {!now && <span className="badge warn">the text has errors: the graph is as before</span>}
-                {now && !now.editable && <span className="quiet">This form of file is edited as text.</span>}
-                {link && !closed && chosen !== null && (
-                  <button type="button" onClick={() => edits.disconnect(chosen)}>Remove {link.from} → {link.to}</button>
-                )}
-                {problem && <span className="bad" role="alert">{problem}</span>}
-              </div>
-              <EditGraph
-                network={network} models={models} fixed={closed} task={task} connection={chosen} onTask={select}
-                onConnection={(index) => [setTask(null), setChosen(index)]} onConnect={edits.connect}
-                onRemove={() => (chosen !== null ? edits.disconnect(chosen) : task !== null && edits.removeTask(task))}
-              />
-            </div>
-          )}
-        </div>
-      </section>
-      {task !== null && network && (
-        <TaskForm key={task} id={task} network={network} models={models} edits={edits} fixed={closed} onClose={() => setTask(null)} />
+    <section className="main" aria-label={'Edit ' + path}>
+      <div className="bar">
+        <strong>{path}</strong>
+        {fixed ? <span className="badge">read only</span> : (
+          <>
+            <button type="button" className="primary" disabled={!unsaved || draft.saving} onClick={() => void drafts.save(path)} title="Ctrl+S in the text">Save</button>
+            <button type="button" onClick={() => drafts.undo(path)}>Undo</button>
+            <button type="button" onClick={() => drafts.redo(path)}>Redo</button>
+            <Apply unsaved={anyUnsaved} />
+          </>
+        )}
+        <span role="status" className="quiet">{unsaved ? 'unsaved changes' : draft.isReadOnly ? '' : 'as in the file'}</span>
+        {connection.role === 'operate' && file && <FileActions file={file} files={files} draft={draft} drafts={drafts} onFiles={onFiles} />}
+      </div>
+      {file?.kind === 'rafcon' && (
+        <p className="quiet note">A state machine of RAFCON, as the mission that it becomes. {draft.notes.length > 0 && 'What could not be kept: ' + draft.notes.join('; ')}</p>
       )}
-    </>
+      <Conflict draft={draft} drafts={drafts} />
+      <div className="halves">
+        <div className="half">
+          <TextEditor drafts={drafts} path={path} />
+          <Problems draft={draft} drafts={drafts} />
+        </div>
+        {isMission ? <MissionEditor path={path} text={text} drafts={drafts} fixed={fixed} /> : <NetworkEditor path={path} text={text} drafts={drafts} models={models} fixed={fixed} />}
+      </div>
+    </section>
   );
 }

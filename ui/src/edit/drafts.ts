@@ -22,7 +22,9 @@ export interface Problem {
 
 export interface FileEntry {
   path: string;
-  kind: 'robot' | 'network';
+  kind: 'robot' | 'network' | 'mission' | 'rafcon';
+  /** By the robot file. */
+  named: boolean;
   problem: string;
 }
 
@@ -44,6 +46,10 @@ export interface Draft {
   /** The own text, when the other one was read in its place. */
   kept: string | null;
   saving: boolean;
+  /** A state machine of RAFCON, as the mission that it becomes. */
+  isReadOnly: boolean;
+  /** What could not be kept of it. */
+  notes: string[];
 }
 
 const colours = HighlightStyle.define([
@@ -101,10 +107,11 @@ export class Drafts {
   /** Reads the file, unless it is edited already. Rejected with a RobotError. */
   async open(path: string): Promise<void> {
     if (this.drafts.has(path)) return;
-    const { text, version } = await this.read(path);
+    const { text, version, notes } = await this.read(path);
     if (this.drafts.has(path)) return;
-    const state = EditorState.create({ doc: text, extensions: this.extensions(path) });
-    this.set({ path, saved: state.doc.toString(), version, carriageReturns: text.includes('\r\n'), state, problems: null, error: '', conflict: '', kept: null, saving: false });
+    const isReadOnly = version === '';
+    const state = EditorState.create({ doc: text, extensions: this.extensions(path, isReadOnly) });
+    this.set({ path, isReadOnly, notes, saved: state.doc.toString(), version, carriageReturns: text.includes('\r\n'), state, problems: null, error: '', conflict: '', kept: null, saving: false });
   }
 
   /** Where the text is shown. */
@@ -152,7 +159,7 @@ export class Drafts {
 
   async save(path: string): Promise<void> {
     const draft = this.drafts.get(path);
-    if (!draft || draft.saving || this.connection.role !== 'operate') return;
+    if (!draft || draft.saving || draft.isReadOnly || this.connection.role !== 'operate') return;
     const text = draft.state.doc.toString();
     this.patch(path, { saving: true, error: '', conflict: '' });
     try {
@@ -179,8 +186,14 @@ export class Drafts {
     this.patch(path, { kept: null });
   }
 
-  private async read(path: string): Promise<{ text: string; version: string }> {
-    return (await this.connection.call('read_file', { path })) as { text: string; version: string };
+  /** Its file has gone, or another name. */
+  forget(path: string): void {
+    this.drafts.delete(path);
+    for (const listener of this.listeners) listener();
+  }
+
+  private async read(path: string): Promise<{ text: string; version: string; notes: string[] }> {
+    return (await this.connection.call('read_file', { path })) as { text: string; version: string; notes: string[] };
   }
 
   private async check(path: string, state: EditorState): Promise<Diagnostic[]> {
@@ -200,12 +213,12 @@ export class Drafts {
     this.patch(path, { problems, error: error.startsWith(notChecked) ? '' : error });
   }
 
-  private extensions(path: string): Extension[] {
+  private extensions(path: string, isReadOnly: boolean): Extension[] {
     return [
       Prec.highest(keymap.of([{ key: 'Mod-s', preventDefault: true, run: () => (void this.save(path), true) }])),
       basicSetup, yaml(), syntaxHighlighting(colours), look,
       linter((view) => this.check(path, view.state), { delay: 350 }), lintGutter(),
-      EditorState.readOnly.of(this.connection.role !== 'operate'),
+      EditorState.readOnly.of(isReadOnly || this.connection.role !== 'operate'),
       EditorView.contentAttributes.of({ 'aria-label': 'Text of ' + path, tabindex: '0' }),
     ];
   }

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// The view Edit with missions, a machine of RAFCON and new files, of a real robot in a real browser. Status 77: there is no browser.
+//   node edit_missions.mjs SEGUE SCREENSHOT_FOLDER
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import assert from 'node:assert/strict';
+import { Stage } from './stage.mjs';
+
+const [segue, pictures] = process.argv.slice(2);
+const stage = new Stage(segue, pictures);
+const file = (path) => join(stage.folder, 'rover', path);
+const onDisk = (path) => readFileSync(file(path), 'utf8');
+
+const mission = `# Fetches the box.
+mission: fetch
+actions:
+  look:   # sees
+    outputs: {pose: map, near: bool}
+    outcomes: [found, nothing]
+    description: looks <b>around</b>
+    run: {simulated: {duration: 1s}}
+  grasp: {inputs: {pose: map, force: float}, run: {simulated: {duration: 1s}}}
+outcomes: [done, failed]
+start: look
+flows:
+  - look.pose -> grasp.pose   # where it is
+states:
+  # first of all
+  look: {on: {found: grasp, nothing: return failed}}
+  grasp:
+    inputs: {force: 2.0}
+    on: {success: return done}   # it has it
+`;
+const library = `mission: store
+description: puts it away
+inputs: {pose: map}
+actions: {put: {run: {simulated: {duration: 1s}}}}
+start: put
+states: {put: {on: {success: return success}}}
+`;
+
+function outcome(id, name) {
+  return { __jsonqualname__: 'rafcon.core.state_elements.logical_port.Outcome', outcome_id: id, name };
+}
+function writeMachine() {
+  const leaf = (name, id) => ({
+    __jsonqualname__: 'rafcon.core.states.execution_state.ExecutionState', state_id: id, name, description: null, input_data_ports: {}, output_data_ports: {},
+    outcomes: { 0: outcome(0, 'success'), '-1': outcome(-1, 'aborted'), '-2': outcome(-2, 'preempted') },
+  });
+  const transition = (id, from, fromOutcome, to, toOutcome) => ({
+    __jsonqualname__: 'rafcon.core.state_elements.transition.Transition', transition_id: id, from_state: from, from_outcome: fromOutcome, to_state: to, to_outcome: toOutcome,
+  });
+  const root = {
+    ...leaf('greet', 'ROOTAA'), __jsonqualname__: 'rafcon.core.states.hierarchy_state.HierarchyState', start_state_id: 'SAYAAA', scoped_variables: {}, data_flows: {},
+    transitions: { 0: transition(0, 'ROOTAA', null, 'SAYAAA', null), 1: transition(1, 'SAYAAA', 0, 'ROOTAA', 0) },
+  };
+  mkdirSync(file('machines/greet/say_SAYAAA'), { recursive: true });
+  writeFileSync(file('machines/greet/statemachine.json'), JSON.stringify({ used_rafcon_version: '2.4.0' }));
+  writeFileSync(file('machines/greet/core_data.json'), JSON.stringify(root));
+  writeFileSync(file('machines/greet/say_SAYAAA/core_data.json'), JSON.stringify(leaf('say', 'SAYAAA')));
+  writeFileSync(file('machines/greet/say_SAYAAA/script.py'), 'def execute(self, inputs, outputs, gvm):\n    return 0\n');
+}
+
+async function holds(what, message) {
+  const end = Date.now() + 30000;
+  while (!(await what())) {
+    assert.ok(Date.now() < end, message);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
+function helpers(page) {
+  const text = page.locator('.cm-content');
+  return {
+    text,
+    seen: (locator) => locator.waitFor({ timeout: 30000 }),
+    has: (part, message) => holds(async () => (await text.locator('.cm-line').allTextContents()).join('\n').includes(part), message),
+    problems: page.getByRole('region', { name: 'Problems' }),
+    status: (words) => page.getByRole('status').filter({ hasText: words }),
+    state: (id) => page.locator(`.edit-graph .react-flow__node[data-id="state:${id}"]`),
+    panel: (id) => page.getByRole('complementary', { name: 'Edit state ' + id, exact: true }),
+    open: (path) => page.getByRole('region', { name: 'Files' }).getByRole('button', { name: path, exact: true }).press('Enter'),
+  };
+}
+
+/** By the graph's panel, and by drawing. */
+async function editMission(page) {
+  const { text, seen, has, problems, status, state, panel, open } = helpers(page);
+  await open('missions/fetch.yaml');
+  await seen(problems.getByText('No problems'));
+  await seen(state('look'));
+  await seen(page.getByRole('region', { name: 'Graph of the mission' }).getByText('▶ start'));
+
+  // What is wrong stands at its place while somebody types.
+  await text.click();
+  await page.keyboard.press('Control+End');
+  await page.keyboard.type('  odd: {}');
+  await seen(problems.getByText('unknown action').or(problems.getByText("'odd'")).first());
+  await seen(page.locator('.cm-lint-marker-error').first());
+  await holds(async () => {
+    await page.keyboard.press('Control+z');
+    return status('as in the file').isVisible();
+  }, 'all is undone');
+
+  // A library, an action and a container come from the palette.
+  await page.getByText('Add a state').press('Enter');
+  await seen(page.getByText('puts it away'));
+  await seen(page.getByText('looks <b>around</b>').first());
+  await stage.look(page, 'edit_mission_palette');
+  await page.getByRole('button', { name: 'library tools/store' }).press('Enter');
+  await has('  store: {library: tools/store}', 'a library is added');
+  await seen(panel('store'));
+  await panel('store').getByLabel('Name', { exact: true }).fill('keep');
+  await page.keyboard.press('Enter');
+  await has('  keep: {library: tools/store}', 'it is renamed');
+  await panel('keep').getByLabel('on success').selectOption('return done');
+  await has('  keep: {library: tools/store, on: {success: return done}}', 'a transition is set');
+  await panel('keep').getByLabel('Connect keep.pose').selectOption('look.pose');
+  await has('  - look.pose -> keep.pose', 'a value flows');
+  assert.equal(await panel('keep').getByLabel('Connect keep.pose').locator('option', { hasText: 'look.near' }).count(), 0, 'only compatible types are offered');
+
+  await state('grasp').focus();
+  await page.keyboard.press('Enter');
+  await panel('grasp').getByLabel('force', { exact: true }).fill('3.5');
+  await page.keyboard.press('Enter');
+  await has('    inputs: {force: 3.5}', 'a value is set');
+
+  // A transition is drawn: again where the graph moved meanwhile.
+  await panel('grasp').getByRole('button', { name: 'Close' }).press('Enter');
+  const draw = async (from, to) => {
+    const [begin, end] = [await from.boundingBox(), await to.boundingBox()];
+    if (!begin || !end) return;
+    await page.mouse.move(begin.x + begin.width / 2, begin.y + begin.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(end.x - 20, end.y - 20, { steps: 4 });
+    await page.mouse.move(end.x + end.width / 2, end.y + end.height / 2, { steps: 4 });
+    await page.mouse.up();
+  };
+  await holds(async () => {
+    await draw(state('grasp').locator('[data-handleid=success]'), state('keep').locator('[data-handleid=in]'));
+    return (await text.locator('.cm-line').allTextContents()).join('\n').includes('    on: {success: keep}   # it has it');
+  }, 'a transition is drawn');
+
+  // Undo and redo go over what the graph did.
+  await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
+  await has('    on: {success: return done}   # it has it', 'undone');
+  await page.getByRole('button', { name: 'Redo', exact: true }).press('Enter');
+  await has('    on: {success: keep}   # it has it', 'done again');
+  await seen(problems.getByText('No problems'));
+  await stage.look(page, 'edit_mission');
+
+  // Into a container.
+  await page.getByRole('button', { name: 'mission …' }).press('Enter');
+  await page.getByRole('button', { name: 'container: hierarchy' }).press('Enter');
+  await has('  hierarchy:', 'a container is added');
+  await state('keep').focus();
+  await page.keyboard.press('Enter');
+  await panel('keep').getByLabel('Move into').selectOption({ label: 'hierarchy' });
+  await seen(panel('hierarchy/keep'));
+  await has('    states:', 'it has states');
+  await page.getByText('Add a state').press('Enter');
+  await page.getByLabel('data flows').check();
+  await stage.look(page, 'edit_mission_flows');
+  await page.getByLabel('data flows').uncheck();
+  await holds(async () => {
+    await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
+    return (await text.locator('.cm-line').allTextContents()).join('\n').includes('  keep: {library: tools/store, on: {success: return done}}');
+  }, 'it is back');
+  await holds(async () => {
+    if ((await state('hierarchy').count()) > 0) await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
+    return (await state('hierarchy').count()) === 0;
+  }, 'the container is gone');
+
+  await text.click();
+  await page.keyboard.press('Control+s');
+  await seen(status('as in the file'));
+  const saved = onDisk('missions/fetch.yaml');
+  const wanted = mission
+    .replace('force: 2.0', 'force: 3.5').replace('{success: return done}', '{success: keep}')
+    .replace('# where it is\n', '# where it is\n  - look.pose -> keep.pose\n') + '  keep: {library: tools/store, on: {success: return done}}\n';
+  assert.equal(saved, wanted, 'nothing else has changed');
+
+  // Somebody else's text is not written over.
+  await text.click();
+  await page.keyboard.press('Control+Home');
+  await page.keyboard.type('# mine');
+  await page.keyboard.press('Enter');
+  writeFileSync(file('missions/fetch.yaml'), '# theirs\n' + saved);
+  await page.getByRole('button', { name: 'Save', exact: true }).press('Enter');
+  await seen(page.getByRole('alert').filter({ hasText: 'changed by somebody else' }));
+  await page.getByRole('button', { name: 'Read again', exact: true }).press('Enter');
+  await has('# theirs', 'the file is read again');
+  await seen(problems.getByText('No problems'));
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await stage.look(page, 'edit_mission_dark');
+  await page.emulateMedia({ colorScheme: 'light' });
+}
+
+async function editFiles(page) {
+  const { seen, has, problems, state, open } = helpers(page);
+  // A machine of RAFCON is read only, and can be saved as a mission.
+  await open('machines/greet');
+  await seen(page.getByText('read only'));
+  await has('mission: greet', 'the machine is a mission');
+  await seen(state('say'));
+  await stage.look(page, 'edit_rafcon');
+  await page.getByRole('button', { name: 'Save as a mission …' }).press('Enter');
+  await page.getByLabel('File of the mission').fill('missions/fetch.yaml');
+  await page.keyboard.press('Enter');
+  await seen(page.getByText('is there already'));
+  await page.getByLabel('File of the mission').fill('missions/greet.yaml');
+  await page.keyboard.press('Enter');
+  await seen(page.getByRole('region', { name: 'Edit missions/greet.yaml' }));
+  assert.match(onDisk('missions/greet.yaml'), /^mission: greet/);
+
+  // A new mission has no problems; names are checked.
+  await page.getByRole('button', { name: 'New mission' }).press('Enter');
+  await page.getByLabel('File of the new mission').fill('../outside.yaml');
+  await page.keyboard.press('Enter');
+  await seen(page.getByText('cannot be the name of a file'));
+  await page.getByLabel('File of the new mission').fill('missions/empty.yaml');
+  await page.keyboard.press('Enter');
+  await seen(page.getByRole('region', { name: 'Edit missions/empty.yaml' }));
+  await seen(problems.getByText('No problems'));
+
+  // A new controller outside of what the robot file names is added there, and follows its name.
+  const robot = onDisk('robot.yaml');
+  await page.getByRole('button', { name: 'New controller' }).press('Enter');
+  await page.getByLabel('File of the new controller').fill('parked.yaml');
+  await page.keyboard.press('Enter');
+  await seen(page.getByRole('region', { name: 'Edit parked.yaml' }));
+  assert.match(onDisk('robot.yaml'), /parked\.yaml/);
+  await page.getByRole('button', { name: 'Rename …' }).press('Enter');
+  await page.getByLabel('New name of the file').fill('controllers/parked.yaml');
+  await page.keyboard.press('Enter');
+  await seen(page.getByRole('region', { name: 'Edit controllers/parked.yaml' }));
+  assert.equal(onDisk('robot.yaml'), robot, 'the pattern names it');
+  await page.getByRole('button', { name: 'Delete …' }).press('Enter');
+  await stage.look(page, 'edit_delete');
+  await page.getByRole('button', { name: 'Delete the file' }).press('Enter');
+  await seen(page.getByText('Choose a file.'));
+  assert.ok(!existsSync(file('controllers/parked.yaml')));
+}
+
+let failed = true;
+try {
+  stage.run(['init', 'rover']);
+  mkdirSync(file('missions/tools'), { recursive: true });
+  writeFileSync(file('missions/fetch.yaml'), mission);
+  writeFileSync(file('missions/tools/store.yaml'), library);
+  writeMachine();
+  await stage.start(['run', 'rover/robot.yaml', '--controller', 'explore'], /robot rover runs/);
+  const page = await stage.openPage();
+  await page.goto(stage.studio.found);
+  await page.getByRole('link', { name: 'Edit' }).press('Enter');
+  await editMission(page);
+  await editFiles(page);
+  assert.deepEqual(stage.problems, []);
+  console.log('passed; screenshots are in ' + pictures);
+  failed = false;
+} finally {
+  await stage.close(failed);
+}

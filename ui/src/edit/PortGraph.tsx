@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+import { Background, Controls, Handle, MarkerType, Position, ReactFlow, ReactFlowProvider, useReactFlow, type Connection, type Edge, type Node, type NodeProps } from '@xyflow/react';
+import '@xyflow/react/dist/style.css';
+import { useEffect, useState } from 'react';
+import { geometry, layOut, nodeWidth, type Anchor, type Box, type BoxTree } from '../network/layout';
+
+const headHeight = 41;
+const smallHeadHeight = 23;
+const portHeight = 18;
+const footHeight = 3;
+/** Behind groups are edges, behind edges nodes. */
+const layers = { edge: 40, node: 50 };
+
+export interface GraphPort {
+  id: string;
+  side: 'input' | 'output';
+  label: string;
+  title?: string;
+}
+export interface PortNode {
+  id: string;
+  group?: string;
+  title: string;
+  /** undefined: a small node. */
+  detail?: string;
+  look: string;
+  ports: GraphPort[];
+}
+/** What is drawn around nodes; groups come before those in them. Its ports are connected from outside. */
+export interface PortGroup {
+  id: string;
+  group?: string;
+  title: string;
+  ports?: GraphPort[];
+  /** It can be selected, as nodes can. */
+  isEdited?: boolean;
+}
+export interface PortEdge {
+  id: string;
+  source: string;
+  sourcePort: string;
+  target: string;
+  targetPort: string;
+  look?: string;
+}
+export interface End {
+  node: string;
+  port: string;
+}
+
+interface Props {
+  label: string;
+  groups: PortGroup[];
+  nodes: PortNode[];
+  edges: PortEdge[];
+  selected: string | null;
+  selectedEdge: string | null;
+  fixed: boolean;
+  canConnect: (from: End, to: End) => boolean;
+  onSelect: (id: string | null) => void;
+  onEdge: (id: string) => void;
+  onConnect: (from: End, to: End) => void;
+  onRemove: () => void;
+}
+
+const sides = ['input', 'output'] as const;
+const portsOn = (side: 'input' | 'output', ports: GraphPort[]) => ports.filter((port) => port.side === side);
+
+function anchorsOf(ports: GraphPort[], head: number): Anchor[] {
+  return sides.flatMap((side) =>
+    portsOn(side, ports).map((port, index) => ({ id: port.id, type: side === 'input' ? ('target' as const) : ('source' as const), y: head + portHeight * (index + 0.5) })),
+  );
+}
+const headOf = (node: PortNode) => (node.detail === undefined ? smallHeadHeight : headHeight);
+function heightOf(node: PortNode): number {
+  const inputs = portsOn('input', node.ports).length;
+  return headOf(node) + portHeight * Math.max(inputs, node.ports.length - inputs) + footHeight;
+}
+
+function Ports({ ports, head, fixed }: { ports: GraphPort[]; head: number; fixed: boolean }) {
+  return sides.map((side) => (
+    <div key={side} className={'ports ' + side} style={{ top: head, lineHeight: portHeight + 'px' }}>
+      {portsOn(side, ports).map((port) => (
+        <div key={port.id} className="port" style={{ height: portHeight }} title={port.title}>
+          <Handle id={port.id} type={side === 'input' ? 'target' : 'source'} position={side === 'input' ? Position.Left : Position.Right} isConnectable={!fixed} />
+          {port.label}
+        </div>
+      ))}
+    </div>
+  ));
+}
+
+function NodeBox({ data, selected }: NodeProps<Node<{ node: PortNode; fixed: boolean }>>) {
+  const { node, fixed } = data;
+  return (
+    <div className={'task-box edited ' + node.look + (selected ? ' selected' : '')}>
+      <strong>{node.title}</strong>
+      {node.detail !== undefined && <span>{node.detail}</span>}
+      <Ports ports={node.ports} head={headOf(node)} fixed={fixed} />
+    </div>
+  );
+}
+
+function GroupBox({ data, selected }: NodeProps<Node<{ group: PortGroup; fixed: boolean }>>) {
+  return (
+    <div className={'place-box' + (selected ? ' selected' : '')}>
+      {data.group.title}
+      <Ports ports={data.group.ports ?? []} head={headHeight} fixed={data.fixed} />
+    </div>
+  );
+}
+
+const nodeTypes = { edited: NodeBox, place: GroupBox };
+
+function treeOf(groups: PortGroup[], nodes: PortNode[], around: string | undefined): BoxTree[] {
+  return [
+    ...groups.filter((group) => group.group === around).map((group) => ({ id: group.id, children: treeOf(groups, nodes, group.id) })),
+    ...nodes.filter((node) => node.group === around).map((node) => ({ id: node.id })),
+  ];
+}
+
+/** A graph as it is edited: nodes with ports, which are connected by drawing, in groups. */
+export function PortGraph(props: Props) {
+  return (
+    <ReactFlowProvider>
+      <Flow {...props} />
+    </ReactFlowProvider>
+  );
+}
+
+function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canConnect, onSelect, onEdge, onConnect, onRemove }: Props) {
+  const flow = useReactFlow();
+  const [boxes, setBoxes] = useState<Map<string, Box>>(new Map());
+  const structure = JSON.stringify([groups.map((group) => [group.id, group.group]), nodes.map((node) => [node.id, node.group, heightOf(node)]), edges.map((edge) => [edge.id, edge.source, edge.target])]);
+  const panel = selected !== null; // beside the graph
+
+  useEffect(() => {
+    let current = true;
+    const heights = new Map(nodes.map((node) => [node.id, heightOf(node)]));
+    void layOut({ roots: treeOf(groups, nodes, undefined), edges, heightOf: (id) => heights.get(id) ?? headHeight }).then((found) => current && setBoxes(found));
+    return () => {
+      current = false;
+    };
+    // Other changes move nothing.
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [structure]);
+  useEffect(() => {
+    const timer = setTimeout(() => void flow.fitView({ padding: 0.08, maxZoom: 1.1 }), 30);
+    return () => clearTimeout(timer);
+  }, [boxes, flow, panel]);
+
+  const placed: Node[] = [];
+  const known = new Set<string>();
+  for (const group of groups) {
+    const box = boxes.get(group.id);
+    if (!box || (group.group !== undefined && !known.has(group.group))) continue;
+    known.add(group.id);
+    placed.push({
+      id: group.id, type: 'place', parentId: group.group, position: box, data: { group, fixed }, selectable: group.isEdited ?? false, focusable: group.isEdited ?? false, draggable: false,
+      selected: group.id === selected, ariaLabel: group.title, ...geometry(box.width, box.height, anchorsOf(group.ports ?? [], headHeight)),
+    });
+  }
+  for (const node of nodes) {
+    const box = boxes.get(node.id);
+    if (!box || (node.group !== undefined && !known.has(node.group))) continue;
+    known.add(node.id);
+    placed.push({
+      id: node.id, type: 'edited', zIndex: layers.node, parentId: node.group, position: box, draggable: false, selected: node.id === selected, data: { node, fixed },
+      ariaLabel: node.title + (node.detail ? ', ' + node.detail : ''), ...geometry(nodeWidth, heightOf(node), anchorsOf(node.ports, headOf(node))),
+    });
+  }
+  const ends = (drawn: Connection | Edge) => [{ node: drawn.source, port: drawn.sourceHandle ?? '' }, { node: drawn.target, port: drawn.targetHandle ?? '' }] as const;
+  const isEdited = (id: string) => nodes.some((node) => node.id === id) || groups.some((group) => group.id === id && group.isEdited);
+
+  return (
+    <div
+      className="graph edit-graph" role="region" aria-label={label}
+      onKeyDown={(event) => {
+        const id = (event.target as HTMLElement).dataset['id'];
+        if (event.key === 'Enter' && id && isEdited(id)) onSelect(id);
+        if (event.key === 'Delete' || event.key === 'Backspace') onRemove();
+      }}
+    >
+      <ReactFlow
+        nodes={placed}
+        edges={edges.filter((edge) => known.has(edge.source) && known.has(edge.target)).map((edge) => ({
+          id: edge.id, source: edge.source, target: edge.target, sourceHandle: edge.sourcePort, targetHandle: edge.targetPort, selected: edge.id === selectedEdge,
+          className: 'edge ' + (edge.look ?? '') + (edge.id === selectedEdge ? ' fate-comes' : ''), zIndex: layers.edge, focusable: false, markerEnd: { type: MarkerType.ArrowClosed, width: 16, height: 16 },
+        }))}
+        nodeTypes={nodeTypes}
+        nodesConnectable={!fixed}
+        deleteKeyCode={null}
+        isValidConnection={(drawn) => canConnect(...ends(drawn))}
+        onConnect={(drawn) => onConnect(...ends(drawn))}
+        onNodeClick={(_, node) => onSelect(isEdited(node.id) ? node.id : null)}
+        onEdgeClick={(_, edge) => onEdge(edge.id)}
+        onPaneClick={() => onSelect(null)}
+        minZoom={0.1}
+        onlyRenderVisibleElements={nodes.length > 200}
+      >
+        <Background gap={22} size={1} />
+        <Controls showInteractive={false} />
+      </ReactFlow>
+    </div>
+  );
+}

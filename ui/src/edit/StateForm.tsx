@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useId, useState, type FormEvent } from 'react';
+import { stringify } from 'yaml';
+import { flowPartners } from './mission_graph';
+import { extraOutcomes, interfaceIn, isContainer, outcomesIn, targetsOf, type EditedState, type Interface, type MissionPort, type MissionText } from './mission_text';
+import { NameField } from './NameField';
+
+const written = (value: unknown) => (value === undefined ? '' : stringify(value, { collectionStyle: 'flow', lineWidth: 0, flowCollectionPadding: false }).trimEnd());
+
+type Side = 'inputs' | 'outputs';
+type Ports = Side | 'variables';
+
+/** Each answers what is wrong, or null. */
+export interface StateEdits {
+  rename: (name: string) => string | null;
+  remove: () => void;
+  move: (container: EditedState, before: string | null) => void;
+  setTransition: (outcome: string, target: string | null) => void;
+  setStart: (target: string) => void;
+  setValue: (side: Side, port: string, yaml: string) => string | null;
+  setText: (key: 'title' | 'description', value: string) => string | null;
+  setKind: (kind: string) => void;
+  addOutcome: (name: string) => string | null;
+  removeOutcome: (name: string) => void;
+  addPort: (which: Ports, name: string, type: string) => string | null;
+  removePort: (which: Ports, name: string) => void;
+  setDefault: (which: Ports, port: MissionPort, yaml: string) => string | null;
+  connect: (container: EditedState, from: string, to: string) => void;
+  disconnect: (container: EditedState, index: number) => void;
+}
+
+interface Props {
+  mission: MissionText;
+  libraries: Interface[];
+  state: EditedState;
+  containers: EditedState[];
+  fixed: boolean;
+  edits: StateEdits;
+}
+
+/** A value that is set by Enter; what is wrong with it stands below. */
+function Field({ label, value, placeholder, note, fixed, onSet }: { label: string; value: string; placeholder?: string; note?: string; fixed: boolean; onSet: (value: string) => string | null }) {
+  const [typed, setTyped] = useState<string | null>(null);
+  const [problem, setProblem] = useState<string | null>(null);
+  const id = useId();
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (typed === null) return;
+    const refused = onSet(typed);
+    setProblem(refused);
+    if (refused === null) setTyped(null);
+  };
+  return (
+    <form className="row property" onSubmit={submit}>
+      <label htmlFor={id}>{label}</label>
+      <input
+        id={id} value={typed ?? value} placeholder={placeholder} readOnly={fixed} spellCheck={false} className={typed !== null ? 'edited' : ''} aria-describedby={note ? id + '-note' : undefined}
+        onChange={(event) => setTyped(event.target.value)}
+        onKeyDown={(event) => {
+          if (event.key === 'Escape') [setTyped(null), setProblem(null)];
+        }}
+      />
+      {typed !== null && <button type="submit">Set</button>}
+      {note && <small id={id + '-note'} className="quiet">{note}</small>}
+      {problem && <output className="bad">{problem}</output>}
+    </form>
+  );
+}
+
+function Choice({ label, value, options, empty, fixed, onChoose }: { label: string; value: string; options: string[]; empty?: string; fixed: boolean; onChoose: (value: string) => void }) {
+  const id = useId();
+  const all = value === '' || options.includes(value) ? options : [value, ...options];
+  return (
+    <div className="row property">
+      <label htmlFor={id}>{label}</label>
+      <select id={id} value={value} disabled={fixed} onChange={(event) => onChoose(event.target.value)}>
+        {(empty !== undefined || value === '') && <option value="">{empty ?? ''}</option>}
+        {all.map((option) => <option key={option} value={option}>{option}</option>)}
+      </select>
+    </div>
+  );
+}
+
+/** The data flows of one port, and those that could be. */
+function Flows({ container, port, side, props }: { container: EditedState; port: string; side: 'from' | 'to'; props: Props }) {
+  const { mission, libraries, fixed, edits } = props;
+  const others = fixed ? [] : flowPartners(mission, libraries, container, port, side);
+  return (
+    <div className="port-row">
+      <ul className="plain">
+        {container.flows.map((flow, index) =>
+          flow && flow[side] === port ? (
+            <li key={index} className="row">
+              <span>{side === 'from' ? port + ' goes to ' + flow.to : port + ' comes from ' + flow.from}</span>
+              {!fixed && <button type="button" className="small" aria-label={'Remove ' + flow.from + ' to ' + flow.to} onClick={() => edits.disconnect(container, index)}>remove</button>}
+            </li>
+          ) : null,
+        )}
+      </ul>
+      {others.length > 0 && (
+        <select aria-label={'Connect ' + port} value="" onChange={(event) => (side === 'from' ? edits.connect(container, port, event.target.value) : edits.connect(container, event.target.value, port))}>
+          <option value="" disabled>connect {port} {side === 'from' ? 'to' : 'from'} …</option>
+          {others.map((other) => <option key={other} value={other}>{other}</option>)}
+        </select>
+      )}
+    </div>
+  );
+}
+
+function Adding({ label, withType, onAdd }: { label: string; withType: boolean; onAdd: (name: string, type: string) => string | null }) {
+  const [name, setName] = useState('');
+  const [type, setType] = useState('any');
+  const [problem, setProblem] = useState<string | null>(null);
+  return (
+    <form
+      className="row"
+      onSubmit={(event) => {
+        event.preventDefault();
+        const refused = onAdd(name.trim(), type.trim() || 'any');
+        setProblem(refused);
+        if (refused === null) setName('');
+      }}
+    >
+      <input aria-label={label} placeholder={label} value={name} spellCheck={false} onChange={(event) => setName(event.target.value)} />
+      {withType && (
+        <select aria-label={'Type of ' + label.toLowerCase()} value={type} onChange={(event) => setType(event.target.value)}>
+          {['any', 'bool', 'int', 'float', 'text', 'list', 'map'].map((one) => <option key={one}>{one}</option>)}
+        </select>
+      )}
+      <button type="submit" className="small" disabled={name.trim() === ''}>add</button>
+      {problem && <output className="bad">{problem}</output>}
+    </form>
+  );
+}
+
+function Transitions({ props }: { props: Props }) {
+  const { mission, libraries, state, fixed, edits } = props;
+  const known = outcomesIn(mission, libraries, state);
+  const targets = targetsOf(state);
+  return (
+    <>
+      <h3>Transitions</h3>
+      {[...known, ...extraOutcomes.filter((one) => !known.includes(one))].map((outcome) => (
+        <Choice
+          key={outcome} label={'on ' + outcome} value={state.on.find((one) => one.outcome === outcome)?.target ?? ''} options={targets} empty={extraOutcomes.includes(outcome) ? 'as the container' : 'none yet'}
+          fixed={fixed} onChoose={(target) => edits.setTransition(outcome, target === '' ? null : target)}
+        />
+      ))}
+    </>
+  );
+}
+
+/** Ports of an action or library: values in place of their defaults. */
+function Values({ side, props }: { side: Side; props: Props }) {
+  const { mission, libraries, state, fixed, edits } = props;
+  const ports = interfaceIn(mission, libraries, state)?.[side] ?? [];
+  const others = Object.keys(state.values[side]).filter((name) => !ports.some((port) => port.name === name));
+  const all: MissionPort[] = [...ports, ...others.map((name) => ({ name, type: '' }))];
+  const container = state.parent;
+  if (all.length === 0) return null;
+  return (
+    <>
+      <h3>{side === 'inputs' ? 'Inputs' : 'Outputs'}</h3>
+      {all.map((port) => (
+        <div key={port.name}>
+          <Field
+            label={port.name} value={written(state.values[side][port.name])} placeholder={written(port.default)} fixed={fixed} note={[port.type || 'not a port of what it stands for', port.default !== undefined ? 'default ' + written(port.default) : ''].filter(Boolean).join('; ')}
+            onSet={(yaml) => edits.setValue(side, port.name, yaml)}
+          />
+          {container && <Flows container={container} port={state.name + '.' + port.name} side={side === 'inputs' ? 'to' : 'from'} props={props} />}
+        </div>
+      ))}
+    </>
+  );
+}
+
+function OwnPorts({ which, props }: { which: Ports; props: Props }) {
+  const { state, fixed, edits } = props;
+  const name = which === 'inputs' ? 'Input' : which === 'outputs' ? 'Output' : 'Variable';
+  return (
+    <>
+      <h3>{name}s</h3>
+      {state[which].map((port) => (
+        <div key={port.name}>
+          <Field label={port.name} value={written(port.default)} fixed={fixed} note={port.type + ', default'} onSet={(yaml) => edits.setDefault(which, port, yaml)} />
+          {!fixed && <button type="button" className="small" aria-label={'Remove ' + name.toLowerCase() + ' ' + port.name} onClick={() => edits.removePort(which, port.name)}>remove</button>}
+          {which !== 'outputs' && <Flows container={state} port={which + '.' + port.name} side="from" props={props} />}
+          {which !== 'inputs' && <Flows container={state} port={which + '.' + port.name} side="to" props={props} />}
+          {state.parent && which !== 'variables' && <Flows container={state.parent} port={state.name + '.' + port.name} side={which === 'inputs' ? 'to' : 'from'} props={props} />}
+        </div>
+      ))}
+      {!fixed && <Adding label={'New ' + name.toLowerCase()} withType onAdd={(added, type) => edits.addPort(which, added, type)} />}
+    </>
+  );
+}
+
+function Container({ props }: { props: Props }) {
+  const { state, fixed, edits } = props;
+  const returns = [...state.outcomes, ...extraOutcomes].map((outcome) => 'return ' + outcome);
+  return (
+    <>
+      <Choice label="Kind" value={state.kind} options={['hierarchy', 'barrier', 'preemptive']} fixed={fixed} onChoose={edits.setKind} />
+      {state.kind === 'hierarchy' && <Choice label="Start" value={state.start} options={[...state.children.map((one) => one.name), ...returns]} fixed={fixed} onChoose={edits.setStart} />}
+      <h3>Outcomes</h3>
+      <ul className="plain">
+        {state.outcomes.map((outcome) => (
+          <li key={outcome} className="row">
+            <span>{outcome}</span>
+            {!fixed && state.outcomes.length > 1 && <button type="button" className="small" aria-label={'Remove outcome ' + outcome} onClick={() => edits.removeOutcome(outcome)}>remove</button>}
+          </li>
+        ))}
+      </ul>
+      {!fixed && <Adding label="New outcome" withType={false} onAdd={edits.addOutcome} />}
+      <OwnPorts which="inputs" props={props} />
+      <OwnPorts which="outputs" props={props} />
+      <OwnPorts which="variables" props={props} />
+    </>
+  );
+}
+
+function Place({ props }: { props: Props }) {
+  const { state, containers, edits } = props;
+  const around = state.parent;
+  if (!around) return null;
+  const at = around.children.indexOf(state);
+  const name = (container: EditedState) => container.id || 'the mission';
+  const others = containers.filter((one) => one !== around && one !== state && !(one.id + '/').startsWith(state.id + '/') && !one.children.some((child) => child.name === state.name));
+  return (
+    <>
+      <h3>Place</h3>
+      <p className="row">
+        <button type="button" disabled={at === 0} onClick={() => edits.move(around, around.children[at - 1]?.name ?? null)}>Earlier</button>
+        <button type="button" disabled={at === around.children.length - 1} onClick={() => edits.move(around, around.children[at + 2]?.name ?? null)}>Later</button>
+      </p>
+      {others.length > 0 && (
+        <select aria-label="Move into" value="" onChange={(event) => edits.move(others[Number(event.target.value)] ?? around, null)}>
+          <option value="" disabled>move into …</option>
+          {others.map((container, index) => <option key={container.id} value={index}>{name(container)}</option>)}
+        </select>
+      )}
+    </>
+  );
+}
+
+/** A state of a mission as it is edited, all by keyboard. */
+export function StateForm(props: Props & { onClose: () => void; isOpen: boolean; onToggle: () => void }) {
+  const { mission, libraries, state, fixed, edits, onClose, isOpen, onToggle } = props;
+  const known = interfaceIn(mission, libraries, state);
+  const label = state.id === '' ? 'mission' : 'state ' + state.id;
+  const what = isContainer(state) ? state.kind : state.kind === 'library' ? 'library ' + state.library : (state.kind === 'decider' ? 'decider, action ' : 'action ') + state.action;
+  return (
+    <aside className="panel" aria-label={'Edit ' + label}>
+      <header>
+        <h2>{state.id === '' ? state.name : state.id}</h2>
+        <button type="button" aria-label="Close" onClick={onClose}>×</button>
+      </header>
+      <p>{what} {!known && <span className="badge warn">not known</span>}</p>
+      {!isContainer(state) && known?.description && <p className="quiet">{known.description}</p>}
+      {isContainer(state) && state.id !== '' && <p><button type="button" className="small" onClick={onToggle}>{isOpen ? 'Close in the graph' : 'Open in the graph'}</button></p>}
+      {state.parent && !fixed && <NameField key={state.id} label="Name" name={state.name} onRename={edits.rename} />}
+      <Field key={'title ' + state.id} label="Title" value={state.title} fixed={fixed} onSet={(value) => edits.setText('title', value)} />
+      <Field key={'description ' + state.id} label="Description" value={state.description} fixed={fixed} onSet={(value) => edits.setText('description', value)} />
+      {state.parent && <Transitions props={props} />}
+      {isContainer(state) ? <Container props={props} /> : <><Values side="inputs" props={props} /><Values side="outputs" props={props} /></>}
+      {!fixed && <Place props={props} />}
+      {state.parent && !fixed && <p className="doit"><button type="button" onClick={edits.remove}>Remove state</button></p>}
+    </aside>
+  );
+}
