@@ -159,6 +159,27 @@ TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
   std::filesystem::remove_all(folder);
 }
 
+TEST_F(OwnMachine, librariesOfAnyNameAreFoundInAFolderWithoutOne) {
+  EXPECT_TRUE(import_rafcon(kOurs / "count_down", {{"", kOurs / "libraries"}}, diagnostics_))
+      << to_string(diagnostics_);
+}
+
+TEST_F(OwnMachine, allFilesAreReadByWhoImports) {
+  std::size_t files = 0;
+  const auto count = [&](const std::filesystem::path& file) {
+    ++files;
+    return read_file(file);
+  };
+  EXPECT_TRUE(import_rafcon(kOurs / "count_down", {{"own", kOurs / "libraries"}}, diagnostics_, count));
+  EXPECT_EQ(files, 9U) << "3 + 2 + 1 of the machine and 3 of its library";
+  const auto refuse = [](const std::filesystem::path& file) -> Result<std::string> {
+    if (file.filename() == "script.py") return fail(ErrorCode::PermissionDenied, "not this one");
+    return read_file(file);
+  };
+  EXPECT_FALSE(import_rafcon(kOurs / "count_down", {{"own", kOurs / "libraries"}}, diagnostics_, refuse));
+  EXPECT_TRUE(diagnostics_.has_errors());
+}
+
 TEST_F(OwnMachine, hasScriptsThatCommandARobotWhereTheySaySo) {
   const auto folder =
       std::filesystem::path(::testing::TempDir()) / ("segue_scripts_" + std::to_string(::getpid()));
