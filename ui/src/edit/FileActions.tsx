@@ -108,8 +108,8 @@ export function FileActions({ file, files, draft, drafts, onFiles }: { file: Fil
     return (
       <span role="group" aria-label={'Delete ' + file.path} className="file-form">
         Delete {file.path}? It does not come back by Undo.{' '}
-        <button type="button" autoFocus onClick={() => remove().catch((error: unknown) => setProblem(reason(error)))}>Delete the file</button>{' '}
-        <button type="button" onClick={close}>Keep it</button>
+        <button type="button" onClick={() => remove().catch((error: unknown) => setProblem(reason(error)))}>Delete the file</button>{' '}
+        <button type="button" autoFocus onClick={close}>Keep it</button>
         {problem && <output className="bad">{problem}</output>}
       </span>
     );

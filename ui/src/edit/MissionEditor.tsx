@@ -2,7 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { useConnection } from '../robot/hooks';
 import type { Drafts } from './drafts';
-import { addFlow, addOutcome, addPort, addState, described, moveState, removeFlow, removeOutcome, removePort, removeState, renameState, setKind, setPort, setStart, setText, setTransition, setValue, type NewState } from './mission_edits';
+import { addFlow, addOutcome, addPort, addState, described, moveState, removeFlow, removeOutcome, removePort, removeState, renameState, setKind, setPort, setStart, setText, setTransition, setUse, setValue, type NewState } from './mission_edits';
 import { meaningOf, missionGraph, openAtFirst, stateNode, stateOfNode, type Shown } from './mission_graph';
 import { allLibraries, isContainer, librariesOf, missionIn, newName, stateIn, statesOf, type EditedState, type Interface, type MissionText } from './mission_text';
 import { PortGraph } from './PortGraph';
@@ -85,6 +85,7 @@ function editsOf(state: EditedState, mission: MissionText, edit: Edit, onSelect:
     setValue: (side, port, yaml) => edit((text, now) => setValue(text, now(state), side, port, yaml)),
     setText: (key, value) => edit((text, now) => setText(text, now(state), key, value)),
     setKind: (kind) => void edit((text, now) => setKind(text, now(state), kind)),
+    setUse: (name) => void edit((text, now) => setUse(text, now(state), name)),
     addOutcome: (name) => edit((text, now) => addOutcome(text, now(state), name)),
     removeOutcome: (name) => void edit((text, now) => removeOutcome(text, now(state), name)),
     addPort: (which, name, type) => edit((text, now) => addPort(text, now(state), which, name, type)),

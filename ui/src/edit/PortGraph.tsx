@@ -6,6 +6,7 @@ import { geometry, layOut, nodeWidth, type Anchor, type Box, type BoxTree } from
 
 const headHeight = 41;
 const smallHeadHeight = 23;
+const smallWidth = 104;
 const portHeight = 18;
 const footHeight = 3;
 /** Behind groups are edges, behind edges nodes. */
@@ -72,6 +73,7 @@ function anchorsOf(ports: GraphPort[], head: number): Anchor[] {
   );
 }
 const headOf = (node: PortNode) => (node.detail === undefined ? smallHeadHeight : headHeight);
+const widthOf = (node: PortNode) => (node.detail === undefined ? smallWidth : nodeWidth);
 function heightOf(node: PortNode): number {
   const inputs = portsOn('input', node.ports).length;
   return headOf(node) + portHeight * Math.max(inputs, node.ports.length - inputs) + footHeight;
@@ -136,8 +138,8 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
 
   useEffect(() => {
     let current = true;
-    const heights = new Map(nodes.map((node) => [node.id, heightOf(node)]));
-    void layOut({ roots: treeOf(groups, nodes, undefined), edges, heightOf: (id) => heights.get(id) ?? headHeight }).then((found) => current && setBoxes(found));
+    const known = new Map(nodes.map((node) => [node.id, { width: widthOf(node), height: heightOf(node) }]));
+    void layOut({ roots: treeOf(groups, nodes, undefined), edges, heightOf: (id) => known.get(id)?.height ?? headHeight, widthOf: (id) => known.get(id)?.width ?? nodeWidth }).then((found) => current && setBoxes(found));
     return () => {
       current = false;
     };
@@ -166,7 +168,7 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
     known.add(node.id);
     placed.push({
       id: node.id, type: 'edited', zIndex: layers.node, parentId: node.group, position: box, draggable: false, selected: node.id === selected, data: { node, fixed },
-      ariaLabel: node.title + (node.detail ? ', ' + node.detail : ''), ...geometry(nodeWidth, heightOf(node), anchorsOf(node.ports, headOf(node))),
+      ariaLabel: node.title + (node.detail ? ', ' + node.detail : ''), ...geometry(widthOf(node), heightOf(node), anchorsOf(node.ports, headOf(node))),
     });
   }
   const ends = (drawn: Connection | Edge) => [{ node: drawn.source, port: drawn.sourceHandle ?? '' }, { node: drawn.target, port: drawn.targetHandle ?? '' }] as const;

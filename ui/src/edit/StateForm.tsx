@@ -20,6 +20,7 @@ export interface StateEdits {
   setValue: (side: Side, port: string, yaml: string) => string | null;
   setText: (key: 'title' | 'description', value: string) => string | null;
   setKind: (kind: string) => void;
+  setUse: (name: string) => void;
   addOutcome: (name: string) => string | null;
   removeOutcome: (name: string) => void;
   addPort: (which: Ports, name: string, type: string) => string | null;
@@ -242,6 +243,18 @@ function Place({ props }: { props: Props }) {
   );
 }
 
+/** What a leaf or library stands for. */
+function Use({ props }: { props: Props }) {
+  const { mission, libraries, state, fixed, edits } = props;
+  if (state.kind === 'library') return <Choice label="Library" value={state.library} options={libraries.map((one) => one.name)} fixed={fixed} onChoose={edits.setUse} />;
+  return (
+    <>
+      <Choice label="Action" value={state.action} options={mission.actions.map((one) => one.name)} fixed={fixed} onChoose={edits.setUse} />
+      <Choice label="Kind" value={state.kind} options={['execution', 'decider']} fixed={fixed} onChoose={edits.setKind} />
+    </>
+  );
+}
+
 /** A state of a mission as it is edited, all by keyboard. */
 export function StateForm(props: Props & { onClose: () => void; isOpen: boolean; onToggle: () => void }) {
   const { mission, libraries, state, fixed, edits, onClose, isOpen, onToggle } = props;
@@ -260,6 +273,7 @@ export function StateForm(props: Props & { onClose: () => void; isOpen: boolean;
       {state.parent && !fixed && <NameField key={state.id} label="Name" name={state.name} onRename={edits.rename} />}
       <Field key={'title ' + state.id} label="Title" value={state.title} fixed={fixed} onSet={(value) => edits.setText('title', value)} />
       <Field key={'description ' + state.id} label="Description" value={state.description} fixed={fixed} onSet={(value) => edits.setText('description', value)} />
+      {!isContainer(state) && <Use props={props} />}
       {state.parent && <Transitions props={props} />}
       {isContainer(state) ? <Container props={props} /> : <><Values side="inputs" props={props} /><Values side="outputs" props={props} /></>}
       {!fixed && <Place props={props} />}

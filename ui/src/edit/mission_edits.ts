@@ -146,10 +146,15 @@ export function setText(text: string, state: EditedState, key: 'title' | 'descri
   return value.trim() === '' ? removeIfThere(text, [...state.path, key]) : put(text, [...state.path, key], value.trim());
 }
 
-export function setKind(text: string, container: EditedState, kind: string): string {
-  let left = kind === 'hierarchy' ? removeIfThere(text, [...container.path, 'kind']) : put(text, [...container.path, 'kind'], kind);
-  if (kind !== 'hierarchy') left = removeIfThere(left, [...container.path, 'start']);
-  return left;
+/** Of a container, or of a leaf: execution or decider. */
+export function setKind(text: string, state: EditedState, kind: string): string {
+  const left = kind === 'hierarchy' || kind === 'execution' ? removeIfThere(text, [...state.path, 'kind']) : put(text, [...state.path, 'kind'], kind);
+  return kind === 'hierarchy' || !isContainer(state) ? left : removeIfThere(left, [...state.path, 'start']);
+}
+
+/** The action or library that it stands for. */
+export function setUse(text: string, state: EditedState, name: string): string {
+  return put(text, [...state.path, state.kind === 'library' ? 'library' : 'action'], name);
 }
 
 export function addOutcome(text: string, container: EditedState, name: string): string {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-import { isAlias, isMap, isScalar, parseDocument, type Document, type YAMLMap } from 'yaml';
+import { isAlias, isMap, isScalar, type Document, type YAMLMap } from 'yaml';
 import { isMap as isRecord, type Json } from '../robot/change';
-import { record, startOf, type Path } from './yaml_edit';
+import { documentIn, record, startOf, type Path } from './yaml_edit';
 
 /** Missions as texts (docs/missions.md): what of them is drawn and edited. Edits are in mission_edits.ts. */
 
@@ -124,8 +124,8 @@ class Reader {
 
 /** What is drawn of a mission; null where the text is none or cannot be parsed. */
 export function missionIn(text: string): MissionText | null {
-  const document = parseDocument(text);
-  if (document.errors.length > 0 || !isMap(document.contents) || !document.contents.has('mission')) return null;
+  const document = documentIn(text);
+  if (!document || !isMap(document.contents) || !document.contents.has('mission')) return null;
   let root: Record<string, unknown>;
   try {
     root = record(document.toJS());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-import { isMap, isScalar, isSeq, parse, parseDocument } from 'yaml';
-import { add, nodeAt, parsed, put, record, remove, rename, startOf } from './yaml_edit';
+import { isMap, isScalar, isSeq, parse } from 'yaml';
+import { add, documentIn, nodeAt, parsed, put, record, remove, rename, startOf } from './yaml_edit';
 
 /** Networks as texts, and edits of them (yaml_edit.ts), each from text to text. */
 
@@ -51,8 +51,8 @@ function placesOf(root: Record<string, unknown>): Map<string, string> {
 
 /** What is drawn of a network; null where the text is none or cannot be parsed. */
 export function networkIn(text: string): NetworkText | null {
-  const document = parseDocument(text);
-  if (document.errors.length > 0 || !isMap(document.contents)) return null;
+  const document = documentIn(text);
+  if (!document || !isMap(document.contents)) return null;
   let root: Record<string, unknown>;
   try {
     root = record(document.toJS());

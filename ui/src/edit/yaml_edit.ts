@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { isAlias, isMap, isPair, isScalar, isSeq, parseDocument, stringify, type Document, type Pair, type YAMLMap, type YAMLSeq } from 'yaml';
+import { isAlias, isMap, isPair, isScalar, isSeq, parseDocument, stringify, visit, type Document, type Pair, type YAMLMap, type YAMLSeq } from 'yaml';
 
 /**
  * Edits of a text in YAML, each from text to text. They touch only what they change, so that comments, order and
@@ -15,11 +15,31 @@ type Collection = YAMLMap | YAMLSeq;
 type Item = Pair | { range?: [number, number, number] | null };
 type Attempt = (document: Document.Parsed) => string | null;
 
+/** The document, and what is wrong with it. The parser's own search for keys that occur twice takes quadratic time. */
+function reading(text: string): { document: Document.Parsed; problem: string | null } {
+  const document = parseDocument(text, { uniqueKeys: false });
+  let problem = document.errors[0]?.message.split('\n')[0] ?? null;
+  if (problem === null) {
+    visit(document, {
+      Map: (_, map) => {
+        const keys = new Set(map.items.map((pair) => keyText(pair.key)));
+        if (keys.size === map.items.length) return undefined;
+        problem = 'a key occurs twice in one map';
+        return visit.BREAK;
+      },
+    });
+  }
+  return { document: document as Document.Parsed, problem };
+}
+/** null where it cannot be parsed. */
+export function documentIn(text: string): Document.Parsed | null {
+  const { document, problem } = reading(text);
+  return problem === null ? document : null;
+}
 export function parsed(text: string): Document.Parsed {
-  const document = parseDocument(text);
-  const problem = document.errors[0];
-  if (problem) throw new Error('the text cannot be parsed: ' + (problem.message.split('\n')[0] ?? ''));
-  return document as Document.Parsed;
+  const { document, problem } = reading(text);
+  if (problem !== null) throw new Error('the text cannot be parsed: ' + problem);
+  return document;
 }
 
 /** The value where it is a map, else an empty one. */
@@ -64,21 +84,21 @@ const isEmpty = (value: unknown) => isNothing(value) || ((isMap(value) || isSeq(
 
 /** `attempts` in order, as far as they come to the same as `change`; else the document as it is written anew. */
 export function edited(text: string, change: (document: Document.Parsed) => void, attempts: Attempt[]): string {
-  const changed = parsed(text);
-  change(changed);
-  const wanted = JSON.stringify(changed.toJS());
-  for (const attempt of attempts) {
-    const found = attempt(parsed(text));
-    if (found === null) continue;
-    const again = parseDocument(found);
-    if (again.errors.length > 0) continue;
+  const document = parsed(text);
+  const found = attempts.map((attempt) => attempt(document));
+  change(document);
+  const wanted = JSON.stringify(document.toJS());
+  for (const one of new Set(found)) {
+    if (one === null) continue;
+    const again = documentIn(one);
+    if (!again) continue;
     try {
-      if (JSON.stringify(again.toJS()) === wanted) return found;
+      if (JSON.stringify(again.toJS()) === wanted) return one;
     } catch {
       // an alias that leads nowhere: the next attempt
     }
   }
-  return changed.toString({ lineWidth: 0, flowCollectionPadding: false });
+  return document.toString({ lineWidth: 0, flowCollectionPadding: false });
 }
 
 function indexIn(collection: unknown, step: string | number): number {

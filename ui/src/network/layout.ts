@@ -53,18 +53,20 @@ export interface LayoutInput {
   edges: { id: string; source: string; target: string }[];
   /** nodeHeight unless given. */
   heightOf?: (id: string) => number;
+  /** nodeWidth unless given. */
+  widthOf?: (id: string) => number;
 }
 
 let elk: Elk | null = null;
 
 const spacing = { 'elk.layered.spacing.nodeNodeBetweenLayers': '84', 'elk.spacing.nodeNode': '30' };
 
-function nodeOf(box: BoxTree, heightOf: LayoutInput['heightOf']): ElkNode {
-  if (!box.children) return { id: box.id, width: nodeWidth, height: heightOf?.(box.id) ?? nodeHeight };
+function nodeOf(box: BoxTree, input: LayoutInput): ElkNode {
+  if (!box.children) return { id: box.id, width: input.widthOf?.(box.id) ?? nodeWidth, height: input.heightOf?.(box.id) ?? nodeHeight };
   return {
     id: box.id,
     layoutOptions: { ...spacing, 'elk.padding': '[top=38,left=18,bottom=18,right=18]' },
-    children: box.children.map((child) => nodeOf(child, heightOf)),
+    children: box.children.map((child) => nodeOf(child, input)),
   };
 }
 
@@ -84,7 +86,7 @@ export async function layOut(input: LayoutInput): Promise<Map<string, Box>> {
       'elk.hierarchyHandling': 'INCLUDE_CHILDREN',
       ...spacing,
     },
-    children: input.roots.map((box) => nodeOf(box, input.heightOf)),
+    children: input.roots.map((box) => nodeOf(box, input)),
     edges: input.edges
       .filter((edge) => known.has(edge.source) && known.has(edge.target))
       .map((edge) => ({ id: edge.id, sources: [edge.source], targets: [edge.target] })),
