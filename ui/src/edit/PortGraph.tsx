@@ -2,7 +2,8 @@
 import { Background, Controls, Handle, MarkerType, Position, ReactFlow, ReactFlowProvider, useReactFlow, type Connection, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
 import { useEffect, useState } from 'react';
-import { geometry, layOut, nodeWidth, type Anchor, type Box, type BoxTree } from '../network/layout';
+import { geometry, layOut, nodeWidth, noLayout, type Anchor, type BoxTree, type Layout } from '../network/layout';
+import { edgeTypes } from '../network/RoutedEdge';
 
 const headHeight = 41;
 const smallHeadHeight = 23;
@@ -132,14 +133,20 @@ export function PortGraph(props: Props) {
 
 function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canConnect, onSelect, onEdge, onConnect, onRemove }: Props) {
   const flow = useReactFlow();
-  const [boxes, setBoxes] = useState<Map<string, Box>>(new Map());
-  const structure = JSON.stringify([groups.map((group) => [group.id, group.group]), nodes.map((node) => [node.id, node.group, heightOf(node)]), edges.map((edge) => [edge.id, edge.source, edge.target])]);
+  const [{ boxes, routes }, setLayout] = useState<Layout>(noLayout);
+  const structure = JSON.stringify([groups.map((group) => [group.id, group.group]), nodes.map((node) => [node.id, node.group, anchorsOf(node.ports, headOf(node))]), edges.map((edge) => [edge.id, edge.source, edge.target])]);
   const panel = selected !== null; // beside the graph
 
   useEffect(() => {
     let current = true;
-    const known = new Map(nodes.map((node) => [node.id, { width: widthOf(node), height: heightOf(node) }]));
-    void layOut({ roots: treeOf(groups, nodes, undefined), edges, heightOf: (id) => known.get(id)?.height ?? headHeight, widthOf: (id) => known.get(id)?.width ?? nodeWidth }).then((found) => current && setBoxes(found));
+    const known = new Map(nodes.map((node) => [node.id, { width: widthOf(node), height: heightOf(node), anchors: anchorsOf(node.ports, headOf(node)) }]));
+    void layOut({
+      roots: treeOf(groups, nodes, undefined),
+      edges: edges.map((edge) => ({ ...edge, sourceAnchor: edge.sourcePort, targetAnchor: edge.targetPort })),
+      heightOf: (id) => known.get(id)?.height ?? headHeight,
+      widthOf: (id) => known.get(id)?.width ?? nodeWidth,
+      anchorsOf: (id) => known.get(id)?.anchors ?? [],
+    }).then((found) => current && setLayout(found));
     return () => {
       current = false;
     };
@@ -172,7 +179,10 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
     });
   }
   const ends = (drawn: Connection | Edge) => [{ node: drawn.source, port: drawn.sourceHandle ?? '' }, { node: drawn.target, port: drawn.targetHandle ?? '' }] as const;
-  const isEdited = (id: string) => nodes.some((node) => node.id === id) || groups.some((group) => group.id === id && group.isEdited);
+  // The layout knows no ports of groups.
+  const isNode = new Set(nodes.map((node) => node.id));
+  const routeOf = (edge: PortEdge) => (isNode.has(edge.source) && isNode.has(edge.target) ? routes.get(edge.id) : undefined);
+  const isEdited = (id: string) => isNode.has(id) || groups.some((group) => group.id === id && group.isEdited);
 
   return (
     <div
@@ -186,10 +196,11 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
       <ReactFlow
         nodes={placed}
         edges={edges.filter((edge) => known.has(edge.source) && known.has(edge.target)).map((edge) => ({
-          id: edge.id, source: edge.source, target: edge.target, sourceHandle: edge.sourcePort, targetHandle: edge.targetPort, selected: edge.id === selectedEdge,
+          id: edge.id, type: 'routed', data: { route: routeOf(edge) }, source: edge.source, target: edge.target, sourceHandle: edge.sourcePort, targetHandle: edge.targetPort, selected: edge.id === selectedEdge,
           className: 'edge ' + (edge.look ?? '') + (edge.id === selectedEdge ? ' fate-comes' : ''), zIndex: layers.edge, focusable: false, markerEnd: { type: MarkerType.ArrowClosed, width: 16, height: 16 },
         }))}
         nodeTypes={nodeTypes}
+        edgeTypes={edgeTypes}
         nodesConnectable={!fixed}
         deleteKeyCode={null}
         isValidConnection={(drawn) => canConnect(...ends(drawn))}

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Handle, Position, ReactFlow, Background, Controls, MarkerType, useReactFlow, useStore, ReactFlowProvider, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
-import { useEffect, useMemo, useRef, useState } from 'react';
-import { geometry, layOut, nodeHeight, nodeWidth, type Box, type BoxTree } from './layout';
+import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
+import { BulkEdges } from './BulkEdges';
+import { Keeper } from './keeper';
+import { geometry, layOut, nodeHeight, nodeWidth, noLayout, type Box, type BoxTree, type Layout } from './layout';
+import { edgeTypes } from './RoutedEdge';
+import './network.css';
 
 export interface GraphNode {
   id: string;
@@ -11,6 +15,8 @@ export interface GraphNode {
   detail: string;
   /** Which colours: a class of style.css. */
   look: string;
+  /** A group that is closed: a click opens it. */
+  folded?: boolean;
 }
 export interface GraphEdge {
   id: string;
@@ -27,12 +33,12 @@ export interface GraphGroup {
   look?: string;
 }
 
-type TaskNode = Node<{ title: string; detail: string; look: string }, 'task'>;
+type TaskNode = Node<{ title: string; detail: string; look: string; folded?: boolean }, 'task'>;
 type GroupNode = Node<{ title: string; look: string }, 'place'>;
 
 function TaskBox({ data, selected }: NodeProps<TaskNode>) {
   return (
-    <div className={'task-box ' + data.look + (selected ? ' selected' : '')}>
+    <div className={'task-box ' + data.look + (selected ? ' selected' : '') + (data.folded ? ' folded' : '')}>
       <Handle type="target" position={Position.Left} isConnectable={false} />
       <strong>{data.title}</strong>
       <span>{data.detail}</span>
@@ -66,13 +72,21 @@ interface Props {
   onToggle?: (id: string) => void;
 }
 
-/** Boxes of the groups and nodes in a group; undefined: those that are in none. */
-function treeOf(groups: GraphGroup[], nodes: GraphNode[], around: string | undefined): BoxTree[] {
-  return [
-    ...groups.filter((group) => group.group === around).map((group) => ({ id: group.id, children: treeOf(groups, nodes, group.id) })),
-    ...nodes.filter((node) => node.group === around).map((node) => ({ id: node.id })),
-  ];
+/** The boxes of all groups and nodes, in each other. */
+function treeOf(groups: GraphGroup[], nodes: GraphNode[]): BoxTree[] {
+  const inside = new Map<string | undefined, BoxTree[]>([[undefined, []], ...groups.map((group): [string, BoxTree[]] => [group.id, []])]);
+  for (const group of groups) inside.get(group.group)?.push({ id: group.id, children: inside.get(group.id) });
+  for (const node of nodes) inside.get(node.group)?.push({ id: node.id });
+  return inside.get(undefined) ?? [];
 }
+
+const fitting = { padding: 0.08, maxZoom: 1.15 };
+const readable = 0.7;
+const marker = { type: MarkerType.ArrowClosed, width: 16, height: 16 };
+/** Above, only what can be seen is in the page. */
+const mostDrawn = 400;
+/** Of more edges only those of the selected task are drawn one by one, with their labels. */
+const mostSingle = 150;
 
 /** A graph of tasks in their processes. It is laid out anew where its structure changes, not where values do. */
 export function Graph(props: Props) {
@@ -83,10 +97,24 @@ export function Graph(props: Props) {
   );
 }
 
+/** What is left of and above a box, with the boxes around it. */
+function cornerOf(id: string, boxes: Map<string, Box>, around: Map<string, string | undefined>): { x: number; y: number } | null {
+  let corner = { x: 0, y: 0 };
+  for (let at: string | undefined = id; at !== undefined; at = around.get(at)) {
+    const box = boxes.get(at);
+    if (!box) return null;
+    corner = { x: corner.x + box.x, y: corner.y + box.y };
+  }
+  return corner;
+}
+
 function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggle }: Props) {
-  const [boxes, setBoxes] = useState<Map<string, Box>>(new Map());
+  const [layout, setLayout] = useState<Layout>(noLayout);
+  const { boxes, routes } = layout;
   const flow = useReactFlow();
   const moved = useRef(false);
+  const reached = useRef<string | null>(null);
+  const kept = useRef({ nodes: new Keeper<Node>(), edges: new Keeper<Edge>() });
   const width = useStore((store) => store.width);
   const height = useStore((store) => store.height);
   const structure = JSON.stringify([
@@ -94,11 +122,14 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     nodes.map((node) => [node.id, node.group]),
     edges.map((edge) => edge.id),
   ]);
+  const around = useMemo(() => new Map([...groups, ...nodes].map((one) => [one.id, one.group])), [groups, nodes]);
+  const now = useRef({ groups, onSelect, onToggle, boxes, around });
+  now.current = { groups, onSelect, onToggle, boxes, around };
 
   useEffect(() => {
     let current = true;
-    void layOut({ roots: treeOf(groups, nodes, undefined), edges }).then((found) => {
-      if (current) setBoxes(found);
+    void layOut({ roots: treeOf(groups, nodes), edges }).then((found) => {
+      if (current) setLayout(found);
     });
     return () => {
       current = false;
@@ -107,75 +138,125 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [structure]);
 
+  // Where nobody has moved the graph, all of it stays in view, whatever opens beside it.
+  const fit = useCallback(() => {
+    if (!moved.current) void flow.fitView(fitting);
+  }, [flow]);
+
+  // What somebody opens or closes stays where it is; else all of a new graph is shown.
+  const toggled = useRef<{ id: string; corner: { x: number; y: number } } | null>(null);
   useEffect(() => {
-    const timer = setTimeout(() => void flow.fitView({ padding: 0.08, maxZoom: 1.15 }), 30);
-    return () => clearTimeout(timer);
+    const before = toggled.current;
+    toggled.current = null;
+    const corner = before && moved.current ? cornerOf(before.id, boxes, now.current.around) : null;
+    if (before && corner) {
+      const { x, y, zoom } = flow.getViewport();
+      void flow.setViewport({ x: x + (before.corner.x - corner.x) * zoom, y: y + (before.corner.y - corner.y) * zoom, zoom });
+      return;
+    }
+    if (target && reached.current !== target) return;
+    void flow.fitView(fitting);
+    // The target has an effect of its own.
+    // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [boxes, flow]);
 
-  // Where nobody has moved the graph, all of it stays in view, whatever opens beside it.
-  useEffect(() => {
-    if (!moved.current) void flow.fitView({ padding: 0.08, maxZoom: 1.15 });
-  }, [width, height, flow]);
+  useEffect(fit, [width, height, fit]);
 
   useEffect(() => {
-    if (target && boxes.has(target)) void flow.fitView({ nodes: [{ id: target }], duration: 250, maxZoom: flow.getZoom() });
+    if (!target) reached.current = null;
+    if (!target || reached.current === target) return;
+    const corner = cornerOf(target, boxes, now.current.around);
+    if (!corner) return;
+    reached.current = target;
+    moved.current = true;
+    const box = boxes.get(target);
+    const zoom = Math.max(flow.getZoom(), readable);
+    void flow.setCenter(corner.x + (box?.width ?? 0) / 2, corner.y + (box?.height ?? 0) / 2, { zoom, duration: 250 });
   }, [target, boxes, flow]);
 
   const flowNodes = useMemo<Node[]>(() => {
     const placed: Node[] = [];
+    const keeper = kept.current.nodes.begin();
     for (const group of groups) {
       const box = boxes.get(group.id);
-      if (!box) continue;
-      placed.push({
+      if (!box || (group.group !== undefined && !boxes.has(group.group))) continue;
+      placed.push(keeper.keep(group.id, [box, group.group, group.title, group.look, onToggle !== undefined], () => ({
         id: group.id, type: 'place', parentId: group.group, position: box, data: { title: group.title, look: group.look ?? '' }, selectable: false,
         focusable: onToggle !== undefined, draggable: false, ariaLabel: group.title,
-        ...geometry(box.width, box.height, [{ type: 'target' }]),
-      });
+        ...geometry(box.width, box.height, [{ type: 'target' }, { type: 'source' }]),
+      })));
     }
     for (const node of nodes) {
       const box = boxes.get(node.id);
       if (!box || (node.group !== undefined && !boxes.has(node.group))) continue;
-      placed.push({
-        id: node.id, type: 'task', zIndex: 2, parentId: node.group, position: box, draggable: false, selected: node.id === selected,
-        data: { title: node.title, detail: node.detail, look: node.look }, ariaLabel: node.title + ', ' + node.detail,
+      const chosen = node.id === selected;
+      placed.push(keeper.keep(node.id, [box, node.group, node.title, node.detail, node.look, chosen, node.folded], () => ({
+        id: node.id, type: 'task', zIndex: 2, parentId: node.group, position: box, draggable: false, selected: chosen,
+        data: { title: node.title, detail: node.detail, look: node.look, folded: node.folded }, ariaLabel: node.title + ', ' + node.detail,
         ...geometry(nodeWidth, nodeHeight, [{ type: 'target' }, { type: 'source' }]),
-      });
+      })));
     }
+    keeper.end();
     return placed;
   }, [boxes, groups, nodes, selected, onToggle]);
 
-  const flowEdges = useMemo<Edge[]>(
-    () =>
-      edges.map((edge) => ({
-        id: edge.id, source: edge.source, target: edge.target, label: edge.label, zIndex: -1, interactionWidth: 0, className: 'edge ' + edge.look,
-        markerEnd: { type: MarkerType.ArrowClosed, width: 16, height: 16 }, focusable: false,
-        ariaLabel: edge.source + ' to ' + edge.target,
-      })),
-    [edges],
+  const bulk = edges.length > mostSingle;
+  const flowEdges = useMemo<Edge[]>(() => {
+    const keeper = kept.current.edges.begin();
+    const single = bulk ? edges.filter((edge) => edge.source === selected || edge.target === selected) : edges;
+    const drawn = single.map((edge) => {
+      const route = routes.get(edge.id);
+      return keeper.keep(edge.id, [route, edge.label, edge.look], () => ({
+        id: edge.id, type: 'routed', data: { route }, source: edge.source, target: edge.target, label: edge.label, zIndex: -1, interactionWidth: 0,
+        className: 'edge ' + edge.look, markerEnd: marker, focusable: false, ariaLabel: edge.source + ' to ' + edge.target,
+      }));
+    });
+    keeper.end();
+    return drawn;
+  }, [edges, routes, bulk, bulk ? selected : null]);
+
+  // The same functions as long as the graph is shown: others would draw each task anew.
+  const act = useCallback((id: string, toggles: boolean) => {
+    if (!toggles) return now.current.onSelect?.(id);
+    const corner = cornerOf(id, now.current.boxes, now.current.around);
+    toggled.current = corner && { id, corner };
+    now.current.onToggle?.(id);
+  }, []);
+  const click = useCallback((_: unknown, node: Node) => act(node.id, node.type !== 'task' || node.data['folded'] === true), [act]);
+  const leave = useCallback(() => now.current.onSelect?.(null), []);
+  const press = useCallback(
+    (event: KeyboardEvent) => {
+      const id = (event.target as HTMLElement).dataset['id'];
+      const node = id === undefined ? undefined : flow.getNode(id);
+      if (event.key === 'Enter' && node) click(event, node);
+    },
+    [click, flow],
   );
+  // While it moves the drawing is one picture; it is drawn anew, and sharp, where it comes to rest.
+  const frame = useRef<HTMLDivElement>(null);
+  const move = useCallback((event: unknown) => {
+    if (event) moved.current = true;
+    frame.current?.classList.add('moves');
+  }, []);
+  const rest = useCallback(() => frame.current?.classList.remove('moves'), []);
 
   return (
-    <div className="graph" role="region" aria-label={label}>
+    <div ref={frame} className="graph" role="region" aria-label={label}>
       <ReactFlow
         nodes={flowNodes}
         edges={flowEdges}
         nodeTypes={nodeTypes}
-        onNodeClick={(_, node) => (node.type === 'task' ? onSelect?.(node.id) : onToggle?.(node.id))}
-        onPaneClick={() => onSelect?.(null)}
-        onKeyDown={(event) => {
-          const id = (event.target as HTMLElement).dataset['id'];
-          if (event.key !== 'Enter' || !id || !boxes.has(id)) return;
-          if (groups.some((group) => group.id === id)) onToggle?.(id);
-          else onSelect?.(id);
-        }}
-        onMoveStart={(event) => {
-          if (event) moved.current = true;
-        }}
+        edgeTypes={edgeTypes}
+        onNodeClick={click}
+        onPaneClick={leave}
+        onKeyDown={press}
+        onMoveStart={move}
+        onMoveEnd={rest}
         nodesConnectable={false}
-        minZoom={0.1}
-        onlyRenderVisibleElements={nodes.length > 200}
-        proOptions={{ hideAttribution: false }}
+        minZoom={0.05}
+        onlyRenderVisibleElements={nodes.length > mostDrawn}
       >
+        {bulk && <BulkEdges edges={edges} routes={routes} />}
         <Background gap={22} size={1} />
         <Controls showInteractive={false} />
       </ReactFlow>
