@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useRef, useState } from 'react';
 import type { ConnectionStatus, Status } from '../robot/types';
-import { edgesOf, groupsOf, matching, rateOf, toneOf } from './graph';
 import { Graph } from './Graph';
+import { matching, rateOf } from './graph';
+import { bundlesOf, edgesOf, foldedAround, mostOpen, pictureOf, sameStructure, structureOf, type Structure } from './places';
 import { TaskPanel } from './TaskPanel';
 
 /** Samples per second of each connection, between the last two statuses. */
@@ -25,12 +26,30 @@ function useRates(status: Status): Map<string, number> {
   return rates;
 }
 
-function edgeLabel(status: Status, rates: Map<string, number>, keys: string[]): string {
-  const rate = keys.reduce((sum, key) => sum + (rates.get(key) ?? 0), 0);
-  const dropped = keys.reduce((sum, key) => sum + (status.connections[key]?.dropped ?? 0), 0);
-  return [rate > 0 ? (rate < 10 ? rate.toFixed(1) : rate.toFixed(0)) + '/s' : '', dropped > 0 ? dropped + ' dropped' : '']
-    .filter((part) => part !== '')
-    .join(', ');
+/** The same object as long as nothing comes or goes. */
+function useStructure(status: Status): Structure {
+  const last = useRef<{ status: Status; structure: Structure } | null>(null);
+  if (!last.current || !sameStructure(last.current.status, status)) last.current = { status, structure: structureOf(status) };
+  return last.current.structure;
+}
+
+/** Which places are folded: in large networks all but those that somebody has opened, in others those that somebody has closed. */
+function useFolding(structure: Structure) {
+  const [toggled, setToggled] = useState<ReadonlyMap<string, boolean>>(new Map());
+  const large = structure.placeOf.size > mostOpen;
+  const isFolded = useMemo(() => (place: string) => toggled.get(place) ?? large, [toggled, large]);
+  const set = (folded: boolean, places: string[]) => setToggled(new Map([...toggled, ...places.map((place): [string, boolean] => [place, folded])]));
+  return {
+    isFolded,
+    toggle: (place: string) => set(!isFolded(place), [place]),
+    setAll: (folded: boolean) => set(folded, structure.places.map((place) => place.id)),
+    /** So that a task can be seen. */
+    reveal: (task: string) => {
+      if (!foldedAround(structure, task, isFolded)) return;
+      const place = structure.placeOf.get(task);
+      set(false, [place?.id, place?.inside].filter((id) => id !== undefined));
+    },
+  };
 }
 
 export function NetworkView({ status }: { status: Status }) {
@@ -39,28 +58,24 @@ export function NetworkView({ status }: { status: Status }) {
   const [words, setWords] = useState('');
   const rates = useRates(status);
   const found = useMemo(() => (words.trim() === '' ? null : new Set(matching(status, words))), [status, words]);
-  const groups = useMemo(() => groupsOf(status), [status]);
+  const structure = useStructure(status);
+  const total = structure.placeOf.size;
+  const folding = useFolding(structure);
+  const { isFolded } = folding;
+  const bundles = useMemo(() => bundlesOf(structure, isFolded), [structure, isFolded]);
+  const { groups, nodes } = useMemo(() => pictureOf(status, structure, isFolded, found), [status, structure, isFolded, found]);
+  const edges = useMemo(() => edgesOf(status, rates, bundles), [status, rates, bundles]);
+  const jump = (task: string) => {
+    folding.reveal(task);
+    setSelected(task);
+    setTarget(task);
+  };
 
   useEffect(() => {
     const close = (event: KeyboardEvent) => event.key === 'Escape' && setSelected(null);
     window.addEventListener('keydown', close);
     return () => window.removeEventListener('keydown', close);
   }, []);
-
-  const nodes = groups.flatMap((group) =>
-    group.tasks.map((task) => ({
-      id: task.id,
-      group: group.id,
-      title: task.id,
-      detail: task.state_name || task.state,
-      look: 'tone-' + toneOf(task.state) + (found && !found.has(task.id) ? ' faint' : ''),
-    })),
-  );
-  const edges = edgesOf(status).map((edge) => ({
-    ...edge,
-    label: edgeLabel(status, rates, edge.connections),
-    look: edge.connections.some((key) => (status.connections[key]?.dropped ?? 0) > 0) ? 'warns' : '',
-  }));
 
   return (
     <div className="view split">
@@ -76,20 +91,26 @@ export function NetworkView({ status }: { status: Status }) {
               onChange={(event) => setWords(event.target.value)}
               onKeyDown={(event) => {
                 const first = matching(status, words)[0];
-                if (event.key === 'Enter' && first) [setSelected(first), setTarget(first)];
+                if (event.key === 'Enter' && first) jump(first);
               }}
             />
           </label>
           <span className="quiet">
             {found ? found.size + ' of ' : ''}
-            {nodes.length} tasks, {Object.keys(status.connections).length} connections
+            {total} tasks, {structure.wires.length} connections
           </span>
+          {structure.places.length > 1 && (
+            <>
+              <button type="button" className="small" onClick={() => folding.setAll(true)}>fold all</button>
+              <button type="button" className="small" onClick={() => folding.setAll(false)}>unfold all</button>
+            </>
+          )}
           {status.differences.length > 0 && <span className="badge warn">{status.differences.length} differences</span>}
         </div>
-        {nodes.length === 0 ? (
+        {total === 0 ? (
           <p className="empty">No task is running. Choose a controller in Switch.</p>
         ) : (
-          <Graph label="Graph of tasks" groups={groups} nodes={nodes} edges={edges} selected={selected} target={target} onSelect={setSelected} />
+          <Graph label="Graph of tasks" groups={groups} nodes={nodes} edges={edges} selected={selected} target={target} onSelect={setSelected} onToggle={folding.toggle} />
         )}
       </section>
       {selected && <TaskPanel key={selected} id={selected} status={status} onClose={() => setSelected(null)} />}

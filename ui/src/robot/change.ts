@@ -15,11 +15,16 @@ export function isMap(value: Json | undefined): value is JsonMap {
   return typeof value === 'object' && value !== null && !Array.isArray(value);
 }
 
+function put(map: JsonMap, key: string, entry: Json): void {
+  if (key === '__proto__') Object.defineProperty(map, key, { value: entry, enumerable: true, configurable: true, writable: true });
+  else map[key] = entry;
+}
+
 /** The map after the change; the parts that stay are shared with the map before, which is not touched. */
 export function applyChange(value: Json, change: Change): JsonMap {
-  const changed = new Map<string, Json>(isMap(value) ? Object.entries(value) : []);
-  for (const key of change.remove ?? []) changed.delete(key);
-  for (const [key, inner] of Object.entries(change.in ?? {})) changed.set(key, applyChange(changed.get(key) ?? {}, inner));
-  for (const [key, entry] of Object.entries(change.set ?? {})) changed.set(key, entry);
-  return Object.fromEntries(changed);
+  const changed: JsonMap = isMap(value) ? { ...value } : {};
+  for (const key of change.remove ?? []) delete changed[key];
+  for (const [key, inner] of Object.entries(change.in ?? {})) put(changed, key, applyChange(changed[key] ?? {}, inner));
+  for (const [key, entry] of Object.entries(change.set ?? {})) put(changed, key, entry);
+  return changed;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { edgesOf, placeOf } from '../network/graph';
+import { placeOf } from '../network/graph';
 import { taskOf, type Action, type RobotEvent, type Status, type Transition } from '../robot/types';
 
 export type Fate = 'stays' | 'goes' | 'comes' | 'changes';
@@ -23,8 +23,10 @@ export function differenceOf(status: Status, transition: Transition): Difference
   }
 
   const edges = new Map<string, Difference['edges'][number]>();
-  for (const edge of edgesOf(status)) {
-    edges.set(edge.id, { id: edge.id, source: edge.source, target: edge.target, fate: 'stays' });
+  for (const connection of Object.values(status.connections)) {
+    const [source, target] = [taskOf(connection.from), taskOf(connection.to)];
+    const id = source + ' -> ' + target;
+    edges.set(id, { id, source, target, fate: 'stays' });
   }
   const ends = (action: Action) => [taskOf(action.from ?? ''), taskOf(action.to ?? '')] as const;
   for (const action of transition.actions) {

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// The view Network of a real robot with several processes in a real browser. Status 77: there is no browser.
+//   node network.mjs SEGUE SCREENSHOT_FOLDER
+import { writeFileSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import assert from 'node:assert/strict';
+import { Stage } from './stage.mjs';
+
+const [segue, pictures] = process.argv.slice(2);
+const stage = new Stage(segue, pictures);
+
+/** The robot of `segue init`, with the sensors in one process and the drive in another. */
+function makeRobot() {
+  stage.run(['init', 'rover']);
+  const file = join(stage.folder, 'rover/controllers/go_to.yaml');
+  const deployments = 'deployments:\n  sensors: {tasks: [laser, odometry]}\n  base: {tasks: [drive]}\n';
+  writeFileSync(file, readFileSync(file, 'utf8').trimEnd() + '\n' + deployments);
+}
+
+async function holds(what, message) {
+  const end = Date.now() + 30000;
+  while (!(await what())) {
+    assert.ok(Date.now() < end, message);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
+/** Boxes that an edge crosses although it belongs to none of their tasks, as the page draws both. */
+function crossings(page) {
+  return page.evaluate(() => {
+    const boxes = [...document.querySelectorAll('.react-flow__node')]
+      .filter((node) => node.querySelector('.task-box'))
+      .map((node) => ({ id: node.dataset.id, box: node.getBoundingClientRect() }));
+    const found = [];
+    for (const edge of document.querySelectorAll('.react-flow__edge')) {
+      const path = edge.querySelector('path');
+      const matrix = path.getScreenCTM();
+      const length = path.getTotalLength();
+      const margin = 3 * matrix.a; // an arrow ends at its task
+      for (let at = 0; at <= 200; ++at) {
+        const { x, y } = path.getPointAtLength((length * at) / 200).matrixTransform(matrix);
+        for (const { id, box } of boxes) {
+          const inside = x > box.left + margin && x < box.right - margin && y > box.top + margin && y < box.bottom - margin;
+          if (inside && !found.includes(edge.dataset.id + ' over ' + id)) found.push(edge.dataset.id + ' over ' + id);
+        }
+      }
+    }
+    return { found, edges: document.querySelectorAll('.react-flow__edge path').length };
+  });
+}
+
+async function withoutCrossings(page, name) {
+  await page.locator('.react-flow__edge').first().waitFor({ state: 'attached' });
+  const { found, edges } = await crossings(page);
+  assert.ok(edges > 0, name);
+  assert.deepEqual(found, [], name);
+}
+
+const node = (page, id) => page.locator(`.react-flow__node[data-id="${id}"]`);
+
+/** Edges go around tasks, also those that run backwards. */
+async function seeRoutes(page) {
+  await page.getByText('5 tasks, 6 connections').waitFor();
+  await node(page, 'seeker').waitFor();
+  await withoutCrossings(page, 'network');
+  await page.getByRole('link', { name: 'Switch' }).click();
+  await page.getByRole('button', { name: 'manual', exact: true }).click();
+  await node(page, 'joystick').waitFor();
+  await withoutCrossings(page, 'switch');
+  await page.getByRole('link', { name: 'Edit' }).click();
+  await page.getByRole('button', { name: 'controllers/go_to.yaml' }).click();
+  await node(page, 'seeker').waitFor();
+  await withoutCrossings(page, 'edit');
+  await page.getByRole('link', { name: 'Network' }).click();
+}
+
+/** Processes fold and unfold by mouse and keyboard, and a search opens what it jumps to. */
+async function fold(page) {
+  const [host, sensors, base] = ['host:localhost', 'group:localhost / sensors', 'group:localhost / base'];
+  await node(page, sensors).focus();
+  await page.keyboard.press('Enter');
+  await node(page, sensors).getByText('2 tasks').waitFor();
+  await node(page, 'laser').waitFor({ state: 'detached' });
+  await withoutCrossings(page, 'folded');
+  await page.getByRole('button', { name: 'fold all', exact: true }).click();
+  await node(page, host).getByText('3 tasks').waitFor();
+  await node(page, 'seeker').waitFor({ state: 'detached' });
+  await page.locator('.react-flow__edge', { hasText: '2 connections' }).waitFor({ state: 'attached' });
+  await stage.look(page, 'network_folded');
+  await page.getByPlaceholder('Find tasks').fill('laser');
+  await page.getByPlaceholder('Find tasks').press('Enter');
+  await node(page, 'laser').waitFor();
+  await page.getByRole('complementary', { name: 'Task laser' }).waitFor();
+  await node(page, base).getByText('1 task').waitFor(); // stays folded
+  await page.keyboard.press('Escape');
+  await page.getByRole('button', { name: 'unfold all' }).click();
+  await node(page, 'drive').waitFor();
+  await page.getByPlaceholder('Find tasks').fill('');
+}
+
+let failed = true;
+try {
+  makeRobot();
+  await stage.start(['run', 'rover/robot.yaml', '--controller', 'go_to'], /robot rover runs/);
+  const page = await stage.openPage();
+  await page.goto(stage.studio.found);
+  await seeRoutes(page);
+  await fold(page);
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await stage.look(page, 'network_dark');
+  assert.deepEqual(stage.problems, []);
+  failed = false;
+  console.log('passed; screenshots are in ' + pictures);
+} finally {
+  await stage.close(failed);
+}

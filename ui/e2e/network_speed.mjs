@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures how fast the page draws a large network in Chromium, of a made-up robot whose values change twice a second; prints
+// figures, judges nothing.
+//   node network_speed.mjs PAGE_FOLDER [TASKS [CONNECTIONS]]
+import { createHash } from 'node:crypto';
+import { existsSync, readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { loadavg } from 'node:os';
+import { extname, join, normalize } from 'node:path';
+import { chromium } from 'playwright-core';
+
+const [folder, taskCount = '1000', connectionCount = '5000'] = process.argv.slice(2);
+const counts = { tasks: Number(taskCount), connections: Number(connectionCount) };
+const frames = 120;
+const [hosts, processesOfHost] = [10, 5];
+const types = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
+
+/** Tasks in the processes of ten hosts; 70 % of the connections stay in a process, 20 % in a host. */
+function largeStatus() {
+  const tasks = {};
+  const connections = {};
+  const places = hosts * processesOfHost;
+  const perPlace = Math.ceil(counts.tasks / places);
+  for (let i = 0; i < counts.tasks; ++i) {
+    const place = Math.floor(i / perPlace);
+    tasks['task_' + i] = {
+      id: 'task_' + i, component: 'large::Task', state: 'running', state_name: 'running', host: 'host_' + Math.floor(place / processesOfHost), process: 'process_' + place,
+      pid: 100 + place, cycle_us: 1, worst_us: 1, cycles: 1, missed: 0, error: '',
+    };
+  }
+  let seed = 1;
+  const random = (below) => ((seed = (seed * 48271) % 2147483647), seed % below);
+  for (let i = 0; i < counts.connections; ++i) {
+    const source = random(counts.tasks);
+    const near = random(10);
+    const span = near < 7 ? perPlace : near < 9 ? perPlace * processesOfHost : counts.tasks;
+    const target = Math.min(counts.tasks - 1, Math.floor(source / span) * span + random(span));
+    const [from, to] = ['task_' + source + '.out', 'task_' + target + '.in_' + i];
+    connections[from + ' ' + to] = { from, to, policy: 'data', size: 1, written: 0, read: 0, dropped: 0 };
+  }
+  return {
+    robot: 'large', controller: 'all', state: 'idle', commanded_by: null, controllers: ['all'], ready: [], tasks, connections, differences: [], uptime_s: 1,
+  };
+}
+
+const status = largeStatus();
+const changes = (step) => ({
+  set: { uptime_s: 1 + step / 2 },
+  in: {
+    tasks: { in: Object.fromEntries(Object.keys(status.tasks).map((id, i) => [id, { set: { cycles: step * 50, cycle_us: 1 + ((i + step) % 7) } }])) },
+    connections: { in: Object.fromEntries(Object.keys(status.connections).map((key) => [key, { set: { written: step * 50, read: step * 50 } }])) },
+  },
+});
+
+/** A text frame of a WebSocket (RFC 6455, 5.2). */
+function frame(text) {
+  const body = Buffer.from(text);
+  const head = Buffer.alloc(body.length < 126 ? 2 : body.length < 65536 ? 4 : 10);
+  head[0] = 0x81;
+  head[1] = body.length < 126 ? body.length : body.length < 65536 ? 126 : 127;
+  if (head.length === 4) head.writeUInt16BE(body.length, 2);
+  if (head.length === 10) head.writeBigUInt64BE(BigInt(body.length), 2);
+  return Buffer.concat([head, body]);
+}
+
+let size = 0;
+const server = createServer((request, response) => {
+  const path = join(folder, normalize(request.url === '/' ? 'index.html' : request.url.split('?')[0]));
+  if (!existsSync(path)) return response.writeHead(404).end();
+  response.writeHead(200, { 'Content-Type': types[extname(path)] ?? 'application/octet-stream' }).end(readFileSync(path));
+});
+server.on('upgrade', (request, socket) => {
+  const accept = createHash('sha1').update(request.headers['sec-websocket-key'] + '258EAFA5-E914-47DA-95CA-C5AB0DC85B11').digest('base64');
+  socket.write('HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ' + accept + '\r\n\r\n');
+  const send = (message) => socket.writable && socket.write(frame(JSON.stringify(message)));
+  send({ role: 'observe', robot: 'large' });
+  let version = 1;
+  send({ document: 'status', version, value: status });
+  const timer = setInterval(() => {
+    const message = { document: 'status', version: ++version, change: changes(version) };
+    size = JSON.stringify(message).length;
+    send(message);
+  }, 500);
+  socket.on('data', () => {}); // what the page looks at is known
+  socket.on('error', () => {});
+  socket.on('close', () => clearInterval(timer));
+});
+await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+
+/** Drags or turns the wheel once in each frame and looks how far apart frames are. */
+function act({ howOften, zoom }) {
+  return new Promise((resolve) => {
+    const pane = document.querySelector('.graph .react-flow__pane');
+    const box = pane.getBoundingClientRect();
+    const middle = { x: box.left + box.width / 2, y: box.top + box.height / 2 };
+    const times = [];
+    const mouse = (type, target, offset) =>
+      target.dispatchEvent(new MouseEvent(type, { bubbles: true, cancelable: true, view: window, button: 0, buttons: 1, clientX: middle.x + offset, clientY: middle.y + offset / 3 }));
+    if (!zoom) mouse('mousedown', pane, 0);
+    const step = (time) => {
+      times.push(time);
+      const there = times.length % 40 < 20 ? times.length % 20 : 20 - (times.length % 20);
+      if (times.length > howOften) {
+        if (!zoom) mouse('mouseup', window, 0);
+        return resolve(times.slice(1).map((at, i) => at - times[i]));
+      }
+      if (zoom) pane.dispatchEvent(new WheelEvent('wheel', { bubbles: true, cancelable: true, view: window, clientX: middle.x, clientY: middle.y, deltaY: times.length % 40 < 20 ? -30 : 30 }));
+      else mouse('mousemove', window, there * 12);
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  });
+}
+
+let browser = null;
+try {
+  const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
+  browser = await chromium.launch({ executablePath, headless: true, args: ['--no-sandbox', '--disable-gpu'] });
+  const page = await browser.newPage({ viewport: { width: 1360, height: 820 } });
+  page.on('pageerror', (error) => console.error(String(error)));
+  const report = (name, intervals) => {
+    const sorted = [...intervals].sort((a, b) => a - b);
+    const sum = intervals.reduce((total, one) => total + one, 0);
+    console.log(`${name}: ${((1000 * intervals.length) / sum).toFixed(1)} frames/s, 95 % within ${sorted[Math.floor(sorted.length * 0.95)].toFixed(1)} ms, longest ${sorted[sorted.length - 1].toFixed(1)} ms`);
+  };
+  const shape = async (name) => {
+    const drawn = await page.evaluate(() => ['.react-flow__node', '.react-flow__edge'].map((one) => document.querySelectorAll(one).length));
+    console.log(`${name}: ${drawn[0]} boxes and ${drawn[1]} edges in the page`);
+  };
+  const measure = async (name) => {
+    await shape(name);
+    report(name + ', pan', await page.evaluate(act, { howOften: frames, zoom: false }));
+    report(name + ', zoom', await page.evaluate(act, { howOften: frames, zoom: true }));
+  };
+  console.log(`${counts.tasks} tasks and ${counts.connections} connections, ${browser.version()}, load ${loadavg()[0].toFixed(1)}`);
+  await page.addInitScript(() => {
+    window.firstDrawing = new Promise((resolve) => {
+      const look = () => {
+        if (document.querySelector('.react-flow__node')) requestAnimationFrame(() => requestAnimationFrame(resolve));
+        else requestAnimationFrame(look);
+      };
+      look();
+    });
+  });
+  await page.goto('http://127.0.0.1:' + server.address().port + '/#network', { timeout: 120000 });
+  console.log(`first drawing after the page was asked for: ${(await page.evaluate(() => window.firstDrawing)).toFixed(0)} ms`);
+  await measure('all folded');
+
+  // Two hundred tasks: two hosts, opened from the keyboard, and their processes.
+  const boxes = page.locator('.react-flow__node-task');
+  for (const host of ['host_0', 'host_1']) {
+    const opening = [host, ...Array.from({ length: processesOfHost }, (_, i) => host.replace('host_', '') * processesOfHost + i).map((place) => host + ' / process_' + place)];
+    for (const title of opening) {
+      await page.getByRole('button', { name: 'Fit View' }).click();
+      const begin = performance.now();
+      const id = title.includes('/') ? 'group:' + title : 'host:' + title;
+      await page.locator(`.react-flow__node[data-id="${id}"]`).press('Enter');
+      await page.locator(`.react-flow__node-place[data-id="${id}"]`).waitFor({ state: 'attached', timeout: 120000 });
+      if (title === opening[0] || title === opening.at(-1)) console.log(`${title} opened after ${(performance.now() - begin).toFixed(0)} ms, ${await boxes.count()} boxes of tasks and folded places`);
+    }
+  }
+  await page.getByRole('button', { name: 'Fit View' }).click();
+  await measure('200 tasks unfolded');
+  await page.getByPlaceholder('Find tasks').fill('task_' + (counts.tasks - 1));
+  const begin = performance.now();
+  await page.getByPlaceholder('Find tasks').press('Enter');
+  await page.locator(`.react-flow__node[data-id="task_${counts.tasks - 1}"]`).waitFor({ timeout: 120000 });
+  console.log(`jump to a task in a folded host: ${(performance.now() - begin).toFixed(0)} ms`);
+  console.log(`each change of all values: ${(size / 1000).toFixed(0)} kB`);
+} finally {
+  await browser?.close();
+  server.closeAllConnections();
+  server.close();
+}
