@@ -14,6 +14,7 @@
 
 #include "connection.hpp"
 #include "report_text.hpp"
+#include "stop_signal.hpp"
 
 namespace segue::cli {
 
@@ -74,6 +75,48 @@ class SwitchWatcher {
   Progress progress_;
   std::atomic<bool> ended_{false};
   std::thread thread_;
+};
+
+/// Ctrl-C cancels the request that is waited for; a second one ends this program, and the robot goes on.
+class CancelOnSignal {
+ public:
+  CancelOnSignal(StopSignal& signal, const Context& context) : stop_(signal.token(), Act{this}) {
+    auto socket = control::socket_path(context.robot);
+    socket_ = socket ? *socket : std::filesystem::path();
+  }
+  ~CancelOnSignal() {
+    if (thread_.joinable()) thread_.join();
+  }
+  CancelOnSignal(const CancelOnSignal&) = delete;
+  CancelOnSignal& operator=(const CancelOnSignal&) = delete;
+
+ private:
+  struct Act {
+    CancelOnSignal* self;
+    void operator()() const {
+      self->thread_ = std::thread([self = self] { self->cancel(); });
+    }
+  };
+
+  void cancel() {
+    const std::string me = sender("switch");
+    const auto robot = control::connect(socket_);
+    const auto status = robot ? (*robot)->status() : Result<Value>(robot.error());
+    if (!status) return print_note("cannot cancel: " + status.error().message);
+    for (const Value& request : list_at(*status, "requests")) {
+      if (!text_at(request, "who").ends_with(me)) continue;
+      print_note("cancelling; once more: leave it to the robot");
+      const auto number = static_cast<std::uint64_t>(number_at(request, "request"));
+      const auto answer = (*robot)->cancel(number, me, deadline_in(std::chrono::minutes(1)));
+      if (!answer) print_note("not cancelled: " + answer.error().message);
+      return;
+    }
+    print_note("not cancelled: the robot has no such request in progress");
+  }
+
+  std::filesystem::path socket_;
+  std::thread thread_;
+  std::stop_callback<Act> stop_;
 };
 
 int show_plan(const Value& transition, const Context& context) {
@@ -142,9 +185,12 @@ Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptio
                                  : robot.switch_to_network(*text, file, asked, deadline);
 }
 
-int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options, const Context& context) {
+int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options, StopSignal* signal,
+                 const Context& context) {
   Result<Value> answer;
   {
+    std::optional<CancelOnSignal> canceller;
+    if (signal != nullptr) canceller.emplace(*signal, context);
     const SwitchWatcher watcher(context);
     answer = request_switch(robot, options);
   }
@@ -168,10 +214,15 @@ void add_switch(Verb& app, Context& context) {
       "  segue switch drive+arm            # two controllers at once\n"
       "  segue switch drive --set planner.speed=0.4   # a variant of it\n"
       "  segue switch --network try.yaml   # a network that is none of the robot's controllers\n"
-      "  segue switch --transition t.yaml  # execute a transition file",
+      "  segue switch --transition t.yaml  # execute a transition file\n\n"
+      "Ctrl-C cancels the request (see `segue cancel`); a second one ends the command and leaves the request "
+      "to\nthe robot.",
       [options, &context] {
-        return with_robot(
-            context, [&](control::RobotService& robot) { return switch_robot(robot, *options, context); });
+        std::optional<StopSignal> signal;  // before any other thread
+        if (options->wait && !options->dry_run && options->transition.empty()) signal.emplace();
+        return with_robot(context, [&](control::RobotService& robot) {
+          return switch_robot(robot, *options, signal ? &*signal : nullptr, context);
+        });
       });
   const Option name =
       verb.option("NAME", options->controller,

@@ -200,6 +200,15 @@ TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
     ASSERT_TRUE(robot->lease("the next")) << "the last has ended when its destructor returns";
 }
 
+TEST_F(ControlTest, CarriesWhatIsCancelledAndByWhom) {
+  serve();
+  const auto answer = client()->cancel(12, "ann", soon());
+  ASSERT_TRUE(answer) << to_string(answer.error());
+  EXPECT_EQ(*answer->find("request"), Value(12));
+  EXPECT_EQ(*answer->find("who"), Value("ann"));
+  EXPECT_GT(answer->find("left_s")->as_double(), 1.0);
+}
+
 TEST_F(ControlTest, AMissionIsShown) {
   serve();
   EXPECT_EQ(client()->mission(12, true).value(), Value::map({{"after", 12}, {"with_plan", true}}));

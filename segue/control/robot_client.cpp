@@ -240,6 +240,18 @@ class Client final : public RobotService {
         }));
   }
 
+  Result<Value> cancel(std::uint64_t number, std::string_view who, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return channel_->ask(left + kGrace,
+                         [left, number, who = std::string(who)](RpcChannel::Connection& connection) {
+                           auto request = connection.as<wire::Robot>().cancelRequest();
+                           request.setRequest(number);
+                           request.setWho(as_text(who));
+                           request.setTimeout(left.count());
+                           return RpcChannel::send(request);
+                         });
+  }
+
   Result<Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
     const Duration left = time_left(deadline);
     return channel_->ask(left + kGrace, [left, controllers](RpcChannel::Connection& connection) {

@@ -63,8 +63,10 @@ class RobotService {
   virtual ~RobotService() = default;
 
   /// {"robot", "file" (the robot file; null: none), "controller", "version", "loaded_version",
-  /// "changed_files", "state", "controllers", "pools", "pid", "uptime_s", "tasks", "connections",
-  /// "differences", "commanded_by", "doing"}
+  /// "changed_files", "state", "controllers", "requests" (that have not ended: {"request", "to", "who",
+  /// "state"
+  /// ("waiting", "planning", "prepare", "commit", "retire", "undo"), "cancelled_by"}), "pools", "pid",
+  /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "doing"}
   virtual Result<type::Value> status() = 0;
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing"}
   virtual Result<type::Value> task(std::string_view id) = 0;
@@ -113,6 +115,11 @@ class RobotService {
   /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; it may take its time. NotFound
   /// where nobody does.
   virtual Result<void> ask_holder(std::string_view what) = 0;
+  /// Cancels a request ("requests" of status(); 0: the newest): one that waits ends, the transition of
+  /// another one is undone if it is not past its point of commit. Answers the JSON of `switch` of the request
+  /// when that is done. NotFound where no such request is open, InvalidState where it goes on. `who` for the
+  /// journal.
+  virtual Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) = 0;
   /// Applies a given transition (the text of a transition file, `file` for messages).
   virtual Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                                TimePoint deadline) = 0;

@@ -73,8 +73,8 @@ struct TransitionEntry {
   std::string to_version{};
   std::string runs_version{};
   std::string order;
-  std::string outcome;  ///< "done", "superseded", "refused", "failed" ...
-  std::string undone;   ///< if it failed: "restored", "fell back to 'safe'" ...
+  std::string outcome;  ///< "done", "superseded", "refused", "failed", "cancelled" ...
+  std::string undone;   ///< if it failed or was cancelled: "restored", "fell back to 'safe'" ...
   std::string error;
   Duration solve{0};
   Duration total{0};
@@ -83,6 +83,7 @@ struct TransitionEntry {
   Duration retire{0};
   std::optional<Prediction> predicted;
   std::optional<PreparedAhead> ahead{};  ///< nothing: it found no tasks prepared
+  std::string cancelled_by{};            ///< outcome "cancelled"
   std::vector<ActionEntry> actions;
 
   friend bool operator==(const TransitionEntry&, const TransitionEntry&) = default;

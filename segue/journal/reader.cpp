@@ -71,6 +71,7 @@ TransitionEntry transition_in(const Statement& row) {
   entry.runs_version = row.text(25);
   if (row.integer(26) > 0 && row.integer(27) >= 0)
     entry.ahead = PreparedAhead{static_cast<std::size_t>(row.integer(26)), duration_in(row, 27)};
+  entry.cancelled_by = row.text(28);
   return entry;
 }
 
@@ -207,7 +208,7 @@ Result<std::vector<TransitionEntry>> JournalReader::transitions(std::size_t limi
         self.database,
         R"(SELECT id, request, time, cause, who, source, target, runs, "order", outcome, undone, error, solve, total,
            prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high,
-           source_version, target_version, runs_version, ready_tasks, unprepared FROM "transition")",
+           source_version, target_version, runs_version, ready_tasks, unprepared, cancelled_by FROM "transition")",
         limit, [&](const Statement& row) {
           ids.push_back(row.integer(0));
           return transition_in(row);

@@ -139,6 +139,26 @@ TEST(JournalReader, AFileWithoutWhatWasPreparedAheadIsBroughtUpToDate) {
   EXPECT_EQ(later.ahead->saved(1s), 0ms);
 }
 
+TEST(JournalReader, AFileWithoutWhoCancelledIsBroughtUpToDate) {
+  const Folder folder;
+  leave_older_file(
+      folder / "j", 4,
+      R"(INSERT INTO "transition" VALUES (1, 7, 0, '', '', 'a', 'b', 'b', '', 'done', '', '', 0, 0,
+                      0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, '', '', '', NULL, NULL))");
+  TransitionEntry later = transition(8);
+  later.outcome = "cancelled";
+  later.undone = "restored";
+  later.cancelled_by = "ann";
+  {
+    Journal journal(folder / "j");
+    journal.add(later);
+  }
+  const auto entries = all_of(folder / "j");
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(entries[0].cancelled_by, "");
+  EXPECT_EQ(entries[1], later);
+}
+
 TEST(JournalReader, RefusesOtherFiles) {
   const Folder folder;
   std::ofstream(folder / "text") << "this is no database, though it is long enough to be looked at: "

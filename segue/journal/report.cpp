@@ -67,6 +67,7 @@ Value to_value(const TransitionEntry& entry) {
   if (entry.predicted) map.set("predicted_s", to_value(*entry.predicted));
   if (entry.ahead) map.set("ahead", to_value(*entry.ahead, entry.prepare));
   if (!entry.undone.empty()) map.set("undone", entry.undone);
+  if (!entry.cancelled_by.empty()) map.set("cancelled_by", entry.cancelled_by);
   if (!entry.error.empty()) map.set("error", entry.error);
   Value::List actions;
   for (const ActionEntry& action : entry.actions)

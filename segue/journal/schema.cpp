@@ -55,7 +55,11 @@ ALTER TABLE "transition" ADD COLUMN ready_tasks INTEGER;
 ALTER TABLE "transition" ADD COLUMN unprepared INTEGER;
 )";
 
-constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead};
+constexpr std::string_view kCancelled = R"(
+ALTER TABLE "transition" ADD COLUMN cancelled_by TEXT NOT NULL DEFAULT '';
+)";
+
+constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead, kCancelled};
 
 Error not_ours() {
   return fail(ErrorCode::InvalidArgument, "it is a database of another program, not a journal of Segue");

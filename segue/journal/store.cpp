@@ -93,8 +93,8 @@ Result<void> write_head(Database& database, const TransitionEntry& entry) {
   auto row = database.prepare(
       R"(INSERT INTO "transition" (request, time, cause, who, source, target, runs, "order", outcome, undone, error,
          solve, total, prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical,
-         commit_high, actions, source_version, target_version, runs_version, ready_tasks, unprepared)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
+         commit_high, actions, source_version, target_version, runs_version, ready_tasks, unprepared, cancelled_by)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
   if (!row) return row.error();
   using Optional = std::optional<std::int64_t>;
   const auto predicted = [&](model::DurationRange Prediction::*range, Duration model::DurationRange::*part) {
@@ -113,7 +113,7 @@ Result<void> write_head(Database& database, const TransitionEntry& entry) {
       predicted(&Prediction::commit, &DurationRange::high), static_cast<std::int64_t>(entry.actions.size()),
       cut(entry.from_version), cut(entry.to_version), cut(entry.runs_version),
       entry.ahead ? Optional(static_cast<std::int64_t>(entry.ahead->tasks)) : Optional(),
-      entry.ahead ? Optional(entry.ahead->unprepared.count()) : Optional());
+      entry.ahead ? Optional(entry.ahead->unprepared.count()) : Optional(), cut(entry.cancelled_by));
 }
 
 Result<void> write_actions(Database& database, const TransitionEntry& entry) {

@@ -70,6 +70,9 @@ class FakeService final : public control::RobotService {
   }
   Result<Value> mission(std::uint64_t /*after*/, bool /*with_plan*/) override { return no(); }
   Result<void> ask_holder(std::string_view /*what*/) override { return no(); }
+  Result<Value> cancel(std::uint64_t /*request*/, std::string_view /*who*/, TimePoint /*deadline*/) override {
+    return no();
+  }
   Result<Value> apply_transition(std::string_view /*text*/, std::string_view /*file*/,
                                  TimePoint /*deadline*/) override {
     return no();

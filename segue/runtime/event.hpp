@@ -30,7 +30,8 @@ enum class EventKind {
   HostLost,   ///< a computer cannot be reached any more
   HostFound,  ///< it can again
   Files,      ///< files were applied, or those of before are in force again
-  Lease       ///< somebody commands the robot, or does no longer
+  Lease,      ///< somebody commands the robot, or does no longer
+  RequestCancelled
 };
 std::string_view to_string(EventKind kind);
 

@@ -149,6 +149,7 @@ journal::TransitionEntry journal_entry(const SwitchResult& result) {
   entry.outcome = to_string(result.outcome);
   if (result.undo) entry.undone = undone_as(*result.undo);
   if (result.error) entry.error = to_string(*result.error);
+  entry.cancelled_by = result.cancelled_by;
   entry.solve = result.solve_time;
   entry.prepare = result.prepare;
   entry.ahead = result.ahead;

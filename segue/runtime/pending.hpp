@@ -3,7 +3,9 @@
 
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/runtime/switch_result.hpp>
 
+#include <chrono>
 #include <cstdint>
 #include <future>
 #include <optional>
@@ -13,6 +15,12 @@
 /// What waits for the worker of a Runtime, and the controllers that it is about. Plain values; Runtime's
 /// mutex protects them.
 namespace segue::runtime::detail {
+
+/// Longer deadlines are cut to this: adding an arbitrary duration to a time point could overflow.
+inline constexpr Duration kLongestDeadline = std::chrono::hours(24);
+
+/// Whether the robot runs neither the old network nor the requested one nor its fallback.
+bool is_unrecovered(const SwitchResult& result);
 
 /// The controllers that can be requested, and where they came from.
 struct Definitions {
@@ -31,12 +39,24 @@ struct PendingApply {
   std::promise<ApplyResult> promise;
 };
 
+model::NetworkName name_of(const Request& request);
+
 /// A request that waits for the worker, with the promise of its result.
 struct PendingRequest {
   std::uint64_t number = 0;
   Request request;
   RequestOptions options;
   std::promise<SwitchResult> promise;
+};
+
+/// The request whose turn it is, until its result is known.
+struct ServedRequest {
+  std::uint64_t number = 0;
+  model::NetworkName to;
+  std::string who;
+  std::optional<std::string> cancelled_by{};
+  bool ended = false;                                   ///< its transition has
+  std::vector<std::promise<SwitchResult>> cancelled{};  ///< who waits for its end
 };
 
 }  // namespace segue::runtime::detail

@@ -139,6 +139,9 @@ Value to_value(const SwitchResult& result) {
   if (result.error) {
     value.as_map().set("error", to_string(*result.error));
   }
+  if (!result.cancelled_by.empty()) {
+    value.as_map().set("cancelled_by", result.cancelled_by);
+  }
   if (result.predicted) {
     value.as_map().set("predicted_s", journal::to_value(*result.predicted));
   }
@@ -198,6 +201,14 @@ Value to_value(const Readiness& readiness) {
                      {"prepared", static_cast<std::uint64_t>(readiness.prepared)},
                      {"tasks", static_cast<std::uint64_t>(readiness.tasks)},
                      {"reason", readiness.reason}});
+}
+
+Value to_value(const OpenRequest& request) {
+  return Value::map({{"request", request.request},
+                     {"to", request.to.str()},
+                     {"who", request.who},
+                     {"state", request.state},
+                     {"cancelled_by", request.cancelled_by.empty() ? Value() : Value(request.cancelled_by)}});
 }
 
 Value to_value(const Event& event) {
@@ -286,6 +297,7 @@ Value status_of(Runtime& runtime) {
        {"state", to_string(runtime.state())},
        {"commanded_by", holder ? Value(*holder) : Value()},
        {"doing", runtime.reported()},
+       {"requests", list_of(runtime.open_requests(), [](const OpenRequest& one) { return to_value(one); })},
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
        {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},

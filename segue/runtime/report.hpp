@@ -42,6 +42,7 @@ type::Value to_value(const UnresolvedFault& fault);
 type::Value to_value(const Readiness& readiness);
 
 /// {"number", "time", "kind", "subject", "message"}; the time in ISO 8601, UTC.
+type::Value to_value(const OpenRequest& request);
 type::Value to_value(const Event& event);
 
 /// {"id", "component", "state", "state_name", "host", "process", "pid", "stand_in", "cycle_us", "worst_us",

@@ -300,6 +300,18 @@ Result<void> RuntimeService::ask_holder(std::string_view what) {
   return runtime_.ask_holder(what);
 }
 
+Result<type::Value> RuntimeService::cancel(std::uint64_t request, std::string_view who, TimePoint deadline) {
+  auto future = runtime_.cancel(request, std::string(who));
+  if (!future) {
+    return std::move(future.error());
+  }
+  if (future->wait_until(deadline) != std::future_status::ready) {
+    return fail(ErrorCode::DeadlineExceeded,
+                "it is cancelled, but not undone yet; watch it with 'segue events'");
+  }
+  return to_value(future->get());
+}
+
 Result<type::Value> RuntimeService::apply_transition(std::string_view text, std::string_view file,
                                                      TimePoint deadline) {
   Diagnostics diagnostics;

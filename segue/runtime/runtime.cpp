@@ -8,7 +8,8 @@
 namespace segue::runtime {
 
 std::string_view to_string(Outcome outcome) {
-  static constexpr std::array<std::string_view, 4> kNames = {"done", "superseded", "refused", "failed"};
+  static constexpr std::array<std::string_view, 5> kNames = {"done", "superseded", "refused", "failed",
+                                                             "cancelled"};
   return kNames.at(static_cast<std::size_t>(outcome));
 }
 
@@ -18,7 +19,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 22> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 23> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -39,7 +40,8 @@ std::string_view to_string(EventKind kind) {
                                                               "host_lost",
                                                               "host_found",
                                                               "files",
-                                                              "lease"};
+                                                              "lease",
+                                                              "request_cancelled"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
@@ -125,6 +127,14 @@ std::future<SwitchResult> Runtime::request(Request request, RequestOptions optio
 
 SwitchResult Runtime::switch_to(Request request, RequestOptions options) {
   return this->request(std::move(request), std::move(options)).get();
+}
+
+Result<std::future<SwitchResult>> Runtime::cancel(std::uint64_t request, std::string who) {
+  return implementation_->cancel(request, std::move(who));
+}
+
+std::vector<OpenRequest> Runtime::open_requests() const {
+  return implementation_->open_requests();
 }
 
 Result<model::Transition> Runtime::plan(const Request& request, RequestOptions options) const {

@@ -12,6 +12,7 @@
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
 #include <segue/runtime/pool_report.hpp>
+#include <segue/runtime/request_options.hpp>
 #include <segue/runtime/switch_result.hpp>
 #include <segue/runtime/unresolved_fault.hpp>
 #include <segue/solve/combine.hpp>
@@ -39,13 +40,6 @@ std::string_view to_string(RuntimeState state);
 /// to be applied as it is (the paper's transition request interface).
 using Request = std::variant<model::NetworkName, model::Network, model::Transition>;
 
-/// "speed", or "speed.max" for a member of it.
-struct PropertySetting {
-  model::TaskId task;
-  std::string property;
-  type::Value value;
-};
-
 /// Why two controllers cannot run at once; with `influence`: they can, but `a` changes what tasks of `b` get
 /// (solve::influences).
 struct ControllerConflict {
@@ -53,23 +47,6 @@ struct ControllerConflict {
   model::NetworkName b;
   solve::Conflict conflict;
   bool influence = false;
-};
-
-struct RequestOptions {
-  model::Order order = model::Order::Seamless;
-  Duration action_deadline = std::chrono::seconds(30);  ///< for each action
-  /// Removed processes are killed without stopping their tasks first (solve::Options::force).
-  bool force = false;
-  std::string who;  ///< the sender, for the journal
-  /// Properties in place of those of the network, so that it runs as a variant: these are part of the
-  /// transition, and hold until the next request.
-  std::vector<PropertySetting> properties{};
-  /// The lease of the sender (Runtime::take_lease), 0: none. While another one is held, requests are refused,
-  /// unless they take the robot over.
-  std::uint64_t lease = 0;
-  bool take_over = false;
-  /// Process pools end, too, and are not started again before the next request.
-  bool end_pools = false;
 };
 
 struct RuntimeOptions {
@@ -151,6 +128,14 @@ class Runtime {
   std::future<SwitchResult> request(Request request, RequestOptions options = {});
   /// Calls request() and waits for the result. Blocks.
   SwitchResult switch_to(Request request, RequestOptions options = {});
+  /// Cancels a request, 0: the newest one. One that waits ends at once; the transition of another one is
+  /// undone, as where an action fails, if it is not past its point of commit. Its actions in progress end
+  /// first, at their deadlines at most. What the runtime does by itself (repair, look-ahead) is not
+  /// cancelled. The future gets the result of the request. NotFound where no such request is open,
+  /// InvalidState where its transition is past its point of commit, has failed, or was superseded.
+  Result<std::future<SwitchResult>> cancel(std::uint64_t request, std::string who);
+  /// The oldest first: the one in progress and the one that waits.
+  [[nodiscard]] std::vector<OpenRequest> open_requests() const;
   /// The transition that request() would execute now.
   Result<model::Transition> plan(const Request& request, RequestOptions options = {}) const;
 

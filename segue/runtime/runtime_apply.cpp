@@ -34,7 +34,8 @@ std::string summary(const std::vector<ControllerChange>& changes) {
 
 /// Whether what happened leaves the robot without its new version.
 bool is_failure(const SwitchResult& result) {
-  return result.outcome == Outcome::Failed || result.outcome == Outcome::Refused;
+  return result.outcome == Outcome::Failed || result.outcome == Outcome::Refused ||
+         result.outcome == Outcome::Cancelled;
 }
 
 }  // namespace
@@ -180,6 +181,10 @@ std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& 
   }
   if (plan->transition.actions.empty() && result.from_version == result.to_version) {
     return std::nullopt;
+  }
+  {
+    const std::lock_guard lock(mutex);
+    served.emplace(detail::ServedRequest{job.number, controller.name, job.options.who});
   }
   journal.accepted(job.number, job.options.who, controller.name);
   const auto held = belief.held();

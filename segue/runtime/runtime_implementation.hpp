@@ -27,16 +27,6 @@
 
 namespace segue::runtime {
 
-namespace detail {
-
-/// Longer deadlines are cut to this: adding an arbitrary duration to a time point could overflow.
-inline constexpr Duration kLongestDeadline = std::chrono::hours(24);
-
-/// Whether the robot runs neither the old network nor the requested one nor its fallback.
-bool is_unrecovered(const SwitchResult& result);
-
-}  // namespace detail
-
 struct Runtime::Implementation {
   Implementation(std::string robot, host::TaskHost& task_host, const model::ComponentCatalog& components,
                  RuntimeOptions runtime_options);
@@ -59,6 +49,11 @@ struct Runtime::Implementation {
   SwitchResult cancelled(const detail::PendingRequest& job) const;
   SwitchResult refused(SwitchResult result, detail::Refusal refusal);
   void remember(SwitchResult result);
+  // (runtime_cancel.cpp)
+  Result<std::future<SwitchResult>> cancel(std::uint64_t request, std::string who);
+  std::vector<OpenRequest> open_requests() const;
+  /// With the mutex held.
+  Result<std::future<SwitchResult>> cancel_served(const std::string& who);
 
   // Controllers and their files (runtime_apply.cpp)
   Diagnostics add(model::Network network);
@@ -85,6 +80,7 @@ struct Runtime::Implementation {
   void carry_out(const model::Network& current, const detail::SwitchPlan& plan, Duration action_deadline,
                  SwitchResult& result);
   void conclude(const detail::SwitchPlan& plan, SwitchResult& result);
+  void begin(const std::shared_ptr<detail::Transaction>& begun, Cause cause);
   void conclude_failed(const detail::SwitchPlan& plan, const detail::Observation& seen, SwitchResult& result);
   /// Replaces the belief by a snapshot; parts that are not in `controller` become its `extra`.
   void adopt(const detail::Observation& seen, const model::Network& controller,
@@ -164,6 +160,7 @@ struct Runtime::Implementation {
   std::uint64_t requests = 0;
   detail::Definitions definitions;
   std::optional<detail::PendingRequest> waiting;
+  std::optional<detail::ServedRequest> served;
   std::optional<detail::PendingApply> waiting_apply;  ///< served when no request waits
   RuntimeState state = RuntimeState::Idle;
   std::optional<std::optional<model::Network>>

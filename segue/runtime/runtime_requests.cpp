@@ -13,10 +13,10 @@ using detail::PendingRequest;
 using detail::quoted_name;
 
 namespace {
-
 constexpr std::size_t kKeptResults = 100;
+}  // namespace
 
-model::NetworkName name_of(const Request& request) {
+model::NetworkName detail::name_of(const Request& request) {
   struct Visitor {
     model::NetworkName operator()(const model::NetworkName& name) const { return name; }
     model::NetworkName operator()(const model::Network& network) const { return network.name; }
@@ -24,6 +24,10 @@ model::NetworkName name_of(const Request& request) {
   };
   return std::visit(Visitor{}, request);
 }
+
+namespace {
+
+using detail::name_of;
 
 SwitchResult new_result(const PendingRequest& job) {
   SwitchResult result;
@@ -190,6 +194,12 @@ void Runtime::Implementation::answer(PendingRequest& job, SwitchResult result) {
 
 void Runtime::Implementation::remember(SwitchResult result) {
   const std::lock_guard lock(mutex);
+  if (served && served->number == result.request) {
+    for (auto& promise : served->cancelled) {
+      promise.set_value(result);
+    }
+    served.reset();
+  }
   history.push_back(std::move(result));
   if (history.size() > kKeptResults) {
     history.pop_front();

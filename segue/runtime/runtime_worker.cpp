@@ -16,7 +16,8 @@ using detail::SwitchPlan;
 
 bool detail::is_unrecovered(const SwitchResult& result) {
   const bool caught = result.undo && (result.undo->restored || result.undo->fell_back);
-  return result.outcome == Outcome::Failed && !caught;
+  const bool went_back = result.outcome == Outcome::Failed || result.outcome == Outcome::Cancelled;
+  return went_back && !caught;
 }
 
 Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_host,
@@ -43,7 +44,7 @@ Runtime::Implementation::~Implementation() {
     left.swap(waiting);
     left_apply.swap(waiting_apply);
     if (transaction) {
-      transaction->cancel();
+      transaction->abandon();
     }
   }
   wake.notify_all();
@@ -95,6 +96,7 @@ void Runtime::Implementation::work() {
     }
     PendingRequest job = std::move(*waiting);
     waiting.reset();
+    served.emplace(detail::ServedRequest{job.number, detail::name_of(job.request), job.options.who});
     const RuntimeState before = std::exchange(state, RuntimeState::Executing);
     lock.unlock();
     SwitchResult result = serve(job);
@@ -135,16 +137,7 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
   }
   const auto running = std::make_shared<detail::Transaction>(
       context, current, plan, detail::Transaction::Options{action_deadline, std::move(way_out)});
-  {
-    const std::lock_guard lock(mutex);
-    transaction = running;
-    transaction_yields = result.cause == Cause::LookAhead || result.cause == Cause::Collect;
-    if (stopping) {
-      running->cancel();
-    } else if (waiting || (waiting_apply && transaction_yields)) {
-      running->supersede();
-    }
-  }
+  begin(running, result.cause);
   const auto known_before = journal.known();
   const bool may_be_prepared = changes_controller && !standby.empty();
   const auto before = may_be_prepared ? detail::BeforeTransition{current, belief.controller(), standby}
@@ -153,6 +146,9 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
   {
     const std::lock_guard lock(mutex);
     transaction.reset();
+    if (served) {
+      served->ended = true;
+    }
   }
   savings.learn(result);
   conclude(plan, result);
@@ -163,13 +159,26 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
   journal.ended(result, current, plan.transition, known_before);
 }
 
+void Runtime::Implementation::begin(const std::shared_ptr<detail::Transaction>& begun, Cause cause) {
+  const std::lock_guard lock(mutex);
+  transaction = begun;
+  transaction_yields = cause == Cause::LookAhead || cause == Cause::Collect;
+  if (stopping) {
+    begun->abandon();
+  } else if (served && served->cancelled_by) {
+    (void)begun->cancel(*served->cancelled_by);
+  } else if (waiting || (waiting_apply && transaction_yields)) {
+    begun->supersede();
+  }
+}
+
 void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& result) {
   const Observation seen = belief.observe();
   const auto held = belief.held();
   if (result.outcome == Outcome::Superseded) {
     log.add(EventKind::RequestSuperseded, result.to.str(), "while it was prepared");
     adopt(seen, held.controller, held.wanted);
-  } else if (result.outcome == Outcome::Failed) {
+  } else if (result.outcome == Outcome::Failed || result.outcome == Outcome::Cancelled) {
     conclude_failed(plan, seen, result);
   } else {
     // Whatever was not retired, because a newer request came or an action failed, is still there.
@@ -213,9 +222,13 @@ void Runtime::Implementation::conclude_failed(const SwitchPlan& plan, const Obse
   const auto failed = std::find_if(result.actions.begin(), result.actions.end(),
                                    [](const ActionRecord& record) { return record.error.has_value(); });
   std::string subject = failed == result.actions.end() ? result.to.str() : failed->action.label();
+  const std::string how =
+      result.outcome == Outcome::Cancelled ? "was cancelled by " + result.cancelled_by : "failed";
   result.error =
-      fail(code, "the transition to " + quoted_name(result.to) + " failed; " + runs, std::move(subject))
-          .because_of(std::move(cause));
+      fail(code, "the transition to " + quoted_name(result.to) + " " + how + "; " + runs, std::move(subject));
+  if (cause.cause || result.outcome == Outcome::Failed) {
+    result.error = Error(*std::move(result.error)).because_of(std::move(cause));
+  }
   log.add(EventKind::TransitionFailed, result.to.str(), to_string(*result.error));
 }
 

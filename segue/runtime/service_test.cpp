@@ -93,5 +93,11 @@ TEST_F(Service, gives_access_to_single_tasks) {
   EXPECT_EQ(shut_downs_, 1);
 }
 
+TEST_F(Service, cancels_nothing_where_nothing_is_requested) {
+  const auto nothing = service_.cancel(0, "ann", soon());
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().code, ErrorCode::NotFound);
+}
+
 }  // namespace
 }  // namespace segue::runtime

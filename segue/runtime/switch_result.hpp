@@ -19,7 +19,8 @@
 /// What requests lead to.
 namespace segue::runtime {
 
-enum class Outcome { Done, Superseded, Refused, Failed };
+/// Cancelled: on somebody's request, and undone as where it failed.
+enum class Outcome { Done, Superseded, Refused, Failed, Cancelled };
 std::string_view to_string(Outcome outcome);
 
 struct ActionRecord {
@@ -43,7 +44,7 @@ enum class Cause {
 };
 std::string_view to_string(Cause cause);
 
-/// How a transition that failed in prepare or commit was undone.
+/// How a transition that failed in prepare or commit, or was cancelled, was undone.
 struct Undo {
   bool restored = false;                       ///< the old network runs exactly as before
   std::optional<model::NetworkName> fallback;  ///< tried because the old network could not be restored
@@ -80,8 +81,9 @@ struct SwitchResult {
   /// If part of the old network could not be taken down as planned, the actions of the replanned transition
   /// follow those of the original one.
   std::vector<ActionRecord> actions;
-  std::optional<Error> error;     ///< why it was refused, superseded or failed, and where
-  std::optional<Undo> undo;       ///< if it failed
+  std::optional<Error> error;     ///< why it was not done, and where
+  std::optional<Undo> undo;       ///< if it failed, or was cancelled after it had begun
+  std::string cancelled_by{};     ///< Outcome::Cancelled
   std::optional<Error> leftover;  ///< Outcome::Done, but part of the old network could not be retired
   Diagnostics diagnostics;        ///< all findings of validation, if refused
 };

@@ -124,22 +124,76 @@ void Transaction::supersede() {
   }
 }
 
-void Transaction::cancel() {
+void Transaction::abandon() {
   const std::lock_guard lock(mutex_);
-  cancelled_ = true;
+  abandoned_ = true;
   if (execution_) {
     execution_->cancel();
   }
 }
 
+Result<std::string> Transaction::cancel(const std::string& who) {
+  const auto refused = [this](std::string why) {
+    return fail(ErrorCode::InvalidState, std::move(why), plan_.transition.to.str());
+  };
+  const std::lock_guard lock(mutex_);
+  if (cancelled_by_) {
+    return *cancelled_by_;
+  }
+  switch (stage_) {
+    case Stage::Committed:
+    case Stage::Retire:
+      return refused(
+          "it is past its point of commit and completes; request the controller of before instead");
+    case Stage::Undo:
+      return refused("it has failed and is being undone already");
+    case Stage::Prepare:
+    case Stage::Commit:
+      break;
+  }
+  if (abandoned_) {
+    return refused("the runtime ends");
+  }
+  if (superseded_ && stage_ == Stage::Prepare) {
+    return refused("a newer request has taken its place");
+  }
+  cancelled_by_ = who;
+  if (execution_) {
+    execution_->cancel();
+  }
+  return who;
+}
+
+Transaction::Stage Transaction::stage() const {
+  const std::lock_guard lock(mutex_);
+  return stage_;
+}
+
 bool Transaction::enter(Stage stage) {
   const std::lock_guard lock(mutex_);
-  const bool is_superseded = superseded_ && stage != Stage::Undo;
-  if (cancelled_ || is_superseded) {
+  if (abandoned_ || superseded_ || cancelled_by_) {
     return false;
   }
   stage_ = stage;
   return true;
+}
+
+bool Transaction::pass_point_of_commit() {
+  const std::lock_guard lock(mutex_);
+  if (stage_ == Stage::Undo) {
+    return !abandoned_;
+  }
+  if (abandoned_ || cancelled_by_) {
+    return false;
+  }
+  stage_ = Stage::Committed;
+  return true;
+}
+
+std::optional<std::string> Transaction::enter_undo() {
+  const std::lock_guard lock(mutex_);
+  stage_ = Stage::Undo;
+  return cancelled_by_;
 }
 
 std::shared_ptr<Execution> Transaction::begin(const model::Transition& transition) {
@@ -147,7 +201,7 @@ std::shared_ptr<Execution> Transaction::begin(const model::Transition& transitio
                                              [this](const ActionRecord& record) { on_action(record); });
   const std::lock_guard lock(mutex_);
   execution_ = created;
-  if (cancelled_) {
+  if (abandoned_ || (cancelled_by_ && stage_ != Stage::Undo)) {
     created->cancel();
   }
   return created;
@@ -170,7 +224,8 @@ void Transaction::forward(SwitchResult& result) {
   const TimePoint created = RealClock::instance().now();
   const auto armed = prepared ? arm(plan_.transition, plan_.target) : Result<void>();
   const Duration arming = RealClock::instance().now() - created;
-  const bool acted = prepared && armed && enter(Stage::Commit) && execution->run(model::Phase::Commit);
+  const bool acted = prepared && armed && enter(Stage::Commit) && execution->run(model::Phase::Commit) &&
+                     pass_point_of_commit();
   const auto stored = acted ? context_.host.commit() : Result<void>();
   const bool committed = acted && stored;
   if (committed) {
@@ -184,13 +239,34 @@ void Transaction::forward(SwitchResult& result) {
   if (committed) {
     return;
   }
-  if (!failed) {
-    end_early(result);
-  } else if (!replan(*failed, result)) {
-    result.outcome = Outcome::Failed;
-    result.error = failed->error;
-    result.undo = undo(*failed);
+  if (!failed || !replan(*failed, result)) {
+    go_back(failed, result);
   }
+}
+
+/// The transition failed, or was cancelled, superseded or abandoned.
+void Transaction::go_back(const std::optional<Failure>& failed, SwitchResult& result) {
+  const bool ends_early = [&] {
+    const std::lock_guard lock(mutex_);
+    return !failed && !cancelled_by_;
+  }();
+  if (ends_early) {
+    return end_early(result);
+  }
+  const auto who = enter_undo();
+  result.outcome = who ? Outcome::Cancelled : Outcome::Failed;
+  result.cancelled_by = who.value_or("");
+  if (!who) {
+    result.error = failed->error;
+    result.undo = undo(failed->what);
+    return;
+  }
+  const std::string what = "cancelled by " + *who;
+  result.error = fail(ErrorCode::Cancelled, what, plan_.transition.to.str());
+  if (failed) {
+    result.error = Error(*result.error).because_of(failed->error);
+  }
+  result.undo = undo(what);
 }
 
 Result<void> Transaction::arm(const model::Transition& transition, const model::Network& target) {
@@ -203,14 +279,14 @@ std::optional<Transaction::Failure> Transaction::failure_of(const Execution& exe
                                                             const Result<void>& stored) {
   if (const ActionRecord* failed = execution.failure()) {
     const model::Action& action = failed->action;
-    return Failure{quote(action.label()), error_of(*failed),
+    return Failure{quote(action.label()) + " failed", error_of(*failed),
                    action.phase == model::Phase::Commit && takes_down(action.kind)};
   }
   if (!armed) {
-    return Failure{"preparing the commit", armed.error()};
+    return Failure{"preparing the commit failed", armed.error()};
   }
   if (!stored) {
-    return Failure{"the commit", stored.error()};
+    return Failure{"the commit failed", stored.error()};
   }
   return std::nullopt;
 }
@@ -227,11 +303,11 @@ void Transaction::retire(Execution& execution, SwitchResult& result) {
   }
 }
 
-/// The transition was superseded or cancelled before an action failed.
+/// The transition was superseded or abandoned before an action failed.
 void Transaction::end_early(SwitchResult& result) {
   context_.host.withdraw();
   const std::lock_guard lock(mutex_);
-  if (cancelled_) {
+  if (abandoned_) {
     result.outcome = Outcome::Failed;
     result.error = fail(ErrorCode::Cancelled, "the runtime ended", plan_.transition.to.str());
   } else {
@@ -242,12 +318,16 @@ void Transaction::end_early(SwitchResult& result) {
 }
 
 bool Transaction::replan(const Failure& failed, SwitchResult& result) {
-  if (!failed.took_down) {
+  const bool is_cancelled = [&] {
+    const std::lock_guard lock(mutex_);
+    return cancelled_by_.has_value();
+  }();
+  if (!failed.took_down || is_cancelled) {
     return false;
   }
   context_.host.withdraw();
   context_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
-                   failed.what + " failed; replanning from the observed network");
+                   failed.what + "; replanning from the observed network");
   const TimePoint started = RealClock::instance().now();
   const auto error = bring_to(plan_.target, result.actions);
   result.commit += RealClock::instance().now() - started;
@@ -266,13 +346,12 @@ bool Transaction::replan(const Failure& failed, SwitchResult& result) {
   return true;
 }
 
-Undo Transaction::undo(const Failure& failed) {
+Undo Transaction::undo(const std::string& why) {
   const TimePoint started = RealClock::instance().now();
   Undo undo;
-  enter(Stage::Undo);
   context_.host.withdraw();
   context_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
-                   failed.what + " failed; going back to " + quoted_name(before_.name));
+                   why + "; going back to " + quoted_name(before_.name));
   undo.error = bring_to(before_, undo.actions);
   const auto [observed, lost] = look();
   undo.restored = is_restored(without_hosts(before_, lost), observed);
@@ -323,7 +402,7 @@ std::optional<Error> Transaction::bring_to(const model::Network& whole, std::vec
   const auto execution = begin(*way);
   const bool prepared = execution->run(model::Phase::Prepare);
   const auto armed = prepared ? arm(*way, target) : Result<void>();
-  const bool acted = prepared && armed && execution->run(model::Phase::Commit);
+  const bool acted = prepared && armed && execution->run(model::Phase::Commit) && pass_point_of_commit();
   const auto stored = acted ? context_.host.commit() : Result<void>();
   const bool done = acted && stored && execution->run(model::Phase::Retire);
   // Only after success may the host let plain ids mean the new incarnations and forget removed tasks.

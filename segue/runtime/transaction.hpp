@@ -49,18 +49,29 @@ class Transaction {
   /// A newer request waits: prepare ends early as superseded and leaves what it has created, retire ends
   /// early and leaves the rest, commit is finished. From any thread; does not block.
   void supersede();
-  /// No further action begins and nothing is undone. From any thread; does not block.
-  void cancel();
+  /// The runtime ends: no further action begins and nothing is undone. From any thread; does not block.
+  void abandon();
+  /// Before the point of commit: no further action begins, and what was done is undone as after a failure.
+  /// Returns who cancelled it, which may have been somebody else before. InvalidState where it goes on:
+  /// behind that point it completes, and what fails or was superseded ends by itself. From any thread; does
+  /// not block.
+  Result<std::string> cancel(const std::string& who);
+
+  /// Committed: the point of commit is passed, nothing of Retire has begun.
+  enum class Stage { Prepare, Commit, Committed, Retire, Undo };
+  [[nodiscard]] Stage stage() const;
 
  private:
-  enum class Stage { Prepare, Commit, Retire, Undo };
-
-  /// Begins a stage; false if the transaction was cancelled or superseded.
+  /// Begins a stage; false if the transaction was abandoned, cancelled or superseded.
   bool enter(Stage stage);
+  /// From here on it cannot be cancelled; false if it was before.
+  bool pass_point_of_commit();
+  /// From here on it cannot be cancelled; who did before.
+  std::optional<std::string> enter_undo();
   std::shared_ptr<Execution> begin(const model::Transition& transition);
   /// What kept a transition from being committed.
   struct Failure {
-    std::string what;  ///< the action, for messages
+    std::string what;  ///< "'start a' failed"
     Error error;
     bool took_down = false;  ///< an action of commit failed that only takes something down
   };
@@ -71,10 +82,12 @@ class Transaction {
                                                          const Result<void>& armed,
                                                          const Result<void>& stored);
   void retire(Execution& execution, SwitchResult& result);
+  void go_back(const std::optional<Failure>& failed, SwitchResult& result);
   /// Solves again after an action failed that takes something down; true if that led to the target.
   bool replan(const Failure& failed, SwitchResult& result);
   void end_early(SwitchResult& result);
-  Undo undo(const Failure& failed);
+  /// `why` for the log. The stage is Undo.
+  Undo undo(const std::string& why);
   /// What runs now, without computers that are lost or were at any time since the transition was planned:
   /// what these hold was not part of it, or they have given it up. The runtime looks after them when it has
   /// ended.
@@ -94,11 +107,12 @@ class Transaction {
   const SwitchPlan& plan_;
   const Options options_;
   const std::map<model::HostName, std::uint64_t> connections_;  ///< to computers, when it began
-  std::mutex mutex_;  ///< protects all members below; actions run without it
+  mutable std::mutex mutex_;  ///< protects all members below; actions run without it
   std::shared_ptr<Execution> execution_;
   Stage stage_ = Stage::Prepare;
   bool superseded_ = false;
-  bool cancelled_ = false;
+  bool abandoned_ = false;
+  std::optional<std::string> cancelled_by_;
 };
 
 }  // namespace segue::runtime::detail

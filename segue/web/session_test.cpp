@@ -64,13 +64,17 @@ TEST_F(SessionTest, VerbsAreAnsweredUnderTheirNumber) {
   const Value switched = message(*session, "id");
   EXPECT_EQ(*switched.find("result")->find("who"), Value("somebody"));
   EXPECT_EQ(*switched.find("result")->find("dry_run"), Value(false));
+  session->receive(R"({"id": 11, "verb": "cancel", "arguments": {"request": 5}})");
+  const Value cancelled = message(*session, "id");
+  EXPECT_EQ(*cancelled.find("result")->find("request"), Value(5));
+  EXPECT_EQ(*cancelled.find("result")->find("who"), Value("somebody"));
   session->receive(R"({"id": 10, "verb": "diff", "arguments": {"controller": "c"}})");
   EXPECT_EQ(*message(*session, "id").find("result")->find("dry_run"), Value(true));
 }
 
 TEST_F(SessionTest, AnObserverOnlyLooks) {
   const auto session = browser(Role::Observe);
-  for (const std::string verb : {"switch", "prepare", "set", "call", "write", "mission"})
+  for (const std::string verb : {"switch", "prepare", "set", "call", "write", "mission", "cancel"})
     EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": ")" + verb + "\"}"), "permission-denied") << verb;
   EXPECT_EQ(robot_.last_set(), Value());
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "status"})"), "");
@@ -83,6 +87,8 @@ TEST_F(SessionTest, WrongMessagesAreAnsweredByErrors) {
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "explode"})"), "not-found");
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "shut_down"})"), "not-found");
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "switch"})"), "invalid-argument");
+  EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "cancel", "arguments": {"request": -1}})"),
+            "invalid-argument");
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "status", "arguments": {"x": 1}})"),
             "invalid-argument");
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "look", "arguments": {"document": "../etc"}})"),

@@ -76,6 +76,15 @@ Result<Value> do_switch(const Request& request) {
   return ask_switch(request, false);
 }
 
+/// A request in progress, 0: the newest.
+Result<Value> do_cancel(const Request& request) {
+  const auto number = request.command.number_or("request", 0);
+  if (!number) return number.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.cancel(*number, request.who, *deadline);
+}
+
 Result<Value> do_prepare(const Request& request) {
   const auto controllers = request.command.texts("controllers");
   if (!controllers) return controllers.error();
@@ -179,6 +188,7 @@ const std::vector<VerbEntry>& verb_entries() {
       {"history", Role::Observe, ask_history, {}},
       {"diff", Role::Observe, ask_diff, {"controller", "force", "order", "take_over", "timeout_s"}},
       {"switch", Role::Operate, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
+      {"cancel", Role::Operate, do_cancel, {"request", "timeout_s"}},
       {"mission", Role::Operate, ask_of_mission, {"what"}},
       {"prepare", Role::Operate, do_prepare, {"controllers", "timeout_s"}},
       {"set", Role::Operate, do_set, {"task", "property", "value", "yaml", "timeout_s"}},

@@ -117,6 +117,11 @@ class FakeRobot : public RobotService {
     asked_.emplace_back(what);
     return {};
   }
+  Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) override {
+    return type::Value::map({{"request", request},
+                             {"who", who},
+                             {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
+  }
   Result<type::Value> apply_transition(std::string_view text, std::string_view file, TimePoint) override {
     return type::Value::map({{"text", text}, {"file", file}});
   }

@@ -220,6 +220,14 @@ class RobotServer final : public wire::Robot::Server {
                                 });
   }
 
+  kj::Promise<void> cancel(CancelContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        Role::Operate, context,
+        [&service = service(), request = params.getRequest(), who = who_asks(params, peer()),
+         deadline = deadline_after(params.getTimeout())] { return service.cancel(request, who, deadline); });
+  }
+
   kj::Promise<void> applyTransition(ApplyTransitionContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(

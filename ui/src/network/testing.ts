@@ -18,6 +18,6 @@ export function status(tasks: TaskStatus[], connections: ConnectionStatus[] = []
     robot: 'r', controller: 'c', state: 'idle', commanded_by: null, controllers: [], ready: [],
     tasks: Object.fromEntries(tasks.map((one) => [one.id, one])),
     connections: Object.fromEntries(connections.map((one) => [one.from + ' ' + one.to, one])),
-    differences: [], uptime_s: 1,
+    requests: [], differences: [], uptime_s: 1,
   };
 }

@@ -36,8 +36,19 @@ export interface Status {
   ready: { controller: string; ready: boolean; reason: string }[];
   tasks: Record<string, TaskStatus>;
   connections: Record<string, ConnectionStatus>;
+  requests: OpenRequest[];
   differences: string[];
   uptime_s: number;
+}
+
+/** A request that has not ended. */
+export interface OpenRequest {
+  request: number;
+  to: string;
+  who: string;
+  /** "waiting", "planning", "prepare", "commit", "retire" (past the point of commit), "undo". */
+  state: string;
+  cancelled_by: string | null;
 }
 
 export interface PortModel {

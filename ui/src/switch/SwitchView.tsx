@@ -5,6 +5,9 @@ import { Graph } from '../network/Graph';
 import { useConnection, useDocument } from '../robot/hooks';
 import type { Action, Status, SwitchOutcome, Transition } from '../robot/types';
 import { eventsOf } from '../events/filter';
+import { OpenRequests, UndoList } from './OpenRequests';
+import { undoingOf, undoneOf, type Undoing } from './undo';
+import './switch.css';
 import { differenceOf, estimateOf, progressOf, subjectOf, type Difference, type Progress } from './difference';
 
 const phases = ['prepare', 'commit', 'retire'];
@@ -23,7 +26,15 @@ interface Attempt {
   error: string | null;
 }
 
-function Phase({ name, actions, progress, critical }: { name: string; actions: Action[]; progress: Map<number, Progress>; critical: Set<number> }) {
+interface PhaseProps {
+  name: string;
+  actions: Action[];
+  progress: Map<number, Progress>;
+  critical: Set<number>;
+  undone: Set<number>;
+}
+
+function Phase({ name, actions, progress, critical, undone }: PhaseProps) {
   const done = actions.filter((action) => progress.get(action.id) === 'done').length;
   return (
     <section aria-label={'Phase ' + name}>
@@ -32,10 +43,10 @@ function Phase({ name, actions, progress, critical }: { name: string; actions: A
       </h3>
       <ul className="actions">
         {actions.map((action) => {
-          const state = progress.get(action.id) ?? 'waiting';
+          const state = undone.has(action.id) && progress.get(action.id) === 'done' ? 'undone' : (progress.get(action.id) ?? 'waiting');
           return (
             <li key={action.id} className={state} data-progress={state}>
-              <span aria-hidden="true">{state === 'done' ? '✓' : state === 'failed' ? '✗' : '·'}</span> {subjectOf(action)}
+              <span aria-hidden="true">{{ done: '✓', failed: '✗', undone: '↶', waiting: '·' }[state]}</span> {subjectOf(action)}
               <span className="hidden">, {state}</span>
               {critical.has(action.id) && <span className="quiet" title="on the longest chain of actions that wait for each other"> ◆</span>}
             </li>
@@ -128,6 +139,8 @@ export function SwitchView({ status }: { status: Status }) {
   const transition = attempt?.transition ?? plan;
   const difference = attempt?.difference ?? (plan ? differenceOf(status, plan) : null);
   const progress = progressOf(transition?.actions ?? [], attempt ? events : [], attempt?.after ?? Infinity);
+  const undoing: Undoing = attempt ? undoingOf(events, attempt.after) : { why: null, steps: [] };
+  const undone = undoneOf(transition?.actions ?? [], undoing);
   const estimate = useMemo(() => estimateOf(transition?.actions ?? [], history), [transition, history]);
   const busy = attempt !== null && attempt.outcome === null && attempt.error === null;
   const groups = [...new Set(difference?.tasks.map((task) => task.place) ?? [])].sort().map((place) => ({
@@ -197,6 +210,7 @@ export function SwitchView({ status }: { status: Status }) {
       </section>
       <aside className="panel" aria-label="Transition">
         <h2>Transition</h2>
+        <OpenRequests status={status} />
         {problem && <p className="bad" role="alert">{problem}</p>}
         {transition && (
           <>
@@ -209,20 +223,29 @@ export function SwitchView({ status }: { status: Status }) {
                 <button type="button" className="primary" disabled={busy || attempt !== null || transition.actions.length === 0} onClick={() => void doIt()}>
                   Do it
                 </button>
-                <label><input type="checkbox" checked={force} disabled={attempt !== null} onChange={(event) => setForce(event.target.checked)} /> force</label>
+                <label>
+                  <input type="checkbox" checked={force} disabled={attempt !== null} aria-describedby="force-means" onChange={(event) => setForce(event.target.checked)} /> force
+                </label>
                 {status.commanded_by && (
                   <label><input type="checkbox" checked={takeOver} onChange={(event) => setTakeOver(event.target.checked)} /> take over</label>
                 )}
                 {attempt && !busy && <button type="button" onClick={() => setAttempt(null)}>Plan again</button>}
               </div>
             )}
+            {!fixed && (
+              <p id="force-means" className="quiet force-means">
+                Force kills the processes that go, instead of stopping their tasks first: for tasks that hang.
+              </p>
+            )}
             {attempt && <Outcome attempt={attempt} />}
+            <UndoList undoing={undoing} />
             {phases.map((name) => (
               <Phase
                 key={name}
                 name={name}
                 actions={transition.actions.filter((action) => (action.phase ?? 'commit') === name)}
                 progress={progress}
+                undone={undone}
                 critical={estimate.known > 0 ? estimate.critical : new Set()}
               />
             ))}

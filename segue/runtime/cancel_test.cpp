@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Requests that are cancelled: before each action, behind the point of commit, while they are undone.
+#include <segue/model/network_sets.hpp>
+#include <segue/runtime/test_support.hpp>
+
+#include <support/faulty_host.hpp>
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <future>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace segue::runtime {
+namespace {
+
+using testing::AskingHost;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::network_of;
+using testing::StandInRobot;
+using testing::why;
+
+const std::string kBefore =
+    "network: before\n"
+    "tasks: {a: {component: \"demo::A\"}, b: {component: \"demo::A\", properties: {gain: 1}}}\n"
+    "connections: [a.out -> b.in]\n";
+const std::string kTarget =
+    "network: target\n"
+    "tasks: {b: {component: \"demo::A\", properties: {gain: 2}}, c: {component: \"demo::B\"}}\n"
+    "connections: [c.out -> b.in]\n";
+
+TimePoint in_a_while() {
+  return RealClock::instance().now() + std::chrono::seconds(60);
+}
+
+SwitchResult end_of(Result<std::future<SwitchResult>> cancelled) {
+  EXPECT_TRUE(cancelled) << to_string(cancelled.error());
+  if (!cancelled || cancelled->wait_until(in_a_while()) != std::future_status::ready) {
+    ADD_FAILURE() << "it does not end";
+    return {};
+  }
+  return cancelled->get();
+}
+
+/// A robot that runs `before`.
+struct Robot : StandInRobot {
+  explicit Robot(RuntimeOptions options = {}) : StandInRobot(std::move(options)) {
+    EXPECT_EQ(runtime.switch_to(before).outcome, Outcome::Done);
+  }
+  std::vector<model::Action> planned() {
+    const auto transition = runtime.plan(target);
+    EXPECT_TRUE(transition);
+    return transition ? transition->actions : std::vector<model::Action>{};
+  }
+  void expect_restored() {
+    EXPECT_EQ(runtime.state(), RuntimeState::Idle);
+    EXPECT_EQ(runtime.belief().name, before.name);
+    EXPECT_THAT(differences(before, host.observe()), IsEmpty());
+    EXPECT_THAT(runtime.open_requests(), IsEmpty());
+  }
+
+  const model::Network before = network_of(kBefore);
+  const model::Network target = network_of(kTarget);
+};
+
+bool is_same(const model::Action& one, const model::Action& other) {
+  return one.phase == other.phase && one.label() == other.label();
+}
+
+TEST(Cancel, before_each_action_until_the_point_of_commit_undoes_all_of_it) {
+  Robot robot;
+  int undone = 0;
+  for (const auto& at : robot.planned()) {
+    SCOPED_TRACE(at.label());
+    std::atomic<bool> done = false;
+    std::promise<Result<std::future<SwitchResult>>> cancelled;
+    robot.asking.ask([&](const model::Action& action) -> Result<void> {
+      if (is_same(action, at) && !done.exchange(true)) {
+        cancelled.set_value(robot.runtime.cancel(0, "ann"));
+      }
+      return {};
+    });
+    const auto result = robot.runtime.switch_to(robot.target);
+    robot.asking.ask({});
+    ASSERT_TRUE(done);
+    auto answer = cancelled.get_future().get();
+    if (at.phase == model::Phase::Retire) {
+      ASSERT_FALSE(answer);
+      EXPECT_EQ(answer.error().code, ErrorCode::InvalidState);
+      EXPECT_THAT(answer.error().message, HasSubstr("past its point of commit"));
+      EXPECT_EQ(result.outcome, Outcome::Done);
+      ASSERT_EQ(robot.runtime.switch_to(robot.before).outcome, Outcome::Done);
+      continue;
+    }
+    ++undone;
+    EXPECT_EQ(end_of(std::move(answer)).outcome, Outcome::Cancelled);
+    ASSERT_EQ(result.outcome, Outcome::Cancelled) << why(result);
+    EXPECT_EQ(result.cancelled_by, "ann");
+    EXPECT_THAT(why(result), HasSubstr("was cancelled by ann; it was undone: the robot runs 'before'"));
+    ASSERT_TRUE(result.undo && result.undo->restored);
+    robot.expect_restored();
+  }
+  EXPECT_GT(undone, 4);
+}
+
+TEST(Cancel, after_each_action_leaves_the_old_network_or_the_new_one) {
+  Robot robot;
+  for (const auto& at : robot.planned()) {
+    SCOPED_TRACE(at.label());
+    std::atomic<bool> done = false;
+    std::atomic<bool> accepted = false;
+    robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
+      if (is_same(action, at) && !done.exchange(true)) {
+        accepted = robot.runtime.cancel(0, "ann").has_value();
+      }
+      return {};
+    });
+    const auto result = robot.runtime.switch_to(robot.target);
+    robot.asking.ask_after({});
+    EXPECT_EQ(result.outcome, accepted ? Outcome::Cancelled : Outcome::Done) << why(result);
+    EXPECT_EQ(accepted, at.phase != model::Phase::Retire);
+    EXPECT_THAT(differences(accepted ? robot.before : robot.target, robot.host.observe()), IsEmpty());
+    ASSERT_EQ(robot.runtime.switch_to(robot.before).outcome, Outcome::Done);
+  }
+}
+
+TEST(Cancel, of_nothing_and_of_other_requests_is_refused) {
+  Robot robot;
+  const auto nothing = robot.runtime.cancel(0, "ann");
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().code, ErrorCode::NotFound);
+  EXPECT_THAT(nothing.error().message, HasSubstr("nothing to cancel"));
+  const auto ended = robot.runtime.cancel(1, "ann");
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code, ErrorCode::NotFound);
+}
+
+/// Holds the transition to `target` at its first action.
+struct Held : Robot {
+  Held() {
+    asking.ask([this](const model::Action&) -> Result<void> {
+      if (!entered.exchange(true)) {
+        reached.set_value();
+        released.get_future().wait_until(in_a_while());
+      }
+      return {};
+    });
+    result = runtime.request(target, {.who = "bob"});
+    EXPECT_EQ(reached.get_future().wait_until(in_a_while()), std::future_status::ready);
+  }
+  std::atomic<bool> entered = false;
+  std::promise<void> reached;
+  std::promise<void> released;
+  std::future<SwitchResult> result;
+};
+
+TEST(Cancel, is_answered_when_the_action_that_hangs_has_returned) {
+  Held robot;
+  const auto open = robot.runtime.open_requests();
+  ASSERT_EQ(open.size(), 1U);
+  EXPECT_EQ(open[0].who, "bob");
+  EXPECT_EQ(open[0].state, "prepare");
+  auto first = robot.runtime.cancel(open[0].request, "ann");
+  auto second = robot.runtime.cancel(open[0].request, "eve");
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->wait_for(std::chrono::milliseconds(1)), std::future_status::timeout);
+  EXPECT_EQ(robot.runtime.open_requests()[0].cancelled_by, "ann");
+  robot.released.set_value();
+  EXPECT_EQ(end_of(std::move(first)).cancelled_by, "ann");
+  EXPECT_EQ(end_of(std::move(second)).cancelled_by, "ann") << "who came first";
+  robot.expect_restored();
+}
+
+TEST(Cancel, of_a_request_that_waits_leaves_the_one_in_progress) {
+  Robot robot;
+  std::promise<void> reached;
+  std::promise<void> release;
+  std::atomic<bool> entered = false;
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    if (action.phase == model::Phase::Commit && !entered.exchange(true)) {
+      reached.set_value();
+      release.get_future().wait_until(in_a_while());
+    }
+    return {};
+  });
+  auto result = robot.runtime.request(robot.target);
+  reached.get_future().wait_until(in_a_while());
+  auto waits = robot.runtime.request(robot.before);
+  ASSERT_EQ(robot.runtime.open_requests().size(), 2U);
+  EXPECT_EQ(robot.runtime.open_requests()[1].state, "waiting");
+  EXPECT_EQ(end_of(robot.runtime.cancel(0, "ann")).outcome, Outcome::Cancelled);
+  const auto withdrawn = waits.get();
+  EXPECT_EQ(withdrawn.outcome, Outcome::Cancelled);
+  EXPECT_FALSE(withdrawn.undo);
+  release.set_value();
+  EXPECT_EQ(result.get().outcome, Outcome::Done);
+}
+
+TEST(Cancel, while_a_failure_is_undone_is_refused) {
+  Robot robot;
+  std::optional<Error> refusal;
+  std::atomic<int> commits = 0;
+  bool failed = false;
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    if (failed && !refusal) {
+      const auto answer = robot.runtime.cancel(0, "ann");
+      if (!answer) refusal = answer.error();
+    }
+    if (action.phase == model::Phase::Commit && ++commits == 2) {
+      failed = true;
+      return fail(ErrorCode::HookFailed, "broken");
+    }
+    return {};
+  });
+  const auto result = robot.runtime.switch_to(robot.target);
+  robot.asking.ask({});
+  EXPECT_EQ(result.outcome, Outcome::Failed);
+  ASSERT_TRUE(refusal);
+  EXPECT_THAT(refusal->message, HasSubstr("is being undone already"));
+  robot.expect_restored();
+}
+
+TEST(Cancel, while_it_is_undone_after_a_cancel_is_answered_with_the_same_result) {
+  Robot robot;
+  std::vector<Result<std::future<SwitchResult>>> answers;
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    const bool undoes = !answers.empty() && answers.size() < 2;
+    if (undoes || (answers.empty() && action.phase == model::Phase::Commit)) {
+      answers.push_back(robot.runtime.cancel(0, answers.empty() ? "ann" : "eve"));
+    }
+    return {};
+  });
+  const auto result = robot.runtime.switch_to(robot.target);
+  robot.asking.ask({});
+  ASSERT_EQ(answers.size(), 2U);
+  EXPECT_EQ(result.outcome, Outcome::Cancelled);
+  for (auto& answer : answers) {
+    EXPECT_EQ(end_of(std::move(answer)).cancelled_by, "ann");
+  }
+  robot.expect_restored();
+}
+
+TEST(Cancel, lets_a_newer_request_follow_the_undoing) {
+  Held robot;
+  auto cancelled = robot.runtime.cancel(0, "ann");
+  auto newer = robot.runtime.request(robot.target);
+  robot.released.set_value();
+  EXPECT_EQ(end_of(std::move(cancelled)).outcome, Outcome::Cancelled);
+  EXPECT_EQ(newer.get().outcome, Outcome::Done);
+  EXPECT_EQ(robot.runtime.belief().name, robot.target.name);
+}
+
+TEST(Cancel, of_a_superseded_request_is_refused) {
+  Held robot;
+  const auto number = robot.runtime.open_requests()[0].request;
+  auto newer = robot.runtime.request(robot.target);
+  const auto refused = robot.runtime.cancel(number, "ann");
+  robot.released.set_value();
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("a newer request has taken its place"));
+  EXPECT_EQ(robot.result.get().outcome, Outcome::Superseded);
+  EXPECT_EQ(newer.get().outcome, Outcome::Done);
+}
+
+TEST(Cancel, ends_with_the_runtime) {
+  auto robot = std::make_unique<Held>();
+  auto cancelled = robot->runtime.cancel(0, "ann");
+  ASSERT_TRUE(cancelled);
+  robot->released.set_value();
+  robot.reset();
+  EXPECT_EQ(cancelled->wait_until(in_a_while()), std::future_status::ready);
+}
+
+/// Each fault at each action, where somebody cancels as that action begins: the old network runs, or what
+/// runs is known.
+TEST(Cancel, together_with_a_fault_ends_in_the_old_network_or_says_what_runs) {
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  host::LocalTaskHost tasks{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  segue::testing::FaultyHost faulty{tasks};
+  AskingHost host{faulty};
+  Runtime runtime{"robot", host, catalog};
+  const auto before = network_of(kBefore + "deployments: {one: {tasks: [a]}, two: {tasks: [b]}}\n");
+  const auto target = network_of(kTarget + "deployments: {two: {tasks: [b]}, three: {tasks: [c]}}\n");
+  ASSERT_EQ(runtime.switch_to(before).outcome, Outcome::Done);
+  const auto plan = runtime.plan(target);
+  ASSERT_TRUE(plan);
+  int restored = 0;
+  for (const auto& at : plan->actions) {
+    for (const auto fault : segue::testing::kFaults) {
+      SCOPED_TRACE(at.label() + ", " +
+                   std::string(segue::testing::kFaultNames.at(static_cast<std::size_t>(fault))));
+      std::atomic<bool> done = false;
+      std::atomic<bool> accepted = false;
+      faulty.arm(fault, at.label());
+      host.ask([&](const model::Action& action) -> Result<void> {
+        if (is_same(action, at) && !done.exchange(true)) accepted = runtime.cancel(0, "ann").has_value();
+        return {};
+      });
+      const auto result = runtime.switch_to(target);
+      host.ask({});
+      const auto observed = host.observe();
+      EXPECT_EQ(result.outcome == Outcome::Cancelled, accepted) << why(result);
+      if (accepted && result.undo->restored) {
+        ++restored;
+        EXPECT_EQ(runtime.belief().name, before.name);
+        EXPECT_TRUE(model::includes(observed, before));
+      } else if (accepted) {
+        EXPECT_EQ(runtime.state(), RuntimeState::Failed);
+        EXPECT_THAT(differences(runtime.belief(), observed), IsEmpty());
+      }
+      faulty.heal();
+      const auto back = runtime.switch_to(before);
+      ASSERT_EQ(back.outcome, Outcome::Done) << why(back);
+    }
+  }
+  EXPECT_GT(restored, 20);
+}
+
+/// Many at once, for the thread sanitizer.
+TEST(Cancel, from_several_threads_ends_each_request_in_one_network) {
+  Robot robot;
+  std::atomic<bool> ends = false;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 3; ++i) {
+    threads.emplace_back([&] {
+      while (!ends) {
+        (void)robot.runtime.cancel(0, "ann");
+        (void)robot.runtime.open_requests();
+        std::this_thread::yield();
+      }
+    });
+  }
+  for (int round = 0; round < 40; ++round) {
+    const auto result = robot.runtime.switch_to(round % 2 == 0 ? robot.target : robot.before);
+    EXPECT_TRUE(result.outcome == Outcome::Done || result.outcome == Outcome::Cancelled) << why(result);
+    EXPECT_NE(robot.runtime.state(), RuntimeState::Failed);
+  }
+  ends = true;
+  for (auto& thread : threads) {
+    thread.join();
+  }
+  const auto& runs = robot.runtime.belief().name == robot.target.name ? robot.target : robot.before;
+  EXPECT_THAT(differences(runs, robot.host.observe()), IsEmpty());
+}
+
+}  // namespace
+}  // namespace segue::runtime

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useState } from 'react';
+import { useConnection } from '../robot/hooks';
+import type { OpenRequest, Status } from '../robot/types';
+import type { Undoing } from './undo';
+
+const states: Record<string, string> = {
+  waiting: 'waits', planning: 'is planned', prepare: 'is prepared', commit: 'is committed', retire: 'is past its point of commit', undo: 'is undone',
+};
+
+/** The requests in progress, whoever asked for them, and how to cancel each. */
+export function OpenRequests({ status }: { status: Status }) {
+  const connection = useConnection();
+  const [problem, setProblem] = useState<string | null>(null);
+  const fixed = connection.role !== 'operate';
+
+  const cancel = (request: OpenRequest) => {
+    setProblem(null);
+    connection.call('cancel', { request: request.request }).catch((error: Error) => setProblem('Not cancelled: ' + error.message));
+  };
+
+  return (
+    <div className="open-requests">
+      {status.requests.map((request) => {
+        const completes = request.state === 'retire' || request.state === 'undo';
+        return (
+          <div key={request.request} className="open-request">
+            <span>
+              <strong>{request.to || 'the empty network'}</strong> {states[request.state] ?? request.state}
+              {request.cancelled_by !== null && <>, cancelled by {request.cancelled_by}</>}
+              {request.who !== '' && <span className="quiet"> (asked for by {request.who})</span>}
+            </span>
+            {!fixed && (
+              <button
+                type="button"
+                disabled={completes || request.cancelled_by !== null}
+                title={completes ? 'It ends by itself now' : 'Undo it: the robot runs again what it ran before'}
+                onClick={() => cancel(request)}
+              >
+                Cancel<span className="hidden"> {request.to}</span>
+              </button>
+            )}
+          </div>
+        );
+      })}
+      {problem && <p className="bad" role="alert">{problem}</p>}
+    </div>
+  );
+}
+
+/** What is undone, as the robot reports it. */
+export function UndoList({ undoing }: { undoing: Undoing }) {
+  if (undoing.why === null) return null;
+  return (
+    <section aria-label="Undo">
+      <h3>
+        undo <span className="quiet">{undoing.steps.length} actions</span>
+      </h3>
+      <p className="quiet">{undoing.why}</p>
+      <ul className="actions">
+        {undoing.steps.map((step) => (
+          <li key={step.number} className={step.done ? 'done' : 'failed'} data-undo={step.done ? 'done' : 'failed'}>
+            <span aria-hidden="true">{step.done ? '✓' : '✗'}</span> {step.subject}
+            <span className="hidden">, {step.done ? 'done' : 'failed'}</span>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
