@@ -209,6 +209,12 @@ TEST_F(ControlTest, CarriesWhatIsCancelledAndByWhom) {
   EXPECT_GT(answer->find("left_s")->as_double(), 1.0);
 }
 
+TEST_F(ControlTest, CarriesQuestionsAboutThePast) {
+  serve();
+  const Value question = Value::map({{"ask", "at"}, {"time_s", 12.5}});
+  EXPECT_EQ(client()->past(question).value(), question);
+}
+
 TEST_F(ControlTest, AMissionIsShown) {
   serve();
   EXPECT_EQ(client()->mission(12, true).value(), Value::map({{"after", 12}, {"with_plan", true}}));

@@ -37,5 +37,6 @@ interface Robot {
   report @18 (lease :UInt64, doing :Wire.Value) -> (answer :Wire.Answer);
   askHolder @19 (what :Text) -> (answer :Wire.Answer);
   mission @20 (after :UInt64, withPlan :Bool) -> (answer :Wire.Answer);
+  past @22 (question :Wire.Value) -> (answer :Wire.Answer);
   cancel @21 (request :UInt64, who :Text, timeout :Int64) -> (answer :Wire.Answer);
 }

@@ -355,6 +355,16 @@ class Client final : public RobotService {
     });
   }
 
+  Result<Value> past(const Value& question) override {
+    if (auto fits = detail::check_size(question, detail::kServerMessageWords); !fits) return fits.error();
+    return channel_->ask(kLookTimeout, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+      auto request = connection.as<wire::Robot>().pastRequest();
+      if (auto done = detail::encode(question, request.initQuestion()); !done)
+        return Result<Value>(done.error());
+      return RpcChannel::send(request);
+    });
+  }
+
   Result<Value> history() override {
     return channel_->ask(kLookTimeout, [](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().historyRequest();

@@ -34,7 +34,8 @@ struct ActionEntry {
   Duration started{0};         ///< since the begin of the execution
   Duration waited{0};          ///< after its predecessors had ended: for others of its batch, and in transit
   Duration duration{0};
-  std::string outcome;  ///< "done", "failed", "skipped"
+  std::optional<Duration> ended{};  ///< reported, as `started`; nothing: not recorded
+  std::string outcome;              ///< "done", "failed", "skipped"
   std::string error;
 
   friend bool operator==(const ActionEntry&, const ActionEntry&) = default;
@@ -84,7 +85,12 @@ struct TransitionEntry {
   std::optional<Prediction> predicted;
   std::optional<PreparedAhead> ahead{};  ///< nothing: it found no tasks prepared
   std::string cancelled_by{};            ///< outcome "cancelled"
+  std::optional<Duration> lasted{};      ///< its execution, undoing included; nothing: not recorded
+  /// What ran before and afterwards, as written by network_text(); empty: not recorded.
+  std::string before{};
+  std::string after{};
   std::vector<ActionEntry> actions;
+  std::vector<ActionEntry> undo_actions{};  ///< that undid it, in the order of their execution
 
   friend bool operator==(const TransitionEntry&, const TransitionEntry&) = default;
 };
@@ -141,6 +147,16 @@ struct VersionEntry {
   std::string file;                            ///< where it was read from
   std::string text;                            ///< the network as a file; empty where it has more than 1 MiB
   friend bool operator==(const VersionEntry&, const VersionEntry&) = default;
+};
+
+/// The runtime of the robot began to observe it, or ended.
+struct RunningEntry {
+  enum class Kind { Began, Ended };
+  std::chrono::system_clock::time_point time;
+  Kind kind = Kind::Began;
+  std::string controller{};  ///< that ran when it began
+  std::string network{};     ///< what ran then, as TransitionEntry::before; empty: not recorded
+  friend bool operator==(const RunningEntry&, const RunningEntry&) = default;
 };
 
 /// Entries were lost, because the disk was full or the file could not be written.

@@ -291,6 +291,10 @@ void Journal::add(MissionEntry entry) {
   implementation_->add(std::move(entry));
 }
 
+void Journal::add(RunningEntry entry) {
+  implementation_->add(std::move(entry));
+}
+
 void Journal::add(GapEntry entry) {
   implementation_->add(std::move(entry));
 }

@@ -69,6 +69,7 @@ class Journal {
   void add(DifferenceEntry entry);
   void add(VersionEntry entry);
   void add(MissionEntry entry);
+  void add(RunningEntry entry);
   /// Of entries that were lost before they came here.
   void add(GapEntry entry);
 

@@ -2,6 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/journal/database.hpp>
 #include <segue/journal/reader.hpp>
+#include <segue/journal/rows.hpp>
 #include <segue/journal/schema.hpp>
 #include <segue/journal/statistics.hpp>
 
@@ -17,101 +18,10 @@ namespace segue::journal {
 namespace {
 
 using detail::Database;
+using detail::mission_in;
 using detail::Statement;
-
-std::chrono::system_clock::time_point time_in(const Statement& row, int column) {
-  return std::chrono::system_clock::time_point(
-      std::chrono::duration_cast<std::chrono::system_clock::duration>(Duration(row.integer(column))));
-}
-
-Duration duration_in(const Statement& row, int column) {
-  return Duration(row.integer(column));
-}
-
-/// The enumerator of that name.
-template <class Enumeration, class Names>
-std::optional<Enumeration> named(const Names& names, const std::string& word) {
-  const auto found = std::find(names.begin(), names.end(), word);
-  if (found == names.end()) return std::nullopt;
-  return static_cast<Enumeration>(found - names.begin());
-}
-
-/// Reads low, typical and high starting at a column; nothing unless they are in increasing order.
-std::optional<model::DurationRange> range_in(const Statement& row, int first) {
-  const model::DurationRange range{duration_in(row, first), duration_in(row, first + 1),
-                                   duration_in(row, first + 2)};
-  const bool ordered = Duration(0) <= range.low && range.low <= range.typical && range.typical <= range.high;
-  if (row.is_null(first) || !ordered) return std::nullopt;
-  return range;
-}
-
-TransitionEntry transition_in(const Statement& row) {
-  TransitionEntry entry;
-  entry.request = static_cast<std::uint64_t>(row.integer(1));
-  entry.time = time_in(row, 2);
-  entry.cause = row.text(3);
-  entry.who = row.text(4);
-  entry.from = row.text(5);
-  entry.to = row.text(6);
-  entry.runs = row.text(7);
-  entry.order = row.text(8);
-  entry.outcome = row.text(9);
-  entry.undone = row.text(10);
-  entry.error = row.text(11);
-  entry.solve = duration_in(row, 12);
-  entry.total = duration_in(row, 13);
-  entry.prepare = duration_in(row, 14);
-  entry.commit = duration_in(row, 15);
-  entry.retire = duration_in(row, 16);
-  const auto total = range_in(row, 17);
-  const auto commit = range_in(row, 20);
-  if (total && commit) entry.predicted = Prediction{*total, *commit};
-  entry.from_version = row.text(23);
-  entry.to_version = row.text(24);
-  entry.runs_version = row.text(25);
-  if (row.integer(26) > 0 && row.integer(27) >= 0)
-    entry.ahead = PreparedAhead{static_cast<std::size_t>(row.integer(26)), duration_in(row, 27)};
-  entry.cancelled_by = row.text(28);
-  return entry;
-}
-
-std::optional<ActionEntry> action_in(const Statement& row) {
-  const auto kind = named<model::ActionKind>(model::kActionKindNames, row.text(1));
-  const auto phase = named<model::Phase>(model::kPhaseNames, row.text(2));
-  const std::int64_t id = row.integer(0);
-  if (!kind || !phase || id < 0 || id > std::numeric_limits<int>::max()) return std::nullopt;
-  ActionEntry entry;
-  entry.id = static_cast<int>(id);
-  entry.kind = *kind;
-  entry.phase = *phase;
-  entry.label = row.text(3);
-  entry.component = row.text(4);
-  entry.host = model::HostName(row.text(5));
-  entry.process = model::ProcessName(row.text(6));
-  entry.started = duration_in(row, 7);
-  entry.waited = duration_in(row, 8);
-  entry.duration = duration_in(row, 9);
-  entry.outcome = row.text(10);
-  entry.error = row.text(11);
-  return entry;
-}
-
-std::optional<MissionEntry> mission_in(const Statement& row) {
-  const auto kind = named<MissionEntry::Kind>(kMissionKindNames, row.text(1));
-  if (!kind) return std::nullopt;
-  MissionEntry entry;
-  entry.time = time_in(row, 0);
-  entry.kind = *kind;
-  entry.who = row.text(2);
-  entry.mission = row.text(3);
-  entry.action = row.text(4);
-  entry.iteration = static_cast<std::uint64_t>(row.integer(5));
-  entry.controller = row.text(6);
-  entry.outcome = row.text(7);
-  entry.error = row.text(8);
-  entry.duration = duration_in(row, 9);
-  return entry;
-}
+using detail::time_in;
+using detail::transition_in;
 
 /// Collects the rows of a started statement, which gives the latest first, and returns the oldest first.
 template <class Item, class Convert>
@@ -153,25 +63,6 @@ struct JournalReader::Implementation {
   Database database;
   std::uint64_t invalid = 0;
 
-  Result<void> read_actions(std::int64_t transition, TransitionEntry& entry) {
-    auto rows = database.prepare(
-        R"(SELECT id, kind, phase, label, component, host, process, started, waited, duration, outcome, error
-           FROM action WHERE "transition" = ? ORDER BY number)");
-    if (!rows) return rows.error();
-    rows->start(transition);
-    while (true) {
-      const auto more = rows->next();
-      if (!more) return more.error();
-      if (!*more) return {};
-      auto action = action_in(*rows);
-      if (action) {
-        entry.actions.push_back(std::move(*action));
-      } else {
-        ++invalid;
-      }
-    }
-  }
-
   /// One state of the file for several statements, whatever is written meanwhile.
   template <class Read>
   auto at_one_moment(Read read) -> decltype(read()) {
@@ -204,18 +95,15 @@ Result<std::vector<TransitionEntry>> JournalReader::transitions(std::size_t limi
   Implementation& self = *implementation_;
   return self.at_one_moment([&]() -> Result<std::vector<TransitionEntry>> {
     std::vector<std::int64_t> ids;
-    auto entries = latest<TransitionEntry>(
-        self.database,
-        R"(SELECT id, request, time, cause, who, source, target, runs, "order", outcome, undone, error, solve, total,
-           prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high,
-           source_version, target_version, runs_version, ready_tasks, unprepared, cancelled_by FROM "transition")",
-        limit, [&](const Statement& row) {
+    auto entries =
+        latest<TransitionEntry>(self.database, detail::kSelectTransition, limit, [&](const Statement& row) {
           ids.push_back(row.integer(0));
           return transition_in(row);
         });
     if (!entries || actions == Actions::Without) return entries;
     for (std::size_t i = 0; i < entries->size(); ++i) {
-      if (auto read = self.read_actions(ids[ids.size() - 1 - i], (*entries)[i]); !read) return read.error();
+      auto read = detail::read_actions(self.database, ids[ids.size() - 1 - i], (*entries)[i], self.invalid);
+      if (!read) return read.error();
     }
     return entries;
   });

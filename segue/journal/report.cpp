@@ -24,6 +24,7 @@ Value action_value(const ActionEntry& action) {
                             {"waited_s", seconds(action.waited)},
                             {"duration_s", seconds(action.duration)},
                             {"outcome", action.outcome}});
+  if (action.ended) value.as_map().set("ended_s", seconds(*action.ended));
   if (!action.error.empty()) value.as_map().set("error", action.error);
   return value;
 }
@@ -73,6 +74,10 @@ Value to_value(const TransitionEntry& entry) {
   for (const ActionEntry& action : entry.actions)
     actions.push_back(action_value(action));
   map.set("actions", std::move(actions));
+  Value::List undo_actions;
+  for (const ActionEntry& action : entry.undo_actions)
+    undo_actions.push_back(action_value(action));
+  map.set("undo_actions", std::move(undo_actions));
   return value;
 }
 

@@ -59,7 +59,20 @@ constexpr std::string_view kCancelled = R"(
 ALTER TABLE "transition" ADD COLUMN cancelled_by TEXT NOT NULL DEFAULT '';
 )";
 
-constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead, kCancelled};
+/// `before`, `after` and `network` are ids of networks; NULL: not recorded.
+constexpr std::string_view kPast = R"(
+ALTER TABLE "transition" ADD COLUMN lasted INTEGER;
+ALTER TABLE "transition" ADD COLUMN before INTEGER;
+ALTER TABLE "transition" ADD COLUMN after INTEGER;
+ALTER TABLE action ADD COLUMN ended INTEGER;
+ALTER TABLE action ADD COLUMN undoes INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE network (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, text TEXT NOT NULL);
+CREATE TABLE running (
+  id INTEGER PRIMARY KEY, time INTEGER NOT NULL, kind TEXT NOT NULL, controller TEXT NOT NULL, network INTEGER);
+CREATE INDEX transition_time ON "transition" (time);
+)";
+
+constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead, kCancelled, kPast};
 
 Error not_ours() {
   return fail(ErrorCode::InvalidArgument, "it is a database of another program, not a journal of Segue");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/sha256.hpp>
 #include <segue/base/text.hpp>
 #include <segue/journal/schema.hpp>
 #include <segue/journal/statistics.hpp>
@@ -89,12 +90,40 @@ Result<void> write_row(Database& database, const GapEntry& entry) {
   return row->run(since_1970(entry.time), static_cast<std::int64_t>(entry.lost), cut(entry.reason));
 }
 
+/// The id of the network, which is kept once; nothing: there is none, or it is too long to be kept.
+Result<std::optional<std::int64_t>> keep_network(Database& database, const std::string& text) {
+  if (text.empty() || text.size() > kLongestNetwork) return std::optional<std::int64_t>();
+  const std::string digest = sha256(text);
+  auto row = database.prepare("INSERT OR IGNORE INTO network (digest, text) VALUES (?, ?)");
+  if (!row) return row.error();
+  if (auto done = row->run(digest, text); !done) return done.error();
+  auto found = database.prepare("SELECT id FROM network WHERE digest = ?");
+  if (!found) return found.error();
+  found->start(digest);
+  const auto some = found->next();
+  if (!some) return some.error();
+  return *some ? std::optional<std::int64_t>(found->integer(0)) : std::nullopt;
+}
+
+Result<void> write_row(Database& database, const RunningEntry& entry) {
+  const auto network = keep_network(database, entry.network);
+  if (!network) return network.error();
+  auto row = database.prepare("INSERT INTO running (time, kind, controller, network) VALUES (?, ?, ?, ?)");
+  if (!row) return row.error();
+  const std::string_view kind = entry.kind == RunningEntry::Kind::Began ? "began" : "ended";
+  return row->run(since_1970(entry.time), kind, cut(entry.controller), *network);
+}
+
 Result<void> write_head(Database& database, const TransitionEntry& entry) {
+  const auto before = keep_network(database, entry.before);
+  if (!before) return before.error();
+  const auto after = keep_network(database, entry.after);
+  if (!after) return after.error();
   auto row = database.prepare(
       R"(INSERT INTO "transition" (request, time, cause, who, source, target, runs, "order", outcome, undone, error,
          solve, total, prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical,
-         commit_high, actions, source_version, target_version, runs_version, ready_tasks, unprepared, cancelled_by)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
+         commit_high, actions, source_version, target_version, runs_version, ready_tasks, unprepared, cancelled_by,
+         lasted, before, after) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
   if (!row) return row.error();
   using Optional = std::optional<std::int64_t>;
   const auto predicted = [&](model::DurationRange Prediction::*range, Duration model::DurationRange::*part) {
@@ -110,10 +139,12 @@ Result<void> write_head(Database& database, const TransitionEntry& entry) {
       predicted(&Prediction::total, &DurationRange::high),
       predicted(&Prediction::commit, &DurationRange::low),
       predicted(&Prediction::commit, &DurationRange::typical),
-      predicted(&Prediction::commit, &DurationRange::high), static_cast<std::int64_t>(entry.actions.size()),
-      cut(entry.from_version), cut(entry.to_version), cut(entry.runs_version),
+      predicted(&Prediction::commit, &DurationRange::high),
+      static_cast<std::int64_t>(entry.actions.size() + entry.undo_actions.size()), cut(entry.from_version),
+      cut(entry.to_version), cut(entry.runs_version),
       entry.ahead ? Optional(static_cast<std::int64_t>(entry.ahead->tasks)) : Optional(),
-      entry.ahead ? Optional(entry.ahead->unprepared.count()) : Optional(), cut(entry.cancelled_by));
+      entry.ahead ? Optional(entry.ahead->unprepared.count()) : Optional(), cut(entry.cancelled_by),
+      entry.lasted ? Optional(entry.lasted->count()) : Optional(), *before, *after);
 }
 
 Result<void> write_actions(Database& database, const TransitionEntry& entry) {
@@ -121,15 +152,19 @@ Result<void> write_actions(Database& database, const TransitionEntry& entry) {
   if (!number) return number.error();
   auto row = database.prepare(
       R"(INSERT INTO action ("transition", number, id, kind, phase, label, component, host, process, started, waited,
-         duration, outcome, error) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
+         duration, outcome, error, ended, undoes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
   if (!row) return row.error();
-  for (std::size_t i = 0; i < entry.actions.size(); ++i) {
-    const ActionEntry& action = entry.actions[i];
+  using Optional = std::optional<std::int64_t>;
+  const std::size_t forward = entry.actions.size();
+  for (std::size_t i = 0; i < forward + entry.undo_actions.size(); ++i) {
+    const ActionEntry& action = i < forward ? entry.actions[i] : entry.undo_actions[i - forward];
+    const auto ended = Optional(action.ended.value_or(Duration(-1)).count());
     auto done =
         row->run(*number, static_cast<std::int64_t>(i), static_cast<std::int64_t>(action.id),
                  to_string(action.kind), to_string(action.phase), cut(action.label), cut(action.component),
                  cut(action.host.str()), cut(action.process.str()), action.started.count(),
-                 action.waited.count(), action.duration.count(), cut(action.outcome), cut(action.error));
+                 action.waited.count(), action.duration.count(), cut(action.outcome), cut(action.error),
+                 action.ended ? ended : Optional(), static_cast<std::int64_t>(i < forward ? 0 : 1));
     if (!done) return done;
   }
   return {};
@@ -211,7 +246,7 @@ Result<void> Store::learn(const TransitionEntry& entry, model::ActionTimes& time
 Result<void> Store::remove_old(std::size_t added) {
   kept_ += added;
   const auto few = static_cast<std::int64_t>(std::max<std::size_t>(keep_actions_ / 10, 1));
-  for (const std::string table : {"request", "difference", "version", "mission", "gap"}) {
+  for (const std::string table : {"request", "difference", "version", "mission", "running", "gap"}) {
     auto row =
         database_.prepare("DELETE FROM " + table + " WHERE id <= (SELECT max(id) FROM " + table + ") - ?");
     if (!row) return row.error();
@@ -247,7 +282,10 @@ Result<void> Store::remove_old_transitions() {
     if (!row) return row.error();
     if (auto done = row->run(last_removed); !done) return done;
   }
-  return {};
+  return database_.execute(
+      R"(DELETE FROM network WHERE id NOT IN (SELECT before FROM "transition" WHERE before IS NOT NULL
+         UNION SELECT after FROM "transition" WHERE after IS NOT NULL
+         UNION SELECT network FROM running WHERE network IS NOT NULL))");
 }
 
 }  // namespace segue::journal::detail

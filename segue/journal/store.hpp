@@ -15,13 +15,13 @@
 /// Writes entries to the tables of the file.
 namespace segue::journal::detail {
 
-using AnyEntry =
-    std::variant<TransitionEntry, RequestEntry, DifferenceEntry, VersionEntry, MissionEntry, GapEntry>;
+using AnyEntry = std::variant<TransitionEntry, RequestEntry, DifferenceEntry, VersionEntry, MissionEntry,
+                              RunningEntry, GapEntry>;
 
 /// The number of rows of an entry, which limits count.
 inline std::size_t weight_of(const AnyEntry& entry) {
   const auto* transition = std::get_if<TransitionEntry>(&entry);
-  return transition == nullptr ? 1 : 1 + transition->actions.size();
+  return transition == nullptr ? 1 : 1 + transition->actions.size() + transition->undo_actions.size();
 }
 
 /// The file of a journal, opened for writing. Not thread safe.

@@ -98,6 +98,7 @@ class FakeService final : public control::RobotService {
   }
   Result<Value> events(std::uint64_t /*after*/, Duration /*wait*/) override { return no(); }
   Result<Value> history() override { return no(); }
+  Result<Value> past(const Value& /*question*/) override { return no(); }
   Result<void> shut_down() override { return no(); }
 
  private:

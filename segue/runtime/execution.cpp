@@ -6,11 +6,8 @@
 namespace segue::runtime::detail {
 
 Execution::Execution(host::TaskHost& host, const model::Transition& transition, Duration action_deadline,
-                     Progress progress)
-    : host_(host),
-      action_deadline_(action_deadline),
-      progress_(std::move(progress)),
-      started_(RealClock::instance().now()) {
+                     TimePoint started, Progress progress)
+    : host_(host), action_deadline_(action_deadline), progress_(std::move(progress)), started_(started) {
   records_.reserve(transition.actions.size());
   for (const auto& action : transition.actions) {
     records_.push_back({action, {}, {}, std::nullopt, false});

@@ -24,9 +24,10 @@ class Execution : public std::enable_shared_from_this<Execution> {
   using Progress = std::function<void(const ActionRecord& record)>;
 
   /// An action of `transition` waits for none of a later phase. `action_deadline` is
-  /// for each action, from its begin. Made by std::make_shared: reports that come late keep this alive.
+  /// for each action, from its begin. Times of the records are since `started`. Made by std::make_shared:
+  /// reports that come late keep this alive.
   Execution(host::TaskHost& host, const model::Transition& transition, Duration action_deadline,
-            Progress progress);
+            TimePoint started, Progress progress);
   Execution(const Execution&) = delete;
   Execution& operator=(const Execution&) = delete;
 

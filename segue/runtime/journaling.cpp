@@ -5,6 +5,7 @@
 #include <segue/runtime/report.hpp>
 #include <segue/solve/action_sites.hpp>
 #include <segue/solve/estimate.hpp>
+#include <segue/type/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -21,9 +22,10 @@ Duration end_of(const ActionRecord& record) {
 }
 
 /// The earliest possible begin of each phase: the end of those before it.
-std::array<Duration, 3> phase_begins(const std::vector<ActionRecord>& records) {
+std::array<Duration, 3> phase_begins(const std::vector<ActionRecord>& records, std::size_t count) {
   std::array<Duration, 3> begins{};
-  for (const ActionRecord& record : records) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const ActionRecord& record = records[i];
     if (!record.executed) continue;
     for (auto phase = static_cast<std::size_t>(record.action.phase) + 1; phase < begins.size(); ++phase)
       begins.at(phase) = std::max(begins.at(phase), end_of(record));
@@ -71,7 +73,7 @@ class Lanes {
 /// time that its process was busy with it.
 void find_waits(const std::vector<ActionRecord>& records, std::size_t count,
                 std::vector<journal::ActionEntry>& entries) {
-  const auto begins = phase_begins(records);
+  const auto begins = phase_begins(records, count);
   const Lanes lanes(records, entries, count);
   std::unordered_map<int, Duration> ends;
   for (std::size_t i = 0; i < count; ++i) {
@@ -99,6 +101,7 @@ journal::ActionEntry action_entry(const ActionRecord& record, const solve::Actio
   entry.process = site.process;
   entry.started = record.started;
   entry.duration = work_of(record);
+  if (record.executed) entry.ended = end_of(record);
   entry.outcome = outcome_of(record);
   if (record.error) entry.error = to_string(*record.error);
   return entry;
@@ -133,6 +136,35 @@ std::string undone_as(const Undo& undo) {
 
 }  // namespace
 
+std::string network_text(const model::Network& network) {
+  using type::Value;
+  const auto processes = model::task_processes(network);
+  std::map<std::string, Value> tasks;
+  for (const model::Task& task : network.tasks) {
+    const auto found = processes.find(task.id);
+    const model::DeploymentKey where = found == processes.end() ? model::DeploymentKey{} : found->second;
+    tasks.insert_or_assign(task.id.str(), Value::map({{"id", task.id.str()},
+                                                      {"component", task.component.str()},
+                                                      {"state", to_string(task.state)},
+                                                      {"host", where.host.str()},
+                                                      {"process", where.process.str()}}));
+  }
+  std::map<std::pair<std::string, std::string>, Value> connections;
+  for (const model::Connection& one : network.connections) {
+    const std::string from = to_string(one.from);
+    const std::string to = to_string(one.to);
+    connections.insert_or_assign(std::pair(from, to), Value::map({{"from", from}, {"to", to}}));
+  }
+  Value::List task_list;
+  for (auto& [id, task] : tasks)
+    task_list.push_back(std::move(task));
+  Value::List connection_list;
+  for (auto& [ends, connection] : connections)
+    connection_list.push_back(std::move(connection));
+  return type::to_json(
+      Value::map({{"tasks", std::move(task_list)}, {"connections", std::move(connection_list)}}), -1);
+}
+
 journal::TransitionEntry journal_entry(const SwitchResult& result) {
   journal::TransitionEntry entry;
   entry.request = result.request;
@@ -163,6 +195,8 @@ journal::TransitionEntry journal_entry(const SwitchResult& result, const model::
   journal::TransitionEntry entry = journal_entry(result);
   entry.total = total_of(result.actions);
   entry.actions = action_entries(result.actions, current, transition.actions.size());
+  if (result.undo) entry.undo_actions = action_entries(result.undo->actions, current, 0);
+  entry.lasted = result.duration;
   if (transition.actions.empty() || known.actions.empty()) return entry;
   const solve::Estimate expected = solve::estimate(current, transition, known);
   entry.predicted = journal::Prediction{expected.total, expected.of(model::Phase::Commit)};
@@ -207,6 +241,17 @@ void JournalKeeper::lost(std::uint64_t entries, const std::string& reason) {
   if (journal_) journal_->add(journal::GapEntry{std::chrono::system_clock::now(), entries, reason});
 }
 
+void JournalKeeper::began(const model::Network& observed, const model::NetworkName& controller) {
+  if (!journal_) return;
+  journal_->add(journal::RunningEntry{std::chrono::system_clock::now(), journal::RunningEntry::Kind::Began,
+                                      controller.str(), network_text(observed)});
+}
+
+void JournalKeeper::stopped() {
+  if (!journal_) return;
+  journal_->add(journal::RunningEntry{std::chrono::system_clock::now(), journal::RunningEntry::Kind::Ended});
+}
+
 void JournalKeeper::ended(const SwitchResult& result) {
   if (journal_) journal_->add(journal_entry(result));
 }
@@ -216,10 +261,12 @@ JournalKeeper::Known JournalKeeper::known() const {
 }
 
 void JournalKeeper::ended(SwitchResult& result, const model::Network& current,
-                          const model::Transition& transition, const Known& known) {
+                          const model::Transition& transition, const Known& known, const Ends& ends) {
   if (!journal_ || !known) return;
   auto entry = journal_entry(result, current, transition, *known);
   result.predicted = entry.predicted;
+  entry.before = network_text(ends.before);
+  entry.after = network_text(ends.after);
   journal_->add(std::move(entry));
 }
 

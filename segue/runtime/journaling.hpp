@@ -16,6 +16,10 @@
 /// Entries of the journal built from results of the runtime.
 namespace segue::runtime {
 
+/// What runs, as JSON: {"tasks": [{"id", "component", "state", "host", "process"}], "connections": [{"from",
+/// "to"}]}, sorted, so that the same network gives the same text.
+std::string network_text(const model::Network& network);
+
 /// The entry of an executed transition from `current`. `known` are the durations known before it
 /// (Journal::times()), from which the prediction is computed. Actions of `result` beyond those of
 /// `transition` belong to a replanned one. From any thread; takes about a millisecond for a hundred actions.
@@ -45,14 +49,23 @@ class JournalKeeper {
   void did(journal::MissionEntry entry);
   /// Entries that are not recorded.
   void lost(std::uint64_t entries, const std::string& reason);
+  /// The runtime observes the robot from here on.
+  void began(const model::Network& observed, const model::NetworkName& controller);
+  /// It ends.
+  void stopped();
   /// A request without a transition.
   void ended(const SwitchResult& result);
 
   /// The durations known before a transition, for ended(); null if no journal is kept.
   [[nodiscard]] Known known() const;
+  /// What ran before and after a transition, without what the host adds.
+  struct Ends {
+    model::Network before;
+    model::Network after;
+  };
   /// An executed transition from `current`. Fills in its prediction.
   void ended(SwitchResult& result, const model::Network& current, const model::Transition& transition,
-             const Known& known);
+             const Known& known, const Ends& ends);
 
  private:
   std::unique_ptr<journal::Journal> journal_;

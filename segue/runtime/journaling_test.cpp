@@ -128,5 +128,37 @@ TEST(JournalEntry, KeepsActionsOfAReplannedTransition) {
   EXPECT_EQ(entry.total, 52ms);
 }
 
+TEST(JournalEntry, HoldsWhatUndidTheTransitionAndWhenActionsEnded) {
+  auto result = three_actions();
+  result.outcome = Outcome::Cancelled;
+  result.cancelled_by = "ann";
+  result.duration = 90ms;
+  result.undo.emplace();
+  result.undo->restored = true;
+  result.undo->actions = {record(1, ActionKind::Stop, Phase::Commit, {}, 60ms, 20ms)};
+  const auto entry = journal_entry(result, one_task(), transition_of(result), {});
+  EXPECT_EQ(entry.outcome, "cancelled");
+  EXPECT_EQ(entry.undone, "restored");
+  EXPECT_EQ(entry.cancelled_by, "ann");
+  EXPECT_EQ(entry.lasted, 90ms);
+  EXPECT_EQ(entry.total, 45ms);
+  EXPECT_EQ(entry.actions[1].ended, 34ms);
+  ASSERT_EQ(entry.undo_actions.size(), 1U);
+  EXPECT_EQ(entry.undo_actions[0].label, "stop a");
+  EXPECT_EQ(entry.undo_actions[0].ended, 80ms);
+}
+
+TEST(JournalEntry, ANetworkIsTheSameTextWhateverTheOrderOfItsParts) {
+  model::Network network = one_task();
+  network.tasks.push_back(network.tasks.front());
+  network.tasks.back().id = model::TaskId("b");
+  model::Network other = network;
+  std::swap(other.tasks.front(), other.tasks.back());
+  EXPECT_EQ(network_text(network), network_text(other));
+  EXPECT_EQ(
+      network_text(one_task()),
+      R"({"tasks":[{"id":"a","component":"demo::A","state":"running","host":"","process":""}],"connections":[]})");
+}
+
 }  // namespace
 }  // namespace segue::runtime

@@ -2,6 +2,7 @@
 #include <segue/runtime/robot_service.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/journal/past.hpp>
 #include <segue/model/files.hpp>
 #include <segue/runtime/report.hpp>
 
@@ -367,6 +368,14 @@ Result<type::Value> RuntimeService::history() {
     list.push_back(to_value(result));
   }
   return type::Value(std::move(list));
+}
+
+Result<type::Value> RuntimeService::past(const type::Value& question) {
+  const auto& path = runtime_.journal();
+  if (path.empty()) {
+    return fail(ErrorCode::Unsupported, "the robot keeps no journal, so nothing is known of its past");
+  }
+  return journal::answer_about_past(path, question);
 }
 
 Result<void> RuntimeService::shut_down() {

@@ -46,6 +46,7 @@ class RuntimeService final : public control::RobotService {
                                                            std::size_t buffer) override;
   Result<type::Value> events(std::uint64_t after, Duration wait) override;
   Result<type::Value> history() override;
+  Result<type::Value> past(const type::Value& question) override;
   Result<void> shut_down() override;
 
  private:

@@ -195,6 +195,10 @@ std::vector<SwitchResult> Runtime::history() const {
   return {implementation_->history.begin(), implementation_->history.end()};
 }
 
+const std::filesystem::path& Runtime::journal() const {
+  return implementation_->options.journal;
+}
+
 std::vector<Event> Runtime::events(std::uint64_t after, Duration wait) const {
   return implementation_->log.after(after, wait);
 }

@@ -168,6 +168,7 @@ class Runtime {
 
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
+  [[nodiscard]] const std::filesystem::path& journal() const;  ///< its file; empty: none is kept
   /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
   [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
 

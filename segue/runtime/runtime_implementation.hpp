@@ -79,7 +79,8 @@ struct Runtime::Implementation {
   /// Blocks.
   void carry_out(const model::Network& current, const detail::SwitchPlan& plan, Duration action_deadline,
                  SwitchResult& result);
-  void conclude(const detail::SwitchPlan& plan, SwitchResult& result);
+  /// Returns what was observed to run.
+  model::Network conclude(const detail::SwitchPlan& plan, SwitchResult& result);
   void begin(const std::shared_ptr<detail::Transaction>& begun, Cause cause);
   void conclude_failed(const detail::SwitchPlan& plan, const detail::Observation& seen, SwitchResult& result);
   /// Replaces the belief by a snapshot; parts that are not in `controller` become its `extra`.

@@ -31,6 +31,7 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
   unseen_hosts = detail::unreachable_hosts(host);
   const Observation seen = belief.observe();
   adopt(seen, without_pools(seen.network), std::nullopt);
+  journal.began(host.condensed(seen.network), belief.controller().name);
   worker = std::thread([this] { work(); });
 }
 
@@ -59,6 +60,7 @@ Runtime::Implementation::~Implementation() {
            fail(ErrorCode::Cancelled, "the runtime ended before the files took effect"));
   }
   worker.join();
+  journal.stopped();
   if (prepare_waiting) {
     std::vector<Readiness> none;
     for (const auto& wanted : requests_to_prepare) {
@@ -151,12 +153,13 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
     }
   }
   savings.learn(result);
-  conclude(plan, result);
+  const model::Network after = conclude(plan, result);
   if (may_be_prepared && result.outcome == Outcome::Done) {
     result.ahead =
         savings.of(result, before, plan, host, catalog, known_before ? *known_before : model::ActionTimes{});
   }
-  journal.ended(result, current, plan.transition, known_before);
+  journal.ended(result, current, plan.transition, known_before,
+                {host.condensed(current), host.condensed(after)});
 }
 
 void Runtime::Implementation::begin(const std::shared_ptr<detail::Transaction>& begun, Cause cause) {
@@ -172,7 +175,7 @@ void Runtime::Implementation::begin(const std::shared_ptr<detail::Transaction>& 
   }
 }
 
-void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& result) {
+model::Network Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& result) {
   const Observation seen = belief.observe();
   const auto held = belief.held();
   if (result.outcome == Outcome::Superseded) {
@@ -196,6 +199,7 @@ void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& res
   }
   result.runs = belief.controller().name;
   result.runs_version = belief.version();
+  return seen.network;
 }
 
 void Runtime::Implementation::conclude_failed(const SwitchPlan& plan, const Observation& seen,

@@ -99,5 +99,12 @@ TEST_F(Service, cancels_nothing_where_nothing_is_requested) {
   EXPECT_EQ(nothing.error().code, ErrorCode::NotFound);
 }
 
+TEST_F(Service, has_a_past_only_with_a_journal) {
+  const auto past = service_.past(type::Value::map({{"ask", "span"}}));
+  ASSERT_FALSE(past);
+  EXPECT_EQ(past.error().code, ErrorCode::Unsupported);
+  EXPECT_THAT(past.error().message, HasSubstr("keeps no journal"));
+}
+
 }  // namespace
 }  // namespace segue::runtime

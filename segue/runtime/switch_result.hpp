@@ -25,7 +25,7 @@ std::string_view to_string(Outcome outcome);
 
 struct ActionRecord {
   model::Action action;
-  Duration started{0};             ///< since the begin of the execution
+  Duration started{0};             ///< since the begin of the transition
   Duration duration{0};            ///< until its end was reported, waiting for others of its batch included
   std::optional<Error> error;      ///< nothing: succeeded
   bool executed = false;           ///< false: an earlier action failed

@@ -197,7 +197,7 @@ std::optional<std::string> Transaction::enter_undo() {
 }
 
 std::shared_ptr<Execution> Transaction::begin(const model::Transition& transition) {
-  auto created = std::make_shared<Execution>(context_.host, transition, options_.action_deadline,
+  auto created = std::make_shared<Execution>(context_.host, transition, options_.action_deadline, started_,
                                              [this](const ActionRecord& record) { on_action(record); });
   const std::lock_guard lock(mutex_);
   execution_ = created;
@@ -208,14 +208,14 @@ std::shared_ptr<Execution> Transaction::begin(const model::Transition& transitio
 }
 
 void Transaction::run(SwitchResult& result) {
-  const TimePoint started = RealClock::instance().now();
+  started_ = RealClock::instance().now();
   context_.host.begin_transition(before_, plan_.target);
   forward(result);
   {
     const std::lock_guard lock(mutex_);
     execution_.reset();
   }
-  result.duration = RealClock::instance().now() - started;
+  result.duration = RealClock::instance().now() - started_;
 }
 
 void Transaction::forward(SwitchResult& result) {

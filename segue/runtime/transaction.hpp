@@ -107,6 +107,7 @@ class Transaction {
   const SwitchPlan& plan_;
   const Options options_;
   const std::map<model::HostName, std::uint64_t> connections_;  ///< to computers, when it began
+  TimePoint started_{};                                         ///< of run()
   mutable std::mutex mutex_;  ///< protects all members below; actions run without it
   std::shared_ptr<Execution> execution_;
   Stage stage_ = Stage::Prepare;

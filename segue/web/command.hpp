@@ -29,6 +29,8 @@ class Command {
   [[nodiscard]] Result<bool> flag(std::string_view name) const;  ///< false where it is missing
   [[nodiscard]] Result<std::vector<std::string>> texts(std::string_view name) const;
   [[nodiscard]] Result<std::uint64_t> number_or(std::string_view name, std::uint64_t otherwise) const;
+  /// All as they are.
+  [[nodiscard]] const type::Value& arguments() const { return arguments_; }
   /// "value" as it is, or "yaml": text in YAML.
   [[nodiscard]] Result<type::Value> value() const;
   /// When to give up: after "timeout_s" seconds, of 600 at most.

@@ -81,6 +81,14 @@ TEST_F(SessionTest, AnObserverOnlyLooks) {
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "diff", "arguments": {"controller": "c"}})"), "");
 }
 
+TEST_F(SessionTest, AnybodyMayAskAboutThePast) {
+  const auto session = browser(Role::Observe);
+  session->receive(R"({"id": 3, "verb": "past", "arguments": {"ask": "at", "time_s": 12.5}})");
+  EXPECT_EQ(*message(*session, "id").find("result"), Value::map({{"ask", "at"}, {"time_s", 12.5}}));
+  EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "past", "arguments": {"path": "/etc/passwd"}})"),
+            "invalid-argument");
+}
+
 TEST_F(SessionTest, WrongMessagesAreAnsweredByErrors) {
   const auto session = browser();
   EXPECT_EQ(error_code(*session, "{"), "parse-error");

@@ -170,6 +170,11 @@ Result<Value> ask_history(const Request& request) {
   return history;
 }
 
+/// Of the robot's journal; it says itself what a question needs.
+Result<Value> ask_past(const Request& request) {
+  return request.robot.past(request.command.arguments());
+}
+
 using OfFiles = Result<Value> (FileVerbs::*)(const Command&);
 
 struct VerbEntry {
@@ -186,6 +191,7 @@ const std::vector<VerbEntry>& verb_entries() {
       {"task", Role::Observe, ask_task, {"task"}},
       {"events", Role::Observe, ask_events, {"after"}},
       {"history", Role::Observe, ask_history, {}},
+      {"past", Role::Observe, ask_past, {"ask", "id", "before", "limit", "words", "time_s"}},
       {"diff", Role::Observe, ask_diff, {"controller", "force", "order", "take_over", "timeout_s"}},
       {"switch", Role::Operate, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
       {"cancel", Role::Operate, do_cancel, {"request", "timeout_s"}},

@@ -161,6 +161,7 @@ class FakeRobot : public RobotService {
     return type::Value(type::Value::List{});
   }
   Result<type::Value> history() override { return type::Value(type::Value::List{}); }
+  Result<type::Value> past(const type::Value& question) override { return question; }
   Result<void> shut_down() override {
     asked_to_end = true;
     return {};

@@ -34,6 +34,7 @@ class JournalFiles : public SystemTest {
                       {},
                       {},
                       25ms,
+                      {},
                       journal::kDone,
                       {}}};
     if (request > 1) entry.predicted = journal::Prediction{{20ms, 25ms, 40ms}, {1ms, 2ms, 4ms}};

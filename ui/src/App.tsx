@@ -3,6 +3,7 @@ import { lazy, Suspense, useEffect, useState } from 'react';
 import { EventsView } from './events/EventsView';
 import { MissionsView } from './missions/MissionsView';
 import { NetworkView } from './network/NetworkView';
+import { PastView } from './past/PastView';
 import { PlotsView } from './plots/PlotsView';
 import { useConnection, useDocument, useLink } from './robot/hooks';
 import { statusOf } from './robot/types';
@@ -10,7 +11,7 @@ import { SwitchView } from './switch/SwitchView';
 
 const EditView = lazy(() => import('./edit/EditView').then((part) => ({ default: part.EditView }))); // the editor is large
 
-const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit'] as const;
+const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past'] as const;
 type View = (typeof views)[number];
 
 function viewOfAddress(): View {
@@ -79,6 +80,7 @@ export function App() {
         {view === 'Missions' && <MissionsView />}
         {status && view === 'Plots' && <PlotsView status={status} />}
         {view === 'Events' && <EventsView />}
+        {view === 'Past' && status && <PastView />}
         {view === 'Edit' && <Suspense fallback={<p className="empty">…</p>}><EditView /></Suspense>}
       </main>
     </>

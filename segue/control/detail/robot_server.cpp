@@ -301,6 +301,15 @@ class RobotServer final : public wire::Robot::Server {
     return caller_.answer_value(context, [&service = service()] { return service.history(); });
   }
 
+  kj::Promise<void> past(PastContext context) override {
+    return caller_.answer_value(context,
+                                [&service = service(), question = decode(context.getParams().getQuestion(),
+                                                                         kMaxNodes)]() -> Result<Value> {
+                                  if (!question) return question.error();
+                                  return service.past(*question);
+                                });
+  }
+
   kj::Promise<void> shutDown(ShutDownContext context) override {
     return caller_.answer_value(Role::Operate, context,
                                 [&service = service()] { return as_value(service.shut_down()); });

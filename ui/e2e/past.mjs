@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// The past of a real robot in a real browser: films of transitions, and what ran at a time. Status 77: there is no browser.
+//   node past.mjs SEGUE SCREENSHOT_FOLDER
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import assert from 'node:assert/strict';
+import { Stage } from './stage.mjs';
+
+const [segue, pictures] = process.argv.slice(2);
+const stage = new Stage(segue, pictures);
+
+/** A robot that has switched, failed and undone it. */
+async function makeAPast() {
+  stage.run(['init', 'rover']);
+  const controllers = join(stage.folder, 'rover/controllers');
+  const go = readFileSync(join(controllers, 'go_to.yaml'), 'utf8');
+  const broken = go.replace('network: go_to', 'network: broken').replace('"demo::LaserScanner"', '"demo::LaserScanner", properties: {beams: 1}');
+  writeFileSync(join(controllers, 'broken.yaml'), broken);
+  await stage.start(['run', 'rover/robot.yaml', '--controller', 'explore'], /robot rover runs/);
+  stage.run(['switch', 'go_to']);
+  assert.throws(() => stage.run(['switch', 'broken']));
+  stage.run(['switch', 'manual']);
+}
+
+const line = (page, name) => page.getByRole('region', { name: 'Past requests' }).getByRole('button', { name });
+const taskIn = (page, name) => page.locator('.task-box', { has: page.getByText(name, { exact: true }) });
+
+/** Sets a slider by keyboard. */
+async function press(slider, ...keys) {
+  await slider.focus();
+  for (const key of keys) await slider.press(key);
+}
+
+async function watchFilms(page) {
+  await line(page, 'explore → go_to').click();
+  const film = page.getByRole('region', { name: 'Film', exact: true });
+  const slider = film.getByRole('slider', { name: 'Time of the film' });
+  await slider.waitFor();
+  // At its begin nothing has come true.
+  await page.locator('[data-moment=waiting]', { hasText: 'start seeker' }).waitFor();
+  await taskIn(page, 'seeker').filter({ hasText: 'not yet' }).waitFor();
+  await taskIn(page, 'wanderer').filter({ hasText: 'running' }).waitFor();
+  await press(slider, 'End');
+  await page.locator('[data-moment=done]', { hasText: 'start seeker' }).waitFor();
+  await taskIn(page, 'seeker').filter({ hasText: 'running' }).waitFor();
+  await taskIn(page, 'wanderer').filter({ hasText: 'gone' }).waitFor();
+  await stage.look(page, 'past_film');
+  await press(slider, 'Home', 'ArrowRight');
+  await taskIn(page, 'wanderer').filter({ hasText: 'running' }).waitFor();
+  // Playing from here ends at the end by itself.
+  await film.getByLabel('Speed').selectOption('0.25');
+  await film.getByRole('button', { name: 'Play' }).click();
+  await taskIn(page, 'wanderer').filter({ hasText: 'gone' }).waitFor();
+  await film.getByRole('button', { name: 'Play' }).waitFor();
+
+  // One that was undone.
+  await line(page, 'go_to → broken').click();
+  await page.getByRole('complementary', { name: 'Past transition' }).getByText('failed, restored').waitFor();
+  await press(slider, 'End');
+  await page.locator('[data-moment=failed]').first().waitFor();
+  await page.getByRole('region', { name: 'Undo' }).locator('[data-moment=done]').first().waitFor();
+  await taskIn(page, 'seeker').filter({ hasText: 'running' }).waitFor();
+  await stage.look(page, 'past_undone');
+  await film.getByRole('button', { name: 'Close the film' }).click();
+}
+
+async function goBackInTime(page) {
+  const at = page.getByRole('complementary', { name: 'At that time' });
+  const controllerThen = (name) => at.locator('[data-controller="' + name + '"]').waitFor();
+  const slider = page.getByRole('region', { name: 'The robot at a time' }).getByRole('slider', { name: 'Time' });
+  await slider.waitFor();
+  await press(slider, 'End');
+  await controllerThen('manual');
+  await taskIn(page, 'joystick').waitFor();
+  await page.getByRole('button', { name: 'earlier' }).click();
+  await controllerThen('explore');
+  await taskIn(page, 'wanderer').waitFor();
+  await stage.look(page, 'past_moment');
+  await press(slider, 'Home');
+  await controllerThen('');
+  await taskIn(page, 'wanderer').waitFor({ state: 'detached' });
+}
+
+async function search(page) {
+  await page.keyboard.press('7');
+  const requests = page.getByRole('region', { name: 'Past requests' });
+  await requests.locator('[data-request]').nth(3).waitFor();
+  assert.match(await requests.locator('[data-request]').first().innerText(), /go_to → manual/);
+  const box = requests.getByRole('searchbox');
+  await box.fill('BROKEN failed');
+  await line(page, 'explore → go_to').waitFor({ state: 'detached' });
+  await line(page, 'go_to → broken').waitFor();
+  await box.fill('<img src=x>');
+  await requests.getByText('No request has these words.').waitFor();
+  await box.fill('');
+  await line(page, 'explore → go_to').waitFor();
+  // What happens now comes in front.
+  stage.run(['switch', 'explore']);
+  await line(page, 'manual → explore').waitFor();
+  stage.run(['switch', 'manual']);
+  await line(page, 'explore → manual').waitFor();
+}
+
+let failed = false;
+try {
+  await makeAPast();
+  const page = await stage.openPage();
+  await page.goto(stage.studio.found);
+  await page.waitForURL((address) => !address.search.includes('token'));
+  await page.getByRole('link', { name: 'Past' }).waitFor();
+  await search(page);
+  await watchFilms(page);
+  await goBackInTime(page);
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await line(page, 'explore → go_to').click();
+  await page.getByRole('slider', { name: 'Time of the film' }).waitFor();
+  await stage.look(page, 'past_dark');
+  assert.deepEqual(stage.problems, []);
+  console.log('passed; screenshots are in ' + pictures);
+} catch (error) {
+  console.error(error);
+  failed = true;
+  process.exitCode = 1;
+} finally {
+  await stage.close(failed);
+}

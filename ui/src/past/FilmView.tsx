@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useMemo, useRef, useState } from 'react';
+import { FrameGraph } from './FrameGraph';
+import { filmOf, frameOf, momentOf, type Film, type Moment, type PastAction, type PastTransition } from './film';
+
+const phases = ['prepare', 'commit', 'retire'];
+const speeds = [0.001, 0.01, 0.1, 0.25, 1, 4];
+const sliderSteps = 200;
+/** A film shall not be over at once. */
+const shortest = 2;
+
+function timeOf(seconds: number, length: number): string {
+  return length < 1 ? (seconds * 1e3).toFixed(length < 0.01 ? 3 : 1) + ' ms' : seconds.toFixed(2) + ' s';
+}
+const signs: Record<Moment, string> = { waiting: '·', running: '…', done: '✓', failed: '✗', skipped: '–' };
+
+function Actions({ name, actions, at }: { name: string; actions: PastAction[]; at: number }) {
+  const moments = actions.map((action) => momentOf(action, at));
+  return (
+    <section aria-label={name === 'undo' ? 'Undo' : 'Phase ' + name}>
+      <h3>
+        {name} <span className="quiet">{moments.filter((one) => one === 'done').length} of {actions.length}</span>
+      </h3>
+      <ul className="actions">
+        {actions.map((action, index) => {
+          const moment = moments[index] ?? 'waiting';
+          return (
+            <li key={index} className={moment} data-moment={moment}>
+              <span aria-hidden="true">{signs[moment]}</span> {action.label}
+              <span className="hidden">, {moment}</span>
+              {moment === 'failed' && action.error && <div className="bad">{action.error}</div>}
+            </li>
+          );
+        })}
+        {actions.length === 0 && <li className="quiet">nothing</li>}
+      </ul>
+    </section>
+  );
+}
+
+/** Plays a film: its time, which goes on by itself while it plays. */
+function usePlayer(film: Film) {
+  const [at, setAt] = useState(0);
+  const [playing, setPlaying] = useState(false);
+  const [speed, setSpeed] = useState(speeds.filter((one) => one <= 1 && film.length / one >= shortest).pop() ?? speeds[0] ?? 1);
+  const reached = useRef(0);
+  reached.current = at;
+
+  useEffect(() => {
+    if (!playing) return;
+    let last = performance.now();
+    let frame = requestAnimationFrame(function step(now) {
+      const next = Math.min(film.length, reached.current + ((now - last) / 1000) * speed);
+      last = now;
+      setAt(next);
+      if (next >= film.length) setPlaying(false);
+      else frame = requestAnimationFrame(step);
+    });
+    return () => cancelAnimationFrame(frame);
+  }, [playing, speed, film]);
+
+  const play = () => {
+    if (!playing && at >= film.length) setAt(0);
+    setPlaying(!playing);
+  };
+  const moveTo = (time: number) => [setPlaying(false), setAt(time)];
+  return { at, playing, speed, setSpeed, play, moveTo };
+}
+
+/** How a past transition went, as a film. */
+export function FilmView({ transition, onClose }: { transition: PastTransition; onClose: () => void }) {
+  const film = useMemo(() => filmOf(transition), [transition]);
+  const { at, playing, speed, setSpeed, play, moveTo } = usePlayer(film);
+  const ended = film.steps.filter((action) => momentOf(action, at) === 'done' || momentOf(action, at) === 'failed').length;
+  // A frame changes only where an action ends.
+  const frame = useMemo(() => frameOf(film, at), [film, ended, at >= film.length]); // eslint-disable-line react-hooks/exhaustive-deps
+  const undoes = film.transition.undo_actions.length > 0;
+  return (
+    <>
+      <section className="main" aria-label="Film">
+        <div className="bar film-bar">
+          <button type="button" onClick={onClose}>Close the film</button>
+          <button type="button" className="primary" onClick={play} disabled={film.length === 0}>{playing ? 'Pause' : 'Play'}</button>
+          <label>
+            Speed{' '}
+            <select value={speed} onChange={(event) => setSpeed(Number(event.target.value))}>
+              {speeds.map((one) => <option key={one} value={one}>{one} ×</option>)}
+            </select>
+          </label>
+          <label className="time-slider">
+            <span className="hidden">Time of the film</span>
+            <input
+              type="range" min={0} max={sliderSteps} value={Math.round((at / (film.length || 1)) * sliderSteps)} aria-valuetext={timeOf(at, film.length)}
+              onChange={(event) => moveTo((Number(event.target.value) / sliderSteps) * film.length)}
+            />
+          </label>
+          <output className="film-time">{timeOf(at, film.length)} of {timeOf(film.length, film.length)}</output>
+        </div>
+        {film.steps.length === 0 && !film.before ? (
+          <p className="empty">Nothing was done: {transition.error ?? transition.outcome}</p>
+        ) : (
+          <FrameGraph label="Networks of the transition" frame={frame} />
+        )}
+      </section>
+      <aside className="panel" aria-label="Past transition">
+        <h2>{transition.from || 'nothing'} → {transition.to || 'nothing'}</h2>
+        <p className={transition.outcome === 'done' ? 'good' : 'bad'}>
+          {transition.outcome}
+          {transition.undone && <>, {transition.undone}</>}
+          {transition.cancelled_by && <>, cancelled by {transition.cancelled_by}</>}
+        </p>
+        {transition.who !== '' && <p className="quiet">Asked for by {transition.who}</p>}
+        {transition.error && <p>{transition.error}</p>}
+        {(film.before === null || film.after === null) && transition.actions.length > 0 && (
+          <p className="note">What ran before or afterwards was not recorded, so only what the actions name is drawn.</p>
+        )}
+        {phases.map((name) => (
+          <Actions key={name} name={name} actions={transition.actions.filter((action) => action.phase === name)} at={at} />
+        ))}
+        {undoes && <Actions name="undo" actions={transition.undo_actions} at={at} />}
+      </aside>
+    </>
+  );
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useMemo } from 'react';
+import { Graph } from '../network/Graph';
+import type { Frame, Presence } from './film';
+
+const looks: Record<Presence, string> = { there: 'there', 'not yet': 'not-there', gone: 'not-there' };
+
+/** What was there is drawn as in the view Network; what was not yet or no more there is faint. */
+export function FrameGraph({ label, frame }: { label: string; frame: Frame }) {
+  const groups = useMemo(
+    () =>
+      [...new Set(frame.tasks.map((task) => task.place))].sort().map((place) => ({ id: 'group:' + place, title: place === '' ? 'runtime' : place })),
+    [frame],
+  );
+  const nodes = useMemo(
+    () =>
+      frame.tasks.map((task) => ({
+        id: task.id,
+        group: 'group:' + task.place,
+        title: task.id,
+        detail: task.presence === 'there' ? task.state : task.presence,
+        look: 'fate-' + task.fate + ' ' + looks[task.presence],
+      })),
+    [frame],
+  );
+  const edges = useMemo(() => frame.edges.map((edge) => ({ ...edge, look: 'fate-' + edge.fate + ' ' + looks[edge.presence] })), [frame]);
+  return <Graph label={label} groups={groups} nodes={nodes} edges={edges} />;
+}
