@@ -89,4 +89,11 @@ struct Activation {
   std::vector<UndoRecord> undo;
 };
 
+/// Where a hierarchy goes on once its child has been preempted.
+struct Jump {
+  Activation* at = nullptr;
+  std::uint64_t generation = 0;
+  std::vector<StateIndex> path;  ///< the next state last
+};
+
 }  // namespace segue::mission::detail

@@ -47,8 +47,10 @@ Result<void> Engine::set_input(std::string_view name, type::Value value) {
   return {};
 }
 
-Result<void> Engine::start_at(std::string_view path) {
-  const Program& program = *core_->program;
+namespace {
+
+/// The state and those around it, the outermost first; without roots of libraries.
+Result<std::vector<StateIndex>> states_on(const Program& program, std::string_view path) {
   std::vector<StateIndex> states;
   StateIndex around = 0;
   for (std::string_view rest = path; !rest.empty();) {
@@ -63,7 +65,15 @@ Result<void> Engine::start_at(std::string_view path) {
     around = *found;
     states.push_back(around);
   }
-  core_->start_path.assign(states.rbegin(), states.rend());
+  return states;
+}
+
+}  // namespace
+
+Result<void> Engine::start_at(std::string_view path) {
+  const auto states = states_on(*core_->program, path);
+  if (!states) return states.error();
+  core_->start_path.assign(states->rbegin(), states->rend());
   return {};
 }
 
@@ -95,8 +105,40 @@ void Engine::step_out() {
   core_->release(Mode::Marked);
 }
 void Engine::run_to(std::string path) {
-  core_->until = std::move(path);
-  core_->release(Mode::Until);
+  const auto states = states_on(*core_->program, path);
+  if (states && !states->empty()) core_->breakpoints.set_once({std::move(path), states->back()});
+  core_->release(Mode::Run);
+}
+Result<void> Engine::set_breakpoints(const std::vector<std::string>& paths) {
+  std::vector<detail::Breakpoints::Place> places;
+  for (const std::string& path : paths) {
+    const auto states = states_on(*core_->program, path);
+    if (!states) return states.error();
+    if (states->empty()) return fail(ErrorCode::InvalidArgument, "a breakpoint must be at a state");
+    places.push_back({path, states->back()});
+  }
+  core_->breakpoints.set(std::move(places));
+  return {};
+}
+Result<void> Engine::go_on_at(std::string_view path) {
+  const auto states = states_on(*core_->program, path);
+  if (!states) return states.error();
+  if (states->empty()) return fail(ErrorCode::InvalidArgument, "a mission goes on at a state in it");
+  return core_->go_on_at(*states);
+}
+Result<type::Value> Engine::values_of(std::string_view path) {
+  const auto states = states_on(*core_->program, path);
+  if (!states) return states.error();
+  return core_->values_of(*states);
+}
+void Engine::post(std::function<void()> task) {
+  core_->mailbox->request(std::move(task));
+}
+void Engine::wait_for_message() {
+  core_->mailbox->wait(std::nullopt);
+}
+bool Engine::is_at_rest() const {
+  return core_->at_rest;
 }
 Result<void> Engine::step_back() {
   return core_->step_back();

@@ -107,8 +107,19 @@ class Engine {
 
   /// From any thread: hierarchies stop before their next state. Running actions continue.
   void pause();
-  /// From any thread: preempts everything that runs; preemption handlers still execute.
+  /// From any thread: preempts everything that runs; preemption handlers still execute. Breakpoints end.
   void stop();
+  /// From any thread: the thread of run() calls `task` there, between two steps of states; it may call all
+  /// functions of the engine but run().
+  void post(std::function<void()> task);
+  /// After run() has returned Held: blocks until something of the above has been asked for, which the next
+  /// run() heeds.
+  void wait_for_message();
+
+  /// Before which states the mission stops, as by a pause, in place of those set before: paths; of a state
+  /// that is begun together with others, only that one stops before it begins. Those that a journal says have
+  /// begun are passed. NotFound, InvalidArgument. While stepping, too.
+  Result<void> set_breakpoints(const std::vector<std::string>& paths);
 
   /// How far the next run() goes, called after run() has returned Held or before its first call: to the end;
   /// one state, entering it if it has states; one state with everything in it; to the end of the hierarchy;
@@ -118,12 +129,26 @@ class Engine {
   void step_over();
   void step_out();
   void run_to(std::string path);
+  /// Goes on at that state, with the inputs that it would have now. What is under way in the innermost
+  /// running hierarchy around it is preempted; what runs beside that is not. Where the mission is held, it
+  /// stays held, before that state. Steps back end here. NotFound, InvalidArgument; Unsupported with a
+  /// journal, or where only a container of concurrent states can begin that state; InvalidState while it is
+  /// being preempted.
+  Result<void> go_on_at(std::string_view path);
   /// Undoes the action before the point at which the mission is held: calls its backward execution, blocks
   /// until that has ended, and restores all data. Concurrent states are undone together. InvalidState if the
-  /// mission is not held or `backward` was not set, NotFound at the beginning.
+  /// mission is not held or `backward` was not set, NotFound at the beginning and within a branch of
+  /// concurrent states that has done nothing.
   Result<void> step_back();
   /// The paths of the states that come next where the mission is held.
   [[nodiscard]] std::vector<std::string> held_at() const;
+  /// Whether all that could go on is held: steps are possible.
+  [[nodiscard]] bool is_at_rest() const;
+  /// The values at the ports of a state, cut to a size that can be shown: {"when" ("running"; "ended": beside
+  /// others that run; "next": as they would be if it began now; "": its container does not run), "inputs",
+  /// "outputs" (what it, or its last execution there, has given): lists of {"name", "type", "text" (JSON),
+  /// "cut" (where it is not all)}}. NotFound.
+  [[nodiscard]] Result<type::Value> values_of(std::string_view path);
 
   [[nodiscard]] const Program& program() const;
   [[nodiscard]] const History& history() const;

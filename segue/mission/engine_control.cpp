@@ -7,11 +7,22 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
+/// Whether a breakpoint is at the state that `holder` would begin next; then everything else stops, too. What
+/// an earlier run did is done again without stopping.
+bool EngineCore::breaks_at(StateIndex state, const Activation& holder) const {
+  if (options.journal != nullptr && replayed_count_ < options.journal->size()) return false;
+  return breakpoints.has(state, [&] { return next_path(holder); });
+}
+
 /// Whether the hierarchy stops before its next child; if so it is added to `held_`.
 bool EngineCore::holds(Activation& hierarchy) {
   if (std::exchange(hierarchy.pass, false)) return false;
+  const StateIndex next = program->node(hierarchy.state).children[hierarchy.pending.child];
+  if (breaks_at(next, hierarchy)) {
+    breakpoints.forget_once();
+    mode_ = Mode::Hold;
+  }
   bool stop = mode_ == Mode::Hold || hierarchy.mark;
-  if (mode_ == Mode::Until) stop = next_path(hierarchy) == until;
   if (mode_ == Mode::Marked && !stop) {
     // Descendants of a marked hierarchy continue; everything else stops.
     stop = true;
@@ -20,6 +31,15 @@ bool EngineCore::holds(Activation& hierarchy) {
   }
   if (stop) hold(hierarchy);
   return stop;
+}
+
+/// Concurrent states begin together, so only a breakpoint stops one of them.
+bool EngineCore::holds_branch(Activation& branch) {
+  if (branch.preempted || std::exchange(branch.pass, false) || !breaks_at(branch.state, branch)) return false;
+  breakpoints.forget_once();
+  mode_ = Mode::Hold;
+  hold(branch);
+  return true;
 }
 
 void EngineCore::hold(Activation& hierarchy) {
@@ -35,13 +55,14 @@ void EngineCore::let_go(Activation& activation) {
 
 void EngineCore::release(Mode mode) {
   mode_ = mode;
+  at_rest = false;
   if (mode != Mode::Marked) {
     for (Activation& activation : pool_)
       activation.mark = false;
   }
   for (Activation* activation : std::exchange(held_, {})) {
     activation->held = false;
-    activation->pass = mode != Mode::Run;
+    activation->pass = true;
     ready_.push_back(activation);
   }
 }
@@ -60,9 +81,11 @@ void EngineCore::mark_held(bool outside) {
   }
 }
 
-std::string EngineCore::next_path(const Activation& hierarchy) const {
-  const std::string around = path(hierarchy);
-  const StateIndex child = program->node(hierarchy.state).children[hierarchy.pending.child];
+/// Of a concurrent state that is held before it begins: its own.
+std::string EngineCore::next_path(const Activation& holder) const {
+  const std::string around = path(holder);
+  if (holder.phase == Phase::Begin) return around;
+  const StateIndex child = program->node(holder.state).children[holder.pending.child];
   return (around.empty() ? "" : around + "/") + program->state(child).id.str();
 }
 
@@ -99,10 +122,15 @@ Result<void> EngineCore::step_back() {
   if (!options.backward) {
     return fail(ErrorCode::InvalidState, "stepping back was not enabled; run with `backward`");
   }
-  if (held_.empty()) return fail(ErrorCode::InvalidState, "the mission is not paused");
+  if (!at_rest || held_.empty())
+    return fail(ErrorCode::InvalidState, "the mission is not paused, or what was under way still is");
   auto hierarchy = out_to_something_done(*held_.back());
   if (!hierarchy) return hierarchy.error();
+  undoing_ = true;
   undo_at(**hierarchy);
+  undoing_ = false;
+  for (auto& task : std::exchange(postponed_tasks_, {}))
+    mailbox->request(std::move(task));
   return {};
 }
 
@@ -118,7 +146,10 @@ Result<Activation*> EngineCore::out_to_something_done(Activation& hierarchy) {
     child = around;
     around = around->parent;
   }
-  if (around == nullptr) return fail(ErrorCode::NotFound, "no action has been executed yet");
+  if (around == nullptr) {
+    return fail(ErrorCode::NotFound,
+                "no action has been executed since the mission began, or since it was told where to go on");
+  }
   held_.pop_back();
   hierarchy.held = false;
   if (child == nullptr) return around;

@@ -56,6 +56,7 @@ Engine::Progress EngineCore::run() {
       ready_.pop_front();
       go_on(next);
     } else if (!ask_again() && !wait() && (!held_.empty() || !give_up_waiting())) {
+      at_rest = true;
       return Engine::Progress::Held;
     }
   }
@@ -63,6 +64,7 @@ Engine::Progress EngineCore::run() {
 }
 
 void EngineCore::go_on(Activation* activation) {
+  at_rest = false;
   for (int i = 0; activation != nullptr; ++i) {
     if (i > 0 && mailbox->has_messages()) return ready_.push_front(activation);
     if (i == kTurn) return ready_.push_back(activation);
@@ -113,8 +115,13 @@ void EngineCore::read_messages() {
     complete(activation, std::move(completion.ending));
   }
   if (messages.pause && mode_ == Mode::Run) mode_ = Mode::Hold;
+  for (auto& task : messages.tasks) {
+    undoing_ ? postponed_tasks_.push_back(std::move(task)) : task();
+  }
   if (!messages.stop) return;
   mode_ = Mode::Run;
+  breakpoints.clear();
+  jump_.reset();
   if (options.journal != nullptr) options.journal->close();
   if (root_ != nullptr) preempt(*root_);
 }

@@ -3,11 +3,13 @@
 
 #include <segue/base/virtual_clock.hpp>
 #include <segue/mission/activation.hpp>
+#include <segue/mission/breakpoints.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/mailbox.hpp>
 #include <segue/mission/shared_units.hpp>
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -34,13 +36,17 @@ class EngineCore {
 
   Engine::Progress run();
 
-  enum class Mode : std::uint8_t { Run, Hold, Marked, Until };
-  /// Releases what is held: in Hold for one child each, in Marked until it is back at a mark, in Until up to
-  /// the path `until`.
+  /// Which hierarchies stop before their next child: none, all, or those that have a mark and all outside of
+  /// them. Breakpoints stop in any mode, and lead to Hold.
+  enum class Mode : std::uint8_t { Run, Hold, Marked };
+  /// Releases what is held: in Hold for one child each, in Marked until it is back at a mark.
   void release(Mode mode);
   void mark_held(bool outside);
   Result<void> step_back();
+  using Path = std::vector<StateIndex>;  ///< a state and those around it, the outermost first
+  Result<void> go_on_at(const Path& path);
   [[nodiscard]] std::vector<std::string> held_at() const;
+  [[nodiscard]] type::Value values_of(const Path& path);
   [[nodiscard]] std::string path(const Activation& activation) const;
 
   std::shared_ptr<const Program> program;
@@ -55,7 +61,8 @@ class EngineCore {
   MissionResult result;
   bool ended = false;
   std::uint64_t executions = 0;
-  std::string until;  ///< Mode::Until
+  bool at_rest = false;  ///< all that could go on is held
+  Breakpoints breakpoints;
   std::vector<std::pair<std::size_t, type::Value>> given_inputs;
   std::vector<StateIndex> start_path;  ///< states to enter, the next one last
 
@@ -142,8 +149,10 @@ class EngineCore {
 
   // engine_control.cpp: holding, stepping and stepping back
   [[nodiscard]] bool holds(Activation& hierarchy);
+  [[nodiscard]] bool holds_branch(Activation& branch);
+  [[nodiscard]] bool breaks_at(StateIndex state, const Activation& holder) const;
   void let_go(Activation& activation);
-  [[nodiscard]] std::string next_path(const Activation& hierarchy) const;
+  [[nodiscard]] std::string next_path(const Activation& holder) const;
   void remember(Activation& hierarchy, Activation& child);
   Result<Activation*> out_to_something_done(Activation& hierarchy);
   void undo_at(Activation& hierarchy);
@@ -153,10 +162,17 @@ class EngineCore {
   void undo_all(Activation& kept);
   void forget(Activation& kept);
 
+  // engine_position.cpp: where the mission is, what is there, and going on elsewhere
+  [[nodiscard]] std::pair<Activation*, std::size_t> innermost(const Path& path, std::size_t depth) const;
+  [[nodiscard]] std::vector<type::Value> next_inputs(const CompiledState& node, const Activation& container);
+  [[nodiscard]] bool take_jump(Activation& hierarchy);
+  void forget_done(Activation& hierarchy);
+
   std::deque<Activation> pool_;
   std::vector<Activation*> free_;
   std::deque<Activation*> ready_;
   std::vector<Activation*> held_;
+  std::optional<Jump> jump_;
   std::priority_queue<Timer> timers_;
   using Waiting = std::pair<Activation*, std::uint64_t>;  ///< and its generation
   std::map<std::size_t, Waiting> replaying_;              ///< by position in the journal
@@ -176,6 +192,8 @@ class EngineCore {
   std::uint64_t timer_order_ = 0;
   std::uint64_t open_calls_ = 0;
   bool backward_ = false;
+  bool undoing_ = false;  ///< a step back waits for an action
+  std::vector<std::function<void()>> postponed_tasks_;
 };
 
 }  // namespace segue::mission::detail

@@ -72,6 +72,9 @@ class EngineCore::LeafCall final : public ActionCall {
 
 Activation* EngineCore::enter(Activation& activation) {
   const CompiledState& node = program->node(activation.state);
+  const Activation* outside = activation.parent;
+  if (outside != nullptr && is_concurrency(program->node(outside->state).kind) && holds_branch(activation))
+    return nullptr;
   ++executions;
   activation.iteration = (*iterations_)[activation.state]++;
   if (options.history) {
@@ -111,6 +114,7 @@ void EngineCore::first_step(Activation& hierarchy) {
   if (wanted.parent != hierarchy.state) return;
   hierarchy.pending = {NextStep::Kind::Child, wanted.position, 0};
   start_path.pop_back();
+  hierarchy.pass = !start_path.empty();
 }
 
 Activation* EngineCore::enter_leaf(Activation& leaf) {
@@ -211,7 +215,7 @@ Activation* EngineCore::begin_branches(Activation& concurrency) {
 Activation* EngineCore::proceed(Activation& hierarchy) {
   const NextStep step = hierarchy.pending;
   if (step.kind == NextStep::Kind::Leave) return leave(hierarchy, step.outcome);
-  if (mode_ != Mode::Run && !hierarchy.preempted && holds(hierarchy)) return nullptr;
+  if (!hierarchy.preempted && holds(hierarchy)) return nullptr;
   // After a preemption only a child runs that handles the preemption of its predecessor.
   if (hierarchy.preempted && hierarchy.last != kPreempted) return leave(hierarchy, kPreempted);
   Activation* child = make(program->node(hierarchy.state).children[step.child], &hierarchy);
@@ -266,6 +270,11 @@ Activation* EngineCore::finish(Activation& activation) {
 }
 
 Activation* EngineCore::child_of_hierarchy(Activation& hierarchy, Activation& child) {
+  if (take_jump(hierarchy)) {
+    hierarchy.children.clear();
+    forget(child);
+    return &hierarchy;
+  }
   const Outcome outcome = child.outcome;
   const StateIndex child_state = child.state;
   replaced_.clear();

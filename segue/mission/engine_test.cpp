@@ -7,9 +7,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <filesystem>
 #include <future>
 #include <latch>
+#include <string>
 #include <thread>
+#include <vector>
+
+#include <unistd.h>
 
 namespace segue::mission {
 namespace {
@@ -190,6 +195,91 @@ TEST(MissionEngine, isPausedFromAnotherThread) {
   });
   EXPECT_EQ(engine->run(), Engine::Progress::Held);
   EXPECT_EQ(engine->held_at(), std::vector<std::string>{"a"});
+}
+
+constexpr std::string_view kTwoInALoop =
+    "mission: m\nactions: {a: {outcomes: [again, done], run: {callback: a}}}\nstart: x\noutcomes: [done]\n"
+    "states: {x: {action: a, on: {again: y, done: return done}}, y: {action: a, on: {again: x, done: return "
+    "done}}}\n";
+
+TEST(MissionEngine, isSteeredFromAnotherThreadWhileItIsHeld) {
+  Runners runners;
+  int executions = 0;
+  runners.add("a", [&](ActionCall&) { return Ending{++executions < 4 ? 0 : 1, {}}; });
+  const auto engine = engine_for(parsed(kTwoInALoop), runners);
+  ASSERT_TRUE(engine->set_breakpoints({"y"}));
+  EXPECT_EQ(engine->set_breakpoints({"z"}).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(engine->set_breakpoints({""}).error().code, ErrorCode::InvalidArgument);
+  std::jthread other;
+  std::vector<std::string> held;
+  while (engine->run() == Engine::Progress::Held) {
+    EXPECT_TRUE(engine->is_at_rest());
+    held.push_back(engine->held_at().front());
+    if (other.joinable()) other.join();
+    other = std::jthread([&, to = held.size()] {
+      engine->post([&, to] {
+        if (to == 2) ASSERT_TRUE(engine->set_breakpoints({}));
+        to == 1 ? engine->step_over() : engine->resume();
+      });
+    });
+    engine->wait_for_message();
+  }
+  EXPECT_EQ(executions, 4);
+  EXPECT_EQ(held, (std::vector<std::string>{"y", "x"}));
+}
+
+TEST(MissionEngine, goesOnElsewhereWhileAnActionRuns) {
+  Runners runners;
+  const auto runner = std::make_shared<UntilPreempted>();
+  runners.add("a", runner);
+  runners.add("b", [](ActionCall&) { return Ending{}; });
+  const auto engine = engine_for(
+      parsed("mission: m\nactions: {a: {run: {callback: a}}, b: {run: {callback: b}}}\nstart: x\nstates: {x: "
+             "{action: a, on: {success: return success}}, y: {action: b, on: {success: return success}}}\n"),
+      runners);
+  std::jthread other([&] {
+    runner->began.wait();
+    engine->post([&] {
+      EXPECT_EQ(engine->values_of("x").value().find("when")->as_string(), "running");
+      EXPECT_EQ(engine->step_back().error().code, ErrorCode::InvalidState);
+      EXPECT_TRUE(engine->go_on_at("y"));
+    });
+  });
+  EXPECT_EQ(engine->run(), Engine::Progress::Ended);
+  EXPECT_EQ(engine->result().outcome_name, "success");
+}
+
+TEST(MissionEngine, passesBreakpointsThatAnEarlierRunHasPassed) {
+  const auto file = std::filesystem::path(::testing::TempDir()) /
+                    ("segue_breakpoints_" + std::to_string(::getpid()) + ".journal");
+  std::filesystem::remove(file);
+  const Mission mission = parsed(kTwoInALoop);
+  int executions = 0;
+  Runners runners;
+  runners.add("a", [&](ActionCall&) { return Ending{++executions < 6 ? 0 : 1, {}}; });
+  EngineOptions options;
+  options.journal = RunJournal::create(file, mission, {}).value();
+  {
+    const auto engine = engine_for(mission, runners, options);
+    ASSERT_TRUE(engine->set_breakpoints({"y"}));
+    EXPECT_EQ(engine->run(), Engine::Progress::Held);
+    engine->resume();
+    EXPECT_EQ(engine->run(), Engine::Progress::Held);
+    EXPECT_EQ(engine->go_on_at("x").error().code, ErrorCode::Unsupported);
+    EXPECT_EQ(executions, 3);
+    options.journal->close();
+  }
+  options.journal = RunJournal::resume(file, mission, false, RunJournal::UnderWay::Again).value();
+  const auto engine = engine_for(mission, runners, options);
+  ASSERT_TRUE(engine->set_breakpoints({"y"}));
+  EXPECT_EQ(engine->run(), Engine::Progress::Held);
+  EXPECT_EQ(executions, 3) << "held where the earlier run was, not before";
+  EXPECT_EQ(engine->held_at(), std::vector<std::string>{"y"});
+  ASSERT_TRUE(engine->set_breakpoints({}));
+  engine->resume();
+  EXPECT_EQ(engine->run(), Engine::Progress::Ended);
+  EXPECT_EQ(executions, 6);
+  std::filesystem::remove(file);
 }
 
 TEST(MissionEngine, outlivedByACompleter) {

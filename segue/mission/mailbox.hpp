@@ -5,8 +5,10 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace segue::mission::detail {
@@ -39,19 +41,27 @@ class Mailbox {
     stop_ = true;
     changed();
   }
+  /// To be carried out by the engine's thread, between two steps.
+  void request(std::function<void()> task) {
+    const std::lock_guard guard(mutex_);
+    tasks_.push_back(std::move(task));
+    changed();
+  }
 
   /// Whether take() would return anything. Takes no lock: the engine asks before every step.
   [[nodiscard]] bool has_messages() const { return pending_.load(std::memory_order_acquire); }
 
   struct Messages {
     std::vector<CompletionMessage> completions;
+    std::vector<std::function<void()>> tasks;
     bool pause = false;
     bool stop = false;
   };
   Messages take() {
     const std::lock_guard guard(mutex_);
-    Messages messages{std::move(completions_), pause_, stop_};
+    Messages messages{std::move(completions_), std::move(tasks_), pause_, stop_};
     completions_.clear();
+    tasks_.clear();
     pause_ = stop_ = false;
     pending_.store(false, std::memory_order_release);
     return messages;
@@ -81,6 +91,7 @@ class Mailbox {
   std::condition_variable arrived_;
   std::atomic<bool> pending_{false};
   std::vector<CompletionMessage> completions_;
+  std::vector<std::function<void()>> tasks_;
   bool pause_ = false;
   bool stop_ = false;
 };

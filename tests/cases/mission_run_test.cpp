@@ -154,6 +154,12 @@ class Trial {
 
   void do_step(const Value& step) {
     const std::string verb = step.find("do")->as_string();
+    if (const Value* breaks = step.find("break")) {
+      std::vector<std::string> paths;
+      for (const Value& path : breaks->as_list())
+        paths.push_back(path.as_string());
+      ASSERT_TRUE(engine_->set_breakpoints(paths));
+    }
     if (verb == "pause") engine_->pause();
     if (verb == "stop") engine_->stop();
     if (verb == "resume") engine_->resume();
@@ -162,15 +168,18 @@ class Trial {
     if (verb == "out") engine_->step_out();
     if (verb.starts_with("to ")) engine_->run_to(verb.substr(3));
     Engine::Progress progress = Engine::Progress::Held;
-    if (verb == "back") {
-      const auto back = engine_->step_back();
-      const Value* refused = step.find("refused");
-      ASSERT_EQ(back.has_value(), refused == nullptr) << verb;
-      if (refused != nullptr) {
-        EXPECT_NE(back.error().message.find(refused->as_string()), std::string::npos);
-      }
-    } else {
-      progress = engine_->run();
+    Result<void> done;
+    if (verb == "back") done = engine_->step_back();
+    if (verb.starts_with("at ")) done = engine_->go_on_at(verb.substr(3));
+    const Value* refused = step.find("refused");
+    ASSERT_EQ(done.has_value(), refused == nullptr) << verb;
+    if (refused != nullptr) {
+      EXPECT_NE(done.error().message.find(refused->as_string()), std::string::npos) << done.error().message;
+    }
+    if (verb != "back") progress = engine_->run();
+    if (const Value* values = step.find("values")) {
+      for (const auto& [path, wanted] : values->as_map())
+        EXPECT_EQ(json(engine_->values_of(path).value()), json(wanted)) << path << " after " << verb;
     }
     if (const Value* world = step.find("world")) {
       EXPECT_EQ(json(listed(engine_->world().facts())), json(*world)) << "after " << verb;
