@@ -1,7 +1,7 @@
 # Everything a person runs by hand. CMake does the work; presets are in CMakePresets.json.
 JOBS ?= $(shell nproc)
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo demo-artemis studio test bench format tidy install clean
+.PHONY: help setup build demo demo-artemis studio manual test bench format tidy install clean
 
 help: ## this text
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 22
@@ -22,6 +22,10 @@ demo-artemis: build ## the four controllers of the Artemis rover, switched onlin
 
 studio: build ## the Artemis rover in a browser: its twelve transitions by hand, until Ctrl-C
 	@build/release/bin/segue run --stand-in examples/04_artemis/robot.yaml --controller search_explore --studio
+
+manual: ## the manual as HTML, in build/manual; with pictures of the studio after `make test`
+	@tools/setup --test
+	@tools/manual
 
 test: ## everything that CI runs (see tools/test --help)
 	@tools/test

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
                                {},
                                {},
                                std::chrono::microseconds(id),
+                               {},
                                journal::kDone,
                                {}});
     }

@@ -92,6 +92,7 @@ class Robot {
                                  nanoseconds(ready + waited),
                                  nanoseconds(waited),
                                  nanoseconds(took),
+                                 nanoseconds(ready + waited + took),
                                  journal::kDone,
                                  {}});
       }
