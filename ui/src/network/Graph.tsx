@@ -4,7 +4,7 @@ import '@xyflow/react/dist/style.css';
 import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
 import { BulkEdges } from './BulkEdges';
 import { Keeper } from './keeper';
-import { geometry, layOut, nodeHeight, nodeWidth, noLayout, type Box, type BoxTree, type Layout } from './layout';
+import { geometry, Layouter, nodeHeight, nodeWidth, noLayout, type Box, type BoxTree, type Layout } from './layout';
 import { edgeTypes } from './RoutedEdge';
 import './network.css';
 
@@ -111,6 +111,7 @@ function cornerOf(id: string, boxes: Map<string, Box>, around: Map<string, strin
 function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggle }: Props) {
   const [layout, setLayout] = useState<Layout>(noLayout);
   const { boxes, routes } = layout;
+  const layouter = useRef(new Layouter());
   const flow = useReactFlow();
   const moved = useRef(false);
   const reached = useRef<string | null>(null);
@@ -128,9 +129,7 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
 
   useEffect(() => {
     let current = true;
-    void layOut({ roots: treeOf(groups, nodes), edges }).then((found) => {
-      if (current) setLayout(found);
-    });
+    layouter.current.ask({ roots: treeOf(groups, nodes), edges }, (found) => current && setLayout(found));
     return () => {
       current = false;
     };

@@ -72,6 +72,7 @@ export const noLayout: Layout = { boxes: new Map(), routes: new Map() };
 
 let elk: Elk | null = null;
 
+const layered = { 'elk.algorithm': 'layered', 'elk.direction': 'RIGHT' };
 const spacing = { 'elk.layered.spacing.nodeNodeBetweenLayers': '84', 'elk.layered.spacing.edgeNodeBetweenLayers': '16', 'elk.spacing.nodeNode': '30', 'elk.spacing.edgeNode': '14' };
 
 function portId(node: string, type: Anchor['type'], anchor: string): string {
@@ -105,48 +106,136 @@ function idsOf(boxes: BoxTree[]): string[] {
   return boxes.flatMap((box) => [box.id, ...idsOf(box.children ?? [])]);
 }
 
-/** Places from left to right along the edges, and ways of the edges around them; computed in a worker. */
-export async function layOut(input: LayoutInput): Promise<Layout> {
-  elk ??= new ElkApi({ workerUrl });
+/** With more edges each box is laid out for itself: all together they would take many seconds. */
+export const mostRouted = 300;
+
+interface Laid {
+  node: ElkNode;
+  x: number;
+  y: number;
+}
+
+type Planned = LayoutInput['edges'][number];
+
+/** The boxes around each box, outermost first, and itself. */
+function pathsOf(boxes: BoxTree[], outer: string[] = [], found = new Map<string, string[]>()): Map<string, string[]> {
+  for (const box of boxes) {
+    const path = [...outer, box.id];
+    found.set(box.id, path);
+    pathsOf(box.children ?? [], path, found);
+  }
+  return found;
+}
+
+/** Of each box ('': the whole) the edges between those directly in it: those that are given, or boxes around their ends. */
+export function liftedEdges(input: LayoutInput): Map<string, Planned[]> {
+  const paths = pathsOf(input.roots);
+  const found = new Map<string, Map<string, Planned>>();
+  for (const edge of input.edges) {
+    const [a, b] = [paths.get(edge.source) ?? [], paths.get(edge.target) ?? []];
+    let level = 0;
+    while (level + 1 < Math.min(a.length, b.length) && a[level] === b[level]) ++level;
+    const [source, target] = [a[level], b[level]];
+    if (source === undefined || target === undefined) continue;
+    const own = source === edge.source && target === edge.target;
+    if (source === target && !own) continue;
+    const around = a[level - 1] ?? '';
+    const there = found.get(around) ?? new Map<string, Planned>();
+    found.set(around, there);
+    const between = source + '\n' + target;
+    if (own || !there.has(between)) there.set(between, own ? edge : { id: 'lifted\n' + between, source, target });
+  }
+  return new Map([...found].map(([around, there]) => [around, [...there.values()]]));
+}
+
+/** A straight line between two boxes, from side to side. */
+function straight(source: Laid, target: Laid): Point[] {
+  const [width, height] = [(one: Laid) => one.node.width ?? 0, (one: Laid) => one.node.height ?? 0];
+  const forward = source.x + width(source) <= target.x;
+  return [
+    { x: source.x + (forward ? width(source) : 0), y: source.y + height(source) / 2 },
+    { x: target.x + (forward ? 0 : width(target)), y: target.y + height(target) / 2 },
+  ];
+}
+
+function eachNode(node: ElkNode, act: (node: ElkNode) => void): void {
+  act(node);
+  node.children?.forEach((child) => eachNode(child, act));
+}
+
+function graphOf(input: LayoutInput): ElkNode {
   const known = new Set(idsOf(input.roots));
   const children = input.roots.map((box) => nodeOf(box, input));
+  const graph: ElkNode = { id: '', layoutOptions: { ...layered, ...spacing, 'elk.json.edgeCoords': 'ROOT' }, children };
   const ports = new Set<string>();
-  const addPorts = (node: ElkNode) => {
-    node.ports?.forEach((port) => ports.add(port.id));
-    node.children?.forEach(addPorts);
-  };
-  children.forEach(addPorts);
+  eachNode(graph, (node) => node.ports?.forEach((port) => ports.add(port.id)));
   const endOf = (node: string, type: Anchor['type'], anchor: string | undefined) => {
     const port = portId(node, type, anchor ?? '');
     return ports.has(port) ? port : node;
   };
-  const graph: ElkNode = {
-    id: 'root',
-    layoutOptions: {
-      'elk.algorithm': 'layered',
-      'elk.direction': 'RIGHT',
-      'elk.hierarchyHandling': 'INCLUDE_CHILDREN',
-      'elk.json.edgeCoords': 'ROOT',
-      ...spacing,
-    },
-    children,
-    edges: input.edges
-      .filter((edge) => known.has(edge.source) && known.has(edge.target))
-      .map((edge) => ({
-        id: edge.id, sources: [endOf(edge.source, 'source', edge.sourceAnchor)], targets: [endOf(edge.target, 'target', edge.targetAnchor)],
-      })),
-  };
-  const done = await elk.layout(graph);
+  const drawn = (edge: Planned) => ({
+    id: edge.id, sources: [endOf(edge.source, 'source', edge.sourceAnchor)], targets: [endOf(edge.target, 'target', edge.targetAnchor)],
+  });
+  if (input.edges.length > mostRouted) {
+    const lifted = liftedEdges(input);
+    eachNode(graph, (node) => {
+      if (!node.children) return;
+      node.layoutOptions = { ...node.layoutOptions, ...layered };
+      node.edges = lifted.get(node.id)?.map(drawn);
+    });
+  } else {
+    graph.layoutOptions = { ...graph.layoutOptions, 'elk.hierarchyHandling': 'INCLUDE_CHILDREN' };
+    graph.edges = input.edges.filter((edge) => known.has(edge.source) && known.has(edge.target)).map(drawn);
+  }
+  return graph;
+}
+
+/**
+ * Places from left to right along the edges, and ways of the edges around them; computed in a worker. Of more than
+ * mostRouted edges, those between tasks in different boxes are straight lines.
+ */
+export async function layOut(input: LayoutInput): Promise<Layout> {
+  elk ??= new ElkApi({ workerUrl });
+  const done = await elk.layout(graphOf(input));
   const boxes = new Map<string, Box>();
   const routes = new Map<string, Point[]>();
-  const add = (node: ElkNode) => {
+  const laid = new Map<string, Laid>();
+  const add = (node: ElkNode, x: number, y: number) => {
+    laid.set(node.id, { node, x, y });
     if (node !== done) boxes.set(node.id, { x: node.x ?? 0, y: node.y ?? 0, width: node.width ?? 0, height: node.height ?? 0 });
-    node.children?.forEach(add);
+    node.children?.forEach((child) => add(child, x + (child.x ?? 0), y + (child.y ?? 0)));
     for (const edge of node.edges ?? []) {
       const section = edge.sections?.[0];
       if (section) routes.set(edge.id, [section.startPoint, ...(section.bendPoints ?? []), section.endPoint]);
     }
   };
-  add(done);
+  add(done, 0, 0);
+  for (const edge of input.edges) {
+    const [source, target] = [laid.get(edge.source), laid.get(edge.target)];
+    if (!routes.has(edge.id) && source && target) routes.set(edge.id, straight(source, target));
+  }
   return { boxes, routes };
+}
+
+/** Lays out the newest of what it is given, one after another: what became old while it waited is left out, and never answered. */
+export class Layouter {
+  private busy = false;
+  private waiting: { input: LayoutInput; take: (layout: Layout) => void } | null = null;
+
+  constructor(private readonly compute: (input: LayoutInput) => Promise<Layout> = layOut) {}
+
+  ask(input: LayoutInput, take: (layout: Layout) => void): void {
+    this.waiting = { input, take };
+    if (!this.busy) void this.run();
+  }
+
+  private async run(): Promise<void> {
+    this.busy = true;
+    for (let next = this.waiting; next; next = this.waiting) {
+      this.waiting = null;
+      const found = await this.compute(next.input);
+      if (!this.waiting) next.take(found);
+    }
+    this.busy = false;
+  }
 }
