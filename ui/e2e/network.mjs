@@ -50,10 +50,12 @@ function crossings(page) {
 }
 
 async function withoutCrossings(page, name) {
-  await page.locator('.react-flow__edge').first().waitFor({ state: 'attached' });
-  const { found, edges } = await crossings(page);
-  assert.ok(edges > 0, name);
-  assert.deepEqual(found, [], name);
+  let last = [];
+  await holds(async () => {
+    const { found, edges } = await crossings(page);
+    last = found;
+    return edges > 0 && found.length === 0; // while a new layout is awaited they may touch
+  }, name).catch(() => assert.fail(name + ': ' + (last.join(', ') || 'no edges')));
 }
 
 const node = (page, id) => page.locator(`.react-flow__node[data-id="${id}"]`);

@@ -203,7 +203,7 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
   const flowEdges = useMemo<Edge[]>(() => {
     const keeper = kept.current.edges.begin();
     const single = bulk ? edges.filter((edge) => edge.source === selected || edge.target === selected) : edges;
-    const drawn = single.map((edge) => {
+    const drawn = single.filter((edge) => routes.has(edge.id)).map((edge) => { // others come with the next layout
       const route = routes.get(edge.id);
       return keeper.keep(edge.id, [route, edge.label, edge.look], () => ({
         id: edge.id, type: 'routed', data: { route }, source: edge.source, target: edge.target, label: edge.label, zIndex: -1, interactionWidth: 0,
