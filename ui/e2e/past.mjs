@@ -17,6 +17,7 @@ async function makeAPast() {
   const broken = go.replace('network: go_to', 'network: broken').replace('"demo::LaserScanner"', '"demo::LaserScanner", properties: {beams: 1}');
   writeFileSync(join(controllers, 'broken.yaml'), broken);
   await stage.start(['run', 'rover/robot.yaml', '--controller', 'explore'], /robot rover runs/);
+  await stage.settled('explore');
   stage.run(['switch', 'go_to']);
   assert.throws(() => stage.run(['switch', 'broken']));
   stage.run(['switch', 'manual']);

@@ -60,6 +60,15 @@ export class Stage {
     return this.start(['studio', '--port', '0', ...options], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
   }
 
+  /** Waits until the robot runs that controller, and nothing is in progress. */
+  async settled(controller) {
+    for (const deadline = Date.now() + 60000; Date.now() < deadline; await new Promise((resolve) => setTimeout(resolve, 50))) {
+      const status = JSON.parse(this.run(['status', '--format', 'json']));
+      if (status.controller === controller && status.requests.length === 0) return;
+    }
+    assert.fail('the robot does not run ' + controller);
+  }
+
   /** The page of a studio beside the robot that runs. */
   async openPage() {
     this.studio = await this.startStudio();

@@ -47,6 +47,7 @@ try {
   writeFileSync(robot, readFileSync(robot, 'utf8').replace(/^libraries.*$/m, ''));
   writeFileSync(join(stage.folder, 'slow.yaml'), 'stand_ins: {guard: {configure: 3s}, default: {rate: 1}}\n');
   await stage.start(['run', 'rover/robot.yaml', '--controller', 'explore', '--stand-ins', 'slow.yaml'], /robot rover runs/);
+  await stage.settled('explore');
   const page = await stage.openPage();
   await page.goto(stage.studio.found);
   await page.waitForURL((address) => !address.search.includes('token'));

@@ -74,7 +74,11 @@ export function useRequests(words: string, changed: string) {
     const last = requests[requests.length - 1];
     if (!last) return;
     ask(last.id).then(
-      (answer) => [setRequests((now) => [...now, ...answer.requests.filter((one) => !now.some((known) => known.id === one.id))]), setMore(answer.more)],
+      (answer) => {
+        if (asked.current.words !== words) return;
+        setRequests((now) => [...now, ...answer.requests.filter((one) => !now.some((known) => known.id === one.id))]);
+        setMore(answer.more);
+      },
       (error: unknown) => setProblem(said(error)),
     );
   };
