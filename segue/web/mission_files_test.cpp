@@ -122,6 +122,15 @@ TEST_F(MissionFilesTest, MissionsInTheFolderOfTheRobotAreListedWithoutLinksAndHi
                                                           {"machines/say", "rafcon"}}));
 }
 
+TEST_F(MissionFilesTest, NoMoreMissionsAreListedThanPagesShow) {
+  fs::create_directories(home_ / "many");
+  for (std::size_t i = 0; i <= kMostListedFiles; ++i)
+    write(fs::path("many") / (std::to_string(i) + ".yaml"), "mission: m\n");
+  const Value answer = result("files", Value(type::ValueMap{}), Role::Observe);
+  EXPECT_EQ(*answer.find("complete"), Value(false));
+  EXPECT_EQ(answer.find("files")->as_list().size(), kMostListedFiles + 3) << "and those that are named";
+}
+
 TEST_F(MissionFilesTest, OnlyMissionsCanBeNamedSo) {
   for (const std::string path :
        {"notes.yaml", ".hidden/fetch.yaml", "missions/link.yaml", "up/outside.yaml", "up/home/robot.yaml",

@@ -92,7 +92,7 @@ class Search {
     const auto type = fs::symlink_status(place, error).type();
     const std::string path = place.lexically_relative(root_).generic_string();
     if (type == fs::file_type::regular) {
-      if (is_yaml(place) && known_.count(path) == 0 && is_mission(folder_, path))
+      if (is_yaml(place) && known_.count(path) == 0 && may_read() && is_mission(folder_, path))
         add({path, place, RobotFileKind::Mission, false});
     } else if (type == fs::file_type::directory) {
       if (is_machine(folder_, path)) return add({path, place, RobotFileKind::Machine, false});
@@ -101,9 +101,16 @@ class Search {
     }
   }
 
+  bool may_read() {
+    const bool may = ++read_ <= kMostReadFiles;
+    found_.complete = found_.complete && may;
+    return may;
+  }
+
   void add(RobotFile file) {
-    found_.complete = found_.complete && ++listed_ <= kMostListedFiles;
-    if (listed_ <= kMostListedFiles) found_.files.push_back(std::move(file));
+    const bool may = ++listed_ <= kMostListedFiles;
+    found_.complete = found_.complete && may;
+    if (may) found_.files.push_back(std::move(file));
   }
 
   const FileFolder& folder_;
@@ -111,6 +118,7 @@ class Search {
   RobotFiles& found_;
   std::set<std::string> known_;
   std::size_t searched_ = 0;
+  std::size_t read_ = 0;
   std::size_t listed_ = 0;
 };
 

@@ -30,8 +30,10 @@ struct RobotFiles {
   bool complete = true;  ///< else there are more than were looked at
 };
 
-/// More missions and machines are not listed, and the search ends at so many entries of folders.
+/// More missions and machines are not listed, more files in YAML are not read to see whether they are
+/// missions, and the search ends at so many entries of folders.
 inline constexpr std::size_t kMostListedFiles = 500;
+inline constexpr std::size_t kMostReadFiles = 2000;
 inline constexpr std::size_t kMostSearchedEntries = 20'000;
 inline constexpr int kDeepestSearch = 8;
 
