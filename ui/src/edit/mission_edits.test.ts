@@ -130,7 +130,7 @@ describe('edits touch nothing else', () => {
 
 describe('random edits', () => {
   it('keep comments, and leave no name that leads nowhere', () => {
-    for (let seed = 1; seed <= 20; ++seed) {
+    for (let seed = 1; seed <= 12; ++seed) {
       let random = seed;
       const next = (below: number) => {
         random = (Math.imul(random, 1664525) + 1013904223) >>> 0;
@@ -163,5 +163,5 @@ describe('random edits', () => {
         for (const comment of ['# Fetches the box.', '# sees', '# first of all']) expect(now, where).toContain(comment);
       }
     }
-  });
+  }, 100000);
 });
