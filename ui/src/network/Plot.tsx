@@ -18,7 +18,7 @@ export function Plot({ time, value, frozen, label }: { time: number; value: Json
 
   useEffect(() => {
     const holder = place.current;
-    if (frozen || !holder || !series.current.add(time, value)) return;
+    if (!holder || !series.current.add(time, value) || frozen) return; // what comes meanwhile is there afterwards
     const { times, columns } = series.current;
     const data = [times.map((at) => at - time), ...columns.values()] as UPlot.AlignedData;
     if (plot.current && plot.current.series.length !== columns.size + 1) {
