@@ -87,7 +87,7 @@ async function fold(page) {
   await page.getByRole('button', { name: 'fold all', exact: true }).click();
   await node(page, host).getByText('3 tasks').waitFor();
   await node(page, 'seeker').waitFor({ state: 'detached' });
-  await page.locator('.react-flow__edge', { hasText: '2 connections' }).waitFor({ state: 'attached' });
+  await page.locator('.react-flow__edge', { hasText: '×2' }).waitFor({ state: 'attached' });
   await stage.look(page, 'network_folded');
   await page.getByPlaceholder('Find tasks').fill('laser');
   await page.getByPlaceholder('Find tasks').press('Enter');

@@ -52,7 +52,7 @@ describe('edges', () => {
   it('of folded places are summed; those within are not drawn', () => {
     const bundles = bundlesOf(structure, (place) => place === 'host:arm');
     expect(bundles.map((bundle) => [bundle.id, bundle.connections.length])).toEqual([['a -> host:arm', 3]]);
-    expect(edgesOf(large, new Map([['a.x b.y', 4], ['a.z d.y', 8]]), bundles)[0]?.label).toBe('3 connections, 12/s');
+    expect(edgesOf(large, new Map([['a.x b.y', 4], ['a.z d.y', 8]]), bundles)[0]?.label).toBe('×3, 12/s');
   });
   it('keep a connection of a task with itself', () => {
     expect(bundlesOf(structure, none).map((bundle) => bundle.id)).toContain('d -> d');

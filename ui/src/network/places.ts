@@ -168,7 +168,7 @@ export function pictureOf(status: Status, structure: Structure, isFolded: (place
   return { groups, nodes };
 }
 
-/** "3 connections, 120/s, 4 dropped", as far as there is something to say. */
+/** "×3, 120/s, 4 dropped" (of three connections), as far as there is something to say. */
 export function labelOf(status: Status, rates: Map<string, number>, { connections, folded }: Bundle): string {
   let rate = 0;
   let dropped = 0;
@@ -177,7 +177,7 @@ export function labelOf(status: Status, rates: Map<string, number>, { connection
     dropped += status.connections[key]?.dropped ?? 0;
   }
   return [
-    folded && connections.length > 1 ? connections.length + ' connections' : '',
+    folded && connections.length > 1 ? '×' + connections.length : '',
     rate > 0 ? (rate < 10 ? rate.toFixed(1) : rate.toFixed(0)) + '/s' : '',
     dropped > 0 ? dropped + ' dropped' : '',
   ]
