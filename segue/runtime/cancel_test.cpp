@@ -142,19 +142,22 @@ TEST(Cancel, of_nothing_and_of_other_requests_is_refused) {
 /// Holds the transition to `target` at its first action.
 struct Held : Robot {
   Held() {
-    asking.ask([this](const model::Action&) -> Result<void> {
-      if (!entered.exchange(true)) {
-        reached.set_value();
-        released.get_future().wait_until(in_a_while());
+    asking.ask([held = gate](const model::Action&) -> Result<void> {
+      if (!held->entered.exchange(true)) {
+        held->reached.set_value();
+        held->released.get_future().wait_until(in_a_while());
       }
       return {};
     });
     result = runtime.request(target, {.who = "bob"});
-    EXPECT_EQ(reached.get_future().wait_until(in_a_while()), std::future_status::ready);
+    EXPECT_EQ(gate->reached.get_future().wait_until(in_a_while()), std::future_status::ready);
   }
-  std::atomic<bool> entered = false;
-  std::promise<void> reached;
-  std::promise<void> released;
+  struct Gate {
+    std::atomic<bool> entered = false;
+    std::promise<void> reached;
+    std::promise<void> released;
+  };
+  const std::shared_ptr<Gate> gate = std::make_shared<Gate>();  ///< outlives the runtime
   std::future<SwitchResult> result;
 };
 
@@ -169,7 +172,7 @@ TEST(Cancel, is_answered_when_the_action_that_hangs_has_returned) {
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->wait_for(std::chrono::milliseconds(1)), std::future_status::timeout);
   EXPECT_EQ(robot.runtime.open_requests()[0].cancelled_by, "ann");
-  robot.released.set_value();
+  robot.gate->released.set_value();
   EXPECT_EQ(end_of(std::move(first)).cancelled_by, "ann");
   EXPECT_EQ(end_of(std::move(second)).cancelled_by, "ann") << "who came first";
   robot.expect_restored();
@@ -248,7 +251,7 @@ TEST(Cancel, lets_a_newer_request_follow_the_undoing) {
   Held robot;
   auto cancelled = robot.runtime.cancel(0, "ann");
   auto newer = robot.runtime.request(robot.target);
-  robot.released.set_value();
+  robot.gate->released.set_value();
   EXPECT_EQ(end_of(std::move(cancelled)).outcome, Outcome::Cancelled);
   EXPECT_EQ(newer.get().outcome, Outcome::Done);
   EXPECT_EQ(robot.runtime.belief().name, robot.target.name);
@@ -259,7 +262,7 @@ TEST(Cancel, of_a_superseded_request_is_refused) {
   const auto number = robot.runtime.open_requests()[0].request;
   auto newer = robot.runtime.request(robot.target);
   const auto refused = robot.runtime.cancel(number, "ann");
-  robot.released.set_value();
+  robot.gate->released.set_value();
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("a newer request has taken its place"));
   EXPECT_EQ(robot.result.get().outcome, Outcome::Superseded);
@@ -270,7 +273,7 @@ TEST(Cancel, ends_with_the_runtime) {
   auto robot = std::make_unique<Held>();
   auto cancelled = robot->runtime.cancel(0, "ann");
   ASSERT_TRUE(cancelled);
-  robot->released.set_value();
+  robot->gate->released.set_value();
   robot.reset();
   EXPECT_EQ(cancelled->wait_until(in_a_while()), std::future_status::ready);
 }
