@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-import { Background, Controls, Handle, MarkerType, Position, ReactFlow, ReactFlowProvider, useReactFlow, type Connection, type Edge, type Node, type NodeProps } from '@xyflow/react';
+import { Background, Controls, Handle, MarkerType, Position, ReactFlow, ReactFlowProvider, useReactFlow, useStore, type Connection, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
-import { useEffect, useState } from 'react';
+import { useEffect, useRef, useState } from 'react';
 import { geometry, layOut, nodeWidth, noLayout, type Anchor, type BoxTree, type Layout } from '../network/layout';
 import { edgeTypes } from '../network/RoutedEdge';
 
@@ -65,6 +65,7 @@ interface Props {
   onRemove: () => void;
 }
 
+const fitting = { padding: 0.08, maxZoom: 1.1 };
 const sides = ['input', 'output'] as const;
 const portsOn = (side: 'input' | 'output', ports: GraphPort[]) => ports.filter((port) => port.side === side);
 
@@ -135,7 +136,9 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
   const flow = useReactFlow();
   const [{ boxes, routes }, setLayout] = useState<Layout>(noLayout);
   const structure = JSON.stringify([groups.map((group) => [group.id, group.group]), nodes.map((node) => [node.id, node.group, anchorsOf(node.ports, headOf(node))]), edges.map((edge) => [edge.id, edge.source, edge.target])]);
-  const panel = selected !== null; // beside the graph
+  const moved = useRef(false);
+  const width = useStore((store) => store.width);
+  const height = useStore((store) => store.height);
 
   useEffect(() => {
     let current = true;
@@ -153,10 +156,11 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
     // Other changes move nothing.
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [structure]);
+  useEffect(() => void flow.fitView(fitting), [boxes, flow]);
+  // Where nobody has moved the graph, all of it stays in view, whatever opens beside it.
   useEffect(() => {
-    const timer = setTimeout(() => void flow.fitView({ padding: 0.08, maxZoom: 1.1 }), 30);
-    return () => clearTimeout(timer);
-  }, [boxes, flow, panel]);
+    if (!moved.current) void flow.fitView(fitting);
+  }, [width, height, flow]);
 
   const placed: Node[] = [];
   const known = new Set<string>();
@@ -208,6 +212,9 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
         onNodeClick={(_, node) => onSelect(isEdited(node.id) ? node.id : null)}
         onEdgeClick={(_, edge) => onEdge(edge.id)}
         onPaneClick={() => onSelect(null)}
+        onMoveStart={(event) => {
+          if (event) moved.current = true;
+        }}
         minZoom={0.1}
         onlyRenderVisibleElements={nodes.length > 200}
       >
