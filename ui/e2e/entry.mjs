@@ -49,7 +49,7 @@ async function comeBack(page) {
 async function comeWithCertificates() {
   const place = (name) => join(stage.folder, 'certificates', name);
   const enrol = (name, ...more) => stage.run(['host', 'enrol', name, '--authority', place('ca'), '--out', place(name), ...more]);
-  stage.run(['host', 'init', '--authority', place('ca')]);
+  stage.run(['host', 'init', '--no-host', '--authority', place('ca'), '--out', place('own')]);
   enrol('base', '--host', '--address', '127.0.0.1');
   enrol('ann', '--role', 'operate');
   enrol('bob');
