@@ -81,6 +81,7 @@ export async function driveEdit(page, { folder, look, run }) {
   await draw(handle('laser', 'scan'), handle('drive', 'command'));
   assert.ok(!(await shown()).includes('laser.scan -> drive.command'), 'ports of different types are not');
   await seen(status('unsaved changes'));
+  await page.getByRole('button', { name: 'Fit View' }).click();
   await look(page, 'edit');
   await node('joystick').focus();
   await page.keyboard.press('Enter');

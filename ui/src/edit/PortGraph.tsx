@@ -212,7 +212,7 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
         onNodeClick={(_, node) => onSelect(isEdited(node.id) ? node.id : null)}
         onEdgeClick={(_, edge) => onEdge(edge.id)}
         onPaneClick={() => onSelect(null)}
-        onMoveStart={(event) => {
+        onMove={(event) => {
           if (event) moved.current = true;
         }}
         minZoom={0.1}

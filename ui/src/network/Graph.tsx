@@ -233,9 +233,9 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
   );
   // While it moves the drawing is one picture; it is drawn anew, and sharp, where it comes to rest.
   const frame = useRef<HTMLDivElement>(null);
+  const begin = useCallback(() => frame.current?.classList.add('moves'), []);
   const move = useCallback((event: unknown) => {
-    if (event) moved.current = true;
-    frame.current?.classList.add('moves');
+    if (event) moved.current = true; // by somebody; a click only begins and ends
   }, []);
   const rest = useCallback(() => frame.current?.classList.remove('moves'), []);
 
@@ -249,7 +249,8 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
         onNodeClick={click}
         onPaneClick={leave}
         onKeyDown={press}
-        onMoveStart={move}
+        onMoveStart={begin}
+        onMove={move}
         onMoveEnd={rest}
         nodesConnectable={false}
         minZoom={0.05}
