@@ -180,6 +180,14 @@ std::string robot_meant(const Context& context) {
   return running.size() == 1 ? running.front() : std::string();
 }
 
+/// Has a running robot write to its journal what has happened so far, before that is read.
+void complete_journal(const std::string& robot) {
+  const auto socket = control::socket_path(robot);
+  auto running =
+      socket ? control::connect(*socket) : Result<std::unique_ptr<control::RobotService>>(socket.error());
+  if (running) static_cast<void>((*running)->past(Value::map({{"ask", "span"}})));
+}
+
 int show_history(const HistoryOptions& options, Context& context) {
   const bool wants_file =
       options.all || options.differences || options.versions || options.missions || !options.journal.empty();
@@ -190,6 +198,7 @@ int show_history(const HistoryOptions& options, Context& context) {
                       [&](control::RobotService& robot) { return show_running(robot, options, context); });
   }
   if (!path) return failed(context, path.error());
+  if (options.journal.empty() && is_running(robot_meant(context))) complete_journal(robot_meant(context));
   return show_journal(*path, options, context);
 }
 

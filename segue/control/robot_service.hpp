@@ -137,8 +137,8 @@ class RobotService {
   virtual Result<type::Value> events(std::uint64_t after, Duration wait) = 0;
   /// A list of the JSON of `switch`, oldest first.
   virtual Result<type::Value> history() = 0;
-  /// What the robot's journal has, in answers of bounded size, as of journal::answer_about_past().
-  /// Unsupported where none is kept.
+  /// What the robot's journal has, in answers of bounded size, as of journal::answer_about_past(). What
+  /// happened before the call is in its file then, if that can be written. Unsupported where none is kept.
   virtual Result<type::Value> past(const type::Value& question) = 0;
   /// Asks the runtime to bring the robot to the empty network and end.
   virtual Result<void> shut_down() = 0;

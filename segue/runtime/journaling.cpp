@@ -256,6 +256,10 @@ void JournalKeeper::ended(const SwitchResult& result) {
   if (journal_) journal_->add(journal_entry(result));
 }
 
+Result<void> JournalKeeper::flush(TimePoint deadline) const {
+  return journal_ ? journal_->flush(deadline) : Result<void>();
+}
+
 JournalKeeper::Known JournalKeeper::known() const {
   return journal_ ? journal_->times() : nullptr;
 }

@@ -31,7 +31,8 @@ journal::TransitionEntry journal_entry(const SwitchResult& result);
 
 namespace detail {
 
-/// The journal of a runtime, if it keeps one. All functions may be called from any thread and do not block.
+/// The journal of a runtime, if it keeps one. All functions may be called from any thread; only flush()
+/// blocks.
 class JournalKeeper {
  public:
   using Known = std::shared_ptr<const model::ActionTimes>;
@@ -66,6 +67,9 @@ class JournalKeeper {
   /// An executed transition from `current`. Fills in its prediction.
   void ended(SwitchResult& result, const model::Network& current, const model::Transition& transition,
              const Known& known, const Ends& ends);
+
+  /// As Journal::flush(); done where no journal is kept.
+  [[nodiscard]] Result<void> flush(TimePoint deadline) const;
 
  private:
   std::unique_ptr<journal::Journal> journal_;

@@ -14,6 +14,8 @@ namespace segue::runtime {
 
 namespace {
 
+constexpr auto kJournalPatience = std::chrono::seconds(2);
+
 /// Samples of an output port for a client in another process.
 class ReaderStream final : public control::SampleStream {
  public:
@@ -375,6 +377,8 @@ Result<type::Value> RuntimeService::past(const type::Value& question) {
   if (path.empty()) {
     return fail(ErrorCode::Unsupported, "the robot keeps no journal, so nothing is known of its past");
   }
+  // Where the file cannot be written now, the answer is what it has.
+  static_cast<void>(runtime_.flush_journal(RealClock::instance().now() + kJournalPatience));
   return journal::answer_about_past(path, question);
 }
 

@@ -199,6 +199,10 @@ const std::filesystem::path& Runtime::journal() const {
   return implementation_->options.journal;
 }
 
+Result<void> Runtime::flush_journal(TimePoint deadline) const {
+  return implementation_->journal.flush(deadline);
+}
+
 std::vector<Event> Runtime::events(std::uint64_t after, Duration wait) const {
   return implementation_->log.after(after, wait);
 }

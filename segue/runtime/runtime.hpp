@@ -169,6 +169,9 @@ class Runtime {
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
   [[nodiscard]] const std::filesystem::path& journal() const;  ///< its file; empty: none is kept
+  /// Blocks until the journal's file has everything so far. Fails with what keeps it from that, or
+  /// DeadlineExceeded.
+  [[nodiscard]] Result<void> flush_journal(TimePoint deadline) const;
   /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
   [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
 

@@ -5,6 +5,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 
 namespace segue::runtime {
@@ -104,6 +106,31 @@ TEST_F(Service, has_a_past_only_with_a_journal) {
   ASSERT_FALSE(past);
   EXPECT_EQ(past.error().code, ErrorCode::Unsupported);
   EXPECT_THAT(past.error().message, HasSubstr("keeps no journal"));
+}
+
+TEST(ServiceWithJournal, tells_at_once_what_has_happened) {
+  std::string pattern = ::testing::TempDir() + "segue-service-XXXXXX";
+  ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+  RuntimeOptions options;
+  options.journal = std::filesystem::path(pattern) / "journal.sqlite";
+  {
+    testing::StandInRobot robot(std::move(options));
+    ASSERT_FALSE(
+        robot.runtime.add_controller(testing::network_of("network: only\ntasks: {a: {component: x::A}}"))
+            .has_errors());
+    RuntimeService service(robot.runtime, nullptr, [] {});
+    for (int round = 0; round < 20; ++round) {
+      const TimePoint deadline = RealClock::instance().now() + std::chrono::seconds(30);
+      ASSERT_TRUE(service.switch_to(round % 2 == 0 ? "only" : "",
+                                    {.dry_run = false, .force = false, .order = "", .who = {}}, deadline));
+      const auto past = service.past(type::Value::map({{"ask", "requests"}, {"limit", 1}}));
+      ASSERT_TRUE(past) << to_string(past.error());
+      const auto& requests = past->find("requests")->as_list();
+      ASSERT_FALSE(requests.empty());
+      EXPECT_EQ(requests.front().find("request")->as_uint(), robot.runtime.history().back().request);
+    }
+  }
+  std::filesystem::remove_all(pattern);
 }
 
 }  // namespace
