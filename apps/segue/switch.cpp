@@ -80,11 +80,13 @@ class SwitchWatcher {
 /// Ctrl-C cancels the request that is waited for; a second one ends this program, and the robot goes on.
 class CancelOnSignal {
  public:
-  CancelOnSignal(StopSignal& signal, const Context& context) : stop_(signal.token(), Act{this}) {
+  CancelOnSignal(StopSignal& signal, const Context& context) {
     auto socket = control::socket_path(context.robot);
     socket_ = socket ? *socket : std::filesystem::path();
+    stop_.emplace(signal.token(), Act{this});
   }
   ~CancelOnSignal() {
+    stop_.reset();  // from here on no thread begins
     if (thread_.joinable()) thread_.join();
   }
   CancelOnSignal(const CancelOnSignal&) = delete;
@@ -116,7 +118,7 @@ class CancelOnSignal {
 
   std::filesystem::path socket_;
   std::thread thread_;
-  std::stop_callback<Act> stop_;
+  std::optional<std::stop_callback<Act>> stop_;  ///< uses all above
 };
 
 int show_plan(const Value& transition, const Context& context) {
