@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
 #include <segue/model/files.hpp>
-#include <segue/web/session.hpp>
-#include <segue/web/test_support.hpp>
+#include <segue/web/file_verbs_test_support.hpp>
 
 namespace segue::web {
 namespace {
@@ -32,46 +30,18 @@ model::ComponentCatalog test_models(const model::Robot& /*robot*/, Diagnostics& 
   return catalog;
 }
 
-class FileVerbsTest : public WebTest {
+class FileVerbsTest : public RobotFilesTest {
  protected:
-  FileVerbsTest() : link_([this] { return connection()(); }), hub_(link_), verbs_(link_, test_models) {}
+  FileVerbsTest() : RobotFilesTest(test_models) {}
 
   void SetUp() override {
-    WebTest::SetUp();
-    home_ = folder_ / "home";
+    RobotFilesTest::SetUp();
     fs::create_directories(home_ / "networks");
     write("robot.yaml", "robot: fake\ncontrollers: [networks/*.yaml, ../*.yaml]\n");
     write("networks/a.yaml", kNetwork);
     write("notes.txt", "a secret");
     write("../outside.yaml", "network: outside\n");
     fs::create_symlink(home_ / "notes.txt", home_ / "networks" / "link.yaml");
-    robot_.show(Value::map({{"robot", "fake"}, {"file", (home_ / "robot.yaml").string()}}));
-  }
-  void write(const fs::path& path, std::string_view text) const {
-    ASSERT_TRUE(write_file(home_ / path, text));
-  }
-  [[nodiscard]] std::string content(const fs::path& path) const {
-    return read_file(home_ / path).value_or("");
-  }
-
-  Value ask(const std::string& verb, const Value& arguments, Role role = Role::Operate) {
-    const auto session = Session::create(hub_, verbs_, {role, "fake", "somebody"}, [] {});
-    session->next();
-    session->receive(type::to_json(Value::map({{"id", 1}, {"verb", verb}, {"arguments", arguments}}), -1));
-    std::optional<std::string> text;
-    EXPECT_TRUE(comes_true([&] { return (text = session->next()).has_value(); })) << verb;
-    return text ? type::parse_json(*text).value() : Value();
-  }
-  Value result(const std::string& verb, const Value& arguments, Role role = Role::Operate) {
-    const Value answer = ask(verb, arguments, role);
-    const Value* found = answer.find("result");
-    EXPECT_NE(found, nullptr) << type::to_json(answer, -1);
-    return found != nullptr ? *found : Value();
-  }
-  std::string error(const std::string& verb, const Value& arguments, Role role = Role::Operate) {
-    const Value answer = ask(verb, arguments, role);
-    const Value* found = answer.find("error");
-    return found != nullptr ? found->find("code")->as_string() : "";
   }
   /// "error unknown-port 6:5" a problem.
   std::vector<std::string> problems(const std::string& path, const std::string& text) {
@@ -85,10 +55,6 @@ class FileVerbsTest : public WebTest {
   }
 
   const Value nothing_{type::ValueMap{}};
-  fs::path home_;
-  RobotLink link_;
-  Hub hub_;
-  Verbs verbs_;
 };
 
 TEST_F(FileVerbsTest, ListsTheFilesOfTheRobotAndWhyOthersAreClosed) {

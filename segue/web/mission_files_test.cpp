@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
-#include <segue/web/session.hpp>
-#include <segue/web/test_support.hpp>
+#include <segue/web/file_verbs_test_support.hpp>
 
 #include <sys/stat.h>
 
@@ -28,13 +26,12 @@ start: close
 states: {close: {on: {success: return success}}}
 )";
 
-class MissionFilesTest : public WebTest {
+class MissionFilesTest : public RobotFilesTest {
  protected:
-  MissionFilesTest() : link_([this] { return connection()(); }), hub_(link_), verbs_(link_, {}) {}
+  MissionFilesTest() : RobotFilesTest({}) {}
 
   void SetUp() override {
-    WebTest::SetUp();
-    home_ = folder_ / "home";
+    RobotFilesTest::SetUp();
     fs::create_directories(home_ / "missions" / "tools");
     fs::create_directories(home_ / ".hidden");
     fs::create_directories(home_ / "networks");
@@ -47,32 +44,6 @@ class MissionFilesTest : public WebTest {
     write("../outside.yaml", kMission);
     fs::create_symlink(home_ / "missions" / "fetch.yaml", home_ / "missions" / "link.yaml");
     fs::create_directory_symlink(folder_, home_ / "up");
-    robot_.show(Value::map({{"robot", "fake"}, {"file", (home_ / "robot.yaml").string()}}));
-  }
-  void write(const fs::path& path, std::string_view text) const {
-    ASSERT_TRUE(write_file(home_ / path, text));
-  }
-  [[nodiscard]] std::string content(const fs::path& path) const {
-    return read_file(home_ / path).value_or("");
-  }
-  Value ask(const std::string& verb, const Value& arguments, Role role) {
-    const auto session = Session::create(hub_, verbs_, {role, "fake", "somebody"}, [] {});
-    session->next();
-    session->receive(type::to_json(Value::map({{"id", 1}, {"verb", verb}, {"arguments", arguments}}), -1));
-    std::optional<std::string> text;
-    EXPECT_TRUE(comes_true([&] { return (text = session->next()).has_value(); })) << verb;
-    return text ? type::parse_json(*text).value() : Value();
-  }
-  Value result(const std::string& verb, const Value& arguments, Role role = Role::Operate) {
-    const Value answer = ask(verb, arguments, role);
-    const Value* found = answer.find("result");
-    EXPECT_NE(found, nullptr) << type::to_json(answer, -1);
-    return found != nullptr ? *found : Value();
-  }
-  std::string error(const std::string& verb, const Value& arguments, Role role = Role::Operate) {
-    const Value answer = ask(verb, arguments, role);
-    const Value* found = answer.find("error");
-    return found != nullptr ? found->find("code")->as_string() : "";
   }
   std::string version(const std::string& path) {
     const Value file = result("read_file", Value::map({{"path", path}}), Role::Observe);
@@ -105,11 +76,6 @@ class MissionFilesTest : public WebTest {
     write("machines/say/core_data.json", kLeaf);
     write("machines/say/script.py", "def execute(self, inputs, outputs, gvm):\n    return 0\n");
   }
-
-  fs::path home_;
-  RobotLink link_;
-  Hub hub_;
-  Verbs verbs_;
 };
 
 TEST_F(MissionFilesTest, MissionsInTheFolderOfTheRobotAreListedWithoutLinksAndHiddenFolders) {
