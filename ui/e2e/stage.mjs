@@ -75,6 +75,30 @@ export class Stage {
     return this.openBrowser();
   }
 
+  /** openPage(), and comes in. */
+  async enter() {
+    const page = await this.openPage();
+    await page.goto(this.studio.found);
+    await page.waitForURL((address) => !address.search.includes('token'));
+    return page;
+  }
+
+  /** A whole test: what is thrown, and problems of pages, make it fail; everything that was started ends. */
+  async play(test) {
+    let failed = false;
+    try {
+      await test();
+      assert.deepEqual(this.problems, []);
+      console.log('passed; screenshots are in ' + this.pictures);
+    } catch (error) {
+      failed = true;
+      console.error(error);
+      process.exitCode = 1;
+    } finally {
+      await this.close(failed);
+    }
+  }
+
   /** An empty page; what goes wrong in it is in `problems`. */
   async openBrowser() {
     this.browser = await chromium.launchPersistentContext(join(this.folder, 'browser'), {
