@@ -133,6 +133,8 @@ TEST(TroubledSwitch, LeadsToItsTargetOrBackOrSaysWhatRuns) {
         if (const auto wrong = run(scenario, Planted::Nothing, ends); !wrong.empty()) {
           if (first.empty()) {
             first = shown(scenario) + "\n" + wrong;
+            // At once, since shrinking may take longer than the test is given.
+            std::cout << "seed " << params.seed << ", first seen in " << first << std::endl;
           }
           RC_FAIL(wrong);
         }
