@@ -280,8 +280,9 @@ class Player {
     std::string wrong;
     const bool right = soon([&] {
       wrong = wrong_with(*expected_);
-      const auto orphans = robot_.orphaned_endpoints();
-      wrong += orphans > 0 ? "; " + std::to_string(orphans) + " endpoints without another end" : "";
+      if (const auto orphans = robot_.orphans(); !orphans.empty()) {
+        wrong += (wrong.empty() ? "" : "; ") + ("endpoints without another end: " + listed(orphans));
+      }
       return wrong.empty();
     });
     if (!right) {

@@ -17,6 +17,8 @@ using deploy::testing::FaultKind;
 constexpr Duration kLong = 30s;
 /// How much longer than a promise lasts.
 constexpr Duration kTooLong = 3s;
+/// How often endpoints are looked for that a transition has left, which lost a host while it retired.
+constexpr Duration kTidying = 20ms;
 
 TimePoint before_long() {
   return RealClock::instance().now() + kLong;
@@ -63,7 +65,7 @@ TroubledRobot::Command::Command(TroubledRobot& robot)
     : processes(robot.own_),
       service(robot.own_, robot.own_.own()),
       own(service, processes, deploy::testing::connector(robot.own_), request_of("").launch, local,
-          {60s, 1h, {model::kLocalHost}}),
+          {60s, kTidying, {model::kLocalHost}}),
       host(own, robot.places(), catalog,
            [&] {
              DistributedOptions options;
@@ -143,6 +145,16 @@ bool TroubledRobot::can_be_reached(std::size_t host) const {
   return computers_.at(host)->line.up() && !rivals_.contains(host);
 }
 
+/// False as well while a rival has left the host and the runtime has not noticed either.
+bool TroubledRobot::is_commanded(std::size_t host) const {
+  const std::string holder = "runtime" + std::to_string(runtimes_);
+  auto& computer = *computers_[host];
+  const std::shared_lock running(computer.booting);
+  const auto leases = computer.local->robots();
+  return leases && std::any_of(leases->begin(), leases->end(),
+                               [&](const LeaseInfo& lease) { return lease.holder == holder; });
+}
+
 std::string TroubledRobot::settle() {
   // What cannot come, because of a planted defect, is not waited for long.
   const Duration patience = planted_ == Planted::Nothing ? kLong : Duration(5s);
@@ -159,6 +171,8 @@ std::string TroubledRobot::settle() {
         missing = name(i).str() +
                   (can_be_reached(i) ? " is not found again: " : " is not noticed to be lost: ") +
                   (found == reports.end() ? "" : found->state);
+      } else if (found->reachable && !is_commanded(i)) {
+        missing = name(i).str() + " is not noticed to be commanded by nobody";
       }
     }
     if (missing.empty()) {
@@ -254,12 +268,14 @@ model::Network TroubledRobot::truth(std::optional<std::size_t> host) const {
   return host ? computers_.at(*host)->world.truth() : own_.truth();
 }
 
-std::size_t TroubledRobot::orphaned_endpoints() const {
-  std::size_t count = own_.orphaned_endpoints();
+std::vector<std::string> TroubledRobot::orphans() const {
+  std::vector<std::string> all = own_.orphans();
   for (const auto& computer : computers_) {
-    count += computer->world.orphaned_endpoints();
+    for (const auto& orphan : computer->world.orphans()) {
+      all.push_back(computer->name + ": " + orphan);
+    }
   }
-  return count;
+  return all;
 }
 
 model::Network TroubledRobot::part(const model::Network& network, std::optional<std::size_t> host) const {
@@ -403,6 +419,8 @@ void TroubledRobot::restart(std::size_t host, bool with_processes) {
 }
 
 void TroubledRobot::enter_rival(std::size_t host, bool ends_all) {
+  // The last that gets the robot is the one that is remembered.
+  const std::lock_guard one(entering_);
   auto& computer = *computers_[host];
   Rival rival;
   if (planted_ != Planted::LeaseIsNotChecked) {

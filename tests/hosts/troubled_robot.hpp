@@ -115,7 +115,8 @@ class TroubledRobot {
 
   /// What really runs on a host; on the runtime's own computer without one.
   [[nodiscard]] model::Network truth(std::optional<std::size_t> host) const;
-  [[nodiscard]] std::size_t orphaned_endpoints() const;
+  /// Endpoints of connections without another end, and where they are.
+  [[nodiscard]] std::vector<std::string> orphans() const;
   /// The part of a network that belongs there.
   [[nodiscard]] model::Network part(const model::Network& network, std::optional<std::size_t> host) const;
   /// What no host may ever do, as sentences: such as to obey a runtime that does not command it.
@@ -147,6 +148,7 @@ class TroubledRobot {
   enum class Moment { Before, After };
   enum class Promise { None, Asked, Given };
 
+  [[nodiscard]] bool is_commanded(std::size_t host) const;
   void watch(std::size_t host);
   void plant(std::size_t host);
   [[nodiscard]] std::vector<HostPlace> places() const;
@@ -166,6 +168,7 @@ class TroubledRobot {
   const Planted planted_;
   deploy::testing::FakeWorld own_;
   std::vector<std::unique_ptr<Computer>> computers_;
+  std::mutex entering_;       ///< one rival enters at a time; taken before `mutex_`
   mutable std::mutex mutex_;  ///< protects everything below but `command_`
   std::vector<Trap> traps_;
   bool armed_ = false;

@@ -138,10 +138,14 @@ model::Network FakeWorld::truth() const {
 }
 
 std::size_t FakeWorld::orphaned_endpoints() const {
+  return orphans().size();
+}
+
+std::vector<std::string> FakeWorld::orphans() const {
   auto all = running();
   all.push_back(own_);
   const std::lock_guard lock(mutex);
-  std::size_t count = 0;
+  std::vector<std::string> found;
   for (const auto& process : all) {
     for (const auto& endpoint : process->endpoints) {
       const auto peer = of(endpoint.peer);
@@ -150,10 +154,16 @@ std::size_t FakeWorld::orphaned_endpoints() const {
           std::any_of(peer->endpoints.begin(), peer->endpoints.end(), [&](const EndpointReport& other) {
             return other.side != endpoint.side && same_place(endpoint, other);
           });
-      count += whole ? 0 : 1;
+      if (!whole) {
+        found.push_back(to_string(endpoint.connection) + " (its " +
+                        (endpoint.side == Side::Output ? "output" : "input") + " on process " +
+                        process->deployment.process.str() + ", " +
+                        (peer == nullptr ? "whose peer is gone" : "alone") +
+                        (endpoint.carries ? ")" : ", carries nothing)"));
+      }
     }
   }
-  return count;
+  return found;
 }
 
 FakePtr FakeWorld::add_running(const std::string& process) {

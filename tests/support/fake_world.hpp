@@ -81,6 +81,8 @@ class FakeWorld {
   /// The network that TaskHost::observe() has to show.
   [[nodiscard]] model::Network truth() const;
   [[nodiscard]] std::size_t orphaned_endpoints() const;
+  /// Which those are, for messages.
+  [[nodiscard]] std::vector<std::string> orphans() const;
   [[nodiscard]] FakePtr find(const std::string& process) const;  ///< the first of that name
   [[nodiscard]] FakePtr find(const model::DeploymentKey& key) const;
   FakePtr own() { return own_; }
