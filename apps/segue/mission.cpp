@@ -12,8 +12,8 @@
 
 #include "checked_missions.hpp"
 #include "mission_convert.hpp"
-#include "mission_remote.hpp"
 #include "mission_run.hpp"
+#include "mission_steering.hpp"
 #include "models.hpp"
 #include "output.hpp"
 
@@ -109,8 +109,15 @@ void add_runner(Verb& verb, Context& context) {
       "--look-ahead N", options->look_ahead,
       "on a robot, keep at most so many controllers prepared that are likely to be needed next (default 3)");
   runner.option("--start-at PATH", options->start_at, "begin at this state, such as fetch/grasp");
+  const Option steps_back =
+      runner.flag("--steps-back", options->steps_back,
+                  "on a robot, keep what is needed to undo steps: segue mission step back");
+  runner.option(
+      "--break PATH", options->breakpoints,
+      "on a robot, be held before this state until `segue mission step` or `resume`, or the studio");
   const Option journal =
-      runner.option("--journal FILE", options->journal, "record the run, so that it can be resumed");
+      runner.option("--journal FILE", options->journal, "record the run, so that it can be resumed")
+          .excludes(steps_back);
   const Option resume =
       runner.flag("--resume", options->resume, "continue the interrupted run of that journal").needs(journal);
   runner
@@ -218,7 +225,7 @@ void add_mission(Verb& app, Context& context) {
   importer.option("-o,--output FILE", source->output, "write to a file instead of standard output");
   add_gantt(verb, context);
   add_convert(verb, context);
-  add_mission_remote(verb, context);
+  add_mission_steering(verb, context);
 }
 
 }  // namespace segue::cli

@@ -1,42 +1,88 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mission_remote.hpp"
 
-#include <segue/base/text.hpp>
-
-#include <fmt/core.h>
-
-#include <condition_variable>
-#include <memory>
+#include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "connection.hpp"
 #include "output.hpp"
 
 namespace segue::cli {
 
 namespace {
 
+using session::RunControl;
 using type::Value;
 
-/// How often a mission reports what it does and hears what it shall do, and how often somebody looks whether
-/// it has heard.
+/// How often a mission hears what it shall do. What it does is reported as often, and as soon as it has
+/// followed a request.
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
 
-void wait(Duration duration, const std::stop_token& end = {}) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  std::condition_variable_any().wait_for(lock, end, duration, [] { return false; });
+RunControl::Step step_called(const std::string& how) {
+  return how == "into"   ? RunControl::Step::Into
+         : how == "out"  ? RunControl::Step::Out
+         : how == "back" ? RunControl::Step::Back
+                         : RunControl::Step::Over;
+}
+
+Value::List list_of(const std::vector<std::string>& texts) {
+  return {texts.begin(), texts.end()};
+}
+
+std::vector<std::string> texts_in(const Value::List& list) {
+  std::vector<std::string> texts;
+  for (const Value& one : list) {
+    if (one.is_string()) texts.push_back(one.as_string());
+  }
+  return texts;
 }
 
 }  // namespace
 
-MissionRemote::MissionRemote(robot::ServedRobot& robot, std::string mission, Plan plan,
-                             session::PauseControl& pause, std::stop_source stop)
+void MissionRemote::Answers::heard(std::uint64_t number, const Result<void>& outcome) {
+  const std::lock_guard lock(mutex_);
+  note(number, outcome ? std::nullopt : std::optional(outcome.error()));
+}
+
+void MissionRemote::Answers::heard_values(std::uint64_t number, const std::string& path,
+                                          const Result<Value>& values) {
+  const std::lock_guard lock(mutex_);
+  if (values) {
+    values_ = *values;
+    values_.as_map().set("number", number);
+    values_.as_map().set("of", path);
+  }
+  note(number, values ? std::nullopt : std::optional(values.error()));
+}
+
+/// Requires the lock.
+void MissionRemote::Answers::note(std::uint64_t number, const std::optional<Error>& refused) {
+  heard_ = std::max(heard_, number);
+  if (refused) problem_ = Value::map({{"number", number}, {"text", refused->message}});
+  is_new_ = true;
+  changed_.notify_all();
+}
+
+void MissionRemote::Answers::wait(Duration longest, const std::stop_token& end) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, end, longest, [this] { return is_new_; });
+  is_new_ = false;
+}
+
+void MissionRemote::Answers::add_to(type::ValueMap& control) const {
+  const std::lock_guard lock(mutex_);
+  control.append("heard", heard_);
+  if (!problem_.is_null()) control.append("problem", problem_);
+  if (!values_.is_null()) control.append("values", values_);
+}
+
+MissionRemote::MissionRemote(robot::ServedRobot& robot, std::string mission, Plan plan, RunControl& control,
+                             std::stop_source stop)
     : robot_(robot),
       mission_(std::move(mission)),
       plan_(std::move(plan)),
-      pause_(pause),
+      control_(control),
       stop_(std::move(stop)),
       thread_([this](const std::stop_token& end) { work(end); }) {
   robot_.record().began(mission_);
@@ -62,11 +108,11 @@ void MissionRemote::work(const std::stop_token& end) {
   Value reported;
   while (!end.stop_requested()) {
     if (const auto asked = robot_.asked()) {
-      for (const std::string& what : *asked)
-        heed(what);
+      for (const control::HolderRequest& request : *asked)
+        heed(request);
     }
     report(reported);
-    wait(kPeriod, end);
+    answers_->wait(kPeriod, end);
   }
   while (robot_.record().has_waiting()) {
     if (!robot_.report(doing())) break;
@@ -89,114 +135,57 @@ void MissionRemote::report(Value& reported) {
   reported = std::move(now);
 }
 
-void MissionRemote::heed(const std::string& what) {
-  if (what == "pause") pause_.pause();
-  if (what == "resume") pause_.resume();
-  if (what == "stop") stop_.request_stop();
-  if (what == "plan") shall_show_plan_ = true;
+/// Where a run is asked, it answers when it has come to it.
+void MissionRemote::heed(const control::HolderRequest& request) {
+  const auto& [number, what, arguments] = request;
+  const auto done = [answers = answers_, number = number](const Result<void>& outcome) {
+    answers->heard(number, outcome);
+  };
+  if (what == "plan") {
+    shall_show_plan_ = true;
+  } else if (what == "step") {
+    control_.step(step_called(text_at(arguments, "how")), done);
+  } else if (what == "break") {
+    control_.set_breakpoints(texts_in(list_at(arguments, "at")), done);
+  } else if (what == "go_on_at") {
+    control_.go_on_at(text_at(arguments, "at"), done);
+  } else if (what == "values") {
+    const std::string path = text_at(arguments, "of");
+    control_.values_of(path, [answers = answers_, number = number, path](const Result<Value>& values) {
+      answers->heard_values(number, path, values);
+    });
+  } else {
+    if (what == "pause") control_.pause();
+    if (what == "resume") control_.resume();
+    if (what == "stop") stop_.request_stop();
+    done({});
+  }
+}
+
+/// The answers are looked at first: who sees that a step was followed must not see a position of before.
+Value MissionRemote::steering() const {
+  Value control = Value::map({});
+  answers_->add_to(control.as_map());
+  const RunControl::Position position = control_.position();
+  control.as_map().append("steps", position.steps);
+  control.as_map().append("back", position.back);
+  control.as_map().append("at", position.at ? Value(list_of(*position.at)) : Value());
+  control.as_map().append("breakpoints", list_of(position.breakpoints));
+  return control;
 }
 
 Value MissionRemote::doing() const {
+  Value control = steering();
   const std::lock_guard lock(mutex_);
   Value::List running;
   for (const std::string& path : running_)
     running.emplace_back(path);
-  const char* state = stop_.stop_requested() ? "stopping" : pause_.paused() ? "paused" : "running";
-  return Value::map(
-      {{"mission", mission_}, {"state", state}, {"running", std::move(running)}, {"ended", ended_}});
-}
-
-namespace {
-
-struct RemoteOptions {
-  Duration timeout = std::chrono::seconds(10);
-};
-
-/// What the mission that commands the robot is doing. NotFound where none does.
-Result<Value> mission_of(control::RobotService& robot) {
-  auto status = robot.status();
-  if (!status) return status.error();
-  const Value* doing = status->find("doing");
-  if (doing != nullptr && doing->find("mission") != nullptr) return *doing;
-  const std::string who = text_at(*status, "commanded_by");
-  return fail(ErrorCode::NotFound, who.empty()
-                                       ? std::string("no mission commands the robot")
-                                       : "the robot is commanded by " + who + ", which is no mission");
-}
-
-int show_mission(control::RobotService& robot, const Context& context) {
-  const auto doing = mission_of(robot);
-  if (!doing) return failed(context, doing.error());
-  if (context.json()) {
-    print_json(*doing);
-    return kDone;
-  }
-  std::vector<std::string> running;
-  for (const Value& path : list_at(*doing, "running"))
-    running.push_back(path.is_string() ? path.as_string() : "");
-  const auto ended = number_at(*doing, "ended");
-  print_line(printable(fmt::format("mission {}: {}; {}; {} action{} ended", text_at(*doing, "mission"),
-                                   text_at(*doing, "state"),
-                                   running.empty() ? "nothing is under way" : "under way: " + listed(running),
-                                   ended, ended == 1 ? " has" : "s have")));
-  return kDone;
-}
-
-/// Until the mission is as wanted; a mission that has ended is stopped.
-int ask_mission(control::RobotService& robot, const std::string& what, const std::string& wanted,
-                const RemoteOptions& options, const Context& context) {
-  auto doing = mission_of(robot);
-  if (!doing) return failed(context, doing.error());
-  const std::string name = text_at(*doing, "mission");
-  if (auto asked = robot.ask_holder(what); !asked) return failed(context, asked.error());
-  const TimePoint deadline = deadline_in(options.timeout);
-  while (doing && text_at(*doing, "state") != wanted) {
-    if (RealClock::instance().now() > deadline) {
-      return failed(context, fail(ErrorCode::DeadlineExceeded, "mission " + quote(name) + " is still " +
-                                                                   text_at(*doing, "state") +
-                                                                   "; watch it with 'segue mission status'"));
-    }
-    wait(kPeriod);
-    doing = mission_of(robot);
-  }
-  const bool has_ended = !doing && doing.error().code == ErrorCode::NotFound;
-  if (!doing && (!has_ended || what != "stop")) return failed(context, doing.error());
-  const std::string state = has_ended ? "stopped" : text_at(*doing, "state");
-  if (context.json()) {
-    print_json(Value::map({{"mission", name}, {"state", state}}));
-  } else {
-    print_line(printable(fmt::format("mission {}: {}", name, state)));
-  }
-  return kDone;
-}
-
-void add_request(Verb& mission, Context& context, const char* what, const char* wanted, const char* help) {
-  const auto options = std::make_shared<RemoteOptions>();
-  Verb& verb = add_verb(mission, context, what, help, fmt::format("  segue mission {}", what),
-                        [what, wanted, options, &context] {
-                          return with_robot(context, [&](control::RobotService& robot) {
-                            return ask_mission(robot, what, wanted, *options, context);
-                          });
-                        });
-  verb.option("--timeout DURATION", options->timeout, "how long to wait until it is (default 10s)");
-  add_robot_option(verb, context);
-}
-
-}  // namespace
-
-void add_mission_remote(Verb& mission, Context& context) {
-  Verb& status = add_verb(mission, context, "status", "show what the mission that commands a robot is doing",
-                          "  segue mission status", [&context] {
-                            return with_robot(context, [&](control::RobotService& robot) {
-                              return show_mission(robot, context);
-                            });
-                          });
-  add_robot_option(status, context);
-  add_request(mission, context, "pause", "paused",
-              "let the mission that commands a robot begin nothing more; what is under way goes on");
-  add_request(mission, context, "resume", "running", "let a paused mission go on");
-  add_request(mission, context, "stop", "ended",
-              "stop the mission that commands a robot: what is under way is preempted");
+  const char* state = stop_.stop_requested() ? "stopping" : control_.paused() ? "paused" : "running";
+  return Value::map({{"mission", mission_},
+                     {"state", state},
+                     {"running", std::move(running)},
+                     {"ended", ended_},
+                     {"control", std::move(control)}});
 }
 
 }  // namespace segue::cli

@@ -3,10 +3,12 @@
 
 #include <segue/mission/action_runner.hpp>
 #include <segue/robot/served_robot.hpp>
-#include <segue/session/pause_control.hpp>
+#include <segue/session/run_control.hpp>
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <stop_token>
@@ -14,12 +16,10 @@
 #include <string_view>
 #include <thread>
 
-#include "command.hpp"
-
 namespace segue::cli {
 
 /// Lets other programs see and steer a mission that commands a robot, through that robot: `segue mission
-/// status`, `pause`, `resume` and `stop`; and the robot record it in its journal.
+/// status`, `pause`, `step` and so on, and the studio; and the robot record it in its journal.
 class MissionRemote {
  public:
   /// What the mission will do (draw::shown_plan), made where somebody wants to see it.
@@ -27,7 +27,7 @@ class MissionRemote {
 
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
   /// requested when the mission shall stop.
-  MissionRemote(robot::ServedRobot& robot, std::string mission, Plan plan, session::PauseControl& pause,
+  MissionRemote(robot::ServedRobot& robot, std::string mission, Plan plan, session::RunControl& control,
                 std::stop_source stop);
   MissionRemote(const MissionRemote&) = delete;
   MissionRemote& operator=(const MissionRemote&) = delete;
@@ -39,24 +39,43 @@ class MissionRemote {
   void ended(std::string_view outcome, std::string_view error);
 
  private:
+  /// What became of what the mission was asked for.
+  class Answers {
+   public:
+    void heard(std::uint64_t number, const Result<void>& outcome);
+    void heard_values(std::uint64_t number, const std::string& path, const Result<type::Value>& values);
+    /// What is new is waited for until then, or until `end`.
+    void wait(Duration longest, const std::stop_token& end);
+    void add_to(type::ValueMap& control) const;
+
+   private:
+    void note(std::uint64_t number, const std::optional<Error>& refused);
+
+    mutable std::mutex mutex_;  ///< protects all below
+    std::condition_variable_any changed_;
+    bool is_new_ = false;
+    std::uint64_t heard_ = 0;
+    type::Value problem_;
+    type::Value values_;
+  };
+
   void work(const std::stop_token& end);
-  void heed(const std::string& what);
+  void heed(const control::HolderRequest& request);
   void report(type::Value& reported);
   [[nodiscard]] type::Value doing() const;
+  [[nodiscard]] type::Value steering() const;
 
   robot::ServedRobot& robot_;
   const std::string mission_;
   const Plan plan_;
-  session::PauseControl& pause_;
+  session::RunControl& control_;
   std::stop_source stop_;
-  mutable std::mutex mutex_;                         ///< protects the next two
-  std::multiset<std::string, std::less<>> running_;  ///< paths of actions
-  std::uint64_t ended_ = 0;                          ///< actions
-  bool shall_show_plan_ = false;                     ///< for the thread only
+  const std::shared_ptr<Answers> answers_ = std::make_shared<Answers>();  ///< shared with who answers
+  mutable std::mutex mutex_;                                              ///< protects the next two
+  std::multiset<std::string, std::less<>> running_;                       ///< paths of actions
+  std::uint64_t ended_ = 0;                                               ///< actions
+  bool shall_show_plan_ = false;                                          ///< for the thread only
   std::jthread thread_;
 };
-
-/// `segue mission status`, `pause`, `resume` and `stop`.
-void add_mission_remote(Verb& mission, Context& context);
 
 }  // namespace segue::cli

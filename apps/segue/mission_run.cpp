@@ -81,6 +81,8 @@ Result<RunRequest> request_of(const MissionOptions& options, const NetworkOption
   request.inputs = std::move(*inputs);
   request.facts = options.facts;
   request.start_at = options.start_at;
+  request.breakpoints = options.breakpoints;
+  request.steps_back = options.steps_back;
   request.journal = journal_request(options);
   request.python = options.python;
   request.simulate = options.simulate;
@@ -132,8 +134,11 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
   return plan.run(request, std::move(stop));
 }
 
+/// Also one that is stepped, which is asked for through a robot.
 bool needs_robot(const session::Session& plan, const MissionOptions& options) {
-  return plan.program() != nullptr && !options.simulate && mission::needs_robot(plan.program()->mission());
+  if (plan.program() == nullptr) return false;
+  const bool is_stepped = !options.breakpoints.empty() || options.steps_back;
+  return is_stepped || (!options.simulate && mission::needs_robot(plan.program()->mission()));
 }
 
 void show_executions(const FinishedRun& run) {
@@ -332,10 +337,10 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
     };
   }
   if (auto given = run_by_robot(request, *plan, robot, how); !given) return failed(context, given.error());
-  session::PauseControl pause;
-  request.pause = &pause;
+  session::RunControl steering;
+  request.control = &steering;
   MissionRemote remote(
-      *robot, plan->name(), [&] { return shown_plan(*plan, request); }, pause, stop);
+      *robot, plan->name(), [&] { return shown_plan(*plan, request); }, steering, stop);
   request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
   const Ran run = run_with_progress(*plan, request, options, stop.get_token(), context);
   tell_end(run, remote);

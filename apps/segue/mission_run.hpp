@@ -35,6 +35,8 @@ struct MissionOptions {
   std::vector<std::string> inputs;
   std::vector<std::string> facts;
   std::string start_at;
+  std::vector<std::string> breakpoints;
+  bool steps_back = false;
   std::vector<std::string> libraries;
   std::string journal;  ///< "": none
   bool resume = false;

@@ -186,11 +186,12 @@ TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
   EXPECT_EQ(lease->lost_to().value(), std::nullopt);
   robot_.is_taken_over = true;
   EXPECT_EQ(lease->lost_to().value(), "somebody");
-  EXPECT_TRUE(robot->ask_holder("pause"));
-  EXPECT_TRUE(robot->ask_holder("stop"));
+  const Value step = Value::map({{"how", "over"}});
+  EXPECT_EQ(*robot->ask_holder("pause", {}), 1U);
+  EXPECT_EQ(*robot->ask_holder("step", step), 2U);
   EXPECT_EQ(lease->lost_to().value(), "somebody") << "which keeps what is asked";
-  EXPECT_EQ(lease->asked().value(), (std::vector<std::string>{"pause", "stop"}));
-  EXPECT_EQ(lease->asked().value(), std::vector<std::string>());
+  EXPECT_EQ(lease->asked().value(), (std::vector<HolderRequest>{{1, "pause", {}}, {2, "step", step}}));
+  EXPECT_EQ(lease->asked().value(), std::vector<HolderRequest>());
   EXPECT_TRUE(robot->report(lease->number(), "driving"));
   EXPECT_EQ(robot_.last_set(),
             Value::map({{"task", "lease 7"}, {"property", "doing"}, {"value", "driving"}}));

@@ -23,6 +23,13 @@ using detail::RpcChannel;
 using detail::time_left;
 using type::Value;
 
+/// 0 where it is none.
+std::uint64_t number_in(const Value* value) {
+  if (value == nullptr || !value->is_integer()) return 0;
+  if (value->kind() == Value::Kind::UInt) return value->as_uint();
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(value->as_int(), 0));
+}
+
 Result<void> without_value(const Result<Value>& answer) {
   if (!answer) return answer.error();
   return {};
@@ -72,13 +79,17 @@ class ClientLease final : public RobotLease {
     if (auto read = read_news(); !read) return read.error();
     return lost_to_;
   }
-  Result<std::vector<std::string>> asked() override {
+  Result<std::vector<HolderRequest>> asked() override {
     const std::lock_guard lock(mutex_);
     if (auto read = read_news(); !read) return read.error();
     return std::exchange(asked_, {});
   }
 
  private:
+  static HolderRequest request_in(const Value& one, const std::string& what) {
+    const Value* arguments = one.find("arguments");
+    return {number_in(one.find("number")), what, arguments == nullptr ? Value() : *arguments};
+  }
   Result<void> read_news() {
     const auto news = stream_->read(kMostNews);
     if (!news) return news.error();
@@ -86,7 +97,7 @@ class ClientLease final : public RobotLease {
       const Value* who = one.find("lost_to");
       const Value* what = one.find("asked");
       if (who != nullptr && who->is_string()) lost_to_ = who->as_string();
-      if (what != nullptr && what->is_string()) asked_.push_back(what->as_string());
+      if (what != nullptr && what->is_string()) asked_.push_back(request_in(one, what->as_string()));
     }
     return {};
   }
@@ -98,7 +109,7 @@ class ClientLease final : public RobotLease {
   const std::uint64_t number_;
   std::mutex mutex_;  ///< protects both; one reader at a time
   std::optional<std::string> lost_to_;
-  std::vector<std::string> asked_;
+  std::vector<HolderRequest> asked_;
 };
 
 /// Whether the text of a file fits into a message.
@@ -231,13 +242,19 @@ class Client final : public RobotService {
     });
   }
 
-  Result<void> ask_holder(std::string_view what) override {
-    return without_value(
-        channel_->ask(kLookTimeout, [what = std::string(what)](RpcChannel::Connection& connection) {
+  Result<std::uint64_t> ask_holder(std::string_view what, const Value& arguments) override {
+    if (auto fits = detail::check_size(arguments, detail::kServerMessageWords); !fits) return fits.error();
+    const auto number = channel_->ask(
+        kLookTimeout,
+        [what = std::string(what), arguments](RpcChannel::Connection& connection) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().askHolderRequest();
           request.setWhat(as_text(what));
+          if (auto done = detail::encode(arguments, request.initArguments()); !done)
+            return Result<Value>(done.error());
           return RpcChannel::send(request);
-        }));
+        });
+    if (!number) return number.error();
+    return number_in(&*number);
   }
 
   Result<Value> cancel(std::uint64_t number, std::string_view who, TimePoint deadline) override {

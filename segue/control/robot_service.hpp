@@ -23,6 +23,14 @@ class SampleStream {
   [[nodiscard]] virtual std::string type_name() const = 0;
 };
 
+/// What the holder of a lease has been asked to do.
+struct HolderRequest {
+  std::uint64_t number = 0;  ///< rising over all that this holder has been asked
+  std::string what;
+  type::Value arguments;  ///< null, or a map
+  friend bool operator==(const HolderRequest&, const HolderRequest&) = default;
+};
+
 /// The right of one holder to request controllers and to apply files: while it is held, requests of others
 /// are refused, unless they take the robot over. Has ended when its destructor returns; ends, too, with the
 /// holder's connection.
@@ -33,7 +41,7 @@ class RobotLease {
   /// Who took the robot over; nothing: the lease is still held.
   virtual Result<std::optional<std::string>> lost_to() = 0;
   /// What its holder has been asked to do since the last call (RobotService::ask_holder), oldest first.
-  virtual Result<std::vector<std::string>> asked() = 0;
+  virtual Result<std::vector<HolderRequest>> asked() = 0;
 };
 
 /// "speed", or "speed.max" for a member of it.
@@ -99,9 +107,9 @@ class RobotService {
   /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
   /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more. A
-  /// mission says {"mission", "state", "running", "ended"}, and in "happened" what the robot's journal shall
-  /// have: {"sent_ns" (the sender's time since 1970), "lost" (entries so far that it could not keep),
-  /// "entries": a list of {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"),
+  /// mission says {"mission", "state", "running", "ended", "control"}, and in "happened" what the robot's
+  /// journal shall have: {"sent_ns" (the sender's time since 1970), "lost" (entries so far that it could not
+  /// keep), "entries": a list of {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"),
   /// "action" (none: the mission), "iteration", "controller", "outcome", "error", "duration_ns"}}.
   virtual Result<void> report(std::uint64_t lease, const type::Value& doing) = 0;
   /// The mission that commands the robot, or the last one that did; null where none has since the runtime
@@ -110,11 +118,20 @@ class RobotService {
   /// entry `after`, oldest first, 2000 at most, each {"number" (rising, over all missions), "time_s" (since
   /// 1970), "kind" ("began", "asked", "ended"), "action" ("": the mission), "iteration", "controller",
   /// "outcome", "error", "duration_s"}, "dropped": entries that are not kept any more}. `with_plan`: also
-  /// "plan", what the mission says of itself; null until it has, for which it is asked.
+  /// "plan", what the mission says of itself; null until it has, for which it is asked. "control", null where
+  /// it has ended or does not say: {"steps" (it can be stepped), "back" (and stepped back), "at" (null, or
+  /// the states before which it is held and at rest), "breakpoints", "heard" (the number of the last request
+  /// of ask_holder() that it has followed or refused), "problem" ({"number", "text"}: why it refused that
+  /// one; none: it refused none), "values" ({"number", "of"} and what mission::Engine::values_of has; none:
+  /// it was not asked)}.
   virtual Result<type::Value> mission(std::uint64_t after, bool with_plan) = 0;
-  /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; it may take its time. NotFound
-  /// where nobody does.
-  virtual Result<void> ask_holder(std::string_view what) = 0;
+  /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; or a mission to "step"
+  /// ({"how": "into", "over", "out" or "back"}), to have these breakpoints ("break", {"at": paths}), to
+  /// "go_on_at"
+  /// ({"at": path}), or for "values" ({"of": path}). It may take its time: what became of the request, whose
+  /// number is the answer, is in "control" of mission(). NotFound where nobody holds it, ResourceExhausted
+  /// where it does not hear what it is asked.
+  virtual Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments) = 0;
   /// Cancels a request ("requests" of status(); 0: the newest): one that waits ends, the transition of
   /// another one is undone if it is not past its point of commit. Answers the JSON of `switch` of the request
   /// when that is done. NotFound where no such request is open, InvalidState where it goes on. `who` for the

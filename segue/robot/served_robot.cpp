@@ -99,7 +99,7 @@ Result<void> ServedRobot::take() {
   return number ? Result<void>() : number.error();
 }
 
-Result<std::vector<std::string>> ServedRobot::asked() {
+Result<std::vector<control::HolderRequest>> ServedRobot::asked() {
   if (auto taken = take(); !taken) return taken.error();
   const std::lock_guard lock(mutex_);
   return lease_->asked();

@@ -34,7 +34,7 @@ class ServedRobot final : public mission::CommandedRobot {
   /// Takes the lease now, rather than with the first request.
   Result<void> take();
   /// What whoever holds the lease has been asked to do (control::RobotLease::asked), and says that it does.
-  Result<std::vector<std::string>> asked();
+  Result<std::vector<control::HolderRequest>> asked();
   /// `doing` is a map; with it goes what waits in record(), for the robot's journal.
   Result<void> report(type::Value doing);
   /// What the mission did. Once a mission has begun there, requests are in the name of its actions.

@@ -13,7 +13,9 @@ class FakeLease final : public control::RobotLease {
   explicit FakeLease(const std::optional<std::string>& lost_to) : lost_to_(lost_to) {}
   [[nodiscard]] std::uint64_t number() const override { return 7; }
   Result<std::optional<std::string>> lost_to() override { return lost_to_; }
-  Result<std::vector<std::string>> asked() override { return std::vector<std::string>{"pause"}; }
+  Result<std::vector<control::HolderRequest>> asked() override {
+    return std::vector<control::HolderRequest>{{1, "pause", {}}};
+  }
 
  private:
   const std::optional<std::string>& lost_to_;
@@ -69,7 +71,9 @@ class FakeService final : public control::RobotService {
     return report_answer;
   }
   Result<Value> mission(std::uint64_t /*after*/, bool /*with_plan*/) override { return no(); }
-  Result<void> ask_holder(std::string_view /*what*/) override { return no(); }
+  Result<std::uint64_t> ask_holder(std::string_view /*what*/, const Value& /*arguments*/) override {
+    return no();
+  }
   Result<Value> cancel(std::uint64_t /*request*/, std::string_view /*who*/, TimePoint /*deadline*/) override {
     return no();
   }
@@ -224,7 +228,7 @@ TEST_F(ServedRobotTest, KnowsWhatCannotRunAtOnce) {
 TEST_F(ServedRobotTest, SaysWhatItsUserDoesAndHearsWhatThatIsAsked) {
   EXPECT_TRUE(robot_.take());
   EXPECT_EQ(service_.lease_holder, "a test");
-  EXPECT_EQ(*robot_.asked(), std::vector<std::string>{"pause"});
+  EXPECT_EQ(robot_.asked()->front().what, "pause");
   EXPECT_TRUE(robot_.report("driving"));
   EXPECT_EQ(service_.reported, Value::list({std::uint64_t{7}, "driving"}));
 }

@@ -178,9 +178,10 @@ TEST_F(CommandedRuntime, TellsItsHolderWhatOthersWant) {
   EXPECT_EQ(runtime_.ask_holder("pause").error().code, ErrorCode::NotFound);
   const auto lease = *runtime_.take_lease("mission patrol");
   EXPECT_EQ(runtime_.ask_holder("dance").error().code, ErrorCode::InvalidArgument);
-  EXPECT_TRUE(runtime_.ask_holder("pause"));
-  EXPECT_TRUE(runtime_.ask_holder("resume"));
-  EXPECT_EQ(runtime_.take_asked(lease), std::vector<std::string>{"resume"}) << "the latest counts";
+  EXPECT_EQ(*runtime_.ask_holder("pause"), 1U);
+  EXPECT_EQ(*runtime_.ask_holder("resume"), 2U);
+  EXPECT_THAT(runtime_.take_asked(lease), ElementsAre(control::HolderRequest{2, "resume", {}}))
+      << "the latest counts";
   EXPECT_THAT(runtime_.take_asked(lease), IsEmpty());
   EXPECT_TRUE(runtime_.report(lease, "driving"));
   EXPECT_EQ(runtime_.reported(), type::Value("driving"));

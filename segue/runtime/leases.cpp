@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/leases.hpp>
 
-#include <segue/base/text.hpp>
-
-#include <algorithm>
-#include <array>
 #include <utility>
 
 namespace segue::runtime::detail {
@@ -60,32 +56,23 @@ type::Value Leases::doing() const {
 
 type::Value Leases::mission(std::uint64_t after, bool with_plan) {
   const std::lock_guard lock(mutex_);
-  const type::Value* state = held_ ? held_->doing.find("state") : nullptr;
   if (held_ && with_plan && !missions_.recent().has_plan()) held_->shall_show_plan = true;
-  return missions_.recent().to_value(after, with_plan,
-                                     state != nullptr && state->is_string() ? state->as_string() : "running");
+  return missions_.recent().to_value(after, with_plan, held_ ? held_->doing : type::Value());
 }
 
-Result<void> Leases::ask(std::string_view what) {
-  static constexpr std::array<std::string_view, 3> kKnown = {"pause", "resume", "stop"};
-  if (std::ranges::find(kKnown, what) == kKnown.end()) {
-    return fail(ErrorCode::InvalidArgument,
-                "whoever commands the robot can be asked to pause, resume or stop, not to " + quote(what));
-  }
+Result<std::uint64_t> Leases::ask(std::string_view what, const type::Value& arguments) {
   const std::lock_guard lock(mutex_);
   if (!held_) {
     return fail(ErrorCode::NotFound, "nobody commands the robot");
   }
-  // The latest counts; a holder that does not look must not make this grow.
-  held_->asked.assign(1, std::string(what));
-  return {};
+  return held_->inbox.put(what, arguments);
 }
 
-std::vector<std::string> Leases::take_asked(std::uint64_t number) {
+std::vector<control::HolderRequest> Leases::take_asked(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   if (!held_ || held_->number != number) return {};
-  auto asked = std::exchange(held_->asked, {});
-  if (std::exchange(held_->shall_show_plan, false)) asked.emplace_back("plan");
+  auto asked = held_->inbox.take();
+  if (std::exchange(held_->shall_show_plan, false)) asked.push_back({0, "plan", {}});
   return asked;
 }
 

@@ -3,6 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/runtime/event_log.hpp>
+#include <segue/runtime/holder_inbox.hpp>
 #include <segue/runtime/mission_reports.hpp>
 #include <segue/runtime/runtime.hpp>
 
@@ -30,8 +31,8 @@ class Leases {
   [[nodiscard]] type::Value doing() const;
   /// As of control::RobotService::mission. Asks the holder for its plan where that is wanted and not known.
   [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan);
-  Result<void> ask(std::string_view what);
-  std::vector<std::string> take_asked(std::uint64_t number);
+  Result<std::uint64_t> ask(std::string_view what, const type::Value& arguments);
+  std::vector<control::HolderRequest> take_asked(std::uint64_t number);
   /// Why a request with these options is not accepted. Where they say so, the robot is taken over.
   std::optional<Error> refusal_of(const RequestOptions& options);
 
@@ -40,7 +41,7 @@ class Leases {
     std::uint64_t number = 0;
     std::string holder;
     type::Value doing{};
-    std::vector<std::string> asked{};
+    HolderInbox inbox{};
     bool shall_show_plan = false;
   };
   [[nodiscard]] std::optional<std::string> who_took(std::uint64_t number) const;

@@ -239,7 +239,8 @@ TEST_F(ReportedMission, IsAskedForItsPlanWhenSomebodyLooks) {
   EXPECT_THAT(runtime().take_asked(lease_), IsEmpty());
   EXPECT_TRUE(runtime().mission(0, true).find("plan")->is_null());
   EXPECT_TRUE(runtime().ask_holder("pause"));
-  EXPECT_THAT(runtime().take_asked(lease_), ElementsAre("pause", "plan"));
+  EXPECT_THAT(runtime().take_asked(lease_),
+              ElementsAre(control::HolderRequest{1, "pause", {}}, control::HolderRequest{0, "plan", {}}));
   EXPECT_TRUE(runtime().report(lease_, Value::map({{"mission", "patrol"}, {"plan", "here"}})));
   EXPECT_EQ(*runtime().mission(0, true).find("plan"), Value("here"));
   EXPECT_THAT(runtime().take_asked(lease_), IsEmpty());

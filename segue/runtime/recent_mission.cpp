@@ -32,6 +32,16 @@ Value entry_value(std::uint64_t number, const MissionEntry& entry) {
   return value;
 }
 
+Value state_in(const Value& doing) {
+  const Value* state = doing.find("state");
+  return state != nullptr && state->is_string() ? *state : Value("running");
+}
+
+Value control_in(const Value& doing) {
+  const Value* control = doing.find("control");
+  return control != nullptr && control->is_map() ? *control : Value();
+}
+
 }  // namespace
 
 void RecentMission::add(const MissionEntry& entry) {
@@ -54,7 +64,7 @@ void RecentMission::set_plan(Value plan) {
   plan_ = std::move(plan);
 }
 
-Value RecentMission::to_value(std::uint64_t after, bool with_plan, const std::string& state) const {
+Value RecentMission::to_value(std::uint64_t after, bool with_plan, const Value& doing) const {
   if (runs_ == 0) return {};
   const bool has_ended = last_.kind == MissionEntry::Kind::Ended;
   Value::List entries;
@@ -64,7 +74,8 @@ Value RecentMission::to_value(std::uint64_t after, bool with_plan, const std::st
   Value value = Value::map({{"run", runs_},
                             {"mission", last_.mission},
                             {"who", last_.who},
-                            {"state", has_ended ? std::string("ended") : state},
+                            {"state", has_ended ? Value("ended") : state_in(doing)},
+                            {"control", has_ended ? Value() : control_in(doing)},
                             {"dropped", dropped_},
                             {"entries", std::move(entries)}});
   if (has_ended) {

@@ -23,8 +23,9 @@ class RecentMission {
   void set_plan(type::Value plan);
   [[nodiscard]] bool has_plan() const { return !plan_.is_null(); }
 
-  /// Null where no mission has begun yet. `state` while it has not ended.
-  [[nodiscard]] type::Value to_value(std::uint64_t after, bool with_plan, const std::string& state) const;
+  /// Null where no mission has begun yet. `doing`: what it reports (control::RobotService::report) while it
+  /// has not ended.
+  [[nodiscard]] type::Value to_value(std::uint64_t after, bool with_plan, const type::Value& doing) const;
 
  private:
   struct Numbered {

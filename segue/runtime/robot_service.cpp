@@ -37,7 +37,7 @@ class Lease final : public control::RobotLease {
 
   [[nodiscard]] std::uint64_t number() const override { return number_; }
   Result<std::optional<std::string>> lost_to() override { return runtime_.lease_lost_to(number_); }
-  Result<std::vector<std::string>> asked() override { return runtime_.take_asked(number_); }
+  Result<std::vector<control::HolderRequest>> asked() override { return runtime_.take_asked(number_); }
 
  private:
   Runtime& runtime_;
@@ -299,8 +299,8 @@ Result<type::Value> RuntimeService::mission(std::uint64_t after, bool with_plan)
   return runtime_.mission(after, with_plan);
 }
 
-Result<void> RuntimeService::ask_holder(std::string_view what) {
-  return runtime_.ask_holder(what);
+Result<std::uint64_t> RuntimeService::ask_holder(std::string_view what, const type::Value& arguments) {
+  return runtime_.ask_holder(what, arguments);
 }
 
 Result<type::Value> RuntimeService::cancel(std::uint64_t request, std::string_view who, TimePoint deadline) {

@@ -31,7 +31,7 @@ class RuntimeService final : public control::RobotService {
   Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override;
   Result<void> report(std::uint64_t lease, const type::Value& doing) override;
   Result<type::Value> mission(std::uint64_t after, bool with_plan) override;
-  Result<void> ask_holder(std::string_view what) override;
+  Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments) override;
   Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) override;
   Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                        TimePoint deadline) override;

@@ -219,11 +219,11 @@ type::Value Runtime::mission(std::uint64_t after, bool with_plan) {
   return implementation_->leases.mission(after, with_plan);
 }
 
-Result<void> Runtime::ask_holder(std::string_view what) {
-  return implementation_->leases.ask(what);
+Result<std::uint64_t> Runtime::ask_holder(std::string_view what, const type::Value& arguments) {
+  return implementation_->leases.ask(what, arguments);
 }
 
-std::vector<std::string> Runtime::take_asked(std::uint64_t lease) {
+std::vector<control::HolderRequest> Runtime::take_asked(std::uint64_t lease) {
   return implementation_->leases.take_asked(lease);
 }
 

@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
+#include <segue/control/robot_service.hpp>
 #include <segue/host/task_host.hpp>
 #include <segue/journal/entries.hpp>
 #include <segue/model/component.hpp>
@@ -120,9 +121,9 @@ class Runtime {
   [[nodiscard]] type::Value reported() const;  ///< null: nothing
   /// As of control::RobotService::mission.
   [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan);
-  /// Asks the holder to "pause", "resume" or "stop", which it learns by take_asked(). NotFound without one.
-  Result<void> ask_holder(std::string_view what);
-  [[nodiscard]] std::vector<std::string> take_asked(std::uint64_t lease);
+  /// As of control::RobotService::ask_holder. The holder learns it by take_asked().
+  Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments = {});
+  [[nodiscard]] std::vector<control::HolderRequest> take_asked(std::uint64_t lease);
 
   /// Requests a network; the future gets the result. Validation and solving precede any action.
   std::future<SwitchResult> request(Request request, RequestOptions options = {});

@@ -126,8 +126,8 @@ class ConcurrentMissionRun final : public NetworkRun {
     const mission::MissionResult* ended = nullptr;
     {
       const std::stop_callback end(stop, [this] { run_->stop(); });
-      const PauseControl::Attachment pausing(
-          request.pause, [this](bool paused) { paused ? run_->pause() : run_->resume(); });
+      const RunControl::Attachment steering(
+          request.control, {.set_paused = [this](bool paused) { paused ? run_->pause() : run_->resume(); }});
       ended = &run_->run();
     }
     compare(time_of_all(result()), time.microseconds());

@@ -24,6 +24,7 @@ class SequentialRun final : public FinishedRun {
     options.clock = &clock_;
     options.warn = request.note;
     options.observe = request.on_action;
+    options.backward = request.steps_back;
     auto start = open_journal(program->mission(), request, options.journal);
     if (!start) return start.error();
     auto facts = parse_facts(start->facts);
@@ -38,6 +39,7 @@ class SequentialRun final : public FinishedRun {
     for (const auto& [name, value] : start->inputs) {
       if (auto set = engine_->set_input(name, value); !set) return set;
     }
+    if (auto set = engine_->set_breakpoints(request.breakpoints); !set) return set;
     return start->start_at.empty() ? Result<void>{} : engine_->start_at(start->start_at);
   }
 
@@ -46,12 +48,12 @@ class SequentialRun final : public FinishedRun {
     const ProcessorTime time;
     {
       const std::stop_callback end(stop, [this] { engine_->stop(); });
-      const PauseControl::Attachment pausing(request.pause, [this](bool paused) {
-        if (paused) engine_->pause();
-      });
+      RunControl::Attachment steering(
+          request.control,
+          {.engine = engine_.get(), .back = request.steps_back, .breakpoints = request.breakpoints});
       while (engine_->run() == mission::Engine::Progress::Held) {
-        request.pause->wait_until_resumed(stop);
-        engine_->resume();
+        steering.held_at(engine_->held_at());
+        engine_->wait_for_message();
       }
     }
     if (engine_->executions() > 0)

@@ -85,19 +85,28 @@ constexpr std::string_view kNoGoal =
     "mission "
     "has no goal and becomes a network while it runs";
 
+bool is_debugged(const RunRequest& request) {
+  return !request.breakpoints.empty() || request.steps_back;
+}
+
 /// What a request has and the plan could not heed, or "".
 std::string problem_of(const RunRequest& request, bool is_network) {
   const bool of_missions = !request.inputs.empty() || !request.facts.empty() || !request.start_at.empty() ||
                            !request.world_data.empty() || request.journal.has_value() ||
-                           request.pause != nullptr;
+                           request.control != nullptr || is_debugged(request);
   if (is_network && of_missions)
-    return "inputs, facts, a state to start at, a journal and pauses are for missions, not for task networks";
+    return "inputs, facts, a state to start at, a journal, pauses and steps are for missions, not for task "
+           "networks";
   if (!is_network && request.order != cdtn::OrderRule::Epoch) return std::string(kNoGoal);
   if (request.mode == RunMode::Sequential &&
       (request.strict || request.workers != 0 || request.world_copies != 0))
     return "strict, a number of workers and of copies of the world are for concurrent runs";
   if (request.mode == RunMode::Concurrent && !request.start_at.empty())
     return "a state to start at is for missions that run as they are written";
+  if (request.mode == RunMode::Concurrent && is_debugged(request))
+    return "breakpoints and steps back are for missions that run as they are written";
+  if (request.control == nullptr && is_debugged(request))
+    return "breakpoints and steps back need a control that lets the run go on";
   return {};
 }
 

@@ -12,8 +12,8 @@
 #include <segue/mission/program.hpp>
 #include <segue/mission/run_journal.hpp>
 #include <segue/mission/script_robot.hpp>
-#include <segue/session/pause_control.hpp>
 #include <segue/session/run.hpp>
+#include <segue/session/run_control.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -67,8 +67,11 @@ struct RunRequest {
   std::uint32_t world_copies = 0;  ///< concurrent: projected worlds at the same time; 0: any number
   cdtn::OrderRule order = cdtn::OrderRule::Epoch;  ///< of a task network only
 
-  /// Pauses the run of a mission; must outlive it. Null: it cannot be paused.
-  PauseControl* pause = nullptr;
+  /// Steers the run of a mission; must outlive it. Null: it cannot be paused.
+  RunControl* control = nullptr;
+  /// Before these states a mission that runs as written is held, until `control` lets it go on.
+  std::vector<std::string> breakpoints;
+  bool steps_back = false;  ///< keeps what is needed to step back; sequential only, not with a journal
   /// Receives warnings, which are no failures. Called on the thread of run(), or on that of an opaque
   /// subtree.
   std::function<void(const std::string&)> note;

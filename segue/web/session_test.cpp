@@ -178,7 +178,13 @@ TEST_F(SessionTest, AMissionIsPausedWhileItRuns) {
   EXPECT_EQ(error_code(*session, pause), "not-found") << "none has run";
   robot_.show_mission(1, "running", 1, Value());
   EXPECT_EQ(error_code(*session, pause), "");
-  EXPECT_EQ(robot_.lease("a test").value()->asked().value(), std::vector<std::string>{"pause"});
+  EXPECT_EQ(
+      error_code(*session, R"({"id": 1, "verb": "mission", "arguments": {"what": "step", "how": "over"}})"),
+      "");
+  const auto asked = robot_.lease("a test").value()->asked().value();
+  ASSERT_EQ(asked.size(), 2U);
+  EXPECT_EQ(asked[0], (control::HolderRequest{1, "pause", Value::map({})}));
+  EXPECT_EQ(asked[1], (control::HolderRequest{2, "step", Value::map({{"how", "over"}})}));
   robot_.show_mission(1, "ended", 2, Value());
   EXPECT_EQ(error_code(*session, pause), "not-found");
 }

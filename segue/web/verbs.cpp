@@ -132,7 +132,7 @@ Result<Value> do_write(const Request& request) {
                      });
 }
 
-/// "pause", "resume" or "stop"; the mission may take its time.
+/// What control::RobotService::ask_holder has, its arguments beside "what"; the mission may take its time.
 Result<Value> ask_of_mission(const Request& request) {
   const auto what = request.command.text("what");
   if (!what) return what.error();
@@ -141,7 +141,10 @@ Result<Value> ask_of_mission(const Request& request) {
   const Value* state = mission->find("state");
   if (state == nullptr || *state == Value("ended"))
     return fail(ErrorCode::NotFound, "no mission commands the robot");
-  return nothing_or_error(request.robot.ask_holder(*what));
+  Value arguments = request.command.arguments();
+  arguments.as_map().erase("what");
+  const auto number = request.robot.ask_holder(*what, arguments);
+  return number ? Result<Value>(Value::map({{"number", *number}})) : Result<Value>(number.error());
 }
 
 Result<Value> ask_status(const Request& request) {
@@ -195,7 +198,7 @@ const std::vector<VerbEntry>& verb_entries() {
       {"diff", Role::Observe, ask_diff, {"controller", "force", "order", "take_over", "timeout_s"}},
       {"switch", Role::Operate, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
       {"cancel", Role::Operate, do_cancel, {"request", "timeout_s"}},
-      {"mission", Role::Operate, ask_of_mission, {"what"}},
+      {"mission", Role::Operate, ask_of_mission, {"what", "how", "at", "of"}},
       {"prepare", Role::Operate, do_prepare, {"controllers", "timeout_s"}},
       {"set", Role::Operate, do_set, {"task", "property", "value", "yaml", "timeout_s"}},
       {"call", Role::Operate, do_call, {"task", "operation", "value", "yaml", "timeout_s"}},

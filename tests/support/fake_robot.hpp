@@ -112,10 +112,10 @@ class FakeRobot : public RobotService {
   Result<type::Value> mission(std::uint64_t after, bool with_plan) override {
     return type::Value::map({{"after", after}, {"with_plan", with_plan}});
   }
-  Result<void> ask_holder(std::string_view what) override {
+  Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments) override {
     const std::lock_guard lock(mutex_);
-    asked_.emplace_back(what);
-    return {};
+    asked_.push_back({++asked_so_far_, std::string(what), arguments});
+    return asked_so_far_;
   }
   Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) override {
     return type::Value::map({{"request", request},
@@ -212,7 +212,7 @@ class FakeRobot : public RobotService {
       return robot_.is_taken_over ? std::optional<std::string>("somebody") : std::nullopt;
     }
 
-    Result<std::vector<std::string>> asked() override {
+    Result<std::vector<HolderRequest>> asked() override {
       const std::lock_guard lock(robot_.mutex_);
       return std::exchange(robot_.asked_, {});
     }
@@ -222,7 +222,8 @@ class FakeRobot : public RobotService {
   };
 
   std::mutex mutex_;
-  std::vector<std::string> asked_;
+  std::uint64_t asked_so_far_ = 0;
+  std::vector<HolderRequest> asked_;
   type::Value set_;
   std::string set_text_;
 };

@@ -80,8 +80,8 @@ class LeaseStream final : public SampleStream {
     if (*lost) news.push_back(Value::map({{"lost_to", **lost}}));
     const auto asked = lease_->asked();
     if (!asked) return asked.error();
-    for (const std::string& what : *asked)
-      news.push_back(Value::map({{"asked", what}}));
+    for (const HolderRequest& one : *asked)
+      news.push_back(Value::map({{"asked", one.what}, {"number", one.number}, {"arguments", one.arguments}}));
     return news;
   }
   [[nodiscard]] std::string type_name() const override { return std::to_string(lease_->number()); }
@@ -214,9 +214,13 @@ class RobotServer final : public wire::Robot::Server {
   }
 
   kj::Promise<void> askHolder(AskHolderContext context) override {
+    const auto params = context.getParams();
     return caller_.answer_value(Role::Operate, context,
-                                [&service = service(), what = as_string(context.getParams().getWhat())] {
-                                  return as_value(service.ask_holder(what));
+                                [&service = service(), what = as_string(params.getWhat()),
+                                 arguments = decode(params.getArguments(), kMaxNodes)]() -> Result<Value> {
+                                  if (!arguments) return arguments.error();
+                                  const auto number = service.ask_holder(what, *arguments);
+                                  return number ? Result<Value>(*number) : Result<Value>(number.error());
                                 });
   }
 

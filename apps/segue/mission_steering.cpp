@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mission_steering.hpp"
+
+#include <segue/base/text.hpp>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "connection.hpp"
+#include "output.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+/// How often it is looked whether a mission has followed.
+constexpr Duration kLookPeriod = std::chrono::milliseconds(50);
+
+struct SteeringOptions {
+  Duration timeout = std::chrono::seconds(10);
+  std::string how = "over";        ///< of a step
+  std::string path;                ///< of a state
+  std::vector<std::string> paths;  ///< of breakpoints
+  bool clear = false;
+};
+
+std::vector<std::string> texts_at(const Value& map, std::string_view key) {
+  std::vector<std::string> texts;
+  for (const Value& one : list_at(map, key))
+    texts.push_back(one.is_string() ? one.as_string() : "");
+  return texts;
+}
+
+/// What the mission that commands the robot is doing. NotFound where none does.
+Result<Value> mission_of(control::RobotService& robot) {
+  auto status = robot.status();
+  if (!status) return status.error();
+  const Value* doing = status->find("doing");
+  if (doing != nullptr && doing->find("mission") != nullptr) return *doing;
+  const std::string who = text_at(*status, "commanded_by");
+  return fail(ErrorCode::NotFound, who.empty()
+                                       ? std::string("no mission commands the robot")
+                                       : "the robot is commanded by " + who + ", which is no mission");
+}
+
+Value control_of(const Value& doing) {
+  const Value* control = doing.find("control");
+  return control == nullptr ? Value() : *control;
+}
+
+bool is_held(const Value& doing) {
+  const Value control = control_of(doing);
+  const Value* at = control.find("at");
+  return at != nullptr && at->is_list();
+}
+
+/// "held before fetch/take", "under way: fetch/look", "nothing is under way"
+std::string where(const Value& doing) {
+  if (is_held(doing)) {
+    const auto at = texts_at(control_of(doing), "at");
+    return at.empty() ? "held" : "held before " + listed(at);
+  }
+  const auto running = texts_at(doing, "running");
+  return running.empty() ? "nothing is under way" : "under way: " + listed(running);
+}
+
+int show_mission(control::RobotService& robot, const Context& context) {
+  const auto doing = mission_of(robot);
+  if (!doing) return failed(context, doing.error());
+  if (context.json()) {
+    print_json(*doing);
+    return kDone;
+  }
+  const auto ended = number_at(*doing, "ended");
+  print_line(
+      printable(fmt::format("mission {}: {}; {}; {} action{} ended", text_at(*doing, "mission"),
+                            text_at(*doing, "state"), where(*doing), ended, ended == 1 ? " has" : "s have")));
+  if (const auto paths = texts_at(control_of(*doing), "breakpoints"); !paths.empty())
+    print_line(printable("breakpoints: " + listed(paths)));
+  return kDone;
+}
+
+/// Asks, and waits until `has_followed` is true of what the mission is doing. The error of what it refuses.
+/// NotFound once it has ended.
+template <class Condition>
+Result<Value> ask(control::RobotService& robot, std::string_view what, const Value& arguments,
+                  Duration timeout, Condition has_followed) {
+  auto doing = mission_of(robot);
+  if (!doing) return doing;
+  const auto number = robot.ask_holder(what, arguments);
+  if (!number) return number.error();
+  const TimePoint deadline = deadline_in(timeout);
+  for (doing = mission_of(robot); doing; doing = mission_of(robot)) {
+    const Value control = control_of(*doing);
+    const Value* problem = control.find("problem");
+    const auto asked = static_cast<double>(*number);
+    if (problem != nullptr && number_at(*problem, "number") == asked)
+      return fail(ErrorCode::InvalidState, text_at(*problem, "text"));
+    if (number_at(control, "heard") >= asked && has_followed(*doing)) break;
+    if (RealClock::instance().now() > deadline) {
+      return fail(
+          ErrorCode::DeadlineExceeded,
+          fmt::format("mission {} has not followed yet ({}; {}); watch it with 'segue mission status'",
+                      quote(text_at(*doing, "mission")), text_at(*doing, "state"), where(*doing)));
+    }
+    std::this_thread::sleep_for(kLookPeriod);
+  }
+  return doing;
+}
+
+/// `ended`: what a mission is called that has ended meanwhile; nothing: that is a failure.
+int show_state(const Result<Value>& doing, const std::string& name, const std::string& ended,
+               const Context& context) {
+  const bool has_ended = !doing && doing.error().code == ErrorCode::NotFound;
+  if (!doing && (!has_ended || ended.empty())) return failed(context, doing.error());
+  const std::string state = has_ended ? ended : text_at(*doing, "state");
+  if (context.json()) {
+    print_json(Value::map({{"mission", name}, {"state", state}}));
+  } else {
+    print_line(printable(fmt::format("mission {}: {}", name, state)));
+  }
+  return kDone;
+}
+
+int ask_state(control::RobotService& robot, const std::string& what, const std::string& wanted,
+              const SteeringOptions& options, const Context& context) {
+  const auto now = mission_of(robot);
+  if (!now) return failed(context, now.error());
+  const auto doing = ask(robot, what, {}, options.timeout,
+                         [&](const Value& then) { return text_at(then, "state") == wanted; });
+  const std::string ended = what == "stop" ? "stopped" : what == "resume" ? "ended" : "";
+  return show_state(doing, text_at(*now, "mission"), ended, context);
+}
+
+/// Where the mission is once it is held again; that it has ended is no failure of a step.
+int show_place(const Result<Value>& doing, const Context& context) {
+  const bool has_ended = !doing && doing.error().code == ErrorCode::NotFound;
+  if (!doing && !has_ended) return failed(context, doing.error());
+  if (context.json()) {
+    print_json(has_ended ? Value::map({{"state", "ended"}}) : *doing);
+  } else {
+    print_line(has_ended ? "the mission has ended"
+                         : printable("mission " + text_at(*doing, "mission") + ": " + where(*doing)));
+  }
+  return kDone;
+}
+
+int step(control::RobotService& robot, const SteeringOptions& options, const Context& context) {
+  if (const auto now = mission_of(robot); !now) return failed(context, now.error());
+  return show_place(ask(robot, "step", Value::map({{"how", options.how}}), options.timeout, is_held),
+                    context);
+}
+
+int go_on_at(control::RobotService& robot, const SteeringOptions& options, const Context& context) {
+  const auto now = mission_of(robot);
+  if (!now) return failed(context, now.error());
+  const bool stays = is_held(*now);
+  return show_place(ask(robot, "go_on_at", Value::map({{"at", options.path}}), options.timeout,
+                        [stays](const Value& doing) { return !stays || is_held(doing); }),
+                    context);
+}
+
+/// Those given are added to those that are set, or with `clear` taken away; none with `clear`: all.
+std::vector<std::string> wanted_breakpoints(std::vector<std::string> set, const SteeringOptions& options) {
+  const auto& given = options.paths;
+  const auto is_given = [&](const std::string& path) {
+    return given.empty() || std::ranges::find(given, path) != given.end();
+  };
+  if (options.clear) {
+    std::erase_if(set, is_given);
+    return set;
+  }
+  for (const std::string& path : given) {
+    if (std::ranges::find(set, path) == set.end()) set.push_back(path);
+  }
+  return set;
+}
+
+int set_breakpoints(control::RobotService& robot, const SteeringOptions& options, const Context& context) {
+  auto doing = mission_of(robot);
+  if (!doing) return failed(context, doing.error());
+  if (options.clear || !options.paths.empty()) {
+    Value::List wanted;
+    for (const auto& path : wanted_breakpoints(texts_at(control_of(*doing), "breakpoints"), options))
+      wanted.emplace_back(path);
+    doing = ask(robot, "break", Value::map({{"at", std::move(wanted)}}), options.timeout,
+                [](const Value&) { return true; });
+    if (!doing) return failed(context, doing.error());
+  }
+  const auto paths = texts_at(control_of(*doing), "breakpoints");
+  if (context.json()) {
+    print_json(Value(Value::List(paths.begin(), paths.end())));
+    return kDone;
+  }
+  for (const auto& path : paths)
+    print_line(printable(path));
+  if (paths.empty()) print_note("no breakpoints");
+  return kDone;
+}
+
+void add_ports(Table& table, const Value& values, std::string_view key, const std::string& kind) {
+  for (const Value& port : list_at(values, key)) {
+    const Value* cut = port.find("cut");
+    const bool is_cut = cut != nullptr && *cut == Value(true);
+    table.add({kind, printable(text_at(port, "name")), printable(text_at(port, "type")),
+               printable(text_at(port, "text")) + (is_cut ? " ..." : "")});
+  }
+}
+
+int show_values(control::RobotService& robot, const SteeringOptions& options, const Context& context) {
+  const auto doing = ask(robot, "values", Value::map({{"of", options.path}}), options.timeout,
+                         [](const Value&) { return true; });
+  if (!doing) return failed(context, doing.error());
+  const Value control = control_of(*doing);
+  const Value* values = control.find("values");
+  if (values == nullptr || text_at(*values, "of") != options.path) {
+    return failed(context, fail(ErrorCode::Superseded, "somebody else asked for other values meanwhile"));
+  }
+  if (context.json()) {
+    print_json(*values);
+    return kDone;
+  }
+  Table table({{"PORT", Table::Align::Left}, {"NAME"}, {"TYPE"}, {"VALUE"}});
+  add_ports(table, *values, "inputs", "input");
+  add_ports(table, *values, "outputs", "output");
+  const std::string when = text_at(*values, "when");
+  print_line(printable((options.path.empty() ? "the mission" : options.path) + ": " +
+                       (when == "next" ? "would begin now with"
+                        : when.empty() ? "does not run"
+                                       : when)));
+  print(table.text());
+  return kDone;
+}
+
+using Action = int (*)(control::RobotService&, const SteeringOptions&, const Context&);
+
+Verb& add_steering(Verb& mission, Context& context, const std::shared_ptr<SteeringOptions>& options,
+                   const std::string& name, const std::string& help, const std::string& examples,
+                   Action action) {
+  Verb& verb = add_verb(mission, context, name, help, examples, [options, action, &context] {
+    return with_robot(context,
+                      [&](control::RobotService& robot) { return action(robot, *options, context); });
+  });
+  verb.option("--timeout DURATION", options->timeout, "how long to wait until it is (default 10s)");
+  add_robot_option(verb, context);
+  return verb;
+}
+
+void add_request(Verb& mission, Context& context, const char* what, const char* wanted, const char* help) {
+  const auto options = std::make_shared<SteeringOptions>();
+  Verb& verb = add_verb(mission, context, what, help, fmt::format("  segue mission {}", what),
+                        [what, wanted, options, &context] {
+                          return with_robot(context, [&](control::RobotService& robot) {
+                            return ask_state(robot, what, wanted, *options, context);
+                          });
+                        });
+  verb.option("--timeout DURATION", options->timeout, "how long to wait until it is (default 10s)");
+  add_robot_option(verb, context);
+}
+
+void add_steps(Verb& mission, Context& context) {
+  const auto stepping = std::make_shared<SteeringOptions>();
+  add_steering(mission, context, stepping, "step",
+               "carry out one step of a held mission that runs as written, and say where it is then",
+               "  segue mission step            # the next state with everything in it\n"
+               "  segue mission step into       # the next state; if it has states, only enter it\n"
+               "  segue mission step out        # to the end of the state around\n"
+               "  segue mission step back       # undo the last action (segue mission run --steps-back)",
+               step)
+      .option("HOW", stepping->how, "over (default), into, out or back")
+      .one_of({"over", "into", "out", "back"});
+
+  const auto breaking = std::make_shared<SteeringOptions>();
+  Verb& verb = add_steering(mission, context, breaking, "break",
+                            "set breakpoints: states before which the mission is held; or list them",
+                            "  segue mission break fetch/grasp\n"
+                            "  segue mission break                     # lists them\n"
+                            "  segue mission break --clear fetch/grasp\n"
+                            "  segue mission break --clear             # all",
+                            set_breakpoints);
+  verb.option("PATH", breaking->paths, "states, such as fetch/grasp");
+  verb.flag("--clear", breaking->clear, "remove these, or all");
+
+  const auto going = std::make_shared<SteeringOptions>();
+  add_steering(mission, context, going, "go-on-at",
+               "let the mission go on at another state; what is under way around it is preempted",
+               "  segue mission go-on-at fetch/grasp\n\nWhere the mission is held it stays held, before that "
+               "state.",
+               go_on_at)
+      .option("PATH", going->path, "a state, such as fetch/grasp")
+      .required();
+
+  const auto looking = std::make_shared<SteeringOptions>();
+  add_steering(mission, context, looking, "values", "show the values at the inputs and outputs of a state",
+               "  segue mission values fetch/grasp", show_values)
+      .option("PATH", looking->path, "a state, such as fetch/grasp; none: the mission");
+}
+
+}  // namespace
+
+void add_mission_steering(Verb& mission, Context& context) {
+  Verb& status = add_verb(mission, context, "status", "show what the mission that commands a robot is doing",
+                          "  segue mission status", [&context] {
+                            return with_robot(context, [&](control::RobotService& robot) {
+                              return show_mission(robot, context);
+                            });
+                          });
+  add_robot_option(status, context);
+  add_request(mission, context, "pause", "paused",
+              "let the mission that commands a robot begin nothing more; what is under way goes on");
+  add_request(mission, context, "resume", "running", "let a paused mission go on");
+  add_request(mission, context, "stop", "ended",
+              "stop the mission that commands a robot: what is under way is preempted");
+  add_steps(mission, context);
+}
+
+}  // namespace segue::cli
