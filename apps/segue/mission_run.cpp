@@ -125,6 +125,10 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
   MissionProgress progress(plan.name(), style, options.clock == "real",
                            shows_plan ? known_plan(plan, request) : draw::Diagram{});
   request.note = [&](const std::string& text) { progress.note(text); };
+  request.on_held = [&](const std::vector<std::string>& paths) {
+    progress.note("held" + (paths.empty() ? "" : " before " + listed(paths)) +
+                  "; it goes on with 'segue mission step' or 'resume'");
+  };
   if (style != MissionProgress::Style::None) {
     request.on_action = [&, further = request.on_action](const mission::ActionEvent& event) {
       progress.observe(event);

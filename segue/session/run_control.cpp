@@ -164,10 +164,10 @@ RunControl::Attachment::~Attachment() {
     answer(fail(ErrorCode::InvalidState, "the mission has ended"));
 }
 
-void RunControl::Attachment::held_at(std::vector<std::string> paths) {
-  if (control_ == nullptr) return;
+bool RunControl::Attachment::held_at(std::vector<std::string> paths) {
+  if (control_ == nullptr) return true;
   const std::lock_guard lock(control_->mutex_);
-  control_->position_.at = std::move(paths);
+  return !std::exchange(control_->position_.at, std::move(paths)).has_value();
 }
 
 }  // namespace segue::session

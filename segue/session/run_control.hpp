@@ -65,8 +65,9 @@ class RunControl {
     ~Attachment();
     Attachment(const Attachment&) = delete;
     Attachment& operator=(const Attachment&) = delete;
-    /// On the engine's thread: it is held and at rest there.
-    void held_at(std::vector<std::string> paths);
+    /// On the engine's thread: it is held and at rest there. False: as it was already, with nothing but
+    /// questions in between.
+    bool held_at(std::vector<std::string> paths);
 
    private:
     RunControl* const control_;

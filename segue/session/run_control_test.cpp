@@ -112,6 +112,7 @@ class Steered {
  public:
   Steered(const Session& session, RunRequest request) : session_(session), request_(std::move(request)) {
     request_.control = &control_;
+    request_.on_held = [this](const Paths& paths) { told_.insert(told_.end(), paths.begin(), paths.end()); };
     thread_ = std::jthread([this] { ended_.set_value(session_.run(request_, stop_.get_token())); });
   }
   ~Steered() { stop_.request_stop(); }
@@ -150,6 +151,8 @@ class Steered {
     control_.values_of(path, [done](Result<type::Value> answer) { done->set_value(std::move(answer)); });
     return done->get_future().get();
   }
+  /// Before which states it was held, once it has ended.
+  [[nodiscard]] const Paths& told() const { return told_; }
   std::string outcome() {
     const auto run = ended_.get_future().get();
     return run ? (*run)->overview().outcome : to_string(run.error());
@@ -160,6 +163,7 @@ class Steered {
   RunRequest request_;
   RunControl control_;
   std::stop_source stop_;
+  Paths told_;  ///< by the thread
   std::promise<Result<std::unique_ptr<FinishedRun>>> ended_;
   std::jthread thread_;
 };
@@ -183,6 +187,7 @@ TEST_F(Steering, StepsFromABreakpointToTheEnd) {
   EXPECT_TRUE(position.steps && position.back);
   EXPECT_THAT(position.breakpoints, ElementsAre("fetch"));
   EXPECT_THAT(run.step(RunControl::Step::Into), ElementsAre("fetch/look"));
+  EXPECT_TRUE(run.values_of("fetch/look"));
   EXPECT_THAT(run.step(RunControl::Step::Over), ElementsAre("fetch/take"));
   EXPECT_THAT(run.step(RunControl::Step::Back), ElementsAre("fetch/look"));
   EXPECT_THAT(run.step(RunControl::Step::Over), ElementsAre("fetch/take"));
@@ -190,6 +195,9 @@ TEST_F(Steering, StepsFromABreakpointToTheEnd) {
   run.control().resume();
   EXPECT_EQ(run.outcome(), "success");
   EXPECT_FALSE(run.control().paused());
+  EXPECT_THAT(run.told(),
+              ElementsAre("fetch", "fetch/look", "fetch/take", "fetch/look", "fetch/take", "again"))
+      << "each time once";
 }
 
 TEST_F(Steering, ChangesBreakpointsAndGoesOnElsewhere) {

@@ -52,7 +52,8 @@ class SequentialRun final : public FinishedRun {
           request.control,
           {.engine = engine_.get(), .back = request.steps_back, .breakpoints = request.breakpoints});
       while (engine_->run() == mission::Engine::Progress::Held) {
-        steering.held_at(engine_->held_at());
+        const auto paths = engine_->held_at();
+        if (steering.held_at(paths) && request.on_held) request.on_held(paths);
         engine_->wait_for_message();
       }
     }

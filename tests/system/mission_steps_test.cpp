@@ -73,6 +73,7 @@ TEST_F(MissionSteps, AreTakenFromOtherTerminals) {
   const auto finished = run->wait();
   EXPECT_EQ(finished.status, 0) << finished.errors;
   EXPECT_THAT(finished.output, HasSubstr("nested: success"));
+  EXPECT_THAT(finished.errors, HasSubstr("held before fetch/take; it goes on with 'segue mission step'"));
 }
 
 TEST_F(MissionSteps, EndWithTheMission) {
