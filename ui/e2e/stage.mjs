@@ -99,15 +99,19 @@ export class Stage {
     }
   }
 
-  /** An empty page; what goes wrong in it is in `problems`. */
-  async openBrowser() {
+  /** An empty page of a browser with these `options` of its own; what goes wrong in the page is in `problems`. */
+  async openBrowser(...options) {
     this.browser = await chromium.launchPersistentContext(join(this.folder, 'browser'), {
       executablePath: browserProgram,
       headless: true,
       viewport: { width: 1360, height: 820 },
-      args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+      args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', ...options],
     });
-    const page = this.browser.pages()[0] ?? (await this.browser.newPage());
+    return this.watched(this.browser.pages()[0] ?? (await this.browser.newPage()));
+  }
+
+  /** The page, whose problems are those of the test from now on. */
+  watched(page) {
     page.on('pageerror', (error) => this.problems.push(String(error)));
     page.on('console', (message) => /Content Security Policy/.test(message.text()) && this.problems.push(message.text()));
     page.setDefaultTimeout(30000);

@@ -6,6 +6,7 @@ import { NetworkView } from './network/NetworkView';
 import { PastView } from './past/PastView';
 import { PlotsView } from './plots/PlotsView';
 import { useConnection, useDocument, useLink } from './robot/hooks';
+import { Skipped } from './robot/Skipped';
 import { statusOf } from './robot/types';
 import { SwitchView } from './switch/SwitchView';
 
@@ -62,6 +63,7 @@ export function App() {
         {status && (
           <p>
             {status.controller || 'the empty network'}, {status.state}
+            <Skipped count={shown?.skipped} />
             {connection.role === 'observe' && <span className="badge">observe only</span>}
           </p>
         )}

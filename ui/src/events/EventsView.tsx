@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo, useState } from 'react';
 import { useDocument } from '../robot/hooks';
+import { Skipped } from '../robot/Skipped';
 import { eventsOf, isTrouble, withWords } from './filter';
 
 const mostLines = 500;
@@ -22,7 +23,7 @@ export function EventsView() {
           <input type="checkbox" checked={onlyTrouble} onChange={(event) => setOnlyTrouble(event.target.checked)} /> only trouble
         </label>
         <span className="quiet">{found.length} of {all.length}, the newest first</span>
-        {(shown?.skipped ?? 0) > 0 && <span className="quiet">{shown?.skipped} updates skipped: this browser is slow</span>}
+        <Skipped count={shown?.skipped} />
       </div>
       <div className="scroll" tabIndex={0} role="region" aria-label="List of events">
         <table>

@@ -2,6 +2,7 @@
 import { useState, type FormEvent } from 'react';
 import { isMap, type Json } from '../robot/change';
 import { useConnection, useDocument } from '../robot/hooks';
+import { Skipped } from '../robot/Skipped';
 import type { OperationModel, PortModel, Status, TaskReport } from '../robot/types';
 import { eventsOf } from '../events/filter';
 import { toneOf } from './graph';
@@ -67,7 +68,7 @@ function PortSamples({ task, port }: { task: string; port: PortModel }) {
       <button type="button" aria-pressed={frozen !== null} onClick={() => setFrozen(frozen === null ? sample : null)}>
         {frozen === null ? 'Freeze' : 'Go on'}
       </button>
-      {shown.skipped > 0 && <span className="quiet"> {shown.skipped} updates skipped: this browser is slow</span>}
+      <Skipped count={shown.skipped} />
     </div>
   );
 }

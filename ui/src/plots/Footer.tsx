@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { Skipped } from '../robot/Skipped';
 import type { SampleState } from './useSamples';
 
 /** What a reader should know of the samples of a panel. */
@@ -10,7 +11,7 @@ export function Footer({ state, paused, problem }: { state: SampleState; paused:
       {paused && <span>Paused: nothing is asked of the robot.</span>}
       {!paused && state.waiting && <span>Waiting for a sample …</span>}
       {!paused && state.period > 0 && <span>Large samples: one in {state.period.toFixed(1)} s at the most.</span>}
-      {state.skipped > 0 && <span>{state.skipped} updates skipped: this browser is slow.</span>}
+      <Skipped count={state.skipped} />
     </p>
   );
 }
