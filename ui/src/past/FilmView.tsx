@@ -2,6 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, momentOf, type Film, type Moment, type PastAction, type PastTransition } from './film';
+import { stepOf, timeOf } from './slider';
 
 const phases = ['prepare', 'commit', 'retire'];
 const speeds = [0.001, 0.01, 0.1, 0.25, 1, 4];
@@ -9,7 +10,7 @@ const sliderSteps = 200;
 /** A film shall not be over at once. */
 const shortest = 2;
 
-function timeOf(seconds: number, length: number): string {
+function timeText(seconds: number, length: number): string {
   return length < 1 ? (seconds * 1e3).toFixed(length < 0.01 ? 3 : 1) + ' ms' : seconds.toFixed(2) + ' s';
 }
 const signs: Record<Moment, string> = { waiting: '·', running: '…', done: '✓', failed: '✗', skipped: '–' };
@@ -74,6 +75,7 @@ export function FilmView({ transition, onClose }: { transition: PastTransition; 
   const ended = film.steps.filter((action) => momentOf(action, at) === 'done' || momentOf(action, at) === 'failed').length;
   // A frame changes only where an action ends.
   const frame = useMemo(() => frameOf(film, at), [film, ended, at >= film.length]); // eslint-disable-line react-hooks/exhaustive-deps
+  const scale = { first: 0, last: film.length, steps: sliderSteps };
   const undoes = film.transition.undo_actions.length > 0;
   return (
     <>
@@ -90,11 +92,11 @@ export function FilmView({ transition, onClose }: { transition: PastTransition; 
           <label className="time-slider">
             <span className="hidden">Time of the film</span>
             <input
-              type="range" min={0} max={sliderSteps} value={Math.round((at / (film.length || 1)) * sliderSteps)} aria-valuetext={timeOf(at, film.length)}
-              onChange={(event) => moveTo((Number(event.target.value) / sliderSteps) * film.length)}
+              type="range" min={0} max={sliderSteps} value={stepOf(scale, at)} aria-valuetext={timeText(at, film.length)}
+              onChange={(event) => moveTo(timeOf(scale, Number(event.target.value)))}
             />
           </label>
-          <output className="film-time">{timeOf(at, film.length)} of {timeOf(film.length, film.length)}</output>
+          <output className="film-time">{timeText(at, film.length)} of {timeText(film.length, film.length)}</output>
         </div>
         {film.steps.length === 0 && !film.before ? (
           <p className="empty">Nothing was done: {transition.error ?? transition.outcome}</p>

@@ -2,6 +2,7 @@
 import { useMemo } from 'react';
 import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, frameOfNetwork, networkOf } from './film';
+import { stepOf, timeOf } from './slider';
 import { useMoment, useTransition, type Span } from './usePast';
 
 /** "2026-11-25 16:40:12.345", UTC. */
@@ -34,6 +35,7 @@ export function MomentView({ span, time, changed, onTime, onPlay }: Props) {
   }, [moment, transition]);
   const first = span.first_s ?? 0;
   const last = Math.max(span.last_s ?? 0, first);
+  const scale = { first, last, steps: sliderSteps };
   const next = (way: 1 | -1) => {
     const times = span.marks.map((mark) => mark.time_s).sort((a, b) => way * (a - b));
     const found = times.find((one) => way * (one - time) > 1e-6);
@@ -48,8 +50,8 @@ export function MomentView({ span, time, changed, onTime, onPlay }: Props) {
             <label>
               <span className="hidden">Time</span>
               <input
-                type="range" min={0} max={sliderSteps} value={Math.round(((time - first) / (last - first || 1)) * sliderSteps)} aria-valuetext={timeText(time) + ' UTC'}
-                onChange={(event) => onTime(Number(event.target.value) >= sliderSteps ? last : first + (Number(event.target.value) / sliderSteps) * (last - first))}
+                type="range" min={0} max={sliderSteps} value={stepOf(scale, time)} aria-valuetext={timeText(time) + ' UTC'}
+                onChange={(event) => onTime(timeOf(scale, Number(event.target.value)))}
               />
             </label>
             <div className="marks" aria-hidden="true">
