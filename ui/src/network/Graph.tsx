@@ -85,8 +85,10 @@ const readable = 0.7;
 const marker = { type: MarkerType.ArrowClosed, width: 16, height: 16 };
 /** Above, only what can be seen is in the page. */
 const mostDrawn = 400;
-/** Of more edges only those of the selected task are drawn one by one, with their labels. */
-const mostSingle = 150;
+/** More edges are one drawing, without the dots behind it, which would be drawn anew in each frame while it moves. */
+const mostSingle = 40;
+/** Of more edges only those of the selected task have labels, and are drawn one by one. */
+const mostLabelled = 150;
 
 /** A graph of tasks in their processes. It is laid out anew where its structure changes, not where values do. */
 export function Graph(props: Props) {
@@ -200,9 +202,11 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
   }, [boxes, groups, nodes, selected, onToggle]);
 
   const bulk = edges.length > mostSingle;
+  const labelled = edges.length <= mostLabelled;
+  const lit = bulk && !labelled ? selected : null;
   const flowEdges = useMemo<Edge[]>(() => {
     const keeper = kept.current.edges.begin();
-    const single = bulk ? edges.filter((edge) => edge.source === selected || edge.target === selected) : edges;
+    const single = bulk ? edges.filter((edge) => lit !== null && (edge.source === lit || edge.target === lit)) : edges;
     const drawn = single.filter((edge) => routes.has(edge.id)).map((edge) => { // others come with the next layout
       const route = routes.get(edge.id);
       return keeper.keep(edge.id, [route, edge.label, edge.look], () => ({
@@ -212,7 +216,7 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     });
     keeper.end();
     return drawn;
-  }, [edges, routes, bulk, bulk ? selected : null]);
+  }, [edges, routes, bulk, lit]);
 
   // The same functions as long as the graph is shown: others would draw each task anew.
   const act = useCallback((id: string, toggles: boolean) => {
@@ -256,8 +260,8 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
         minZoom={0.05}
         onlyRenderVisibleElements={nodes.length > mostDrawn}
       >
-        {bulk && <BulkEdges edges={edges} routes={routes} />}
-        <Background gap={22} size={1} />
+        {bulk && <BulkEdges edges={edges} routes={routes} labelled={labelled} />}
+        {!bulk && <Background gap={22} size={1} />}
         <Controls showInteractive={false} />
       </ReactFlow>
     </div>
