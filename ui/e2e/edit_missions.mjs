@@ -94,6 +94,35 @@ function helpers(page) {
   };
 }
 
+/** What the mission declares of an action, in the panel of a state that stands for it. */
+async function editAction(page) {
+  const { text, has, panel } = helpers(page);
+  await panel('grasp').getByRole('button', { name: 'Action grasp' }).press('Enter');
+  const action = panel('grasp').getByRole('region', { name: 'Action grasp' });
+  const set = async (label, value, part) => {
+    await action.getByLabel(label, { exact: true }).fill(value);
+    await page.keyboard.press('Enter');
+    await has(part, label + ' is set');
+  };
+  await set('simulated duration', '2s', 'run: {simulated: {duration: 2s}}');
+  await set('expected duration', '3s', 'expect: {duration: 3s}');
+  await set('default of force', '1.5', 'inputs: {pose: map, force: {type: float, default: 1.5}}');
+  await set('New entry of preconditions', '!held({pose})', 'preconditions: ["!held({pose})"]');
+  await set('New entry of resources', '{block: arm}', 'resources: [{block: arm}]');
+  await set('New outcome of the action', 'slipped', 'outcomes: [success, slipped]');
+  await action.getByLabel('pure').click(); // it shows once the text has changed
+  await has('pure: true', 'it is pure');
+  await panel('grasp').getByLabel('on slipped').waitFor();
+  await action.getByLabel('default of force').fill('{');
+  await page.keyboard.press('Enter');
+  await action.locator('output.bad').waitFor();
+  await look(page, 'edit_mission_action');
+  await holds(async () => {
+    await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
+    return (await text.locator('.cm-line').allTextContents()).join('\n').includes('  grasp: {inputs: {pose: map, force: float}, run: {simulated: {duration: 1s}}}');
+  }, 'all of it is undone');
+}
+
 /** By the graph's panel, and by drawing. */
 async function editMission(page) {
   const { text, seen, has, problems, status, state, panel, open } = helpers(page);
@@ -137,6 +166,8 @@ async function editMission(page) {
   await panel('grasp').getByLabel('force', { exact: true }).fill('3.5');
   await page.keyboard.press('Enter');
   await has('    inputs: {force: 3.5}', 'a value is set');
+
+  await editAction(page);
 
   // A transition is drawn: again where the graph moved meanwhile.
   await panel('grasp').getByRole('button', { name: 'Close' }).press('Enter');

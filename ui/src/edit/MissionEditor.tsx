@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { useConnection } from '../robot/hooks';
+import type { ActionEdits } from './ActionForm';
 import type { Drafts } from './drafts';
+import { addAction, addActionOutcome, addActionPort, addEntry, removeActionOutcome, removeActionPort, setActionPort, setEntry, setFlag } from './mission_actions';
 import { addFlow, addOutcome, addPort, addState, described, moveState, removeFlow, removeOutcome, removePort, removeState, renameState, setKind, setPort, setStart, setText, setTransition, setUse, setValue, type NewState } from './mission_edits';
 import { meaningOf, missionGraph, openAtFirst, stateNode, stateOfNode, type Shown } from './mission_graph';
-import { allLibraries, isContainer, librariesOf, missionIn, newName, stateIn, statesOf, type EditedState, type Interface, type MissionText } from './mission_text';
+import { allLibraries, isContainer, librariesOf, missionIn, newName, stateIn, statesOf, type ActionText, type EditedState, type Interface, type MissionText } from './mission_text';
 import { PortGraph } from './PortGraph';
 import { StateForm, type StateEdits } from './StateForm';
 
@@ -66,8 +68,28 @@ interface Props {
   fixed: boolean;
 }
 
-/** What is wrong, or null. `now`: a state as it is in the text of `before`. */
-type Edit = (change: (before: string, now: (state: EditedState) => EditedState) => string) => string | null;
+/** What is wrong, or null. `now`: a state as it is in the text of `before`; `current`: the mission as it is there. */
+type Edit = (change: (before: string, now: (state: EditedState) => EditedState, current: MissionText) => string) => string | null;
+
+/** What can be done to an action. */
+function actionEditsOf(name: string, edit: Edit): ActionEdits {
+  const change = (one: (text: string, action: ActionText, mission: MissionText) => string) =>
+    edit((text, _, current) => {
+      const action = current.actions.find((each) => each.name === name);
+      if (!action) throw new Error('there is no action ' + name + ' any more');
+      return one(text, action, current);
+    });
+  return {
+    setEntry: (path, typed, kind) => change((text, action) => setEntry(text, action, path, typed, kind)),
+    addEntry: (key, typed, kind) => change((text, action) => addEntry(text, action, key, typed, kind)),
+    setFlag: (flag, on) => void change((text, action) => setFlag(text, action, flag, on)),
+    addPort: (side, port, type) => change((text, action) => addActionPort(text, action, side, port, type)),
+    setPort: (side, port, type, yaml) => change((text, action) => setActionPort(text, action, side, port, type, yaml)),
+    removePort: (side, port) => void change((text, action, current) => removeActionPort(text, current, action, side, port)),
+    addOutcome: (outcome) => change((text, action) => addActionOutcome(text, action, outcome)),
+    removeOutcome: (outcome) => void change((text, action, current) => removeActionOutcome(text, current, action, outcome)),
+  };
+}
 
 /** What can be done to the state that is selected; each changes the text. */
 function editsOf(state: EditedState, mission: MissionText, edit: Edit, onSelect: (id: string | null) => void): StateEdits {
@@ -93,6 +115,8 @@ function editsOf(state: EditedState, mission: MissionText, edit: Edit, onSelect:
     setDefault: (which, port, yaml) => edit((text, now) => setPort(text, now(state), which, port, port.type, yaml)),
     connect: (container, from, to) => void edit((text, now) => addFlow(text, now(container), from, to)),
     disconnect: (container, index) => void edit((text, now) => removeFlow(text, now(container), index)),
+    addAction: (name) => edit((text, now, current) => addAction(text, current, now(state), name)),
+    ofAction: (name) => actionEditsOf(name, edit),
   };
 }
 
@@ -120,13 +144,13 @@ export function MissionEditor({ path, text, drafts, fixed }: Props) {
     try {
       if (closed) throw new Error('this text cannot be edited in the graph now');
       const before = drafts.get(path)?.state.doc.toString() ?? '';
-      const machines = before === text ? mission.machines : (missionIn(before)?.machines ?? []); // drawing is behind the text
+      const current = (before === text ? mission : missionIn(before)) ?? { ...mission, machines: [] }; // drawing is behind the text
       const nowIn = (state: EditedState) => {
-        const found = stateIn(machines.find((one) => one.name === machine)?.root ?? root, state.id);
+        const found = stateIn(current.machines.find((one) => one.name === machine)?.root ?? root, state.id);
         if (!found) throw new Error('there is no state ' + state.id + ' any more');
         return found;
       };
-      drafts.replace(path, change(before, nowIn));
+      drafts.replace(path, change(before, nowIn, current));
       setProblem('');
       return null;
     } catch (error) {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useId, useState, type FormEvent } from 'react';
-import { stringify } from 'yaml';
+import { ActionForm, type ActionEdits } from './ActionForm';
+import { Adding, Choice, Field, written } from './Fields';
 import { flowPartners } from './mission_graph';
 import { extraOutcomes, interfaceIn, isContainer, outcomesIn, targetsOf, type EditedState, type Interface, type MissionPort, type MissionText } from './mission_text';
 import { NameField } from './NameField';
-
-const written = (value: unknown) => (value === undefined ? '' : stringify(value, { collectionStyle: 'flow', lineWidth: 0, flowCollectionPadding: false }).trimEnd());
 
 type Side = 'inputs' | 'outputs';
 type Ports = Side | 'variables';
@@ -28,6 +26,8 @@ export interface StateEdits {
   setDefault: (which: Ports, port: MissionPort, yaml: string) => string | null;
   connect: (container: EditedState, from: string, to: string) => void;
   disconnect: (container: EditedState, index: number) => void;
+  addAction: (name: string) => string | null;
+  ofAction: (name: string) => ActionEdits;
 }
 
 interface Props {
@@ -37,49 +37,6 @@ interface Props {
   containers: EditedState[];
   fixed: boolean;
   edits: StateEdits;
-}
-
-/** A value that is set by Enter; what is wrong with it stands below. */
-function Field({ label, value, placeholder, note, fixed, onSet }: { label: string; value: string; placeholder?: string; note?: string; fixed: boolean; onSet: (value: string) => string | null }) {
-  const [typed, setTyped] = useState<string | null>(null);
-  const [problem, setProblem] = useState<string | null>(null);
-  const id = useId();
-  const submit = (event: FormEvent) => {
-    event.preventDefault();
-    if (typed === null) return;
-    const refused = onSet(typed);
-    setProblem(refused);
-    if (refused === null) setTyped(null);
-  };
-  return (
-    <form className="row property" onSubmit={submit}>
-      <label htmlFor={id}>{label}</label>
-      <input
-        id={id} value={typed ?? value} placeholder={placeholder} readOnly={fixed} spellCheck={false} className={typed !== null ? 'edited' : ''} aria-describedby={note ? id + '-note' : undefined}
-        onChange={(event) => setTyped(event.target.value)}
-        onKeyDown={(event) => {
-          if (event.key === 'Escape') [setTyped(null), setProblem(null)];
-        }}
-      />
-      {typed !== null && <button type="submit">Set</button>}
-      {note && <small id={id + '-note'} className="quiet">{note}</small>}
-      {problem && <output className="bad">{problem}</output>}
-    </form>
-  );
-}
-
-function Choice({ label, value, options, empty, fixed, onChoose }: { label: string; value: string; options: string[]; empty?: string; fixed: boolean; onChoose: (value: string) => void }) {
-  const id = useId();
-  const all = value === '' || options.includes(value) ? options : [value, ...options];
-  return (
-    <div className="row property">
-      <label htmlFor={id}>{label}</label>
-      <select id={id} value={value} disabled={fixed} onChange={(event) => onChoose(event.target.value)}>
-        {(empty !== undefined || value === '') && <option value="">{empty ?? ''}</option>}
-        {all.map((option) => <option key={option} value={option}>{option}</option>)}
-      </select>
-    </div>
-  );
 }
 
 /** The data flows of one port, and those that could be. */
@@ -105,32 +62,6 @@ function Flows({ container, port, side, props }: { container: EditedState; port:
         </select>
       )}
     </div>
-  );
-}
-
-function Adding({ label, withType, onAdd }: { label: string; withType: boolean; onAdd: (name: string, type: string) => string | null }) {
-  const [name, setName] = useState('');
-  const [type, setType] = useState('any');
-  const [problem, setProblem] = useState<string | null>(null);
-  return (
-    <form
-      className="row"
-      onSubmit={(event) => {
-        event.preventDefault();
-        const refused = onAdd(name.trim(), type.trim() || 'any');
-        setProblem(refused);
-        if (refused === null) setName('');
-      }}
-    >
-      <input aria-label={label} placeholder={label} value={name} spellCheck={false} onChange={(event) => setName(event.target.value)} />
-      {withType && (
-        <select aria-label={'Type of ' + label.toLowerCase()} value={type} onChange={(event) => setType(event.target.value)}>
-          {['any', 'bool', 'int', 'float', 'text', 'list', 'map'].map((one) => <option key={one}>{one}</option>)}
-        </select>
-      )}
-      <button type="submit" className="small" disabled={name.trim() === ''}>add</button>
-      {problem && <output className="bad">{problem}</output>}
-    </form>
   );
 }
 
@@ -250,6 +181,7 @@ function Use({ props }: { props: Props }) {
   return (
     <>
       <Choice label="Action" value={state.action} options={mission.actions.map((one) => one.name)} fixed={fixed} onChoose={edits.setUse} />
+      {!fixed && <Adding label="New action" withType={false} onAdd={edits.addAction} />}
       <Choice label="Kind" value={state.kind} options={['execution', 'decider']} fixed={fixed} onChoose={edits.setKind} />
     </>
   );
@@ -259,6 +191,7 @@ function Use({ props }: { props: Props }) {
 export function StateForm(props: Props & { onClose: () => void; isOpen: boolean; onToggle: () => void }) {
   const { mission, libraries, state, fixed, edits, onClose, isOpen, onToggle } = props;
   const known = interfaceIn(mission, libraries, state);
+  const action = isContainer(state) || state.kind === 'library' ? undefined : mission.actions.find((one) => one.name === state.action);
   const label = state.id === '' ? 'mission' : 'state ' + state.id;
   const what = isContainer(state) ? state.kind : state.kind === 'library' ? 'library ' + state.library : (state.kind === 'decider' ? 'decider, action ' : 'action ') + state.action;
   return (
@@ -274,6 +207,7 @@ export function StateForm(props: Props & { onClose: () => void; isOpen: boolean;
       <Field key={'title ' + state.id} label="Title" value={state.title} fixed={fixed} onSet={(value) => edits.setText('title', value)} />
       <Field key={'description ' + state.id} label="Description" value={state.description} fixed={fixed} onSet={(value) => edits.setText('description', value)} />
       {!isContainer(state) && <Use props={props} />}
+      {action && <ActionForm key={action.name} mission={mission} action={action} fixed={fixed} edits={edits.ofAction(action.name)} />}
       {state.parent && <Transitions props={props} />}
       {isContainer(state) ? <Container props={props} /> : <><Values side="inputs" props={props} /><Values side="outputs" props={props} /></>}
       {!fixed && <Place props={props} />}

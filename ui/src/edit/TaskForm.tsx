@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type FormEvent } from 'react';
-import { stringify } from 'yaml';
 import { portOf, taskOf } from '../robot/types';
+import { written } from './Fields';
 import { partners, portsOf, type EditedPort, type Models, type PropertyModel } from './models';
 import { NameField } from './NameField';
 import type { NetworkText } from './text';
-
-const written = (value: unknown) => (value === undefined ? '' : stringify(value, { collectionStyle: 'flow', lineWidth: 0, flowCollectionPadding: false }).trimEnd());
 
 export interface Edits {
   setProperty: (task: string, name: string, yaml: string) => string | null;

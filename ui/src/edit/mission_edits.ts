@@ -157,7 +157,7 @@ export function setUse(text: string, state: EditedState, name: string): string {
   return put(text, [...state.path, state.kind === 'library' ? 'library' : 'action'], name);
 }
 
-export function addOutcome(text: string, container: EditedState, name: string): string {
+export function addOutcome(text: string, container: Pick<EditedState, 'path' | 'outcomes'>, name: string): string {
   if (name.trim() === '' || container.outcomes.includes(name)) throw new Error('an outcome needs a name of its own');
   const path = [...container.path, 'outcomes'];
   return nodeAt(parsed(text), path) === undefined ? put(text, path, [...container.outcomes, name]) : add(text, path, name);
@@ -171,7 +171,10 @@ export function removeOutcome(text: string, container: EditedState, name: string
   return left;
 }
 
-export function addPort(text: string, container: EditedState, which: 'inputs' | 'outputs' | 'variables', name: string, type: string): string {
+/** What declares ports: a container, or an action. */
+type PortHolder = Pick<EditedState, 'path' | 'inputs' | 'outputs' | 'variables'>;
+
+export function addPort(text: string, container: PortHolder, which: 'inputs' | 'outputs' | 'variables', name: string, type: string): string {
   if (name.trim() === '' || container[which].some((port) => port.name === name)) throw new Error('a port needs a name of its own');
   return put(text, [...container.path, which, name], type);
 }
@@ -189,7 +192,7 @@ export function removePort(text: string, container: EditedState, which: 'inputs'
   return removeIfThere(left, [...container.path, which, ...(container[which].length === 1 ? [] : [name])]);
 }
 /** `yaml` empty: no default. */
-export function setPort(text: string, container: EditedState, which: 'inputs' | 'outputs' | 'variables', port: MissionPort, type: string, yaml: string): string {
+export function setPort(text: string, container: PortHolder, which: 'inputs' | 'outputs' | 'variables', port: MissionPort, type: string, yaml: string): string {
   const path = [...container.path, which, port.name];
   const value = yaml.trim() === '' ? type : { type, default: parse(yaml) as unknown };
   return put(text, path, value);

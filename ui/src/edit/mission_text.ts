@@ -21,6 +21,11 @@ export interface Interface {
   outcomes: string[];
 }
 
+/** An action of a mission, with all that is declared about it. */
+export interface ActionText extends Interface {
+  value: Record<string, unknown>;
+}
+
 export interface EditedState {
   /** Of its map in the text. */
   path: Path;
@@ -57,7 +62,7 @@ export interface Machine {
 
 export interface MissionText {
   name: string;
-  actions: Interface[];
+  actions: ActionText[];
   machines: Machine[];
 }
 
@@ -139,7 +144,7 @@ export function missionIn(text: string): MissionText | null {
   }));
   return {
     name,
-    actions: entriesOf(document, document.get('actions', true)).map((one) => interfaceOf(one.name, record(root['actions'])[one.name])),
+    actions: entriesOf(document, document.get('actions', true)).map((one) => ({ ...interfaceOf(one.name, record(root['actions'])[one.name]), value: record(record(root['actions'])[one.name]) })),
     machines: [{ name: '', root: reader.state(name, document.contents, root, [], null, 0) }, ...libraries],
   };
 }
