@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+#include <map>
 #include <memory>
 
 #include "connection.hpp"
@@ -37,14 +39,56 @@ std::string operations_text(const Value& task) {
   return list_at(task, "operations").empty() ? std::string() : '\n' + table.text();
 }
 
+/// ", 99 % within 3.1 us".
+std::string quantile_text(const Value& task, std::string_view what) {
+  const Value* histograms = task.find("histograms");
+  const Value* histogram = histograms == nullptr ? nullptr : histograms->find(what);
+  if (histogram == nullptr) return {};
+  return ", 99 % within " + format_seconds(number_at(*histogram, "p99_us") * 1e-6);
+}
+
 std::string timing_text(const Value& task) {
   const Value* timing = task.find("timing");
   if (timing == nullptr || number_at(*timing, "cycles") == 0) return {};
   const auto micros = [&](std::string_view key) { return format_seconds(number_at(*timing, key) * 1e-6); };
-  return fmt::format("cycles {}, missed {}; update mean {}, worst {}; latency mean {}, worst {}; cpu {}\n",
-                     number_at(*timing, "cycles"), number_at(*timing, "missed"), micros("mean_us"),
-                     micros("worst_us"), micros("latency_mean_us"), micros("latency_worst_us"),
-                     micros("cpu_us"));
+  return fmt::format(
+      "cycles {}, missed {}; update mean {}{}, worst {}; latency mean {}{}, worst {}; cpu {}\n",
+      number_at(*timing, "cycles"), number_at(*timing, "missed"), micros("mean_us"),
+      quantile_text(task, "updates"), micros("worst_us"), micros("latency_mean_us"),
+      quantile_text(task, "latencies"), micros("latency_worst_us"), micros("cpu_us"));
+}
+
+/// Counts by duration: of updates, and of the times that they began after they should have. Bars are as long
+/// as counts have digits, so that the few slow ones are seen.
+std::string histograms_text(const Value& task) {
+  const Value* histograms = task.find("histograms");
+  if (histograms == nullptr) return {};
+  struct Row {
+    double updates = 0;
+    double latencies = 0;
+  };
+  std::map<double, Row> rows;
+  const auto add = [&](std::string_view what, double Row::*count) {
+    const Value* histogram = histograms->find(what);
+    if (histogram == nullptr) return;
+    for (const Value& bin : list_at(*histogram, "bins"))
+      rows[number_at(bin, "from_us")].*count = number_at(bin, "count");
+  };
+  add("updates", &Row::updates);
+  add("latencies", &Row::latencies);
+  if (rows.empty()) return {};
+  constexpr auto kRight = Table::Align::Right;
+  Table table({{"FROM", kRight}, {"UPDATES", kRight}, {""}, {"LATENCIES", kRight}, {""}});
+  const auto bar = [](double count) {
+    constexpr double kPerDigit = 3;
+    return count > 0 ? std::string(static_cast<std::size_t>(1 + kPerDigit * std::log10(count)), '#') : "";
+  };
+  const auto number = [](double count) { return count > 0 ? fmt::format("{}", count) : std::string("-"); };
+  for (const auto& [from, row] : rows) {
+    table.add({from > 0 ? format_seconds(from * 1e-6) : std::string("0"), number(row.updates),
+               bar(row.updates), number(row.latencies), bar(row.latencies)});
+  }
+  return '\n' + table.text();
 }
 
 /// "name: value"; a value that does not fit on the line is indented below.
@@ -77,7 +121,8 @@ int show_task(control::RobotService& robot, const std::string& id, const Context
                     text_at(*task, "state_name")));
   const std::string error = text_at(*task, "error");
   if (!error.empty()) print(coloured(Colour::Red, "error: ") + error + '\n');
-  print(timing_text(*task) + ports_text(*task) + properties_text(*task) + operations_text(*task));
+  print(timing_text(*task) + histograms_text(*task) + ports_text(*task) + properties_text(*task) +
+        operations_text(*task));
   return kDone;
 }
 

@@ -163,9 +163,11 @@ TEST_F(DeploymentTest, AServiceThatThrowsIsAnErrorOfEachAction) {
 TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
   deployment_.component.name = model::ComponentName("demo::A");
   deployment_.component.ports.push_back({"out", model::Direction::Output, "/int32_t", true, false, "doc"});
+  deployment_.task_details.timing.updates.counts[3] = 7;
   serve();
   const auto process = client();
   EXPECT_EQ(process->describe(TaskId("a")).value(), deployment_.component);
+  EXPECT_EQ(process->details(TaskId("a"))->timing, deployment_.task_details.timing);
   Value version(1.1);
   version.set_source_text("1.10");
   ASSERT_TRUE(process->set_property(TaskId("a"), "b.c", version, soon()));
@@ -174,6 +176,7 @@ TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
   EXPECT_EQ(process->properties(TaskId("a")).value(), version);
   EXPECT_EQ(process->properties(TaskId("no")).error().code, ErrorCode::NotFound);
   EXPECT_EQ(process->call(TaskId("a"), "echo", Value::list({1, "x"}), soon()).value(), Value::list({1, "x"}));
+  EXPECT_EQ(process->details(TaskId("no")).error().code, ErrorCode::NotFound);
   const auto thrown = process->describe(TaskId("throws"));
   ASSERT_FALSE(thrown);
   EXPECT_NE(thrown.error().message.find("a defect"), std::string::npos);

@@ -146,6 +146,7 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     return tasks.restore_state(task, state, deadline);
   }
   Result<model::ComponentModel> describe(const TaskId& task) override { return tasks.describe(task); }
+  Result<host::TaskDetails> details(const TaskId& task) override { return tasks.details(task); }
   Result<type::Value> properties(const TaskId& task) override { return tasks.properties(task); }
   Result<void> set_property(const TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override {

@@ -28,6 +28,7 @@ interface TaskAccess {
   saveState @7 (task :Text, timeout :Int64) -> (error :Wire.Error, state :State);
   restoreState @8 (task :Text, state :State, timeout :Int64) -> (error :Wire.Error);
   write @9 (port :Model.PortRef, value :Wire.Value, timeout :Int64) -> (error :Wire.Error);
+  details @10 (task :Text) -> (error :Wire.Error, details :Details);
 }
 
 interface BatchFollower {
@@ -80,6 +81,18 @@ struct TaskReport {
   error @8 :Text;
   activity @9 :Model.Activity;
   timing @10 :Timing;
+}
+
+# Counts of bins one after the other (task::DurationHistogram), from the first that is not 0 to the last.
+struct Histogram {
+  first @0 :UInt16;
+  counts @1 :List(UInt64);
+}
+
+# What is said of a task only where it is asked for.
+struct Details {
+  updates @0 :Histogram;
+  latencies @1 :Histogram;
 }
 
 struct ConnectionReport {

@@ -64,7 +64,7 @@ void read_message(unsigned kind, kj::ArrayPtr<const capnp::word> words) {
   options.traversalLimitInWords = kServerMessageWords;
   options.nestingLimit = kMessageNesting;
   capnp::FlatArrayMessageReader message(words, options);
-  switch (kind % 9) {
+  switch (kind % 10) {
     case 0:
       return read_answer(message.getRoot<wire::Answer>());
     case 1:
@@ -81,6 +81,8 @@ void read_message(unsigned kind, kj::ArrayPtr<const capnp::word> words) {
       return pass_on<wire::PlaceOutcome>(message.getRoot<wire::PlaceOutcome>());
     case 7:
       return pass_on<wire::ProcessInfo>(message.getRoot<wire::ProcessInfo>());
+    case 8:
+      return pass_on<wire::Details>(message.getRoot<wire::Details>());
     default:
       return pass_on<wire::CloseEndpoint>(message.getRoot<wire::CloseEndpoint>());
   }

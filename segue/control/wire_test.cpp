@@ -123,6 +123,31 @@ TEST(WireTest, ReportsOfTasksTravelWithTheirTiming) {
                timing.latency_worst, timing.jitter, timing.cpu));
 }
 
+TEST(WireTest, HistogramsTravelWithoutTheBinsThatHaveNothing) {
+  host::TaskDetails sent;
+  EXPECT_EQ(travel<wire::Details>(sent).timing, sent.timing);
+  auto& updates = sent.timing.updates.counts;
+  updates.front() = 1;
+  updates[5] = UINT64_MAX;
+  sent.timing.latencies.counts.back() = 2;
+  EXPECT_EQ(travel<wire::Details>(sent).timing, sent.timing);
+  capnp::MallocMessageBuilder message;
+  encode(sent, message.initRoot<wire::Details>());
+  auto details = message.getRoot<wire::Details>();
+  EXPECT_EQ(details.getUpdates().getCounts().size(), 6U);
+  EXPECT_EQ(details.getLatencies().getCounts().size(), 1U);
+}
+
+TEST(WireTest, AHistogramWithBinsBeyondTheLastIsRefused) {
+  capnp::MallocMessageBuilder message;
+  auto details = message.initRoot<wire::Details>();
+  auto updates = details.initUpdates();
+  updates.setFirst(task::DurationHistogram::kBins);
+  EXPECT_NO_THROW(decode(details.asReader()));
+  updates.initCounts(1);
+  EXPECT_THROW(decode(details.asReader()), WireError);
+}
+
 TEST(WireTest, SnapshotsTravelWithConnectionsEndpointsAndMemory) {
   Random random(11);
   deploy::Snapshot sent;

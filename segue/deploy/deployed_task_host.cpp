@@ -218,6 +218,11 @@ Result<type::Value> DeployedTaskHost::properties(const model::TaskId& task) cons
       task, [](DeploymentService& service, const model::TaskId& id) { return service.properties(id); });
 }
 
+Result<host::TaskDetails> DeployedTaskHost::details(const model::TaskId& task) const {
+  return implementation_->at(
+      task, [](DeploymentService& service, const model::TaskId& id) { return service.details(id); });
+}
+
 Result<void> DeployedTaskHost::set_property(const model::TaskId& task, std::string_view path,
                                             const type::Value& value, TimePoint deadline) {
   return implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {

@@ -220,6 +220,7 @@ TEST(DeployedTaskHost, AsksEachTaskWhereItLives) {
   EXPECT_EQ(robot.host.describe(model::TaskId("a"))->doc, "p1/a");
   EXPECT_EQ(robot.host.describe(model::TaskId("c"))->doc, "p2/c");
   EXPECT_EQ(robot.host.describe(model::TaskId("d"))->doc, "/d");
+  EXPECT_EQ(robot.host.details(model::TaskId("c"))->timing.updates.total(), 1U);
   const auto missing = robot.host.properties(model::TaskId("x"));
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::NotFound);

@@ -208,6 +208,10 @@ Result<type::Value> LocalDeployment::properties(const model::TaskId& task) {
   return implementation_->host.properties(task);
 }
 
+Result<host::TaskDetails> LocalDeployment::details(const model::TaskId& task) {
+  return implementation_->host.details(task);
+}
+
 Result<void> LocalDeployment::set_property(const model::TaskId& task, std::string_view path,
                                            const type::Value& value, TimePoint deadline) {
   const detail::InFlightGuard::Pass pass(implementation_->in_flight);

@@ -250,6 +250,14 @@ Result<type::Value> LocalTaskHost::properties(const model::TaskId& task) const {
   return entry->task->properties();
 }
 
+Result<TaskDetails> LocalTaskHost::details(const model::TaskId& task) const {
+  const auto entry = implementation_->table.find(task);
+  if (!entry) {
+    return entry.error();
+  }
+  return TaskDetails{entry->task->timing_histograms()};
+}
+
 Result<void> LocalTaskHost::set_property(const model::TaskId& task, std::string_view path,
                                          const type::Value& value, TimePoint deadline) {
   return implementation_->actions.set_property(task, path, value, deadline);

@@ -28,6 +28,11 @@ struct TaskReport {
   bool unknown = false;  ///< its computer cannot be reached: all this is what was known last
 };
 
+/// What is said of a task only where somebody asks for it: it would make each list of tasks large.
+struct TaskDetails {
+  task::TimingHistograms timing;  ///< since its last start
+};
+
 /// Counts of samples since the connection was made.
 struct ConnectionReport {
   model::Connection connection;

@@ -138,6 +138,7 @@ class TaskHost {
   /// The current interface of a task, including its dynamic ports.
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) const = 0;
   virtual Result<type::Value> properties(const model::TaskId& task) const = 0;
+  virtual Result<TaskDetails> details(const model::TaskId& task) const = 0;  ///< Unsupported: older Segue
   virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
                                     const type::Value& value, TimePoint deadline) = 0;
   virtual Result<type::Value> call(const model::TaskId& task, std::string_view operation,

@@ -408,6 +408,10 @@ Result<type::Value> DistributedTaskHost::properties(const model::TaskId& task) c
   return implementation_->at(task, [&](HostedRobot& robot) { return robot.properties(task); });
 }
 
+Result<host::TaskDetails> DistributedTaskHost::details(const model::TaskId& task) const {
+  return implementation_->at(task, [&](HostedRobot& robot) { return robot.details(task); });
+}
+
 Result<void> DistributedTaskHost::set_property(const model::TaskId& task, std::string_view path,
                                                const type::Value& value, TimePoint deadline) {
   return implementation_->at(

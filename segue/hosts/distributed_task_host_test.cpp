@@ -307,6 +307,7 @@ TEST(DistributedTaskHost, ATaskTakesItsStateToAnotherHost) {
   EXPECT_EQ(run.host.describe(TaskId("b"))->doc, "p1/b");
   ASSERT_EQ(said(run.switch_to(kSecond)), "done");
   EXPECT_EQ(run.host.describe(TaskId("b"))->doc, "p3/b");
+  EXPECT_EQ(run.host.details(TaskId("b"))->timing.updates.total(), 1U);
   EXPECT_FALSE(p1->tasks.contains(TaskId("b")));
   ASSERT_TRUE(computers.right.world.find("p3")->states.contains(TaskId("b")));
   EXPECT_EQ(computers.right.world.find("p3")->states.at(TaskId("b")).version, 7U);

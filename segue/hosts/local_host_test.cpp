@@ -82,6 +82,7 @@ std::map<std::string, std::optional<ErrorCode>> refusals(HostedRobot& robot) {
   all["restore_state"] = code_of(robot.restore_state(a, state, in_time()));
   all["describe"] = code_of(robot.describe(a));
   all["properties"] = code_of(robot.properties(a));
+  all["details"] = code_of(robot.details(a));
   all["set_property"] = code_of(robot.set_property(a, "p", type::Value(1), in_time()));
   all["call"] = code_of(robot.call(a, "op", type::Value(1), in_time()));
   all["open_reader"] = code_of(robot.open_reader({a, "out"}, 1));

@@ -98,6 +98,9 @@ class Session final : public HostedRobot {
   Result<type::Value> properties(const model::TaskId& task) override {
     return work([&](TaskHostPart& part) { return part.properties(task); });
   }
+  Result<host::TaskDetails> details(const model::TaskId& task) override {
+    return work([&](TaskHostPart& part) { return part.details(task); });
+  }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override {
     return work([&](TaskHostPart& part) { return part.set_property(task, path, value, deadline); });

@@ -183,6 +183,10 @@ Result<type::Value> TaskHostPart::properties(const model::TaskId& task) {
   return tasks_.properties(task);
 }
 
+Result<host::TaskDetails> TaskHostPart::details(const model::TaskId& task) {
+  return tasks_.details(task);
+}
+
 Result<void> TaskHostPart::set_property(const model::TaskId& task, std::string_view path,
                                         const type::Value& value, TimePoint deadline) {
   return tasks_.set_property(task, path, value, deadline);

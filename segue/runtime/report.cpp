@@ -72,6 +72,33 @@ Value timing_value(const task::Timing& timing) {
                      {"cpu_us", microseconds(timing.cpu)}});
 }
 
+/// The bins from the first to the last that has any. Quantiles are ends of bins, so the worst may be less.
+Value histogram_value(const task::DurationHistogram& histogram, Duration worst) {
+  using Histogram = task::DurationHistogram;
+  std::size_t begin = 0;
+  std::size_t end = Histogram::kBins;
+  while (begin < end && histogram.counts[begin] == 0)
+    ++begin;
+  while (end > begin && histogram.counts[end - 1] == 0)
+    --end;
+  Value::List bins;
+  for (std::size_t bin = begin; bin < end; ++bin) {
+    const bool is_last = bin + 1 == Histogram::kBins;
+    bins.push_back(Value::map({{"from_us", microseconds(Histogram::from(bin))},
+                               {"below_us", is_last ? Value() : Value(microseconds(Histogram::below(bin)))},
+                               {"count", histogram.counts[bin]}}));
+  }
+  const auto quantile = [&](double share) {
+    return microseconds(std::min(histogram.quantile(share), worst));
+  };
+  return Value::map({{"p50_us", quantile(0.5)}, {"p99_us", quantile(0.99)}, {"bins", std::move(bins)}});
+}
+
+Value histograms_value(const host::TaskDetails& details, const task::Timing& timing) {
+  return Value::map({{"updates", histogram_value(details.timing.updates, timing.worst)},
+                     {"latencies", histogram_value(details.timing.latencies, timing.latency_worst)}});
+}
+
 Value port_value(const model::PortModel& port) {
   return Value::map({{"name", port.name},
                      {"direction", model::to_string(port.direction)},
@@ -337,6 +364,10 @@ Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {
   if (!properties) {
     return std::move(properties.error());
   }
+  const auto details = runtime.host().details(task);
+  if (!details && details.error().code != ErrorCode::Unsupported) {
+    return details.error();
+  }
   Value value = to_value(*report);
   ValueMap& map = value.as_map();
   map.set("doc", model->doc);
@@ -344,6 +375,9 @@ Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {
   map.set("properties", std::move(*properties));
   map.set("operations", list_of(model->operations, operation_value));
   map.set("timing", timing_value(report->timing));
+  if (details) {  // else its process runs an older segue
+    map.set("histograms", histograms_value(*details, report->timing));
+  }
   return value;
 }
 

@@ -59,8 +59,9 @@ type::Value to_value(const host::ConnectionReport& report);
 /// "connections", "differences"}: a robot at a glance.
 type::Value status_of(Runtime& runtime);
 
-/// One task: the fields of its report, "ports", "properties", "operations", "timing". NotFound if there is
-/// none.
+/// One task: the fields of its report, "ports", "properties", "operations", "timing", and unless its process
+/// runs an older Segue "histograms" ("updates", "latencies", each with "p50_us", "p99_us" and "bins": a list
+/// of "from_us", "below_us" (null: no end) and "count"). NotFound if there is none.
 Result<type::Value> task_report(Runtime& runtime, const model::TaskId& task);
 
 }  // namespace segue::runtime

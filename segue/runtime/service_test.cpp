@@ -82,6 +82,11 @@ TEST_F(Service, gives_access_to_single_tasks) {
   const auto task = service_.task("a");
   ASSERT_TRUE(task) << to_string(task.error());
   EXPECT_NE(task->find("timing"), nullptr);
+  const auto& histograms = *task->find("histograms");
+  for (const char* what : {"updates", "latencies"}) {
+    EXPECT_NE(histograms.find(what)->find("p99_us"), nullptr) << what;
+    EXPECT_TRUE(histograms.find(what)->find("bins")->is_list()) << what;
+  }
   EXPECT_EQ(task->find("ports")->as_list().size(), 2U) << "state and out";
   EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, soon()));
   EXPECT_FALSE(service_.set_property("a", "stand_in.rate", -5, soon()));

@@ -66,6 +66,25 @@ TEST_F(Periodic, UpdateThatTakesLongIsMeasured) {
   EXPECT_EQ(task->timing().mean, 4ms);
 }
 
+TEST_F(Periodic, UpdatesAreCountedByTheirDurationsAndLatencies) {
+  probe->act = [this](const std::string& hook) -> Result<void> {
+    if (hook == "update") clock.advance(4ms);
+    return {};
+  };
+  executor->advance(20ms);
+  clock.advance(12ms);
+  executor->run_ready();
+  const auto cycles = task->timing().cycles;
+  const auto histograms = task->timing_histograms();
+  EXPECT_EQ(histograms.updates.counts[DurationHistogram::bin_of(4ms)], cycles);
+  EXPECT_EQ(histograms.updates.total(), cycles);
+  EXPECT_EQ(histograms.latencies.total(), cycles);
+  EXPECT_EQ(histograms.latencies.counts[DurationHistogram::bin_of(task->timing().latency_worst)], 1U);
+  ASSERT_TRUE(task->stop(soon()));
+  ASSERT_TRUE(task->start(soon()));
+  EXPECT_EQ(task->timing_histograms(), TimingHistograms{}) << "timing begins with the start";
+}
+
 TEST_F(Periodic, StopsAndStartsAnewInPhaseWithTheStart) {
   executor->advance(25ms);
   ASSERT_TRUE(task->stop(soon()));

@@ -334,6 +334,10 @@ Timing Task::timing() const {
   return timing;
 }
 
+TimingHistograms Task::timing_histograms() const {
+  return implementation_->recorder.histograms();
+}
+
 std::optional<std::string> Task::overdue() const {
   return implementation_->overdue();
 }

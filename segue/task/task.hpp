@@ -90,6 +90,7 @@ class Task {
 
   [[nodiscard]] const Activity& activity() const;
   [[nodiscard]] Timing timing() const;
+  [[nodiscard]] TimingHistograms timing_histograms() const;
   /// What exceeds its deadline (deadline_of() the activity; an operation also has that of its call) in the
   /// task's thread: "on_update has not returned within 5 s". Nothing if nothing does.
   [[nodiscard]] std::optional<std::string> overdue() const;

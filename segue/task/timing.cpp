@@ -11,6 +11,8 @@ void TimingRecorder::reset(const Executor& executor) {
                        &deviation_total_, &previous_begin_}) {
     count->store(0, std::memory_order_relaxed);
   }
+  updates_.reset();
+  latencies_.reset();
   const Executor::Usage usage = executor.usage();
   cpu_at_start_.store(usage.cpu.count(), std::memory_order_relaxed);
   busy_at_start_.store(usage.busy.count(), std::memory_order_relaxed);
@@ -32,6 +34,8 @@ void TimingRecorder::reset(const Executor& executor) {
   raise(worst_, duration);
   add(latency_total_, latency);
   raise(latency_worst_, latency);
+  updates_.add(Duration(duration));
+  latencies_.add(Duration(latency));
   add(cycles_, 1);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/task/duration_histogram.hpp>
 #include <segue/task/executor.hpp>
 
 #include <atomic>
@@ -24,6 +25,13 @@ struct Timing {
   Duration cpu{0};
 };
 
+/// The updates of Timing one by one.
+struct TimingHistograms {
+  DurationHistogram updates;    ///< their durations
+  DurationHistogram latencies;  ///< from due time or trigger to the start of each
+  friend bool operator==(const TimingHistograms&, const TimingHistograms&) = default;
+};
+
 namespace detail {
 
 /// Collects Timing: written by updates, one at a time, read by any thread. All counters are relaxed with one
@@ -33,6 +41,7 @@ class TimingRecorder {
   void reset(const Executor& executor);
   void record(TimePoint due, TimePoint begin, TimePoint end, Duration period, std::uint64_t missed) noexcept;
   [[nodiscard]] Timing timing(const Executor& executor) const;
+  [[nodiscard]] TimingHistograms histograms() const { return {updates_.read(), latencies_.read()}; }
 
  private:
   using Count = std::atomic<std::int64_t>;
@@ -54,6 +63,8 @@ class TimingRecorder {
   Count previous_begin_{0};
   Count cpu_at_start_{0};
   Count busy_at_start_{0};
+  HistogramRecorder updates_;
+  HistogramRecorder latencies_;
 };
 
 }  // namespace detail

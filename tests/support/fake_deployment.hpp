@@ -86,6 +86,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   type::Value wrote{};
   std::vector<model::Action> performed{};
   model::ComponentModel component{};
+  host::TaskDetails task_details{};
   type::Value value{};
   std::optional<task::SavedState> state{};
   std::string written{};
@@ -157,6 +158,11 @@ class FakeDeployment final : public deploy::DeploymentService {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
     const std::lock_guard lock(fields_);
     return value;
+  }
+  Result<host::TaskDetails> details(const model::TaskId& task) override {
+    if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
+    const std::lock_guard lock(fields_);
+    return task_details;
   }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& set,
                             TimePoint deadline) override {

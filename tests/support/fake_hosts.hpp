@@ -251,6 +251,9 @@ class WiredRobot final : public HostedRobot {
   Result<type::Value> properties(const model::TaskId& task) override {
     return wire_.pass("properties", [&] { return robot_->properties(task); });
   }
+  Result<host::TaskDetails> details(const model::TaskId& task) override {
+    return wire_.pass("details", [&] { return robot_->details(task); });
+  }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override {
     return wire_.pass("set_property", [&] { return robot_->set_property(task, path, value, deadline); });

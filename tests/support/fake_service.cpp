@@ -273,6 +273,14 @@ Result<type::Value> FakeService::properties(const model::TaskId& task) {
   return answer<type::Value>("properties", [&]() -> Result<type::Value> { return type::Value(task.str()); });
 }
 
+Result<host::TaskDetails> FakeService::details(const model::TaskId& task) {
+  return answer<host::TaskDetails>("details", [&]() -> Result<host::TaskDetails> {
+    host::TaskDetails details;
+    details.timing.updates.counts[0] = task.str().size();
+    return details;
+  });
+}
+
 Result<void> FakeService::set_property(const model::TaskId& /*task*/, std::string_view /*path*/,
                                        const type::Value& /*value*/, TimePoint /*deadline*/) {
   return answer<void>("set_property", [] { return Result<void>(); });

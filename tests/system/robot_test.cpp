@@ -143,6 +143,14 @@ TEST_F(RunningRobot, ItsTasksCanBeInspectedAndChanged) {
   const auto set = segue({"set", "drive.max_speed=0.25"});
   EXPECT_EQ(set.status, 0) << set.errors;
   EXPECT_EQ(*json({"task", "drive"}).find("properties")->find("max_speed"), Value(0.25));
+  const Value task = json({"task", "drive"});
+  std::int64_t updates = 0;
+  for (const Value& bin : task.find("histograms")->find("updates")->find("bins")->as_list())
+    updates += bin.find("count")->as_int();
+  EXPECT_GT(updates, 0);
+  const auto shown = segue({"task", "drive"});
+  EXPECT_TRUE(contains(shown.output, ", 99 % within ")) << shown.output;
+  EXPECT_TRUE(contains(shown.output, "LATENCIES")) << shown.output;
   const auto called = segue({"call", "joystick.push", "forward=0.5", "turn=0"});
   EXPECT_EQ(called.status, 0) << called.errors;
   EXPECT_EQ(segue({"call", "joystick.push", "0.5", "0"}).status, 0);

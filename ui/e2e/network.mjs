@@ -100,12 +100,27 @@ async function fold(page) {
   await page.getByPlaceholder('Find tasks').fill('');
 }
 
+/** The panel of a task says how long its updates took, as drawing and as table. */
+async function seeTiming(page) {
+  await node(page, 'laser').click();
+  const timing = page.getByRole('complementary', { name: 'Task laser' }).getByRole('region', { name: 'Timing' });
+  await timing.getByRole('img', { name: /^Updates: half within .* µs, 99 % within/ }).waitFor();
+  await timing.getByRole('img', { name: /^Latencies: half within/ }).waitFor();
+  await timing.getByText('as a table').first().click();
+  const counts = await timing.locator('table').first().locator('td.number').allTextContents();
+  assert.ok(counts.length > 0 && counts.every((count) => /^\d+$/.test(count)), 'counts: ' + counts);
+  await timing.getByText('as a table').last().scrollIntoViewIfNeeded();
+  await stage.look(page, 'network_timing');
+  await page.keyboard.press('Escape');
+}
+
 await stage.play(async () => {
   makeRobot();
   await stage.start(['run', 'rover/robot.yaml', '--controller', 'go_to'], /robot rover runs/);
   const page = await stage.enter();
   await seeRoutes(page);
   await fold(page);
+  await seeTiming(page);
   await page.emulateMedia({ colorScheme: 'dark' });
   await stage.look(page, 'network_dark');
 });

@@ -83,6 +83,15 @@ class TaskAccessClient : public Service {
     });
   }
 
+  Result<host::TaskDetails> details(const model::TaskId& task) override {
+    return ask<host::TaskDetails>(kLookTimeout, [&](wire::TaskAccess::Client tasks) {
+      auto request = tasks.detailsRequest();
+      request.setTask(as_text(task.str()));
+      return RpcChannel::send<host::TaskDetails>(request,
+                                                 [](auto& results) { return decode(results.getDetails()); });
+    });
+  }
+
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override {
     const Duration left = time_left(deadline);

@@ -79,6 +79,15 @@ kj::Promise<void> TaskAccessServer::properties(PropertiesContext context) {
       });
 }
 
+kj::Promise<void> TaskAccessServer::details(DetailsContext context) {
+  return caller_.answer(
+      context,
+      [tasks = tasks_, task = model::TaskId(as_string(context.getParams().getTask()))] {
+        return tasks->details(task);
+      },
+      [](host::TaskDetails& details, auto results) { encode(details, results.initDetails()); });
+}
+
 kj::Promise<void> TaskAccessServer::setProperty(SetPropertyContext context) {
   const auto params = context.getParams();
   return caller_.answer(context, [tasks = tasks_, task = model::TaskId(as_string(params.getTask())),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/tasks_wire.hpp>
 
+#include <algorithm>
 #include <utility>
 
 namespace segue::control::detail {
@@ -35,6 +36,26 @@ task::Timing decode_timing(wire::Timing::Reader reader) {
   return timing;
 }
 
+void encode_histogram(const task::DurationHistogram& histogram, wire::Histogram::Builder builder) {
+  const auto& counts = histogram.counts;
+  const auto is_used = [](std::uint64_t count) { return count != 0; };
+  const auto first = std::find_if(counts.begin(), counts.end(), is_used);
+  const auto last = std::find_if(counts.rbegin(), std::make_reverse_iterator(first), is_used).base();
+  builder.setFirst(static_cast<std::uint16_t>(first - counts.begin()));
+  auto items = builder.initCounts(static_cast<unsigned>(last - first));
+  for (unsigned i = 0; i < items.size(); ++i)
+    items.set(i, *(first + i));
+}
+
+task::DurationHistogram decode_histogram(wire::Histogram::Reader reader) {
+  task::DurationHistogram histogram;
+  const auto counts = reader.getCounts();
+  if (reader.getFirst() + std::size_t{counts.size()} > histogram.counts.size())
+    throw WireError(fail(ErrorCode::ParseError, "a histogram has bins that there are not"));
+  std::copy(counts.begin(), counts.end(), histogram.counts.begin() + reader.getFirst());
+  return histogram;
+}
+
 }  // namespace
 
 void encode(const host::TaskReport& report, wire::TaskReport::Builder builder) {
@@ -65,6 +86,15 @@ host::TaskReport decode(wire::TaskReport::Reader reader) {
   report.activity = decode(reader.getActivity());
   report.timing = decode_timing(reader.getTiming());
   return report;
+}
+
+void encode(const host::TaskDetails& details, wire::Details::Builder builder) {
+  encode_histogram(details.timing.updates, builder.initUpdates());
+  encode_histogram(details.timing.latencies, builder.initLatencies());
+}
+
+host::TaskDetails decode(wire::Details::Reader reader) {
+  return {{decode_histogram(reader.getUpdates()), decode_histogram(reader.getLatencies())}};
 }
 
 void encode(const host::ConnectionReport& report, wire::ConnectionReport::Builder builder) {

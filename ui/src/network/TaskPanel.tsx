@@ -7,6 +7,7 @@ import type { OperationModel, PortModel, Status, TaskReport } from '../robot/typ
 import { eventsOf } from '../events/filter';
 import { toneOf } from './graph';
 import { Plot } from './Plot';
+import { Timing } from './Timing';
 
 function reason(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
@@ -201,15 +202,7 @@ export function TaskPanel({ id, status, onClose }: { id: string; status: Status;
           {report.operations.map((operation) => (
             <Operation key={operation.name} task={id} operation={operation} fixed={fixed} />
           ))}
-          <h3>Timing</h3>
-          <dl className="numbers">
-            {Object.entries(report.timing).map(([name, number]) => (
-              <div key={name}>
-                <dt>{name.replace(/_us$/, ' (µs)').replace(/_/g, ' ')}</dt>
-                <dd>{Number.isInteger(number) ? number : number.toFixed(1)}</dd>
-              </div>
-            ))}
-          </dl>
+          <Timing report={report} />
           <h3>Events of this task</h3>
           <TaskEvents id={id} />
         </>

@@ -71,6 +71,15 @@ export interface TaskReport extends TaskStatus {
   properties: { [name: string]: Json };
   operations: OperationModel[];
   timing: { [name: string]: number };
+  /** Not of a process that runs an older Segue. */
+  histograms?: { updates: Histogram; latencies: Histogram };
+}
+
+/** From the first bin that has anything to the last one. */
+export interface Histogram {
+  p50_us: number;
+  p99_us: number;
+  bins: { from_us: number; below_us: number | null; count: number }[];
 }
 
 export interface RobotEvent {
