@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -110,6 +111,19 @@ std::string properties_text(const Value& task) {
   return text;
 }
 
+/// The newest lines, oldest first.
+std::string log_text(const Value& task) {
+  constexpr std::size_t kShownLines = 20;
+  const auto& lines = list_at(task, "log");
+  if (lines.empty()) return {};
+  std::string text = '\n' + coloured(Colour::Bold, "LOG") + '\n';
+  for (std::size_t at = lines.size() - std::min(lines.size(), kShownLines); at < lines.size(); ++at) {
+    text += fmt::format("  {} {}: {}\n", text_at(lines[at], "time"), text_at(lines[at], "level"),
+                        text_at(lines[at], "message"));
+  }
+  return text;
+}
+
 int show_task(control::RobotService& robot, const std::string& id, const Context& context) {
   const auto task = robot.task(id);
   if (!task) return failed(context, task.error());
@@ -122,7 +136,7 @@ int show_task(control::RobotService& robot, const std::string& id, const Context
   const std::string error = text_at(*task, "error");
   if (!error.empty()) print(coloured(Colour::Red, "error: ") + error + '\n');
   print(timing_text(*task) + histograms_text(*task) + ports_text(*task) + properties_text(*task) +
-        operations_text(*task));
+        operations_text(*task) + log_text(*task));
   return kDone;
 }
 
@@ -130,12 +144,12 @@ int show_task(control::RobotService& robot, const std::string& id, const Context
 
 void add_task(Verb& app, Context& context) {
   const auto id = std::make_shared<std::string>();
-  Verb& verb = add_verb(app, context, "task", "show a task: state, ports, properties, operations, timing",
-                        "  segue task drive", [id, &context] {
-                          return with_robot(context, [&](control::RobotService& robot) {
-                            return show_task(robot, *id, context);
-                          });
-                        });
+  Verb& verb =
+      add_verb(app, context, "task", "show a task: state, ports, properties, operations, timing, log",
+               "  segue task drive", [id, &context] {
+                 return with_robot(
+                     context, [&](control::RobotService& robot) { return show_task(robot, *id, context); });
+               });
   verb.option("TASK", *id, "the task's id").required();
   add_robot_option(verb, context);
 }

@@ -41,11 +41,16 @@ class Odometry final : public Component {
   }
 
  private:
+  void reset() {
+    pose_ = *start_;
+    log(segue::LogLevel::Info, "the pose was reset");
+  }
+
   InputPort<Velocity> velocity_in_{*this, "velocity", {.doc = "velocity of the robot"}};
   OutputPort<Pose> pose_out_{*this, "pose", {.doc = "where it is now"}};
   Property<Pose> start_{*this, "start", {}, {.doc = "pose after configure"}};
   Operation<void()> reset_{
-      *this, "reset", {}, [this] { pose_ = *start_; }, RunsIn::TaskThread, "sets the pose back to the start"};
+      *this, "reset", {}, [this] { reset(); }, RunsIn::TaskThread, "sets the pose back to the start"};
   Pose pose_;
   Velocity velocity_;
   segue::TimePoint last_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
 #include <segue/base/printable.hpp>
+#include <segue/base/recent_log.hpp>
 
 #include <array>
 #include <atomic>
@@ -33,6 +34,7 @@ std::string_view to_string(LogLevel level) {
 
 void log(LogLevel level, std::string_view source, std::string_view message) {
   if (level < threshold.load(std::memory_order_relaxed)) return;
+  detail::keep_line(level, source, message);
   std::scoped_lock lock(output().mutex);
   if (output().sink) {
     output().sink(level, source, message);

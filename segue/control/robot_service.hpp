@@ -76,7 +76,7 @@ class RobotService {
   /// ("waiting", "planning", "prepare", "commit", "retire", "undo"), "cancelled_by"}), "pools", "pid",
   /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "doing"}
   virtual Result<type::Value> status() = 0;
-  /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms"}
+  /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
   /// dry_run: the JSON of `diff`.

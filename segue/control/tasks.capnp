@@ -93,6 +93,14 @@ struct Histogram {
 struct Details {
   updates @0 :Histogram;
   latencies @1 :Histogram;
+  log @2 :List(LogLine);
+}
+
+struct LogLine {
+  number @0 :UInt64;
+  time @1 :Int64;  # nanoseconds since 1970, by the clock of its host
+  level @2 :UInt8;
+  message @3 :Text;
 }
 
 struct ConnectionReport {

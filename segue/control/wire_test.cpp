@@ -138,6 +138,17 @@ TEST(WireTest, HistogramsTravelWithoutTheBinsThatHaveNothing) {
   EXPECT_EQ(details.getLatencies().getCounts().size(), 1U);
 }
 
+TEST(WireTest, LinesOfALogTravel) {
+  host::TaskDetails sent;
+  sent.log.push_back({7, std::chrono::system_clock::now(), LogLevel::Error, "it broke"});
+  sent.log.push_back({UINT64_MAX, {}, LogLevel::Debug, ""});
+  EXPECT_EQ(travel<wire::Details>(sent).log, sent.log);
+  capnp::MallocMessageBuilder message;
+  auto details = message.initRoot<wire::Details>();
+  details.initLog(1)[0].setLevel(200);
+  EXPECT_THROW(decode(details.asReader()), WireError);
+}
+
 TEST(WireTest, AHistogramWithBinsBeyondTheLastIsRefused) {
   capnp::MallocMessageBuilder message;
   auto details = message.initRoot<wire::Details>();

@@ -9,6 +9,7 @@
 #include <segue/host/task_table.hpp>
 #include <segue/host/written_samples.hpp>
 #include <segue/task/held_ports.hpp>
+#include <segue/task/realtime_log.hpp>
 
 #include <unistd.h>
 
@@ -255,7 +256,10 @@ Result<TaskDetails> LocalTaskHost::details(const model::TaskId& task) const {
   if (!entry) {
     return entry.error();
   }
-  return TaskDetails{entry->task->timing_histograms()};
+  task::RealtimeLog::instance().drain();
+  const std::string_view source = entry->task->id();
+  return TaskDetails{entry->task->timing_histograms(),
+                     recent_log(source.substr(0, task::RealtimeLog::kSourceBytes))};
 }
 
 Result<void> LocalTaskHost::set_property(const model::TaskId& task, std::string_view path,

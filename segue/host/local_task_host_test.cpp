@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/host/test_support.hpp>
+#include <segue/task/realtime_log.hpp>
 
 #include <gmock/gmock.h>
 
@@ -51,6 +52,31 @@ class LocalHost : public ::testing::Test {
   LibrarySet libraries_;
   LocalTaskHost host_{libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
 };
+
+TEST_F(LocalHost, tells_the_timing_and_the_log_of_one_task) {
+  bring_to_running("a");
+  bring_to_running("b");
+  ASSERT_TRUE(task::RealtimeLog::instance().push(LogLevel::Warning, "a", "too warm"));
+  ASSERT_TRUE(task::RealtimeLog::instance().push(LogLevel::Warning, "b", "too cold"));
+  const auto details = host_.details(model::TaskId("a"));
+  ASSERT_TRUE(details) << to_string(details.error());
+  ASSERT_FALSE(details->log.empty());
+  EXPECT_EQ(details->log.back().message, "too warm");
+  EXPECT_EQ(details->log.back().level, LogLevel::Warning);
+  expect_done(on_task(ActionKind::Stop, "a"));
+  for (const TaskReport& report : host_.tasks()) {
+    if (report.id.str() != "a") continue;
+    EXPECT_EQ(host_.details(report.id)->timing.updates.total(), report.timing.cycles);
+  }
+  EXPECT_EQ(host_.details(model::TaskId("x")).error().code, ErrorCode::NotFound);
+}
+
+TEST_F(LocalHost, tells_the_log_of_a_task_with_a_long_name) {
+  const std::string name(task::RealtimeLog::kSourceBytes + 20, 'n');
+  bring_to_running(name);
+  ASSERT_TRUE(task::RealtimeLog::instance().push(LogLevel::Info, name, "here"));
+  EXPECT_EQ(host_.details(model::TaskId(name))->log.size(), 1U);
+}
 
 TEST_F(LocalHost, walks_a_task_through_its_states) {
   bring_to_running("a");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/recent_log.hpp>
 #include <segue/model/network.hpp>
 #include <segue/task/task.hpp>
 
@@ -9,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 /// What a host says of its tasks, its connections and its computers, and of changes to them.
 namespace segue::host {
@@ -31,6 +33,9 @@ struct TaskReport {
 /// What is said of a task only where somebody asks for it: it would make each list of tasks large.
 struct TaskDetails {
   task::TimingHistograms timing;  ///< since its last start
+  /// Its newest lines, oldest first, as long as its process lives. They are found by its id, of which the
+  /// first RealtimeLog::kSourceBytes count.
+  std::vector<LogLine> log{};
 };
 
 /// Counts of samples since the connection was made.

@@ -99,6 +99,13 @@ Value histograms_value(const host::TaskDetails& details, const task::Timing& tim
                      {"latencies", histogram_value(details.timing.latencies, timing.latency_worst)}});
 }
 
+Value line_value(const LogLine& line) {
+  return Value::map({{"number", line.number},
+                     {"time", iso_time(line.time)},
+                     {"level", to_string(line.level)},
+                     {"message", line.message}});
+}
+
 Value port_value(const model::PortModel& port) {
   return Value::map({{"name", port.name},
                      {"direction", model::to_string(port.direction)},
@@ -377,6 +384,7 @@ Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {
   map.set("timing", timing_value(report->timing));
   if (details) {  // else its process runs an older segue
     map.set("histograms", histograms_value(*details, report->timing));
+    map.set("log", list_of(details->log, line_value));
   }
   return value;
 }

@@ -61,7 +61,8 @@ type::Value status_of(Runtime& runtime);
 
 /// One task: the fields of its report, "ports", "properties", "operations", "timing", and unless its process
 /// runs an older Segue "histograms" ("updates", "latencies", each with "p50_us", "p99_us" and "bins": a list
-/// of "from_us", "below_us" (null: no end) and "count"). NotFound if there is none.
+/// of "from_us", "below_us" (null: no end) and "count") and "log" (a list of "number", "time", "level",
+/// "message"). NotFound if there is none.
 Result<type::Value> task_report(Runtime& runtime, const model::TaskId& task);
 
 }  // namespace segue::runtime

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/robot_service.hpp>
 
+#include <segue/runtime/report.hpp>
 #include <segue/runtime/test_support.hpp>
+#include <support/forwarding_host.hpp>
 
 #include <gmock/gmock.h>
 
@@ -98,6 +100,31 @@ TEST_F(Service, gives_access_to_single_tasks) {
   EXPECT_EQ(service_.status()->find("differences")->as_list().size(), 1U) << "the property set by the user";
   ASSERT_TRUE(service_.shut_down());
   EXPECT_EQ(shut_downs_, 1);
+}
+
+/// Its tasks are in processes of a Segue that knows no details of them.
+class OlderHost final : public segue::testing::ForwardingHost {
+ public:
+  using ForwardingHost::ForwardingHost;
+  Result<host::TaskDetails> details(const model::TaskId& /*task*/) const override {
+    return fail(ErrorCode::Unsupported, "runs a segue that cannot do this");
+  }
+};
+
+TEST(TaskReport, LacksWhatAnOlderProcessCannotTell) {
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  OlderHost older(host);
+  Runtime runtime("robot", older, catalog);
+  ASSERT_FALSE(runtime.add_controller(testing::network_of("network: only\ntasks: {a: {component: x::A}}\n"))
+                   .has_errors());
+  ASSERT_EQ(runtime.request(model::NetworkName("only")).get().outcome, Outcome::Done);
+  const auto task = task_report(runtime, model::TaskId("a"));
+  ASSERT_TRUE(task) << to_string(task.error());
+  EXPECT_NE(task->find("timing"), nullptr);
+  EXPECT_EQ(task->find("histograms"), nullptr);
+  EXPECT_EQ(task->find("log"), nullptr);
 }
 
 TEST_F(Service, cancels_nothing_where_nothing_is_requested) {

@@ -70,6 +70,7 @@ bool RealtimeLog::pop(Line& copy) noexcept {
 }
 
 std::size_t RealtimeLog::drain() {
+  const std::lock_guard lock(draining_);
   std::size_t count = 0;
   Line line;
   while (pop(line)) {

@@ -155,6 +155,9 @@ TEST_F(RunningRobot, ItsTasksCanBeInspectedAndChanged) {
   EXPECT_EQ(called.status, 0) << called.errors;
   EXPECT_EQ(segue({"call", "joystick.push", "0.5", "0"}).status, 0);
   EXPECT_EQ(segue({"call", "odometry.reset"}).status, 0);
+  const auto looked = segue({"task", "odometry"});
+  EXPECT_TRUE(contains(looked.output, " info: the pose was reset\n")) << looked.output;
+  EXPECT_EQ(json({"task", "odometry"}).find("log")->as_list().back().find("level")->as_string(), "info");
   EXPECT_EQ(segue({"read", "odometry.pose", "--for", "200ms"}).status, 0);
 }
 

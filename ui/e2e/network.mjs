@@ -114,6 +114,27 @@ async function seeTiming(page) {
   await page.keyboard.press('Escape');
 }
 
+/** What a task logs stands among the events that name it, and the link to all of them searches for it. */
+async function seeLog(page) {
+  stage.run(['call', 'odometry.reset']);
+  await node(page, 'odometry').click();
+  const log = page.getByRole('complementary', { name: 'Task odometry' }).getByRole('region', { name: 'Log' });
+  await log.getByRole('listitem').filter({ hasText: 'info: the pose was reset' }).waitFor();
+  await log.getByRole('listitem').filter({ hasText: /start odometry/ }).waitFor();
+  const texts = await log.getByRole('listitem').allTextContents();
+  assert.match(texts.at(-1), /the pose was reset/, 'the newest comes last');
+  const list = log.getByRole('list', { name: 'Log and events, the newest last' });
+  await holds(() => list.evaluate((at) => at.scrollTop > 0 && at.scrollTop + at.clientHeight > at.scrollHeight - 4), 'the newest are not in view');
+  await log.getByText('segue log sensors').waitFor();
+  await log.getByRole('link').scrollIntoViewIfNeeded();
+  await stage.look(page, 'network_log');
+  await log.getByRole('link', { name: 'Older ones and search' }).click();
+  assert.equal(await page.getByPlaceholder('Find events').inputValue(), 'odometry');
+  await page.getByRole('cell', { name: 'start odometry' }).first().waitFor();
+  await page.getByRole('link', { name: 'Network' }).click();
+  await node(page, 'odometry').waitFor();
+}
+
 await stage.play(async () => {
   makeRobot();
   await stage.start(['run', 'rover/robot.yaml', '--controller', 'go_to'], /robot rover runs/);
@@ -121,6 +142,9 @@ await stage.play(async () => {
   await seeRoutes(page);
   await fold(page);
   await seeTiming(page);
+  await seeLog(page);
   await page.emulateMedia({ colorScheme: 'dark' });
+  await node(page, 'odometry').click();
+  await page.getByRole('img', { name: /^Updates: half within/ }).scrollIntoViewIfNeeded();
   await stage.look(page, 'network_dark');
 });

@@ -16,7 +16,8 @@ const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past
 type View = (typeof views)[number];
 
 function viewOfAddress(): View {
-  return views.find((view) => '#' + view.toLowerCase() === window.location.hash) ?? 'Network';
+  const name = window.location.hash.split('/')[0]; // what follows is for the view itself
+  return views.find((view) => '#' + view.toLowerCase() === name) ?? 'Network';
 }
 
 function isTyping(event: KeyboardEvent): boolean {

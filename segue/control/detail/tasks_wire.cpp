@@ -56,6 +56,20 @@ task::DurationHistogram decode_histogram(wire::Histogram::Reader reader) {
   return histogram;
 }
 
+void encode_line(const LogLine& line, wire::LogLine::Builder builder) {
+  builder.setNumber(line.number);
+  builder.setTime(std::chrono::nanoseconds(line.time.time_since_epoch()).count());
+  builder.setLevel(static_cast<std::uint8_t>(line.level));
+  builder.setMessage(as_text(line.message));
+}
+
+LogLine decode_line(wire::LogLine::Reader reader) {
+  using Time = std::chrono::system_clock::time_point;
+  const auto since = std::chrono::duration_cast<Time::duration>(std::chrono::nanoseconds(reader.getTime()));
+  return {reader.getNumber(), Time(since), enum_from(reader.getLevel(), LogLevel::Error),
+          as_string(reader.getMessage())};
+}
+
 }  // namespace
 
 void encode(const host::TaskReport& report, wire::TaskReport::Builder builder) {
@@ -91,10 +105,12 @@ host::TaskReport decode(wire::TaskReport::Reader reader) {
 void encode(const host::TaskDetails& details, wire::Details::Builder builder) {
   encode_histogram(details.timing.updates, builder.initUpdates());
   encode_histogram(details.timing.latencies, builder.initLatencies());
+  encode_list(details.log, builder.initLog(count_of(details.log)), encode_line);
 }
 
 host::TaskDetails decode(wire::Details::Reader reader) {
-  return {{decode_histogram(reader.getUpdates()), decode_histogram(reader.getLatencies())}};
+  return {{decode_histogram(reader.getUpdates()), decode_histogram(reader.getLatencies())},
+          decode_list<LogLine>(reader.getLog(), decode_line)};
 }
 
 void encode(const host::ConnectionReport& report, wire::ConnectionReport::Builder builder) {

@@ -2,13 +2,13 @@
 import { useMemo, useState } from 'react';
 import { useDocument } from '../robot/hooks';
 import { Skipped } from '../robot/Skipped';
-import { eventsOf, isTrouble, withWords } from './filter';
+import { eventsOf, isTrouble, withWords, wordsOfAddress } from './filter';
 
 const mostLines = 500;
 
 export function EventsView() {
   const shown = useDocument('events');
-  const [words, setWords] = useState('');
+  const [words, setWords] = useState(() => wordsOfAddress(window.location.hash));
   const [onlyTrouble, setOnlyTrouble] = useState(false);
   const all = useMemo(() => eventsOf(shown?.value), [shown]);
   const found = withWords(all, words).filter((event) => !onlyTrouble || isTrouble(event));

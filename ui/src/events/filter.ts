@@ -17,6 +17,16 @@ export function withWords(events: RobotEvent[], words: string): RobotEvent[] {
   });
 }
 
+/** "#events/drive" searches for "drive". */
+export function wordsOfAddress(hash: string): string {
+  const words = /^#events\/(.*)$/.exec(hash)?.[1] ?? '';
+  try {
+    return decodeURIComponent(words);
+  } catch {
+    return ''; // somebody has typed it
+  }
+}
+
 export function isTrouble(event: RobotEvent): boolean {
   return /failed|refused|given_up|lost|undone|difference/.test(event.kind);
 }

@@ -4,9 +4,9 @@ import { isMap, type Json } from '../robot/change';
 import { useConnection, useDocument } from '../robot/hooks';
 import { Skipped } from '../robot/Skipped';
 import type { OperationModel, PortModel, Status, TaskReport } from '../robot/types';
-import { eventsOf } from '../events/filter';
 import { toneOf } from './graph';
 import { Plot } from './Plot';
+import { TaskLog } from './TaskLog';
 import { Timing } from './Timing';
 
 function reason(error: unknown): string {
@@ -150,21 +150,6 @@ function Operation({ task, operation, fixed }: { task: string; operation: Operat
   );
 }
 
-function TaskEvents({ id }: { id: string }) {
-  const shown = useDocument('events');
-  const events = eventsOf(shown?.value).filter((event) => (' ' + event.subject.replace(/\.\w+/g, ' ') + ' ').includes(' ' + id + ' '));
-  if (events.length === 0) return <p className="quiet">none</p>;
-  return (
-    <ol className="log">
-      {events.slice(-12).reverse().map((event) => (
-        <li key={event.number}>
-          <time>{event.time.slice(11, 23)}</time> {event.kind}: {event.subject} {event.message}
-        </li>
-      ))}
-    </ol>
-  );
-}
-
 export function TaskPanel({ id, status, onClose }: { id: string; status: Status; onClose: () => void }) {
   const connection = useConnection();
   const shown = useDocument('task/' + id);
@@ -203,8 +188,7 @@ export function TaskPanel({ id, status, onClose }: { id: string; status: Status;
             <Operation key={operation.name} task={id} operation={operation} fixed={fixed} />
           ))}
           <Timing report={report} />
-          <h3>Events of this task</h3>
-          <TaskEvents id={id} />
+          <TaskLog report={report} />
         </>
       )}
     </aside>

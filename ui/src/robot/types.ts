@@ -71,8 +71,17 @@ export interface TaskReport extends TaskStatus {
   properties: { [name: string]: Json };
   operations: OperationModel[];
   timing: { [name: string]: number };
-  /** Not of a process that runs an older Segue. */
+  /** As the log, not of a process that runs an older Segue. */
   histograms?: { updates: Histogram; latencies: Histogram };
+  log?: LogLine[];
+}
+
+export interface LogLine {
+  number: number;
+  time: string;
+  /** "debug", "info", "warning", "error". */
+  level: string;
+  message: string;
 }
 
 /** From the first bin that has anything to the last one. */

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/recent_log.hpp>
+
+#include <algorithm>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+
+namespace segue {
+
+namespace {
+
+constexpr std::size_t kKeptLines = 100;
+constexpr std::size_t kKeptSources = 256;
+
+struct Kept {
+  std::mutex mutex;  ///< guards the members below
+  std::uint64_t last = 0;
+  std::map<std::string, std::deque<LogLine>, std::less<>> lines;  ///< by source; none is empty
+};
+
+/// Never destroyed: threads may log while the process exits.
+Kept& kept() {
+  static auto* instance = new Kept;
+  return *instance;
+}
+
+}  // namespace
+
+std::vector<LogLine> recent_log(std::string_view source) {
+  const std::scoped_lock lock(kept().mutex);
+  const auto found = kept().lines.find(source);
+  if (found == kept().lines.end()) return {};
+  return {found->second.begin(), found->second.end()};
+}
+
+void detail::keep_line(LogLevel level, std::string_view source, std::string_view message) {
+  const std::scoped_lock lock(kept().mutex);
+  auto& lines = kept().lines;
+  auto found = lines.find(source);
+  if (found == lines.end()) {
+    if (lines.size() == kKeptSources) {
+      lines.erase(std::min_element(lines.begin(), lines.end(), [](const auto& a, const auto& b) {
+        return a.second.back().number < b.second.back().number;
+      }));
+    }
+    found = lines.emplace(source, std::deque<LogLine>()).first;
+  }
+  if (found->second.size() == kKeptLines) found->second.pop_front();
+  found->second.push_back({++kept().last, std::chrono::system_clock::now(), level, std::string(message)});
+}
+
+}  // namespace segue
