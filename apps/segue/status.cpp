@@ -119,18 +119,26 @@ std::string hosts_text(const Value& status) {
   return text;
 }
 
+std::string latency_cell(const Value& connection, std::string_view key) {
+  if (number_at(connection, "measured") == 0) return "-";
+  return format_seconds(number_at(connection, key) * 1e-6);
+}
+
 std::string connections_text(const Value& status) {
   Table table({{"FROM"},
                {"TO"},
                {"POLICY"},
                {"WRITTEN", Table::Align::Right},
                {"READ", Table::Align::Right},
-               {"DROPPED", Table::Align::Right}});
+               {"DROPPED", Table::Align::Right},
+               {"LATENCY", Table::Align::Right},
+               {"WORST", Table::Align::Right}});
   for (const Value& connection : list_at(status, "connections")) {
     table.add({text_at(connection, "from"), text_at(connection, "to"), text_at(connection, "policy"),
                fmt::format("{}", number_at(connection, "written")),
                fmt::format("{}", number_at(connection, "read")),
-               fmt::format("{}", number_at(connection, "dropped"))});
+               fmt::format("{}", number_at(connection, "dropped")), latency_cell(connection, "latency_us"),
+               latency_cell(connection, "latency_worst_us")});
   }
   return list_at(status, "connections").empty() ? std::string() : '\n' + table.text();
 }

@@ -67,6 +67,7 @@ struct EndpointReport {
   corrupt @8 :UInt64;
   damaged @9 :Bool;
   carries @10 :Bool = true;
+  latency @11 :Tasks.Latency;
 }
 
 struct MemoryUsage {

@@ -103,9 +103,17 @@ struct LogLine {
   message @3 :Text;
 }
 
+# From the write of a sample to its read, in nanoseconds.
+struct Latency {
+  measured @0 :UInt64;
+  mean @1 :Int64;
+  worst @2 :Int64;
+}
+
 struct ConnectionReport {
   connection @0 :Model.Connection;
   written @1 :UInt64;
   read @2 :UInt64;
   dropped @3 :UInt64;
+  latency @4 :Latency;
 }

@@ -163,8 +163,9 @@ TEST(WireTest, SnapshotsTravelWithConnectionsEndpointsAndMemory) {
   Random random(11);
   deploy::Snapshot sent;
   sent.network = segue::testing::random_network(random, everything());
-  sent.connections.push_back({some_connection(), 1, 2, 3});
+  sent.connections.push_back({some_connection(), 1, 2, 3, {4, Duration(5), Duration(6)}});
   sent.endpoints.push_back({some_connection(), deploy::Side::Input, 99, some_place(), {4, 5, 6, 7}});
+  sent.endpoints[0].latency = {UINT64_MAX, Duration(8), Duration(9)};
   sent.memory = {1, 2, 3, 4, 5};
   sent.hanging = {model::TaskId("h1"), model::TaskId("h2")};
   const auto got = travel<wire::Snapshot>(sent);
@@ -174,6 +175,8 @@ TEST(WireTest, SnapshotsTravelWithConnectionsEndpointsAndMemory) {
   const auto& connection = got.connections[0];
   EXPECT_EQ(connection.connection, some_connection());
   EXPECT_EQ(std::tuple(connection.written, connection.read, connection.dropped), std::tuple(1U, 2U, 3U));
+  EXPECT_EQ(connection.latency, sent.connections[0].latency);
+  EXPECT_EQ(got.endpoints.at(0).latency, sent.endpoints[0].latency);
   ASSERT_EQ(got.endpoints.size(), 1U);
   const auto& endpoint = got.endpoints[0];
   EXPECT_EQ(endpoint.connection, some_connection());

@@ -42,6 +42,7 @@ struct EndpointReport {
   std::uint64_t corrupt = 0;  ///< invalid entries and claims of the peer; see SharedEndpoint
   bool damaged = false;       ///< the connection must be made again
   bool carries = true;        ///< false: it waits for the commit of a transition, or has ended with one
+  link::Latency latency{};    ///< known by the input only
 };
 
 /// Everything that a process holds at one moment.

@@ -21,6 +21,7 @@ class FakeEndpoint final : public link::SharedEndpoint {
   void disconnect() override { connected_ = false; }
   [[nodiscard]] bool connected() const override { return connected_; }
   [[nodiscard]] link::Counters counters() const override { return {}; }
+  [[nodiscard]] link::Latency latency() const override { return {}; }
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] link::Incarnation peer() const override { return 0; }
   [[nodiscard]] std::uint64_t corrupt() const override { return 0; }

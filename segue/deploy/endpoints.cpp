@@ -169,7 +169,7 @@ std::vector<EndpointReport> Endpoints::reports() {
   for (auto& endpoint : table_.connected()) {
     reports.push_back({std::move(endpoint.connection), endpoint.side, endpoint.peer,
                        std::move(endpoint.place), endpoint.shared->counters(), endpoint.shared->corrupt(),
-                       endpoint.shared->damaged(), endpoint.shared->carries()});
+                       endpoint.shared->damaged(), endpoint.shared->carries(), endpoint.shared->latency()});
   }
   return reports;
 }

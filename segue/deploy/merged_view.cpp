@@ -171,7 +171,7 @@ class Merger {
       if (output.damaged || input->second.report->damaged) {
         merged_.damaged.push_back({connection, output.corrupt + input->second.report->corrupt});
       } else if (whole.insert(key).second) {
-        add_connection(output, connection);
+        add_connection(output, connection, input->second.report->latency);
       }
     });
     for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
@@ -196,10 +196,11 @@ class Merger {
     }
   }
 
-  void add_connection(const EndpointReport& output, const model::Connection& connection) {
+  void add_connection(const EndpointReport& output, const model::Connection& connection,
+                      const link::Latency& latency) {
     merged_.network.connections.push_back(connection);
     merged_.connections.push_back(
-        {connection, output.counters.written, output.counters.read, output.counters.dropped});
+        {connection, output.counters.written, output.counters.read, output.counters.dropped, latency});
   }
 
   void add_orphaned(const ProcessView& process, const EndpointReport& endpoint) {

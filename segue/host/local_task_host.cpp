@@ -225,7 +225,8 @@ std::vector<ConnectionReport> LocalTaskHost::connections() const {
   for (const auto& entry : implementation_->table.all_connections()) {
     if (entry.handle.port_connection().carries()) {
       const link::Counters counts = entry.handle.counters();
-      reports.push_back({entry.connection, counts.written, counts.read, counts.dropped});
+      reports.push_back({entry.connection, counts.written, counts.read, counts.dropped,
+                         entry.handle.port_connection().latency()});
     }
   }
   return reports;

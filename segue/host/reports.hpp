@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/recent_log.hpp>
+#include <segue/link/latency.hpp>
 #include <segue/model/network.hpp>
 #include <segue/task/task.hpp>
 
@@ -38,12 +39,14 @@ struct TaskDetails {
   std::vector<LogLine> log{};
 };
 
-/// Counts of samples since the connection was made.
+/// Counts of samples since the connection was made, and how long they took.
 struct ConnectionReport {
   model::Connection connection;
   std::uint64_t written = 0;
   std::uint64_t read = 0;
   std::uint64_t dropped = 0;
+  /// From the write to the read. Between hosts without the way over the network: their clocks differ.
+  link::Latency latency{};
 };
 
 /// A task changed its state other than by an action.

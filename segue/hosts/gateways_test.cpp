@@ -269,6 +269,23 @@ TEST(Gateways, SamplesAreCountedFromWriterToReader) {
   EXPECT_EQ(whole[2].dropped, 1U);
 }
 
+using Halves = std::vector<host::ConnectionReport>;
+
+Halves halves(std::uint64_t taken, std::uint64_t delivered) {
+  return {counted("a", "a.out>", taken, taken, 0), counted("a.out>>r", "b", delivered, delivered, 0)};
+}
+
+TEST(Gateways, LatenciesOfTheHalvesAddUp) {
+  using namespace std::chrono_literals;
+  detail::LinkCounts counts;
+  Halves both = halves(10, 10);
+  counts.note(both, true);
+  both[0].latency = {5, 1us, 2us};
+  EXPECT_EQ(counts.condense(both).at(0).latency, link::Latency{}) << "nothing has arrived yet";
+  both[1].latency = {3, 10us, 20us};
+  EXPECT_EQ(counts.condense(both).at(0).latency, (link::Latency{3, 11us, 22us}));
+}
+
 TEST(Gateways, WhatASenderTookBeforeTheReceiverWasThereWasNotForIt) {
   detail::LinkCounts counts;
   counts.note({counted("a", "a.out>", 1000, 1000, 0)}, true);
@@ -278,12 +295,6 @@ TEST(Gateways, WhatASenderTookBeforeTheReceiverWasThereWasNotForIt) {
   ASSERT_EQ(whole.size(), 1U);
   EXPECT_EQ(whole[0].written, 14U);
   EXPECT_EQ(whole[0].dropped, 1U);
-}
-
-using Halves = std::vector<host::ConnectionReport>;
-
-Halves halves(std::uint64_t taken, std::uint64_t delivered) {
-  return {counted("a", "a.out>", taken, taken, 0), counted("a.out>>r", "b", delivered, delivered, 0)};
 }
 
 TEST(Gateways, WhatIsLostWhileAHostIsLostIsCounted) {

@@ -12,8 +12,8 @@ namespace segue::hosts::detail {
 
 /// Counts of samples of connections between hosts, from those of their halves. What a sender has taken since
 /// the receiver was first seen, and what no receiver delivered, counts as dropped, though some of it may be
-/// on its way. That outlives a time in which the host of a half is lost, and a half that is made anew. Not
-/// thread safe.
+/// on its way. Latencies of the halves add up, without the way between the hosts. That outlives a time in
+/// which the host of a half is lost, and a half that is made anew. Not thread safe.
 class LinkCounts {
  public:
   /// To be called in turn with each look at the connections, so that those that are new are seen early. Where

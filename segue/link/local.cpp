@@ -55,6 +55,7 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
     return attached_;
   }
   [[nodiscard]] Counters counters() const override;
+  [[nodiscard]] Latency latency() const override { return latency_.read(); }
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   void end_at(task::CommitGatePtr gate) override;
   void settle() override;
@@ -96,6 +97,7 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   Count overwritten_{0};
   alignas(64) Count read_{0};
   Count unreadable_{0};  ///< dropped by the reader: no memory was left for the object
+  LatencyRecorder latency_;
   task::SamplePool::Handle
       objects_;  ///< where the writer's samples are in the flat layout, but not the reader's
 };
@@ -117,6 +119,7 @@ Result<std::shared_ptr<PortConnection>> LocalConnection::make(OutputPortBase& fr
 
 void LocalConnection::offer_last() {
   if (!policy_.init) return;
+  latency_.begin_at(monotonic_now());  // how long the last sample has been there is no delay
   from_.show_last([this](SampleSlot& last) {
     if (!queue_.offer_older(last)) return;
     increment(initial_);
@@ -169,7 +172,9 @@ SampleRef LocalConnection::pull_object() noexcept {
   while (const SampleRef sample = queue_.pull()) {
     const bool done = read_object(sample->flat(), sample->sequence, *object.get());
     increment(done ? read_ : unreadable_);
-    if (done) return object;
+    if (!done) continue;
+    latency_.add(sample->written_at);
+    return object;
   }
   return {};
 }
@@ -177,7 +182,10 @@ SampleRef LocalConnection::pull_object() noexcept {
 [[gnu::hot]] SampleRef LocalConnection::pull() noexcept {
   if (objects_) return pull_object();
   SampleRef sample = queue_.pull();
-  if (sample) increment(read_);
+  if (sample) {
+    increment(read_);
+    latency_.add(sample->written_at);
+  }
   return sample;
 }
 

@@ -100,6 +100,35 @@ TEST_F(Local, DataKeepsTheNewest) {
   EXPECT_EQ(counters.dropped, 0U);
 }
 
+TEST_F(Local, HowLongSamplesWaitedIsMeasured) {
+  OutputPort<int> out(writer, "out");
+  InputPort<int> in(reader, "in");
+  const auto connection = connected(out, in, buffer(2));
+  EXPECT_EQ(connection->latency(), Latency{});
+  const TimePoint before = monotonic_now();
+  out.write(1);
+  const TimePoint written = monotonic_now();
+  const TimePoint reading = monotonic_now();
+  EXPECT_THAT(read_all(in), ElementsAre(1));
+  const TimePoint after = monotonic_now();
+  const Latency latency = connection->latency();
+  EXPECT_EQ(latency.measured, 1U);
+  EXPECT_GE(latency.mean, reading - written);
+  EXPECT_LE(latency.mean, after - before);
+  EXPECT_EQ(latency.worst, latency.mean);
+}
+
+TEST_F(Local, OfAFastWriterSomeSamplesAreMeasured) {
+  OutputPort<int> out(writer, "out");
+  InputPort<int> in(reader, "in");
+  const auto connection = connected(out, in, buffer(1000));
+  for (int i = 0; i < 1000; ++i)
+    out.write(i);
+  EXPECT_EQ(read_all(in).size(), 1000U);
+  EXPECT_GE(connection->latency().measured, 1000U / task::detail::SampleStamps::kMostStride);
+  EXPECT_LE(connection->latency().measured, 1000U);
+}
+
 TEST_F(Local, BufferRefusesTheNewestAndCounts) {
   OutputPort<int> out(writer, "out");
   InputPort<int> in(reader, "in");
@@ -126,11 +155,12 @@ TEST_F(Local, NewReaderSeesTheLastValueIfAskedTo) {
   InputPort<int> with(reader, "with");
   InputPort<int> without(reader, "without");
   out.write(7);
-  connected(out, with, {.kind = BufferKind::Data, .init = true});
+  const auto connection = connected(out, with, {.kind = BufferKind::Data, .init = true});
   connected(out, without);
   int value = 0;
   EXPECT_EQ(with.read(value), ReadStatus::NewData);
   EXPECT_EQ(value, 7);
+  EXPECT_EQ(connection->latency(), Latency{}) << "how long it has been there is no delay";
   EXPECT_EQ(without.read(value), ReadStatus::NoData);
   out.write(8);
   EXPECT_EQ(with.read(value), ReadStatus::NewData);

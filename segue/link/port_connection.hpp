@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/policy.hpp>
+#include <segue/link/latency.hpp>
 #include <segue/task/commit_gate.hpp>
 
 #include <cstdint>
@@ -41,6 +42,8 @@ class PortConnection {
   virtual void disconnect() = 0;
   [[nodiscard]] virtual bool connected() const = 0;
   [[nodiscard]] virtual Counters counters() const = 0;
+  /// Only the reader's endpoint of a connection between processes knows it.
+  [[nodiscard]] virtual Latency latency() const = 0;
   [[nodiscard]] virtual const Policy& policy() const = 0;
 
   /// Ends when the gate opens; remains to be disconnected.

@@ -43,6 +43,38 @@ TEST(SharedConnection, SamplesAreReadWhereTheWriterPutThem) {
   EXPECT_EQ(link.input->counters().written, 3U);
 }
 
+TEST(SharedConnection, TheReaderKnowsHowLongSamplesTook) {
+  Pair pair;
+  Source<Pose> source;
+  Sink<Pose> sink;
+  Link link = pair.connect(source.out, sink.in, {BufferKind::Buffer, 4});
+  ASSERT_TRUE(link.ok);
+  EXPECT_EQ(link.input->latency(), Latency{});
+  const TimePoint before = monotonic_now();
+  source.out.write(Pose(1));
+  const TimePoint written = monotonic_now();
+  const TimePoint reading = monotonic_now();
+  ASSERT_TRUE(sink.in.take());
+  const TimePoint after = monotonic_now();
+  const Latency latency = link.input->latency();
+  EXPECT_EQ(latency.measured, 1U);
+  EXPECT_GE(latency.mean, reading - written);
+  EXPECT_LE(latency.mean, after - before);
+  EXPECT_EQ(latency.worst, latency.mean);
+  EXPECT_EQ(link.output->latency(), Latency{}) << "only the reader knows";
+}
+
+TEST(SharedConnection, TheLastSampleFromBeforeTheConnectionIsNotMeasured) {
+  Pair pair;
+  Source<Pose> source;
+  Sink<Pose> sink;
+  source.out.write(Pose(1));
+  Link link = pair.connect(source.out, sink.in, {.kind = BufferKind::Data, .init = true});
+  ASSERT_TRUE(link.ok);
+  ASSERT_TRUE(sink.in.take());
+  EXPECT_EQ(link.input->latency(), Latency{});
+}
+
 TEST(SharedConnection, SamplesWithPointersTravelFlat) {
   Pair pair;
   Source<Text> source;

@@ -75,6 +75,18 @@ TEST(SharedHostile, WordsThatMakeNoSenseAreCountedAndDropped) {
   }
 }
 
+TEST(SharedHostile, TimesThatLieAreNotMeasured) {
+  Attacked<Pose> attacked(Policy{BufferKind::Buffer, 8});
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
+  for (const std::uint64_t time : {std::uint64_t{1} << 62, std::uint64_t{1} << 63, ~std::uint64_t{0}}) {
+    ASSERT_EQ(source.out.write(Pose(1)), WriteResult::Written);
+    for (RingEntry& entry : ring.entries())
+      entry.written_at = time;
+    EXPECT_TRUE(sink.in.take());
+    EXPECT_EQ(link.input->latency(), Latency{});
+  }
+}
+
 TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
   Attacked<Pose> attacked(Policy{BufferKind::Buffer, 8});
   auto& [pair, hostile, source, sink, link, ring] = attacked;

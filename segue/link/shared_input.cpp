@@ -110,6 +110,8 @@ InputPlace SharedInput::place() const {
   const std::uint64_t size = found.size.load(std::memory_order_relaxed);
   const std::uint64_t sequence = found.sequence.load(std::memory_order_relaxed);
   const std::uint64_t generation = found.generation.load(std::memory_order_relaxed);
+  const TimePoint written_at(
+      Duration(static_cast<std::int64_t>(found.written_at.load(std::memory_order_relaxed))));
   if (generation != generation_ || (!decodes_ && samples_->held(entry))) {
     corrupt_.fetch_add(1, std::memory_order_relaxed);
     return {};
@@ -131,7 +133,10 @@ InputPlace SharedInput::place() const {
   const std::size_t flat_size = form_ == SampleForm::Flat ? size : 0;
   SampleRef sample = decodes_ ? decode(entry, value, size, sequence, *spare)
                               : samples_->lend(entry, value, flat_size, sequence);
-  if (sample) newest_read_ = sequence;
+  if (sample) {
+    newest_read_ = sequence;
+    latency_.add(written_at);
+  }
   return sample;
 }
 

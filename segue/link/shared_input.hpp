@@ -35,6 +35,7 @@ class SharedInput final : public RegisteredEndpoint,
   void disconnect() override;
   [[nodiscard]] bool connected() const override;
   [[nodiscard]] Counters counters() const override;
+  [[nodiscard]] Latency latency() const override { return latency_.read(); }
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] Incarnation peer() const override { return writer_->incarnation(); }
   [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
@@ -75,8 +76,9 @@ class SharedInput final : public RegisteredEndpoint,
   const std::uint64_t generation_;
   const std::string port_name_;
 
-  SharedSamples::Handle samples_;          ///< for samples that are read in place
-  task::SamplePool::Handle decoded_;       ///< for objects
+  SharedSamples::Handle samples_;     ///< for samples that are read in place
+  task::SamplePool::Handle decoded_;  ///< for objects
+  LatencyRecorder latency_;
   std::uint64_t newest_read_ = 0;          ///< reader only, policy data: sequence of the newest sample
   std::atomic<std::uint64_t> corrupt_{0};  ///< invalid words and entries
 

@@ -119,7 +119,7 @@ bool SharedOutput::anybody_there() const noexcept {
   if (!payload) return Delivery::Refused;
   const std::size_t entry = free_.back();
   free_.pop_back();
-  lend(entry, *payload, sample.sequence);
+  lend(entry, *payload, sample.sequence, sample.written_at);
   std::uint64_t before = 0;
   switch (ring_.words().push(ring_.token_of(entry), before)) {
     case WordRing::Push::Taken:
@@ -135,13 +135,15 @@ bool SharedOutput::anybody_there() const noexcept {
   return Delivery::Refused;
 }
 
-[[gnu::hot]] void SharedOutput::lend(std::size_t entry, const Payload& payload,
-                                     std::uint64_t sequence) noexcept {
+[[gnu::hot]] void SharedOutput::lend(std::size_t entry, const Payload& payload, std::uint64_t sequence,
+                                     TimePoint written_at) noexcept {
   RingEntry& shared = ring_.entries()[entry];
   shared.offset.store(payload.offset, std::memory_order_relaxed);
   shared.size.store(payload.size, std::memory_order_relaxed);
   shared.sequence.store(sequence, std::memory_order_relaxed);
   shared.generation.store(ring_.generation(), std::memory_order_relaxed);
+  shared.written_at.store(static_cast<std::uint64_t>(written_at.time_since_epoch().count()),
+                          std::memory_order_relaxed);
   lent_[entry].payload = payload;
   lent_[entry].out.store(true, std::memory_order_release);
 }
@@ -192,7 +194,7 @@ void SharedOutput::offer_last(task::SampleSlot& last) noexcept {
   const std::size_t entry = ring_.entries().size() - 1;
   const auto payload = untyped_ ? Payload{} : source_->take_apart(last);
   if (!payload) return;
-  lend(entry, *payload, last.sequence);
+  lend(entry, *payload, last.sequence, {});  // how long it has been there is no delay
   if (!ring_.words().offer(ring_.token_of(entry))) {
     reclaim(entry);
     return;

@@ -36,6 +36,7 @@ class SharedOutput final : public RegisteredEndpoint,
   void disconnect() override;
   [[nodiscard]] bool connected() const override;
   [[nodiscard]] Counters counters() const override;
+  [[nodiscard]] Latency latency() const override { return {}; }
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] Incarnation peer() const override { return reader_->incarnation(); }
   [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
@@ -62,7 +63,7 @@ class SharedOutput final : public RegisteredEndpoint,
 
   Result<void> attach_to_port();
   Delivery deliver(task::SampleSlot& sample) noexcept;
-  void lend(std::size_t entry, const Payload& payload, std::uint64_t sequence) noexcept;
+  void lend(std::size_t entry, const Payload& payload, std::uint64_t sequence, TimePoint written_at) noexcept;
   bool reclaim(std::size_t entry) noexcept;
   void reclaim_token(std::uint64_t token) noexcept;
   void collect(std::size_t most_words) noexcept;

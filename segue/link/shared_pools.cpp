@@ -10,7 +10,7 @@ namespace segue::link {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x6c6f6f7065756773;  // "sgueploo"
-constexpr std::uint64_t kLayout = 1;
+constexpr std::uint64_t kLayout = 2;
 
 struct Pool {
   SealedFile file;

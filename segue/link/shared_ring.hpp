@@ -41,6 +41,9 @@ struct RingEntry {
   std::atomic<std::uint64_t> size;
   std::atomic<std::uint64_t> sequence;
   std::atomic<std::uint64_t> generation;
+  /// Nanoseconds of the monotonic clock, which all processes of a computer have in common; 0: not to be
+  /// measured.
+  std::atomic<std::uint64_t> written_at;
 };
 
 /// A view of a ring of a given policy: header, words, a "returned" bit for each entry, and the entries.

@@ -294,7 +294,10 @@ Value to_value(const host::ConnectionReport& report) {
                      {"size", static_cast<std::uint64_t>(report.connection.policy.size)},
                      {"written", report.written},
                      {"read", report.read},
-                     {"dropped", report.dropped}});
+                     {"dropped", report.dropped},
+                     {"measured", report.latency.measured},
+                     {"latency_us", microseconds(report.latency.mean)},
+                     {"latency_worst_us", microseconds(report.latency.worst)}});
 }
 
 Value to_value(const PoolReport& pool) {

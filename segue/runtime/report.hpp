@@ -50,7 +50,8 @@ type::Value to_value(const Event& event);
 /// the processor time of all since the task started.
 type::Value to_value(const host::TaskReport& report);
 
-/// {"from", "to", "policy", "size", "written", "read", "dropped"}
+/// {"from", "to", "policy", "size", "written", "read", "dropped", "measured" (how many samples are in the
+/// next two), "latency_us" (mean), "latency_worst_us"}
 type::Value to_value(const host::ComputerReport& report);
 type::Value to_value(const host::ConnectionReport& report);
 

@@ -123,6 +123,7 @@ void OutputPortBase::disconnect_all() {
 [[gnu::hot]] WriteResult OutputPortBase::publish(SampleSlot* slot) noexcept {
   increment(written_);
   slot->sequence = written_.load(std::memory_order_relaxed);
+  slot->written_at = stamps_.next(monotonic_now);
   bool refused = false;
   std::size_t count = 0;
   {

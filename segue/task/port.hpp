@@ -5,6 +5,7 @@
 #include <segue/task/connection_list.hpp>
 #include <segue/task/port_options.hpp>
 #include <segue/task/sample.hpp>
+#include <segue/task/sample_stamps.hpp>
 #include <segue/type/type_info.hpp>
 
 #include <atomic>
@@ -134,6 +135,7 @@ class OutputPortBase : public PortBase {
   ConnectionList<WriterEnd> ends_;
   std::atomic<std::uint64_t> written_{0};
   std::atomic<std::uint64_t> exhausted_{0};
+  detail::SampleStamps stamps_;
   /// Owns a reference. Whoever takes a slot out by an exchange (acquire-release) owns that reference.
   std::atomic<SampleSlot*> last_{nullptr};
   std::mutex attach_mutex_;  ///< serializes attach() and show_last()

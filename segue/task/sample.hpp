@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/type/type_info.hpp>
 
 #include <atomic>
@@ -63,6 +64,7 @@ struct alignas(64) SampleSlot {
   SampleSlot* next = nullptr;  ///< for the owner, while the slot is free
   bool shared = false;         ///< the value lies in the owner's SampleMemory
   std::size_t flat_size = 0;   ///< not 0: the value is so many bytes in the flat layout, not an object
+  TimePoint written_at{};      ///< TimePoint(): not to be measured (detail::SampleStamps)
 
   /// Requires flat_size.
   [[nodiscard]] std::span<const std::byte> flat() const noexcept {
@@ -81,6 +83,8 @@ struct alignas(64) SampleSlot {
     }
   }
 };
+
+static_assert(sizeof(SampleSlot) == 64, "a slot is one line of the cache");
 
 /// A counted reference to a sample. Real-time safe; an object may be used by one thread at a time.
 class SampleRef {

@@ -161,6 +161,28 @@ TEST_F(RunningRobot, ItsTasksCanBeInspectedAndChanged) {
   EXPECT_EQ(segue({"read", "odometry.pose", "--for", "200ms"}).status, 0);
 }
 
+TEST_F(RunningRobot, LatenciesOfItsConnectionsAreMeasured) {
+  ASSERT_EQ(segue({"init", "rover"}).status, 0);
+  std::ofstream(folder_ / "rover/controllers/explore.yaml", std::ios::app)
+      << "deployments:\n  sensors: {process: sensors, tasks: [odometry]}\n";
+  start({"--controller", "explore"});
+  wait_for_controller("explore");
+  // Between two processes in both directions, and within one.
+  std::set<std::string> missing = {"drive.velocity", "odometry.pose", "wanderer.command"};
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!missing.empty()) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline) << *missing.begin();
+    const Value status = json({"status"});
+    for (const Value& connection : status.find("connections")->as_list()) {
+      if (connection.find("measured")->as_int() == 0) continue;
+      EXPECT_GT(connection.find("latency_us")->as_double(), 0);
+      EXPECT_GE(connection.find("latency_worst_us")->as_double(), connection.find("latency_us")->as_double());
+      missing.erase(connection.find("from")->as_string());
+    }
+  }
+  EXPECT_TRUE(contains(segue({"status"}).output, "LATENCY"));
+}
+
 TEST_F(RunningRobot, MistakesAreExplained) {
   start({"--controller", "manual"});
   ASSERT_EQ(segue({"switch", "manual"}).status, 0);

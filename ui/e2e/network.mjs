@@ -135,12 +135,25 @@ async function seeLog(page) {
   await node(page, 'odometry').waitFor();
 }
 
+/** Edges and the panel of a task say how long samples took, within a process and between two. */
+async function seeLatencies(page) {
+  await page.locator('.react-flow__edge', { hasText: /\/s, [\d.]+ [µm]?s/ }).first().waitFor({ state: 'attached' });
+  await node(page, 'drive').click();
+  const connections = page.getByRole('complementary', { name: 'Task drive' }).getByRole('region', { name: 'Connections' });
+  const measured = connections.getByRole('listitem').filter({ hasText: /latency [\d.]+ [µm]?s, [\d.]+ [µm]?s at the most/ });
+  await measured.filter({ hasText: '→ drive.' }).first().waitFor();
+  await measured.filter({ hasText: 'drive.velocity → odometry.velocity' }).waitFor();
+  await stage.look(page, 'network_latency');
+  await page.keyboard.press('Escape');
+}
+
 await stage.play(async () => {
   makeRobot();
   await stage.start(['run', 'rover/robot.yaml', '--controller', 'go_to'], /robot rover runs/);
   const page = await stage.enter();
   await seeRoutes(page);
   await fold(page);
+  await seeLatencies(page);
   await seeTiming(page);
   await seeLog(page);
   await page.emulateMedia({ colorScheme: 'dark' });

@@ -24,6 +24,7 @@ void encode_endpoint(const deploy::EndpointReport& endpoint, wire::EndpointRepor
   builder.setCorrupt(endpoint.corrupt);
   builder.setDamaged(endpoint.damaged);
   builder.setCarries(endpoint.carries);
+  encode(endpoint.latency, builder.initLatency());
 }
 
 deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
@@ -36,6 +37,7 @@ deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
   endpoint.corrupt = reader.getCorrupt();
   endpoint.damaged = reader.getDamaged();
   endpoint.carries = reader.getCarries();
+  endpoint.latency = decode(reader.getLatency());
   return endpoint;
 }
 

@@ -113,15 +113,27 @@ host::TaskDetails decode(wire::Details::Reader reader) {
           decode_list<LogLine>(reader.getLog(), decode_line)};
 }
 
+void encode(const link::Latency& latency, wire::Latency::Builder builder) {
+  builder.setMeasured(latency.measured);
+  builder.setMean(latency.mean.count());
+  builder.setWorst(latency.worst.count());
+}
+
+link::Latency decode(wire::Latency::Reader reader) {
+  return {reader.getMeasured(), Duration(reader.getMean()), Duration(reader.getWorst())};
+}
+
 void encode(const host::ConnectionReport& report, wire::ConnectionReport::Builder builder) {
   encode(report.connection, builder.initConnection());
   builder.setWritten(report.written);
   builder.setRead(report.read);
   builder.setDropped(report.dropped);
+  encode(report.latency, builder.initLatency());
 }
 
 host::ConnectionReport decode(wire::ConnectionReport::Reader reader) {
-  return {decode(reader.getConnection()), reader.getWritten(), reader.getRead(), reader.getDropped()};
+  return {decode(reader.getConnection()), reader.getWritten(), reader.getRead(), reader.getDropped(),
+          decode(reader.getLatency())};
 }
 
 void encode(const task::SavedState& state, wire::State::Builder builder) {

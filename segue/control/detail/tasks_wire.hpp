@@ -16,6 +16,9 @@ host::TaskReport decode(wire::TaskReport::Reader reader);
 void encode(const host::TaskDetails& details, wire::Details::Builder builder);
 host::TaskDetails decode(wire::Details::Reader reader);
 
+void encode(const link::Latency& latency, wire::Latency::Builder builder);
+link::Latency decode(wire::Latency::Reader reader);
+
 void encode(const host::ConnectionReport& report, wire::ConnectionReport::Builder builder);
 host::ConnectionReport decode(wire::ConnectionReport::Reader reader);
 

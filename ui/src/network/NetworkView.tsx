@@ -2,28 +2,28 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 import type { ConnectionStatus, Status } from '../robot/types';
 import { Graph } from './Graph';
-import { matching, rateOf } from './graph';
+import { latencyOf, matching, rateOf, type Flow, type Flows } from './graph';
 import { bundlesOf, edgesOf, foldedAround, mostOpen, pictureOf, sameStructure, structureOf, type Structure } from './places';
 import { TaskPanel } from './TaskPanel';
 
-/** Samples per second of each connection, between the last two statuses. */
-function useRates(status: Status): Map<string, number> {
+/** What went through each connection between the last two statuses. */
+function useFlows(status: Status): Flows {
   const before = useRef<{ connections: Record<string, ConnectionStatus>; uptime: number } | null>(null);
-  const [rates, setRates] = useState<Map<string, number>>(new Map());
+  const [flows, setFlows] = useState<Flows>(new Map());
   useEffect(() => {
     const last = before.current;
     if (last && status.uptime_s - last.uptime < 0.4 && status.uptime_s > last.uptime) return;
     if (last) {
-      const found = new Map<string, number>();
+      const found = new Map<string, Flow>();
       for (const [key, connection] of Object.entries(status.connections)) {
-        const rate = rateOf(last.connections[key], connection, status.uptime_s - last.uptime);
-        if (rate !== null) found.set(key, rate);
+        const known = last.connections[key];
+        found.set(key, { rate: rateOf(known, connection, status.uptime_s - last.uptime), latency: latencyOf(known, connection) });
       }
-      setRates(found);
+      setFlows(found);
     }
     before.current = { connections: status.connections, uptime: status.uptime_s };
   }, [status]);
-  return rates;
+  return flows;
 }
 
 /** The same object as long as nothing comes or goes. */
@@ -56,7 +56,7 @@ export function NetworkView({ status }: { status: Status }) {
   const [selected, setSelected] = useState<string | null>(null);
   const [target, setTarget] = useState<string | null>(null);
   const [words, setWords] = useState('');
-  const rates = useRates(status);
+  const flows = useFlows(status);
   const found = useMemo(() => (words.trim() === '' ? null : new Set(matching(status, words))), [status, words]);
   const structure = useStructure(status);
   const total = structure.placeOf.size;
@@ -64,7 +64,7 @@ export function NetworkView({ status }: { status: Status }) {
   const { isFolded } = folding;
   const bundles = useMemo(() => bundlesOf(structure, isFolded), [structure, isFolded]);
   const { groups, nodes } = useMemo(() => pictureOf(status, structure, isFolded, found), [status, structure, isFolded, found]);
-  const edges = useMemo(() => edgesOf(status, rates, bundles), [status, rates, bundles]);
+  const edges = useMemo(() => edgesOf(status, flows, bundles), [status, flows, bundles]);
   const jump = (task: string) => {
     folding.reveal(task);
     setSelected(task);
@@ -113,7 +113,7 @@ export function NetworkView({ status }: { status: Status }) {
           <Graph label="Graph of tasks" groups={groups} nodes={nodes} edges={edges} selected={selected} target={target} onSelect={setSelected} onToggle={folding.toggle} />
         )}
       </section>
-      {selected && <TaskPanel key={selected} id={selected} status={status} onClose={() => setSelected(null)} />}
+      {selected && <TaskPanel key={selected} id={selected} status={status} flows={flows} onClose={() => setSelected(null)} />}
     </div>
   );
 }

@@ -4,7 +4,8 @@ import { isMap, type Json } from '../robot/change';
 import { useConnection, useDocument } from '../robot/hooks';
 import { Skipped } from '../robot/Skipped';
 import type { OperationModel, PortModel, Status, TaskReport } from '../robot/types';
-import { toneOf } from './graph';
+import { Connections } from './Connections';
+import { toneOf, type Flows } from './graph';
 import { Plot } from './Plot';
 import { TaskLog } from './TaskLog';
 import { Timing } from './Timing';
@@ -150,7 +151,7 @@ function Operation({ task, operation, fixed }: { task: string; operation: Operat
   );
 }
 
-export function TaskPanel({ id, status, onClose }: { id: string; status: Status; onClose: () => void }) {
+export function TaskPanel({ id, status, flows, onClose }: { id: string; status: Status; flows: Flows; onClose: () => void }) {
   const connection = useConnection();
   const shown = useDocument('task/' + id);
   const fixed = connection.role !== 'operate';
@@ -182,6 +183,7 @@ export function TaskPanel({ id, status, onClose }: { id: string; status: Status;
           <ul className="plain">
             {report.ports.map((port) => <Port key={port.name} task={id} port={port} fixed={fixed} />)}
           </ul>
+          <Connections id={id} status={status} flows={flows} />
           <h3>Operations</h3>
           {report.operations.length === 0 && <p className="quiet">none</p>}
           {report.operations.map((operation) => (

@@ -22,6 +22,30 @@ export function rateOf(before: ConnectionStatus | undefined, now: ConnectionStat
   return (now.written - before.written) / seconds;
 }
 
+/** What goes through a connection of late. */
+export interface Flow {
+  /** Samples per second; null: not known. */
+  rate: number | null;
+  /** In microseconds; null: not known. */
+  latency: number | null;
+}
+export type Flows = ReadonlyMap<string, Flow>;
+
+/** "" for none. */
+export function rateText(rate: number): string {
+  return rate > 0 ? (rate < 10 ? rate.toFixed(1) : rate.toFixed(0)) + '/s' : '';
+}
+
+/** The mean latency of samples that were read between two statuses; where none was, of all so far. Null: not known. */
+export function latencyOf(before: ConnectionStatus | undefined, now: ConnectionStatus): number | null {
+  const measured = now.measured ?? 0;
+  const mean = now.latency_us ?? 0;
+  if (measured === 0) return null;
+  const fresh = measured - (before?.measured ?? 0);
+  if (!before || fresh <= 0 || fresh === measured) return mean;
+  return Math.max(0, (measured * mean - (before.measured ?? 0) * (before.latency_us ?? 0)) / fresh);
+}
+
 /** Tasks whose id, component or state has all the words. */
 export function matching(status: Status, words: string): string[] {
   const wanted = words.toLowerCase().split(/\s+/).filter((word) => word !== '');

@@ -52,13 +52,13 @@ describe('edges', () => {
   it('of folded places are summed; those within are not drawn', () => {
     const bundles = bundlesOf(structure, (place) => place === 'host:arm');
     expect(bundles.map((bundle) => [bundle.id, bundle.connections.length])).toEqual([['a -> host:arm', 3]]);
-    expect(edgesOf(large, new Map([['a.x b.y', 4], ['a.z d.y', 8]]), bundles)[0]?.label).toBe('×3, 12/s');
+    expect(edgesOf(large, new Map([['a.x b.y', { rate: 4, latency: 2 }], ['a.z d.y', { rate: 8, latency: 31.25 }]]), bundles)[0]?.label).toBe('×3, 12/s, 31.3 µs');
   });
   it('keep a connection of a task with itself', () => {
     expect(bundlesOf(structure, none).map((bundle) => bundle.id)).toContain('d -> d');
   });
   it('say what was dropped', () => {
     const dropping = status([], [{ ...connection('a.x', 'b.y'), dropped: 3 }]);
-    expect(edgesOf(dropping, new Map([['a.x b.y', 2.5]]), bundlesOf(structureOf(dropping), none))[0]).toMatchObject({ label: '2.5/s, 3 dropped', look: 'warns' });
+    expect(edgesOf(dropping, new Map([['a.x b.y', { rate: 2.5, latency: null }]]), bundlesOf(structureOf(dropping), none))[0]).toMatchObject({ label: '2.5/s, 3 dropped', look: 'warns' });
   });
 });

@@ -25,6 +25,11 @@ export interface ConnectionStatus {
   written: number;
   read: number;
   dropped: number;
+  /** How many samples the next two are of; none where the robot runs an older Segue. */
+  measured?: number;
+  /** From the write of a sample to its read: the mean, and the worst, since the connection was made. */
+  latency_us?: number;
+  latency_worst_us?: number;
 }
 
 export interface Status {
