@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Handle, Position, ReactFlow, Background, Controls, MarkerType, useReactFlow, useStore, ReactFlowProvider, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
-import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
+import { useCallback, useEffect, useId, useMemo, useRef, useState, type FocusEvent, type KeyboardEvent, type ReactNode } from 'react';
+import { BoxActionsContext, MarkButton, OpenButton, type BoxActions, type BoxMark } from './BoxButtons';
 import { BulkEdges } from './BulkEdges';
+import { GraphTip } from './GraphTip';
 import { Keeper } from './keeper';
 import { geometry, Layouter, nodeHeight, nodeWidth, noLayout, type Box, type BoxTree, type Layout } from './layout';
 import { edgeTypes } from './RoutedEdge';
@@ -17,6 +19,9 @@ export interface GraphNode {
   look: string;
   /** A group that is closed: a click opens it. */
   folded?: boolean;
+  /** A button in it opens it; a click selects it. */
+  expanded?: boolean;
+  mark?: BoxMark;
 }
 export interface GraphEdge {
   id: string;
@@ -31,27 +36,34 @@ export interface GraphGroup {
   /** The group around it; groups come before those in them. */
   group?: string;
   look?: string;
+  /** A button in it, and no click, closes it; a click selects it. */
+  expanded?: boolean;
+  mark?: BoxMark;
 }
 
-type TaskNode = Node<{ title: string; detail: string; look: string; folded?: boolean }, 'task'>;
-type GroupNode = Node<{ title: string; look: string }, 'place'>;
+type Buttons = { expanded?: boolean; mark?: BoxMark };
+type TaskNode = Node<{ title: string; detail: string; look: string; folded?: boolean } & Buttons, 'task'>;
+type GroupNode = Node<{ title: string; look: string } & Buttons, 'place'>;
 
-function TaskBox({ data, selected }: NodeProps<TaskNode>) {
+function TaskBox({ id, data, selected }: NodeProps<TaskNode>) {
   return (
     <div className={'task-box ' + data.look + (selected ? ' selected' : '') + (data.folded ? ' folded' : '')}>
       <Handle type="target" position={Position.Left} isConnectable={false} />
-      <strong>{data.title}</strong>
+      <strong><OpenButton id={id} title={data.title} expanded={data.expanded} />{data.title}</strong>
       <span>{data.detail}</span>
+      <MarkButton id={id} mark={data.mark} />
       <Handle type="source" position={Position.Right} isConnectable={false} />
     </div>
   );
 }
 
-function PlaceBox({ data }: NodeProps<GroupNode>) {
+function PlaceBox({ id, data, selected }: NodeProps<GroupNode>) {
   return (
-    <div className={'place-box ' + data.look}>
+    <div className={'place-box ' + data.look + (selected ? ' selected' : '')}>
       <Handle type="target" position={Position.Left} isConnectable={false} />
+      <OpenButton id={id} title={data.title} expanded={data.expanded} />
       {data.title}
+      <MarkButton id={id} mark={data.mark} />
       <Handle type="source" position={Position.Right} isConnectable={false} />
     </div>
   );
@@ -68,8 +80,17 @@ interface Props {
   /** Moved into view whenever it changes. */
   target?: string | null;
   onSelect?: (id: string | null) => void;
-  /** A click on a group. */
+  /** A click on a group, or on the button of what has `expanded`. */
   onToggle?: (id: string) => void;
+  /** The button of a mark, or its key at a box that has the focus. */
+  onMark?: (id: string) => void;
+  markKey?: string;
+  /** Moved into view whenever it changes, unless it can be seen and read already. */
+  follow?: string | null;
+  /** The pointer rests on a box or its tip, or it has the focus of the keyboard; null: on none. */
+  onPeek?: (id: string | null) => void;
+  /** What is said of a box beside it. */
+  tip?: { id: string; content: ReactNode } | null;
 }
 
 /** The boxes of all groups and nodes, in each other. */
@@ -82,6 +103,8 @@ function treeOf(groups: GraphGroup[], nodes: GraphNode[]): BoxTree[] {
 
 const fitting = { padding: 0.08, maxZoom: 1.15 };
 const readable = 0.7;
+/** What is followed need not be larger. */
+const legible = 0.45;
 const marker = { type: MarkerType.ArrowClosed, width: 16, height: 16 };
 /** Above, only what can be seen is in the page. */
 const mostDrawn = 400;
@@ -99,6 +122,8 @@ export function Graph(props: Props) {
   );
 }
 
+const marked = (mark: BoxMark | undefined) => (mark?.on ? ', ' + mark.label : '');
+
 /** What is left of and above a box, with the boxes around it. */
 function cornerOf(id: string, boxes: Map<string, Box>, around: Map<string, string | undefined>): { x: number; y: number } | null {
   let corner = { x: 0, y: 0 };
@@ -110,7 +135,7 @@ function cornerOf(id: string, boxes: Map<string, Box>, around: Map<string, strin
   return corner;
 }
 
-function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggle }: Props) {
+function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggle, onMark, markKey, follow, onPeek, tip }: Props) {
   const [layout, setLayout] = useState<Layout>(noLayout);
   const { boxes, routes } = layout;
   const layouter = useRef(new Layouter());
@@ -126,8 +151,8 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     edges.map((edge) => edge.id),
   ]);
   const around = useMemo(() => new Map([...groups, ...nodes].map((one) => [one.id, one.group])), [groups, nodes]);
-  const now = useRef({ groups, onSelect, onToggle, boxes, around });
-  now.current = { groups, onSelect, onToggle, boxes, around };
+  const now = useRef({ groups, onSelect, onToggle, onMark, markKey, onPeek, boxes, around, follow, width, height });
+  now.current = { groups, onSelect, onToggle, onMark, markKey, onPeek, boxes, around, follow, width, height };
 
   useEffect(() => {
     let current = true;
@@ -139,10 +164,27 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [structure]);
 
+  // What is followed is moved into view where it cannot be seen or read.
+  const bring = useCallback(() => {
+    const seen = now.current;
+    const box = seen.boxes.get(seen.follow ?? '');
+    const corner = box && seen.follow ? cornerOf(seen.follow, seen.boxes, seen.around) : null;
+    if (!box || !corner) return;
+    const { x, y, zoom } = flow.getViewport();
+    const size = { width: Math.min(box.width, nodeWidth), height: Math.min(box.height, nodeHeight) };
+    const [left, top] = [corner.x * zoom + x, corner.y * zoom + y];
+    const inside = left >= 0 && top >= 0 && left + size.width * zoom <= seen.width && top + size.height * zoom <= seen.height;
+    if (inside && zoom >= legible) return;
+    moved.current = true;
+    void flow.setCenter(corner.x + size.width / 2, corner.y + size.height / 2, { zoom: Math.max(zoom, legible), duration: 250 });
+  }, [flow]);
+  useEffect(bring, [follow, bring]);
+
   // Where nobody has moved the graph, all of it stays in view, whatever opens beside it.
   const fit = useCallback(() => {
-    if (!moved.current) void flow.fitView(fitting);
-  }, [flow]);
+    if (moved.current) bring();
+    else void flow.fitView(fitting).then(bring);
+  }, [flow, bring]);
 
   // What somebody opens or closes stays where it is; else all of a new graph is shown.
   const toggled = useRef<{ id: string; corner: { x: number; y: number } } | null>(null);
@@ -156,10 +198,11 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
       return;
     }
     if (target && reached.current !== target) return;
-    void flow.fitView(fitting);
+    if (moved.current && boxes.has(now.current.follow ?? '')) bring();
+    else void flow.fitView(fitting).then(bring);
     // The target has an effect of its own.
     // eslint-disable-next-line react-hooks/exhaustive-deps
-  }, [boxes, flow]);
+  }, [boxes, flow, bring]);
 
   useEffect(fit, [width, height, fit]);
 
@@ -175,15 +218,27 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     void flow.setCenter(corner.x + (box?.width ?? 0) / 2, corner.y + (box?.height ?? 0) / 2, { zoom, duration: 250 });
   }, [target, boxes, flow]);
 
+  const tipId = useId();
+  const tipped = tip?.id ?? null;
+  const partsOf = useCallback((one: GraphNode | GraphGroup) => [one.expanded, one.mark?.on, one.mark?.label, one.mark?.fixed, one.id === tipped, markKey], [tipped, markKey]);
+  const attributesOf = useCallback(
+    (one: GraphNode | GraphGroup) => ({
+      ...(one.id === tipped && { 'aria-describedby': tipId }),
+      ...(one.mark && !one.mark.fixed && { 'aria-keyshortcuts': markKey }),
+    }),
+    [tipped, tipId, markKey],
+  );
   const flowNodes = useMemo<Node[]>(() => {
     const placed: Node[] = [];
     const keeper = kept.current.nodes.begin();
     for (const group of groups) {
       const box = boxes.get(group.id);
       if (!box || (group.group !== undefined && !boxes.has(group.group))) continue;
-      placed.push(keeper.keep(group.id, [box, group.group, group.title, group.look, onToggle !== undefined], () => ({
-        id: group.id, type: 'place', parentId: group.group, position: box, data: { title: group.title, look: group.look ?? '' }, selectable: false,
-        focusable: onToggle !== undefined, draggable: false, ariaLabel: group.title,
+      const chosen = group.expanded !== undefined && group.id === selected;
+      placed.push(keeper.keep(group.id, [box, group.group, group.title, group.look, onToggle !== undefined, chosen, ...partsOf(group)], () => ({
+        id: group.id, type: 'place', parentId: group.group, position: box, selectable: false, selected: chosen,
+        data: { title: group.title, look: group.look ?? '', expanded: group.expanded, mark: group.mark },
+        focusable: onToggle !== undefined, draggable: false, ariaLabel: group.title + marked(group.mark), domAttributes: attributesOf(group),
         ...geometry(box.width, box.height, [{ type: 'target' }, { type: 'source' }]),
       })));
     }
@@ -191,15 +246,16 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
       const box = boxes.get(node.id);
       if (!box || (node.group !== undefined && !boxes.has(node.group))) continue;
       const chosen = node.id === selected;
-      placed.push(keeper.keep(node.id, [box, node.group, node.title, node.detail, node.look, chosen, node.folded], () => ({
+      placed.push(keeper.keep(node.id, [box, node.group, node.title, node.detail, node.look, chosen, node.folded, ...partsOf(node)], () => ({
         id: node.id, type: 'task', zIndex: 2, parentId: node.group, position: box, draggable: false, selected: chosen,
-        data: { title: node.title, detail: node.detail, look: node.look, folded: node.folded }, ariaLabel: node.title + ', ' + node.detail,
+        data: { title: node.title, detail: node.detail, look: node.look, folded: node.folded, expanded: node.expanded, mark: node.mark },
+        ariaLabel: node.title + ', ' + node.detail + marked(node.mark), domAttributes: attributesOf(node),
         ...geometry(nodeWidth, nodeHeight, [{ type: 'target' }, { type: 'source' }]),
       })));
     }
     keeper.end();
     return placed;
-  }, [boxes, groups, nodes, selected, onToggle]);
+  }, [boxes, groups, nodes, selected, onToggle, partsOf, attributesOf]);
 
   const bulk = edges.length > mostSingle;
   const labelled = edges.length <= mostLabelled;
@@ -225,16 +281,34 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     toggled.current = corner && { id, corner };
     now.current.onToggle?.(id);
   }, []);
-  const click = useCallback((_: unknown, node: Node) => act(node.id, node.type !== 'task' || node.data['folded'] === true), [act]);
+  const click = useCallback(
+    (_: unknown, node: Node) => act(node.id, node.data['expanded'] === undefined && (node.type !== 'task' || node.data['folded'] === true)),
+    [act],
+  );
+  const buttons = useMemo<BoxActions>(() => ({ toggle: (id) => act(id, true), mark: (id) => now.current.onMark?.(id) }), [act]);
   const leave = useCallback(() => now.current.onSelect?.(null), []);
+  // A box that was clicked on has the focus, too, but another one may be selected since.
+  const reachedByKey = useRef<string | null>(null);
   const press = useCallback(
     (event: KeyboardEvent) => {
-      const id = (event.target as HTMLElement).dataset['id'];
-      const node = id === undefined ? undefined : flow.getNode(id);
-      if (event.key === 'Enter' && node) click(event, node);
+      const node = flow.getNode((event.target as HTMLElement).dataset['id'] ?? '');
+      if (!node || event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
+      const { expanded, mark } = node.data as Buttons;
+      if (event.key === 'Enter') click(event, node);
+      if ((event.key === 'ArrowRight' && expanded === false) || (event.key === 'ArrowLeft' && expanded === true)) act(node.id, true);
+      if (event.key !== now.current.markKey || !mark || mark.fixed || reachedByKey.current !== node.id) return;
+      event.stopPropagation(); // elsewhere the key may mean the selected box
+      now.current.onMark?.(node.id);
     },
-    [click, flow],
+    [act, click, flow],
   );
+  const enter = useCallback((_: unknown, node: Node) => now.current.onPeek?.(node.id), []);
+  const leaveNode = useCallback(() => now.current.onPeek?.(null), []);
+  const focus = useCallback((event: FocusEvent) => {
+    const id = (event.target as HTMLElement).dataset['id'];
+    reachedByKey.current = id !== undefined && event.target.matches(':focus-visible') ? id : null;
+    if (reachedByKey.current !== null) now.current.onPeek?.(reachedByKey.current);
+  }, []);
   // While it moves the drawing is one picture; it is drawn anew, and sharp, where it comes to rest.
   const frame = useRef<HTMLDivElement>(null);
   const begin = useCallback(() => frame.current?.classList.add('moves'), []);
@@ -243,27 +317,41 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
   }, []);
   const rest = useCallback(() => frame.current?.classList.remove('moves'), []);
 
+  const tipBox = tip ? boxes.get(tip.id) : undefined;
+  const tipCorner = tip ? cornerOf(tip.id, boxes, around) : null;
+
   return (
     <div ref={frame} className="graph" role="region" aria-label={label}>
-      <ReactFlow
-        nodes={flowNodes}
-        edges={flowEdges}
-        nodeTypes={nodeTypes}
-        edgeTypes={edgeTypes}
-        onNodeClick={click}
-        onPaneClick={leave}
-        onKeyDown={press}
-        onMoveStart={begin}
-        onMove={move}
-        onMoveEnd={rest}
-        nodesConnectable={false}
-        minZoom={0.05}
-        onlyRenderVisibleElements={nodes.length > mostDrawn}
-      >
-        {bulk && <BulkEdges edges={edges} routes={routes} labelled={labelled} />}
-        {!bulk && <Background gap={22} size={1} />}
-        <Controls showInteractive={false} />
-      </ReactFlow>
+      <BoxActionsContext value={buttons}>
+        <ReactFlow
+          nodes={flowNodes}
+          edges={flowEdges}
+          nodeTypes={nodeTypes}
+          edgeTypes={edgeTypes}
+          onNodeClick={click}
+          onPaneClick={leave}
+          onKeyDown={press}
+          onNodeMouseEnter={enter}
+          onNodeMouseLeave={leaveNode}
+          onFocus={focus}
+          onBlur={leaveNode}
+          onMoveStart={begin}
+          onMove={move}
+          onMoveEnd={rest}
+          nodesConnectable={false}
+          minZoom={0.05}
+          onlyRenderVisibleElements={nodes.length > mostDrawn}
+        >
+          {bulk && <BulkEdges edges={edges} routes={routes} labelled={labelled} />}
+          {!bulk && <Background gap={22} size={1} />}
+          <Controls showInteractive={false} />
+        </ReactFlow>
+      </BoxActionsContext>
+      {tip && tipCorner && tipBox && (
+        <GraphTip id={tipId} {...tipCorner} height={tipBox.height} frame={frame} onEnter={() => onPeek?.(tip.id)} onLeave={leaveNode}>
+          {tip.content}
+        </GraphTip>
+      )}
     </div>
   );
 }

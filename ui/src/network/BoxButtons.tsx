@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+import { createContext, useContext } from 'react';
+
+/** Something that can be set at a box and removed again. */
+export interface BoxMark {
+  on: boolean;
+  /** What it is, and of what. */
+  label: string;
+  /** It is shown only. */
+  fixed?: boolean;
+}
+
+/** What the buttons in boxes do, by the id of the box. */
+export interface BoxActions {
+  toggle: (id: string) => void;
+  mark: (id: string) => void;
+}
+export const BoxActionsContext = createContext<BoxActions>({ toggle: () => {}, mark: () => {} });
+
+/** By keyboard, the box itself has keys for both. */
+const byPointer = { type: 'button', tabIndex: -1 } as const;
+
+/** Opens and closes a box; nothing where it cannot be opened. */
+export function OpenButton({ id, title, expanded }: { id: string; title: string; expanded?: boolean }) {
+  const { toggle } = useContext(BoxActionsContext);
+  if (expanded === undefined) return null;
+  return (
+    <button
+      {...byPointer} className="box-open nopan" aria-expanded={expanded} aria-label={(expanded ? 'Close ' : 'Open ') + title}
+      onClick={(event) => [event.stopPropagation(), toggle(id)]}
+    >
+      {expanded ? '▾' : '▸'}
+    </button>
+  );
+}
+
+/** Sets and removes the mark of a box; nothing where it has none. */
+export function MarkButton({ id, mark }: { id: string; mark?: BoxMark }) {
+  const { mark: change } = useContext(BoxActionsContext);
+  if (!mark || (mark.fixed && !mark.on)) return null;
+  return (
+    <button
+      {...byPointer} className="box-mark nopan" aria-pressed={mark.on} aria-label={mark.label} title={mark.label} disabled={mark.fixed}
+      onClick={(event) => [event.stopPropagation(), change(id)]}
+    />
+  );
+}
