@@ -125,23 +125,30 @@ async function driveMission(page) {
   await seen(state('outward').locator('.life-running'));
   await page.getByPlaceholder('Find nodes').fill('home');
   await page.getByPlaceholder('Find nodes').press('Enter');
-  const home = page.getByRole('complementary', { name: 'Node home' });
+  const home = page.getByRole('complementary', { name: 'State home' });
   await seen(home.getByText('waiting'));
   await page.getByPlaceholder('Find nodes').fill('');
   await look(page, 'missions');
   await home.getByRole('button', { name: /outward\/far/ }).click();
-  const far = page.getByRole('complementary', { name: 'Node outward/far' });
+  const far = page.getByRole('complementary', { name: 'State outward/far' });
   await seen(far.getByText('running').first());
   await page.locator('.chart').press('ArrowUp');
-  await seen(page.getByRole('complementary', { name: 'Node outward/think' }).getByText('done').first());
+  await seen(page.getByRole('complementary', { name: 'State outward/think' }).getByText('done').first());
   await page.keyboard.press('Escape');
 
-  // Containers close and open.
+  // Containers close and open, and are selected.
   await state('outward').focus();
-  await page.keyboard.press('Enter');
+  await page.keyboard.press('ArrowLeft');
+  await state('outward/far').waitFor({ state: 'detached' });
+  await state('outward').getByRole('button', { name: 'Open ▶ outward' }).click();
+  await seen(state('outward/far'));
+  await state('outward').press('Enter');
+  const outward = page.getByRole('complementary', { name: 'State outward', exact: true });
+  await outward.getByRole('button', { name: 'Close in the graph' }).click();
   await state('outward/far').waitFor({ state: 'detached' });
   await page.getByRole('button', { name: 'open all' }).click();
   await seen(state('outward/far'));
+  await page.keyboard.press('Escape');
 
   // Pause and resume, as the command line sees it, too.
   const badge = (text) => page.locator('.main > .bar .badge', { hasText: text });

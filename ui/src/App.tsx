@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { lazy, Suspense, useEffect, useState } from 'react';
 import { EventsView } from './events/EventsView';
+import { isTyping } from './keys';
 import { MissionsView } from './missions/MissionsView';
 import { NetworkView } from './network/NetworkView';
 import { PastView } from './past/PastView';
@@ -18,10 +19,6 @@ type View = (typeof views)[number];
 function viewOfAddress(): View {
   const name = window.location.hash.split('/')[0]; // what follows is for the view itself
   return views.find((view) => '#' + view.toLowerCase() === name) ?? 'Network';
-}
-
-function isTyping(event: KeyboardEvent): boolean {
-  return event.target instanceof HTMLElement && ['INPUT', 'TEXTAREA', 'SELECT'].includes(event.target.tagName);
 }
 
 export function App() {

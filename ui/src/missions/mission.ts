@@ -49,6 +49,8 @@ export interface Mission {
   dropped: number;
   plan: Plan | { problem: string } | null;
   entries: Record<string, Entry>;
+  /** See controlOf(). */
+  control?: Json;
 }
 
 /** Null where no mission has commanded the robot. */
@@ -99,14 +101,17 @@ export function entriesOf(mission: Mission): Entry[] {
   return Object.values(mission.entries);
 }
 
-export type Life = 'idle' | 'running' | 'done' | 'failed';
+export type Life = 'idle' | 'running' | 'next' | 'done' | 'failed';
 
 function worse(outcome: string): boolean {
   return outcome === 'aborted' || outcome === 'preempted' || outcome === 'lost';
 }
 
-/** How each state is: a container runs while something in it does. States that have not begun are left out. */
-export function livesOf(mission: Mission): Map<string, Life> {
+/**
+ * How each state is: a container runs while something in it does, or the mission is held in it, `at` states that come next.
+ * States that have not begun are left out.
+ */
+export function livesOf(mission: Mission, at: string[] = []): Map<string, Life> {
   const running = new Map<string, number>();
   const lives = new Map<string, Life>();
   for (const entry of entriesOf(mission)) {
@@ -125,6 +130,7 @@ export function livesOf(mission: Mission): Map<string, Life> {
       if (life === 'running') lives.set(path, worse(mission.outcome ?? '') ? 'failed' : 'done');
     }
   }
+  for (const next of at) for (const path of pathsTo(next)) lives.set(path, path === next ? 'next' : 'running');
   return lives;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import type { Plan } from './mission';
-import { openAtFirst, stateGraphOf } from './states';
+import { livesOf, type Plan } from './mission';
+import { openAtFirst, openFor, stateGraphOf } from './states';
+import { mission } from './testing';
 
 const plan: Plan = {
   mission: 'fetch', complete: true, nodes: null,
@@ -16,7 +17,7 @@ const plan: Plan = {
 describe('the graph of states', () => {
   it('is nested where containers are open', () => {
     const graph = stateGraphOf(plan, new Map([['get', 'running'], ['get/look', 'running']]), openAtFirst(plan), true);
-    expect(graph.groups).toEqual([{ id: 'state:get', group: undefined, title: '▾ ▶ Get it (barrier, running)', look: 'life-running' }]);
+    expect(graph.groups).toEqual([{ id: 'state:get', group: undefined, title: '▶ Get it (barrier, running)', look: 'life-running', expanded: true }]);
     expect(graph.nodes.map((node) => [node.id, node.group, node.detail])).toEqual([['state:put', undefined, '↩ done'.replace('↩', 'success ↩')], ['state:get/look', 'state:get', 'running']]);
     expect(graph.edges.map((edge) => [edge.source, edge.target, edge.label, edge.look])).toEqual([
       ['state:get', 'state:put', 'success, empty', 'transition'], ['state:get', 'state:put', 'pose -> pose', 'flow'],
@@ -24,8 +25,20 @@ describe('the graph of states', () => {
   });
   it('hides what is in closed containers', () => {
     const graph = stateGraphOf(plan, new Map(), new Set(), false);
-    expect(graph.nodes.map((node) => node.title)).toEqual(['▸ ▶ Get it', 'put']);
+    expect(graph.nodes.map((node) => [node.title, node.expanded])).toEqual([['▶ Get it', false], ['put', undefined]]);
     expect(graph.edges).toHaveLength(1);
+  });
+  it('marks breakpoints, also those in closed containers, and what is next', () => {
+    const lives = livesOf(mission(null, { entries: {} }), ['put']);
+    const graph = stateGraphOf(plan, lives, new Set(), false, { at: ['get/look', 'put'], fixed: false });
+    expect(graph.nodes.map((node) => [node.detail, node.look, node.mark])).toEqual([
+      ['barrier, closed · ● inside', 'life-idle', { on: false, label: 'Breakpoint at get', fixed: false }],
+      ['next · success ↩ done', 'life-next', { on: true, label: 'Breakpoint at put', fixed: false }],
+    ]);
+    expect(stateGraphOf(plan, lives, new Set(['get']), false, { at: [], fixed: true }).groups[0]?.mark).toEqual({ on: false, label: 'Breakpoint at get', fixed: true });
+  });
+  it('opens what is around the states before which the mission is held', () => {
+    expect(openFor(['put', 'get/look', 'a/b/c'])).toEqual(['get', 'a', 'a/b']);
   });
   it('is a single state where the mission is one', () => {
     const one: Plan = { mission: 'drive', complete: true, nodes: null, states: [{ path: '', title: '', kind: 'execution', action: 'drive_to', next: [] }] };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import type { BoxMark } from '../network/BoxButtons';
 import type { GraphEdge, GraphGroup, GraphNode } from '../network/Graph';
 import { pathsTo, type Life, type Plan, type PlanState } from './mission';
 
@@ -14,7 +15,7 @@ export interface StateGraph {
 export const idOf = (path: string): string => 'state:' + path;
 export const pathOf = (id: string): string => id.slice('state:'.length);
 
-const words: Record<Life, string> = { idle: '', running: 'running', done: 'has ended', failed: 'failed' };
+const words: Record<Life, string> = { idle: '', running: 'running', next: 'next', done: 'has ended', failed: 'failed' };
 
 export function isContainer(state: PlanState): boolean {
   return ['hierarchy', 'barrier', 'preemptive'].includes(state.kind);
@@ -31,6 +32,11 @@ export function openAtFirst(plan: Plan): Set<string> {
   return open;
 }
 
+/** Which containers are around states, so that those can be seen. */
+export function openFor(paths: string[]): string[] {
+  return paths.flatMap((path) => pathsTo(path).slice(0, -1));
+}
+
 /** The innermost states around `path` that can be seen. */
 function visibleFor(path: string, open: Set<string>): string {
   for (const outer of pathsTo(path)) {
@@ -39,13 +45,25 @@ function visibleFor(path: string, open: Set<string>): string {
   return path;
 }
 
-function detailOf(state: PlanState, life: Life): string {
+/** Breakpoints as they are drawn; null: the mission cannot have any. */
+export interface Breaks {
+  at: string[];
+  /** They can only be looked at. */
+  fixed: boolean;
+}
+
+function markOf(path: string, breaks: Breaks | null): BoxMark | undefined {
+  return breaks && path !== '' ? { on: breaks.at.includes(path), label: 'Breakpoint at ' + path, fixed: breaks.fixed } : undefined;
+}
+
+function detailOf(state: PlanState, life: Life, breaks: Breaks | null): string {
   const returns = state.next.filter((one) => one.returns !== undefined).map((one) => (one.outcome === one.returns ? '↩ ' + one.returns : one.outcome + ' ↩ ' + one.returns));
-  return [words[life], isContainer(state) ? state.kind + ', closed' : '', ...returns].filter((part) => part !== '').join(' · ') || state.action || state.kind;
+  const inside = isContainer(state) && breaks?.at.some((path) => path.startsWith(state.path + '/')) ? '● inside' : '';
+  return [words[life], isContainer(state) ? state.kind + ', closed' : '', inside, ...returns].filter((part) => part !== '').join(' · ') || state.action || state.kind;
 }
 
 /** The states that can be seen, in their open containers, with transitions and, if wanted, data flows between them. */
-export function stateGraphOf(plan: Plan, lives: Map<string, Life>, open: Set<string>, withFlows: boolean): StateGraph {
+export function stateGraphOf(plan: Plan, lives: Map<string, Life>, open: Set<string>, withFlows: boolean, breaks: Breaks | null = null): StateGraph {
   const root = plan.states[0];
   const graph: StateGraph = { groups: [], nodes: [], edges: [] };
   const states = root && !isContainer(root) ? [root] : plan.states.filter((state) => state.path !== '' && visibleFor(state.path, open) === state.path);
@@ -53,11 +71,11 @@ export function stateGraphOf(plan: Plan, lives: Map<string, Life>, open: Set<str
   for (const state of states) {
     const life = lives.get(state.path) ?? 'idle';
     const title = (starts.has(state.path) ? '▶ ' : '') + (state.title || plan.mission);
-    const group = state.in ? idOf(state.in) : undefined;
+    const box = { id: idOf(state.path), group: state.in ? idOf(state.in) : undefined, look: 'life-' + life, mark: markOf(state.path, breaks) };
     if (isContainer(state) && open.has(state.path)) {
-      graph.groups.push({ id: idOf(state.path), group, title: '▾ ' + title + ' (' + [state.kind, words[life]].filter((part) => part !== '').join(', ') + ')', look: 'life-' + life });
+      graph.groups.push({ ...box, title: title + ' (' + [state.kind, words[life]].filter((part) => part !== '').join(', ') + ')', expanded: true });
     } else {
-      graph.nodes.push({ id: idOf(state.path), group, title: (isContainer(state) ? '▸ ' : '') + title, detail: detailOf(state, life), look: 'life-' + life });
+      graph.nodes.push({ ...box, title, detail: detailOf(state, life, breaks), expanded: isContainer(state) ? false : undefined });
     }
   }
   const edges = new Map<string, GraphEdge>();

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useState, type ReactNode } from 'react';
+import { preemptedBy, whyNotAt, type Control } from './control';
+import type { Life, Mission, PlanState } from './mission';
+import type { Requests } from './requests';
+import { isContainer } from './states';
+import type { KnownValues } from './values';
+import { ValuesTable } from './ValuesTable';
+
+const words: Record<Life, string> = { idle: 'has not begun', running: 'running', next: 'next', done: 'has ended', failed: 'failed' };
+const tones: Record<Life, string> = { idle: 'idle', running: 'come', next: 'warn', done: 'good', failed: 'bad' };
+
+function GoOn({ path, lives, kinds, requests }: { path: string; lives: Map<string, Life>; kinds: Map<string, string>; requests: Requests }) {
+  const [confirms, setConfirms] = useState(false);
+  const preempted = preemptedBy(path, lives);
+  const reason = requests.asked.length > 0 ? 'the mission has not heard yet what it was asked for' : whyNotAt(path, lives, kinds);
+  const go = () => {
+    setConfirms(false);
+    requests.ask({ what: 'go_on_at', at: path });
+  };
+  if (!confirms || preempted.length === 0) {
+    return (
+      <button
+        type="button" disabled={reason !== ''} title={reason === '' ? 'The mission goes on at this state, with the inputs that it would have now' : 'Not now: ' + reason}
+        onClick={() => (preempted.length > 0 ? setConfirms(true) : go())}
+      >
+        Go on here{preempted.length > 0 ? ' …' : ''}
+      </button>
+    );
+  }
+  return (
+    <span role="group" aria-label={'Go on at ' + path} className="confirm">
+      {preempted.join(', ')} {preempted.length > 1 ? 'are' : 'is'} under way and will be preempted.{' '}
+      <button type="button" className="primary" disabled={reason !== ''} onClick={go}>Preempt and go on here</button>{' '}
+      <button type="button" onClick={() => setConfirms(false)}>Cancel</button>
+    </span>
+  );
+}
+
+interface Props {
+  state: PlanState;
+  mission: Mission;
+  control: Control | null;
+  lives: Map<string, Life>;
+  /** Of all states of the plan, by path. */
+  kinds: Map<string, string>;
+  requests: Requests;
+  breakpoints: string[];
+  onBreak: (path: string) => void;
+  isOpen: boolean;
+  onToggle: (path: string) => void;
+  known: KnownValues | null;
+  onClose: () => void;
+  /** What the chart knows of it. */
+  children?: ReactNode;
+}
+
+/** A state of the mission: what it is, its values, and what can be done with it. */
+export function StatePanel({ state, mission, control, lives, kinds, requests, breakpoints, onBreak, isOpen, onToggle, known, onClose, children }: Props) {
+  const { path } = state;
+  const life = lives.get(path) ?? 'idle';
+  const steps = control?.steps ?? false;
+  const asks = steps && requests.may;
+  const action = state.action && state.action !== path ? 'action ' + state.action : '';
+  const library = state.library ? 'library ' + state.library : '';
+  const name = path === '' ? mission.mission : path;
+  return (
+    <aside className="panel" aria-label={'State ' + name}>
+      <header>
+        <h2>{state.title || name}</h2>
+        <button type="button" aria-label="Close" onClick={onClose}>×</button>
+      </header>
+      <p className="quiet">
+        {[path === state.title ? '' : path, state.kind, action, library].filter((part) => part !== '').join(', ')}
+      </p>
+      <p className="row">
+        <span className={'badge tone-' + tones[life]}>{words[life]}</span>
+        {isContainer(state) && path !== '' && (
+          <button type="button" className="small" aria-expanded={isOpen} onClick={() => onToggle(path)}>{isOpen ? 'Close in the graph' : 'Open in the graph'}</button>
+        )}
+      </p>
+      {steps && path !== '' && (
+        <p className="row">
+          <label className="break">
+            <input type="checkbox" checked={breakpoints.includes(path)} disabled={!requests.may} aria-keyshortcuts="b" onChange={() => onBreak(path)} /> breakpoint
+            {breakpoints.includes(path) !== control?.breakpoints.includes(path) && <span className="quiet"> asked …</span>}
+          </label>
+          {requests.may && mission.state !== 'stopping' && <GoOn path={path} lives={lives} kinds={kinds} requests={requests} />}
+        </p>
+      )}
+      {steps && <><h3>Values</h3><ValuesTable known={known} asks={asks} /></>}
+      {children && <><h3>In the chart</h3>{children}</>}
+    </aside>
+  );
+}

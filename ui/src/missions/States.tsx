@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useMemo, useRef, useState } from 'react';
+import { Graph } from '../network/Graph';
+import type { Control } from './control';
+import { type Life, type Mission, type Plan } from './mission';
+import { idOf, isContainer, openAtFirst, openFor, pathOf, stateGraphOf } from './states';
+import type { KnownValues } from './values';
+import { ValuesTip } from './ValuesTable';
+
+/** How long the pointer rests on a state before its values are shown, and how long it may be elsewhere. */
+const restsFor = 300;
+const awayFor = 200;
+
+interface Props {
+  plan: Plan;
+  mission: Mission;
+  control: Control | null;
+  lives: Map<string, Life>;
+  selected: string | null;
+  onSelect: (path: string | null) => void;
+  /** With those that have been asked for. */
+  breakpoints: string[];
+  mayBreak: boolean;
+  onBreak: (path: string) => void;
+  open: Set<string>;
+  onOpen: (open: Set<string>) => void;
+  onToggle: (path: string) => void;
+  /** The state that the pointer rests on, or that has the focus of the keyboard. */
+  peeked: string | null;
+  onPeek: (path: string | null) => void;
+  valuesOf: (path: string) => KnownValues | null;
+}
+
+/** Why a run cannot be stepped, and what to do. */
+function Unsteppable() {
+  return (
+    <span className="quiet" title="segue mission run FILE --mode sequential">
+      A concurrent run can only be paused. To step it, and for breakpoints and values, run the mission as written: --mode sequential.
+    </span>
+  );
+}
+
+/** Hands on where the pointer rests, not what it passes. */
+function usePeek(onPeek: (path: string | null) => void): (id: string | null) => void {
+  const timer = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
+  useEffect(() => () => clearTimeout(timer.current), []);
+  return (id) => {
+    clearTimeout(timer.current);
+    timer.current = setTimeout(() => onPeek(id === null ? null : pathOf(id)), id === null ? awayFor : restsFor);
+  };
+}
+
+/** The states as nested graph: which run, come next and have breakpoints. */
+export function States({ plan, mission, control, lives, selected, onSelect, breakpoints, mayBreak, onBreak, open, onOpen, onToggle, peeked, onPeek, valuesOf }: Props) {
+  const [withFlows, setWithFlows] = useState(false);
+  const [follows, setFollows] = useState(true);
+  const steps = control?.steps ?? false;
+  const breaks = useMemo(() => (steps ? { at: breakpoints, fixed: !mayBreak } : null), [steps, breakpoints, mayBreak]);
+  const graph = useMemo(() => stateGraphOf(plan, lives, open, withFlows, breaks), [plan, lives, open, withFlows, breaks]);
+  const containers = useMemo(() => new Set(plan.states.filter((state) => state.path !== '' && isContainer(state)).map((state) => state.path)), [plan]);
+  const peek = usePeek(onPeek);
+
+  // Where the mission is held can be seen, and stays selected where it was.
+  const place = JSON.stringify(control?.at ?? null);
+  const before = useRef<string[]>([]);
+  useEffect(() => {
+    const at = control?.at ?? [];
+    if (!follows || at.length === 0) return;
+    const hidden = openFor(at).filter((path) => !open.has(path));
+    if (hidden.length > 0) onOpen(new Set([...open, ...hidden]));
+    if (selected !== null && before.current.includes(selected) && !at.includes(selected)) onSelect(at[0] ?? null);
+    before.current = at;
+    // What is opened, closed or selected there afterwards stays so.
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [place, follows]);
+
+  // The panel has the values of the selected state.
+  const values = peeked !== null && peeked !== selected ? valuesOf(peeked) : null;
+  const asks = steps && mayBreak;
+  const tip = peeked !== null && peeked !== selected && (values || asks) ? { id: idOf(peeked), content: <ValuesTip path={peeked} known={values} /> } : null;
+  return (
+    <section className="states" aria-label="States">
+      <div className="bar">
+        <span className="quiet">{plan.states.length - 1 || 1} states{plan.complete ? '' : ' (more are not shown)'}</span>
+        <label><input type="checkbox" checked={withFlows} onChange={(event) => setWithFlows(event.target.checked)} /> data flows</label>
+        {steps && (
+          <label title="Where the mission is held is opened and moved into view; where it was selected, it stays so">
+            <input type="checkbox" checked={follows} onChange={(event) => setFollows(event.target.checked)} /> follow
+          </label>
+        )}
+        <button type="button" className="small" onClick={() => onOpen(containers)}>open all</button>
+        <button type="button" className="small" onClick={() => onOpen(new Set())}>close all</button>
+        {control && !control.steps && mission.state !== 'ended' && <Unsteppable />}
+      </div>
+      <Graph
+        label="Graph of states" groups={graph.groups} nodes={graph.nodes} edges={graph.edges}
+        selected={selected === null ? null : idOf(selected)} onSelect={(id) => onSelect(id === null ? null : pathOf(id))} onToggle={(id) => onToggle(pathOf(id))}
+        onMark={(id) => onBreak(pathOf(id))} markKey="b" follow={follows && control?.at?.[0] !== undefined ? idOf(control.at[0]) : null}
+        onPeek={peek} tip={tip}
+      />
+    </section>
+  );
+}
+
+/** Which containers of a plan are open; anew for one with other states. */
+export function useOpen(plan: Plan | null): [Set<string>, (open: Set<string>) => void] {
+  const structure = plan && JSON.stringify(plan.states.map((state) => state.path));
+  const [open, setOpen] = useState<{ of: string | null; paths: Set<string> }>({ of: null, paths: new Set() });
+  // eslint-disable-next-line react-hooks/exhaustive-deps
+  const atFirst = useMemo(() => (plan ? openAtFirst(plan) : new Set<string>()), [structure]);
+  const set = (paths: Set<string>) => setOpen({ of: structure, paths });
+  return [open.of === structure ? open.paths : atFirst, set];
+}
