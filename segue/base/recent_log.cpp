@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/recent_log.hpp>
+#include <segue/base/utf8.hpp>
 
 #include <algorithm>
 #include <deque>
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::size_t kKeptLines = 100;
 constexpr std::size_t kKeptSources = 256;
+constexpr std::size_t kLongestLine = 2000;  ///< bytes
 
 struct Kept {
   std::mutex mutex;  ///< guards the members below
@@ -48,7 +50,8 @@ void detail::keep_line(LogLevel level, std::string_view source, std::string_view
     found = lines.emplace(source, std::deque<LogLine>()).first;
   }
   if (found->second.size() == kKeptLines) found->second.pop_front();
-  found->second.push_back({++kept().last, std::chrono::system_clock::now(), level, std::string(message)});
+  found->second.push_back({++kept().last, std::chrono::system_clock::now(), level,
+                           std::string(beginning_of(message, kLongestLine))});
 }
 
 }  // namespace segue

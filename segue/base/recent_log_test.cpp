@@ -44,6 +44,14 @@ TEST_F(RecentLog, KeepsTheNewestLines) {
   EXPECT_EQ(lines.back().message, "149");
 }
 
+TEST_F(RecentLog, CutsLongLinesBetweenCharacters) {
+  std::string text = "x";
+  for (int i = 0; i < 2000; ++i)
+    text += "é";
+  log(LogLevel::Info, "long", text);
+  EXPECT_EQ(recent_log("long").front().message, text.substr(0, 1999));
+}
+
 TEST_F(RecentLog, ForgetsTheSourceThatWasSilentForTheLongestTime) {
   log(LogLevel::Info, "silent", "once");
   log(LogLevel::Info, "again", "once");

@@ -5,6 +5,7 @@
 #include <segue/base/log.hpp>
 #include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
+#include <segue/base/utf8.hpp>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -56,6 +57,15 @@ TEST(Log, WritesNoControlCharactersToStandardError) {
   ::testing::internal::CaptureStderr();
   log(LogLevel::Warning, "a\x1b", "b\x1b[2J\r");
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "warning: a\\x1b: b\\x1b[2J\\x0d\n");
+}
+
+TEST(Beginning, CutsNoCharacter) {
+  EXPECT_EQ(beginning_of("abc", 3), "abc");
+  EXPECT_EQ(beginning_of("abc", 2), "ab");
+  EXPECT_EQ(beginning_of("aé", 2), "a");
+  EXPECT_EQ(beginning_of("\xe2\x82\xac", 2), "");
+  EXPECT_EQ(beginning_of("\x80\x80", 1), "") << "what is no UTF-8";
+  EXPECT_EQ(beginning_of("", 0), "");
 }
 
 TEST(DidYouMean, SuggestsTheNearestNameOrNothing) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/base/utf8.hpp>
 
 #include <fmt/format.h>
 
@@ -24,13 +25,8 @@ constexpr double kLane = 14;   ///< height of a line
 constexpr double kMargin = 16;
 constexpr double kTop = 78;
 
-/// Cuts a long name, never within a UTF-8 character.
 std::string shortened(std::string_view name, std::size_t most) {
-  if (name.size() <= most) return std::string(name);
-  std::size_t end = most - 1;
-  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U)
-    --end;
-  return std::string(name.substr(0, end)) + "…";
+  return name.size() <= most ? std::string(name) : std::string(beginning_of(name, most - 1)) + "…";
 }
 
 class Drawing {

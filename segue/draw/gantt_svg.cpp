@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/base/utf8.hpp>
 #include <segue/draw/gantt.hpp>
 #include <segue/draw/svg.hpp>
 
@@ -18,13 +19,8 @@ constexpr int kWidth = 900;
 constexpr int kTop = 56;
 constexpr std::string_view kSpeculative = "fill='#e6a700'";
 
-/// Cuts a long name, never within a UTF-8 character.
-std::string_view shortened(std::string_view name) {
-  std::size_t end = std::min<std::size_t>(name.size(), 26);
-  while (end < name.size() && end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U)
-    --end;
-  return name.substr(0, end);
-}
+/// Of a name.
+constexpr std::size_t kLongest = 26;
 
 class Drawing {
  public:
@@ -129,7 +125,7 @@ class Drawing {
     for (const Gantt::Node& node : gantt_.nodes) {
       if (is_unwanted(node)) continue;
       const bool done = node.status == cdtn::NodeStatus::Done;
-      text(4, y_ + 11, shortened(node.name),
+      text(4, y_ + 11, beginning_of(node.name, kLongest),
            done                                      ? ""
            : node.status == cdtn::NodeStatus::Failed ? "fill='#d62728'"
                                                      : "fill='#999'");
@@ -167,7 +163,7 @@ class Drawing {
 
   void by_resource() {
     for (const Gantt::Resource& resource : gantt_.resources) {
-      text(4, y_ + 11, shortened(resource.name));
+      text(4, y_ + 11, beginning_of(resource.name, kLongest));
       for (const std::uint32_t place : resource.bars) {
         const Gantt::Bar& one = gantt_.bars[place];
         run(one, false);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/base/utf8.hpp>
 #include <segue/mission/engine_core.hpp>
 #include <segue/type/json.hpp>
 
@@ -37,13 +38,13 @@ Value cut_value(const Value& value, std::size_t& left, bool& is_cut) {
     is_cut = is_cut || value.as_map().size() > kMostItems;
     for (const auto& [key, item] : value.as_map()) {
       if (map.size() == kMostItems || left == 0) break;
-      map.append(key.substr(0, kLongestText), cut_value(item, left, is_cut));
+      map.append(std::string(beginning_of(key, kLongestText)), cut_value(item, left, is_cut));
     }
     return map;
   }
   if (value.is_string() && value.as_string().size() > kLongestText) {
     is_cut = true;
-    return value.as_string().substr(0, kLongestText);
+    return std::string(beginning_of(value.as_string(), kLongestText));
   }
   return value;
 }
@@ -54,10 +55,7 @@ Value shown(const Port& port, const Value& value) {
   std::string text = type::to_json(cut_value(value, left, is_cut), -1);
   if (text.size() > kLongestText) {
     is_cut = true;
-    std::size_t end = kLongestText;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-      --end;
-    text.resize(end);
+    text.resize(beginning_of(text, kLongestText).size());
   }
   ValueMap map;
   map.append("name", port.name);

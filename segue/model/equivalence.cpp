@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/base/utf8.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/parts.hpp>
@@ -70,12 +71,8 @@ std::string word_of(const std::optional<FailurePolicy>& policy) {
 std::string text_of(const Value* value) {
   constexpr std::size_t kLongest = 100;
   if (value == nullptr || value->is_null()) return "not set";
-  std::string text = type::to_json(*value, -1);
-  if (text.size() <= kLongest) return text;
-  std::size_t end = kLongest;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-    --end;
-  return text.substr(0, end) + "...";
+  const std::string text = type::to_json(*value, -1);
+  return text.size() <= kLongest ? text : std::string(beginning_of(text, kLongest)) + "...";
 }
 
 /// One sentence for each part of a value that differs, with both values: "`what` 'pose.x' is 2, expected 1".
