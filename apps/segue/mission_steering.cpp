@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -239,7 +240,7 @@ int show_values(control::RobotService& robot, const SteeringOptions& options, co
   return kDone;
 }
 
-using Action = int (*)(control::RobotService&, const SteeringOptions&, const Context&);
+using Action = std::function<int(control::RobotService&, const SteeringOptions&, const Context&)>;
 
 Verb& add_steering(Verb& mission, Context& context, const std::shared_ptr<SteeringOptions>& options,
                    const std::string& name, const std::string& help, const std::string& examples,
@@ -254,15 +255,12 @@ Verb& add_steering(Verb& mission, Context& context, const std::shared_ptr<Steeri
 }
 
 void add_request(Verb& mission, Context& context, const char* what, const char* wanted, const char* help) {
-  const auto options = std::make_shared<SteeringOptions>();
-  Verb& verb = add_verb(mission, context, what, help, fmt::format("  segue mission {}", what),
-                        [what, wanted, options, &context] {
-                          return with_robot(context, [&](control::RobotService& robot) {
-                            return ask_state(robot, what, wanted, *options, context);
-                          });
-                        });
-  verb.option("--timeout DURATION", options->timeout, "how long to wait until it is (default 10s)");
-  add_robot_option(verb, context);
+  add_steering(
+      mission, context, std::make_shared<SteeringOptions>(), what, help,
+      fmt::format("  segue mission {}", what),
+      [what, wanted](control::RobotService& robot, const SteeringOptions& options, const Context& chosen) {
+        return ask_state(robot, what, wanted, options, chosen);
+      });
 }
 
 void add_steps(Verb& mission, Context& context) {

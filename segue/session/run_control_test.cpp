@@ -107,6 +107,12 @@ states:
   again: {action: look, on: {success: return success}}
 )";
 
+constexpr const char* kOneWait = R"(mission: m
+actions: {a: {run: {callback: wait}}}
+start: first
+states: {first: {action: a, on: {success: return success}}}
+)";
+
 /// A mission that runs on a thread of its own until it is destroyed.
 class Steered {
  public:
@@ -231,9 +237,7 @@ TEST_F(Steering, WhatIsHeldCanBeStopped) {
 
 TEST_F(Steering, RefusesStepsWhileItRuns) {
   const auto waiting = std::make_shared<Waiting>();
-  const Session session = load("m.yaml",
-                               "mission: m\nactions: {a: {run: {callback: wait}}}\nstart: first\n"
-                               "states: {first: {action: a, on: {success: return success}}}\n");
+  const Session session = load("m.yaml", kOneWait);
   RunRequest request;
   request.runners.add("wait", waiting);
   Steered run(session, request);
@@ -247,9 +251,7 @@ TEST_F(Steering, RefusesStepsWhileItRuns) {
 
 TEST_F(Steering, AConcurrentRunHasNoSteps) {
   const auto waiting = std::make_shared<Waiting>();
-  const Session session = load("m.yaml",
-                               "mission: m\nactions: {a: {run: {callback: wait}}}\nstart: first\n"
-                               "states: {first: {action: a, on: {success: return success}}}\n");
+  const Session session = load("m.yaml", kOneWait);
   RunRequest request;
   request.mode = RunMode::Concurrent;
   request.runners.add("wait", waiting);
