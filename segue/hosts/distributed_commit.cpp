@@ -117,11 +117,11 @@ Result<void> DistributedCommit::commit() {
 }
 
 Result<void> DistributedCommit::promise(const std::set<const Site*>& sites, std::uint64_t number) const {
-  const TimePoint begin = RealClock::instance().now();
+  const TimePoint begin = clock_.now();
   // The first promises must last until all have got the order. So an answer may take no more than half.
   const auto vote = [&](const Site&, HostedRobot& robot) -> Result<void> {
     auto voted = robot.vote(number, promise_);
-    const Duration took = RealClock::instance().now() - begin;
+    const Duration took = clock_.now() - begin;
     if (voted && took > promise_ / 2) {
       return fail(ErrorCode::InvalidState, "it took " + format_duration(took) +
                                                " to promise, too long for a promise of " +

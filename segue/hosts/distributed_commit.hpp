@@ -16,8 +16,9 @@ namespace segue::hosts::detail {
 /// and its answer. Thread safe.
 class DistributedCommit {
  public:
-  DistributedCommit(Sites& sites, ActionRouter& router, Duration promise)
-      : sites_(sites), router_(router), promise_(promise) {}
+  /// `clock` measures how long promises take; outlives this, as all do.
+  DistributedCommit(Sites& sites, ActionRouter& router, Duration promise, const Clock& clock)
+      : sites_(sites), router_(router), promise_(promise), clock_(clock) {}
 
   /// Arms the computers on which connections begin or end with the transition.
   Result<void> arm(const model::Transition& transition, TimePoint deadline);
@@ -39,6 +40,7 @@ class DistributedCommit {
   Sites& sites_;
   ActionRouter& router_;
   const Duration promise_;
+  const Clock& clock_;
   std::mutex mutex_;             ///< protects both below
   std::uint64_t number_ = 0;     ///< of the latest transition
   std::set<const Site*> armed_;  ///< that take part in it

@@ -36,7 +36,7 @@ struct DistributedTaskHost::Implementation {
       : own(tasks),
         catalog(components),
         options(std::move(chosen)),
-        part(own),
+        part(own, *options.clock),
         sites(part, options.gateways.own, std::move(places)) {}
 
   void begin();
@@ -58,7 +58,7 @@ struct DistributedTaskHost::Implementation {
   TaskHostPart part;
   detail::Sites sites;
   detail::ActionRouter router{sites};
-  detail::DistributedCommit commits{sites, router, options.promise};
+  detail::DistributedCommit commits{sites, router, options.promise, *options.clock};
   detail::LinkMatching matching{sites, router};
   concurrent::Notifier<host::HostEvent> events{500};
 

@@ -25,6 +25,8 @@ struct DistributedOptions {
   Duration patience = std::chrono::seconds(4);
   /// How long a host that has voted for a commit waits for it.
   Duration promise = std::chrono::seconds(2);
+  /// What measures promises on the runtime's computer; outlives the host.
+  const Clock* clock = &RealClock::instance();
 };
 
 /// One TaskHost over the deployments of a robot on several computers: the runtime's own and those of daemons.

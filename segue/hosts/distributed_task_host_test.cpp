@@ -7,6 +7,7 @@
 #include <segue/host/local_task_host.hpp>
 #include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
+#include <support/eventually.hpp>
 #include <support/fake_hosts.hpp>
 #include <support/random_networks.hpp>
 
@@ -14,7 +15,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <condition_variable>
 #include <future>
+#include <random>
 #include <thread>
 
 namespace segue::hosts {
@@ -25,21 +29,11 @@ using model::HostName;
 using model::Order;
 using model::Phase;
 using model::TaskId;
+using segue::testing::eventually;
+using segue::testing::kPatience;
 
 TimePoint later(Duration duration = 30s) {
   return RealClock::instance().now() + duration;
-}
-
-template <class Condition>
-bool soon_enough(Condition condition) {
-  const TimePoint limit = later(20s);
-  while (!condition()) {
-    if (RealClock::instance().now() > limit) {
-      return false;
-    }
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
 }
 
 model::Network spread_of(std::string_view text) {
@@ -107,6 +101,7 @@ struct Commander {
       if (const auto* computer = std::get_if<host::ComputerEvent>(&event)) {
         const std::lock_guard lock(mutex);
         events.push_back(computer->host.str() + (computer->reachable ? " is back" : " is lost"));
+        changed.notify_all();
       }
     });
   }
@@ -188,17 +183,17 @@ struct Commander {
     return {};
   }
   bool told(const std::string& event) {
-    return soon_enough([&] {
-      const std::lock_guard lock(mutex);
-      return std::find(events.begin(), events.end(), event) != events.end();
-    });
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, kPatience,
+                            [&] { return std::find(events.begin(), events.end(), event) != events.end(); });
   }
 
   Computers& computers;
   const model::ComponentCatalog catalog;
   const DistributedOptions options;
   Order order = Order::Seamless;
-  std::mutex mutex;
+  std::mutex mutex;                 ///< protects both below
+  std::condition_variable changed;  ///< `events`
   std::vector<std::string> events;
   host::LibrarySet libraries;
   host::LocalTaskHost local{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
@@ -346,7 +341,7 @@ TEST(DistributedTaskHost, AHostThatIsLostIsMissingUntilItIsBack) {
   computers.left.line.cut();
   ASSERT_TRUE(run.told("left is lost"));
   EXPECT_FALSE(run.computer("left").reachable);
-  EXPECT_TRUE(soon_enough([&] {
+  EXPECT_TRUE(eventually([&] {
     return run.computer("left").state.find("nobody answers") != std::string::npos;
   })) << "once it was looked for: "
       << run.computer("left").state;
@@ -403,7 +398,7 @@ TEST(DistributedTaskHost, AHostThatWasLostMeanwhileTakesNoMoreActionsOfATransiti
   run.host.begin_transition(observed, target);
   computers.right.line.cut();
   computers.right.line.mend();
-  ASSERT_TRUE(soon_enough([&] { return run.computer("right").reachable; }));
+  ASSERT_TRUE(eventually([&] { return run.computer("right").reachable; }));
   const auto done = run.perform(transition, Phase::Prepare);
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
@@ -418,15 +413,37 @@ TEST(DistributedTaskHost, AHostThatWasLostMeanwhileTakesNoMoreActionsOfATransiti
   EXPECT_EQ(run.wrong(kSecond), "");
 }
 
+/// The real time, but for one reading: whoever takes it finds that something has taken long, without anybody
+/// waiting.
+class ClockWithDelay final : public Clock {
+ public:
+  [[nodiscard]] TimePoint now() const override {
+    const std::lock_guard lock(mutex_);
+    const TimePoint real = RealClock::instance().now();
+    return delayed_ == std::this_thread::get_id() ? (delayed_ = {}, real + delay_) : real;
+  }
+  void sleep_until(TimePoint when) override { RealClock::instance().sleep_until(when); }
+  /// Of the next reading by this thread.
+  void delay_this_thread(Duration delay) {
+    const std::lock_guard lock(mutex_);
+    delayed_ = std::this_thread::get_id();
+    delay_ = delay;
+  }
+
+ private:
+  mutable std::mutex mutex_;  ///< protects both below
+  mutable std::thread::id delayed_;
+  Duration delay_{};
+};
+
 /// A host over kFirst that is about to go to kSecond, with trouble at the commit.
 class CommitTrouble : public ::testing::Test {
  protected:
-  explicit CommitTrouble(Duration promise = 2s) : run_(computers_, with(promise)) {
-    EXPECT_EQ(said(run_.switch_to(kFirst)), "done");
-  }
-  static DistributedOptions with(Duration promise) {
+  CommitTrouble() { EXPECT_EQ(said(run_.switch_to(kFirst)), "done"); }
+  DistributedOptions options() const {
     DistributedOptions options;
-    options.promise = promise;
+    options.promise = kPromise;
+    options.clock = &clock_;
     return options;
   }
   std::string switched() { return said(run_.switch_to(kMore)); }
@@ -441,6 +458,7 @@ class CommitTrouble : public ::testing::Test {
     run_.computers.right.line.spoil_answers({});
   }
 
+  static constexpr Duration kPromise = kPatience;
   static constexpr const char* kMore = R"(network: more
 tasks:
   a: {component: test::A}
@@ -456,8 +474,9 @@ connections:
   - d.out -> d.fresh
   - a.out -> c.in
 )";
+  ClockWithDelay clock_;
   Computers computers_;
-  Commander run_;
+  Commander run_{computers_, options()};
 };
 
 TEST_F(CommitTrouble, WithoutOneVoteNobodyCommits) {
@@ -492,19 +511,20 @@ TEST_F(CommitTrouble, AProcessThatCannotBeArmedDoesNotLoseItsHost) {
 
 class LateCommit : public CommitTrouble {
  protected:
-  LateCommit() : CommitTrouble(200ms) {}
-  void delay(const std::string& which, Duration duration) {
-    computers_.right.line.spoil_calls([which, duration](const std::string& what) -> std::optional<Error> {
-      if (what == which) {
-        std::this_thread::sleep_for(duration);
-      }
-      return std::nullopt;
-    });
+  /// Calls `pass_time` while a call of that name is on its way to the host on the right.
+  void delay(const std::string& which, std::function<void()> pass_time) {
+    computers_.right.line.spoil_calls(
+        [which, pass_time = std::move(pass_time)](const std::string& what) -> std::optional<Error> {
+          if (what == which) {
+            pass_time();
+          }
+          return std::nullopt;
+        });
   }
 };
 
 TEST_F(LateCommit, IsRefusedByTheHostThatGetsIt) {
-  delay("commit", 300ms);
+  delay("commit", [&] { computers_.right.clock.advance(kPromise + 1s); });
   const auto done = switched();
   EXPECT_NE(done.find("'right'"), std::string::npos) << done;
   EXPECT_NE(done.find("too late"), std::string::npos) << done;
@@ -516,7 +536,8 @@ TEST_F(LateCommit, IsRefusedByTheHostThatGetsIt) {
 }
 
 TEST_F(LateCommit, DoesNotHappenWhereAPromiseCameLate) {
-  delay("vote", 180ms);  // the promise of the others has nearly run out by then
+  // The promise of the others has nearly run out by then.
+  delay("vote", [&] { clock_.delay_this_thread(kPromise - 1s); });
   const auto done = switched();
   EXPECT_NE(done.find("'right' did not promise"), std::string::npos) << done;
   EXPECT_FALSE(has("b.fresh")) << "nobody commits";
@@ -556,7 +577,8 @@ TEST(DistributedTaskHost, WhatWasTakenOverIsNotTakenBack) {
   Commander former(computers, options, 10ms);
   const Commander present(computers, options, 10ms, "other");
   ASSERT_TRUE(former.told("left is lost"));
-  std::this_thread::sleep_for(50ms);
+  const int tried = computers.left.line.calls("acquire");
+  ASSERT_TRUE(eventually([&] { return computers.left.line.calls("acquire") >= tried + 3; }));
   EXPECT_TRUE(present.computer("left").reachable);
   EXPECT_FALSE(former.computer("left").reachable);
   EXPECT_NE(former.computer("left").state.find("'other'"), std::string::npos)
@@ -606,29 +628,75 @@ TEST(DistributedTaskHost, ACallThatFailsLateDoesNotLoseTheNextConnection) {
   EXPECT_TRUE(run.host.properties(TaskId("a")));
 }
 
+/// Breaks a line in the middle of calls, again and again, and mends it at once or when it has been tried in
+/// vain.
+class Interruptions {
+ public:
+  explicit Interruptions(testing::Line& line) : line_(line) {}
+  void begin() {
+    line_.spoil_calls([this](const std::string&) { return during_call(); });
+    line_.on_attempt([this] { before_attempt(); });
+  }
+  void end() {
+    line_.spoil_calls({});
+    line_.on_attempt({});
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+    line_.mend();
+  }
+  [[nodiscard]] int count() const {
+    const std::lock_guard lock(mutex_);
+    return count_;
+  }
+
+ private:
+  std::optional<Error> during_call() {
+    const std::lock_guard lock(mutex_);
+    if (over_ || !line_.up() || --calls_ > 0) {
+      return std::nullopt;
+    }
+    ++count_;
+    calls_ = 1 + static_cast<int>(random_() % 40);
+    attempts_ = static_cast<int>(random_() % 4);
+    line_.cut();
+    if (attempts_ == 0) {
+      line_.mend();
+    }
+    return random_() % 2 == 0 ? std::optional<Error>(fail(ErrorCode::Unavailable, "injected")) : std::nullopt;
+  }
+  void before_attempt() {
+    const std::lock_guard lock(mutex_);
+    if (!over_ && !line_.up() && --attempts_ < 0) {
+      line_.mend();
+    }
+  }
+
+  testing::Line& line_;
+  mutable std::mutex mutex_;  ///< protects everything below
+  std::mt19937 random_{20261126};
+  int calls_ = 20;    ///< until the line breaks
+  int attempts_ = 0;  ///< that are in vain
+  int count_ = 0;
+  bool over_ = false;
+};
+
 TEST(DistributedTaskHost, AHostMayComeAndGoAtAnyTime) {
   Computers computers;
+  Interruptions interruptions(computers.right.line);
   Commander run(computers, {}, 2ms);
   ASSERT_EQ(said(run.switch_to(kFirst)), "done");
-  std::atomic<bool> over{false};
-  std::thread trouble([&] {
-    while (!over) {
-      computers.right.line.cut();
-      std::this_thread::sleep_for(3ms);
-      computers.right.line.mend();
-      std::this_thread::sleep_for(20ms);
-    }
-  });
-  for (int i = 0; i < 10; ++i) {
+  interruptions.begin();
+  const TimePoint limit = later(kPatience);
+  for (int i = 0; i < 10 || (interruptions.count() < 10 && RealClock::instance().now() < limit); ++i) {
     (void)run.switch_to(i % 2 == 0 ? kSecond : kFirst);
     (void)run.host.tasks();
     (void)run.host.computers();
   }
-  over = true;
-  trouble.join();
-  ASSERT_TRUE(soon_enough([&] { return run.computer("right").reachable; }));
+  interruptions.end();
+  ASSERT_GE(interruptions.count(), 10);
+  ASSERT_TRUE(eventually([&] { return run.computer("right").reachable; }));
   // A runtime plans with what failed transitions have left behind; here all of it is taken down.
-  ASSERT_TRUE(soon_enough([&] {
+  ASSERT_TRUE(eventually([&] {
     const bool done = run.switch_to(kFirst) && run.wrong(kFirst).empty();
     return done || (run.switch_to(none()) && false);
   })) << run.wrong(kFirst);

@@ -3,6 +3,8 @@
 
 #include <segue/base/file.hpp>
 
+#include <support/eventually.hpp>
+
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -18,6 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
+using segue::testing::eventually;
 
 class SettableClock final : public Clock {
  public:
@@ -177,13 +180,9 @@ TEST_F(LeaseTest, WhoWaitsIsSupersededByWhoComesLater) {
   const auto first = acquire("a");
   std::optional<Lease::Work> work(std::in_place, *lease_, first);
   auto early = std::async(std::launch::async, [&] { return lease_->acquire("b", true, before_long()); });
-  while (lease_->info().epoch == first) {
-    std::this_thread::yield();
-  }
+  ASSERT_TRUE(eventually([&] { return lease_->info().epoch != first; }));
   auto late = std::async(std::launch::async, [&] { return lease_->acquire("c", false, before_long()); });
-  while (lease_->info().epoch == first + 1) {
-    std::this_thread::yield();
-  }
+  ASSERT_TRUE(eventually([&] { return lease_->info().epoch != first + 1; }));
   work.reset();
   const auto b = early.get();
   const auto c = late.get();

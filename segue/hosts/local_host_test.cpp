@@ -3,6 +3,7 @@
 
 #include <segue/base/file.hpp>
 #include <segue/process/process_hub.hpp>
+#include <support/eventually.hpp>
 #include <support/fake_hosts.hpp>
 
 #include <gtest/gtest.h>
@@ -123,7 +124,7 @@ TEST(LocalHost, CommitsOnlyWhatItHasPromised) {
   EXPECT_EQ(code_of(robot->commit(1)), ErrorCode::InvalidState) << "once";
   ASSERT_TRUE(robot->arm_commit({}, 2, in_time()));
   ASSERT_TRUE(robot->vote(2, 1ms));
-  std::this_thread::sleep_for(5ms);
+  computer.clock.advance(5ms);
   EXPECT_EQ(code_of(robot->commit(2)), ErrorCode::InvalidState) << "too late";
   ASSERT_TRUE(robot->arm_commit({}, 3, in_time()));
   ASSERT_TRUE(robot->vote(3, 10s));
@@ -249,9 +250,7 @@ TEST(LocalHost, GivesUpAtItsDeadlineWhereAnotherRuntimeIsGettingTheRobot) {
   start.wait_for_begin();
   auto first = std::async(std::launch::async,
                           [&] { return code_of(computer.local->acquire(request_of("b", true), in_time())); });
-  while (robot->renew()) {
-    std::this_thread::sleep_for(1ms);
-  }
+  ASSERT_TRUE(segue::testing::eventually([&] { return !robot->renew(); }));
   const TimePoint now = RealClock::instance().now();
   EXPECT_EQ(code_of(computer.local->acquire(request_of("c", true), now)), ErrorCode::DeadlineExceeded);
   start.end();

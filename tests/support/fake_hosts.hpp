@@ -96,6 +96,11 @@ class Line {
       gone();
   }
   void mend() { up_ = true; }
+  /// `see` is called before each attempt to connect.
+  void on_attempt(std::function<void()> see) { set(attempted_, std::move(see)); }
+  void attempt() {
+    if (const auto see = get(attempted_)) see();
+  }
   [[nodiscard]] bool up() const { return up_; }
   [[nodiscard]] int number() const { return number_; }
   void listen(const void* who, std::function<void()> gone) {
@@ -131,7 +136,7 @@ class Line {
 
   std::atomic<bool> up_{true};
   std::atomic<int> number_{0};
-  mutable std::mutex mutex_;  ///< protects the three below
+  mutable std::mutex mutex_;  ///< protects everything below up to the next mutex
   std::map<std::string, int> calls_;
   Spoil before_;
   Spoil after_;
@@ -140,6 +145,7 @@ class Line {
   Choice delayed_;
   Order late_;
   Forgery forgery_;
+  std::function<void()> attempted_;
   std::mutex listening_;  ///< protects the member below; held while they are told
   std::map<const void*, std::function<void()>> gone_;
 };
@@ -333,6 +339,7 @@ class Computer {
   HostPlace place(bool optional = false) {
     return {model::HostName(name), "fake://" + name, optional,
             [this](TimePoint, std::function<void()> gone) -> Result<std::unique_ptr<HostService>> {
+              line.attempt();
               if (!line.up()) return fail(ErrorCode::Unavailable, "nobody answers");
               auto daemon = std::make_unique<Daemon>(*this);
               line.listen(daemon.get(), std::move(gone));
