@@ -7,18 +7,22 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 # What is linked with a library of ours need not be linked again when only the library's code changes.
 set(CMAKE_LINK_DEPENDS_NO_SHARED ON)
 
-# Aggregates: what users run; what `make bench` measures; what runs under thread sanitizer; the fuzzers.
+# Aggregates: what users run; what `make bench` measures; the fuzzers; and tests by the stage of tools/test that runs them, see
+# segue_test.
 add_custom_target(product)
 add_custom_target(benchmarks)
-add_custom_target(concurrency_tests)
 add_custom_target(fuzzers)
+add_custom_target(unit_tests)
+add_custom_target(product_tests)
+add_custom_target(nightly_tests)
+add_custom_target(concurrency_tests)
 
 # Clones in different folders share what ccache keeps: paths below the clone count as relative. (Debugging information then
 # names the folder in which an object was compiled first.)
 find_program(SEGUE_CCACHE ccache)
 if(SEGUE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
-                                  ${SEGUE_CCACHE})
+                                  CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${SEGUE_CCACHE})
 endif()
 
 # What every target of ours is compiled with.
@@ -45,7 +49,28 @@ if(SEGUE_SANITIZE)
     target_compile_options(segue_flags INTERFACE -Wno-maybe-uninitialized)
   endif()
   target_link_options(segue_flags INTERFACE -fsanitize=${SEGUE_SANITIZE})
+  # For the few tests that count less, or replace what a sanitizer replaces: SEGUE_SANITIZER_ADDRESS, SEGUE_SANITIZER_THREAD.
+  string(REGEX MATCH "address|thread" sanitizer "${SEGUE_SANITIZE}")
+  string(TOUPPER "${sanitizer}" sanitizer)
+  target_compile_definitions(segue_flags INTERFACE SEGUE_SANITIZER_${sanitizer})
 endif()
+# An executable that clang has built with sanitizers brings their runtime, which shared libraries leave open.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  find_program(SEGUE_LLD NAMES ld.lld ld.lld-14)
+  if(SEGUE_LLD)
+    target_link_options(segue_flags INTERFACE -fuse-ld=lld)
+  endif()
+endif()
+
+# segue_numeric(TARGET...): these compute much, which takes minutes without optimisation; they have it in sanitizer builds, too.
+function(segue_numeric)
+  foreach(target IN LISTS ARGV)
+    if(SEGUE_SANITIZE AND TARGET ${target})
+      target_compile_options(${target} PRIVATE -O1)
+      set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)  # these are compiled without
+    endif()
+  endforeach()
+endfunction()
 
 # segue_folder(NAME SOURCES ... [SEPARATE ...] [APART ...] DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
 # The shared library of one folder of the house. Its include path holds only its own folder, through a tree of links
@@ -123,35 +148,64 @@ function(segue_paths TARGET)
   endwhile()
   file(GENERATE OUTPUT ${file} CONTENT "${text}}\n")
   target_sources(${TARGET} PRIVATE ${file})
-  set_source_files_properties(${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set_source_files_properties(${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [LABELS ...] [TIMEOUT seconds])
-# A GoogleTest (and rapidcheck) program, one ctest entry, which may include <support/...>. Label `concurrency`: also run under
-# thread sanitizer. SEPARATE sources are compiled on their own in unity builds too, because they define names that another
-# source defines as well.
+# What test programs include and few of them change, compiled once: GoogleTest, rapidcheck and the standard library. Compiling
+# these takes longer than most tests. Clang notes times in it unless told not to, which would make compiler caches useless.
+function(segue_test_headers)
+  find_package(GTest REQUIRED)
+  find_package(rapidcheck REQUIRED)
+  add_library(segue_test_headers OBJECT ${CMAKE_SOURCE_DIR}/tests/support/headers.cpp)
+  target_link_libraries(segue_test_headers PRIVATE segue_flags GTest::gmock_main rapidcheck rapidcheck_gtest)
+  target_compile_options(segue_test_headers PRIVATE ${SEGUE_TEST_OPTIONS})
+  target_precompile_headers(segue_test_headers PRIVATE ${CMAKE_SOURCE_DIR}/tests/support/headers.hpp)
+endfunction()
+# In the release build they compile in two thirds of the time with -O1.
+set(SEGUE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  list(APPEND SEGUE_TEST_OPTIONS "SHELL:-Xclang -fno-pch-timestamp")
+endif()
+if(BUILD_TESTING)
+  segue_test_headers()
+endif()
+
+# segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [KINDS unit|product|nightly...] [LABELS ...] [TIMEOUT seconds])
+# A GoogleTest (and rapidcheck) program, one ctest entry, which may include <support/...>. Its kinds are labels, and decide which
+# stages of tools/test build and run it:
+#   unit      (the default) under the sanitizers of addresses and undefined behaviour
+#   product   in the release build: the programs as users run them, real time, and what tries too many cases for sanitizers
+#   nightly   in the release build of a night only
+# Label `concurrency`: also under thread sanitizer. SEPARATE sources are compiled on their own in unity builds too, because they
+# define names that another source defines as well.
 function(segue_test NAME)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;SEPARATE;LINK;LABELS" ${ARGN})
-  find_package(GTest REQUIRED)
-  find_package(rapidcheck REQUIRED)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;SEPARATE;LINK;KINDS;LABELS" ${ARGN})
+  if(NOT ARG_KINDS)
+    set(ARG_KINDS unit)
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
   add_executable(${NAME} ${ARG_SOURCES} ${ARG_SEPARATE})
   set_source_files_properties(${ARG_SEPARATE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_link_libraries(${NAME} PRIVATE ${ARG_LINK} segue_flags GTest::gmock_main rapidcheck rapidcheck_gtest)
   target_include_directories(${NAME} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
-  target_compile_options(${NAME} PRIVATE $<$<CONFIG:Release>:-O1>)  # compiles in two thirds of the time
+  target_compile_options(${NAME} PRIVATE ${SEGUE_TEST_OPTIONS})
+  target_precompile_headers(${NAME} REUSE_FROM segue_test_headers)
   segue_paths(${NAME} kSourceFolder ${CMAKE_SOURCE_DIR})
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  foreach(kind IN LISTS ARG_KINDS)
+    add_dependencies(${kind}_tests ${NAME})
+  endforeach()
   if("concurrency" IN_LIST ARG_LABELS)
     add_dependencies(concurrency_tests ${NAME})
   endif()
+  # What may take long begins first (COST), so that nobody waits for it alone at the end.
   add_test(NAME ${NAME} COMMAND ${NAME} --gtest_brief=1)
-  if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 300)
-  endif()
-  set_tests_properties(${NAME} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+  set_tests_properties(${NAME} PROPERTIES TIMEOUT ${ARG_TIMEOUT} COST ${ARG_TIMEOUT} LABELS "${ARG_KINDS};${ARG_LABELS}")
 endfunction()
 
 # segue_long_tests(NAME...): these take more than daily work should wait for (ctest -LE long leaves them out).
@@ -159,6 +213,7 @@ function(segue_long_tests)
   foreach(name IN LISTS ARGV)
     if(TEST ${name})
       set_property(TEST ${name} APPEND PROPERTY LABELS long)
+      set_property(TEST ${name} PROPERTY COST 1000)
     endif()
   endforeach()
 endfunction()

@@ -245,7 +245,7 @@ TEST_F(GatewayLink, large_samples_arrive_whole) {
   Source<Image> source(sender, policy(BufferKind::Buffer, 4));
   ASSERT_TRUE(sender.has_matched(1));
   std::uint64_t number = 0;
-  for (const std::size_t bytes : {1'000'000, 10'000'000, 10'000'000, 100'000'000}) {
+  for (const std::size_t bytes : {1'000'000U, 10'000'000U, 10'000'000U, 100'000'000U}) {
     source.write(++number, bytes);
     ASSERT_TRUE(eventually([&] { return peer.count("received") + sender.count("refused") >= number; }));
   }

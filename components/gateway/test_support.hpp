@@ -27,7 +27,7 @@
 #include <utility>
 #include <vector>
 
-#ifdef __SANITIZE_THREAD__
+#ifdef SEGUE_SANITIZER_THREAD
 extern "C" [[gnu::used]] inline const char* __tsan_default_suppressions() {
   return segue::testing::kCycloneSuppressions;
 }

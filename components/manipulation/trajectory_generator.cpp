@@ -108,10 +108,10 @@ class TrajectoryGenerator final : public Component {
   }
   /// The time since the last update, s. After a longer pause it goes on where it was.
   double passed() {
-    constexpr double kLongest = 0.1;  // s
+    constexpr double kLongestUpdate = 0.1;  // s
     const double time = *robot_time_ ? joints_.time() : seconds(now());
     const double before = std::exchange(time_, time).value_or(time);
-    return std::clamp(time - before, 0.0, kLongest);
+    return std::clamp(time - before, 0.0, kLongestUpdate);
   }
 
   /// From where the arm is.

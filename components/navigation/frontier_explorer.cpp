@@ -84,8 +84,8 @@ class FrontierExplorer final : public Component {
 
   /// Whether it has moved within the time that it may stand still.
   bool progressing() {
-    constexpr double kStep = 0.1;  // m
-    if (std::hypot(pose_.pose.x - progress_.x, pose_.pose.y - progress_.y) > kStep) {
+    constexpr double kStoodStill = 0.1;  // m
+    if (std::hypot(pose_.pose.x - progress_.x, pose_.pose.y - progress_.y) > kStoodStill) {
       progress_ = pose_.pose;
       progress_time_ = now();
     }

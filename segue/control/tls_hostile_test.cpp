@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/robot.capnp.h>
+#include <support/sanitizers.hpp>
 #include <support/secure_server.hpp>
 
 #include <fstream>
@@ -10,11 +11,7 @@ namespace segue::control {
 namespace {
 
 /// How much more memory a test may take; sanitizers keep what has been freed.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::size_t kMostMemory = std::size_t{800} << 20;
-#else
-constexpr std::size_t kMostMemory = std::size_t{60} << 20;
-#endif
+constexpr std::size_t kMostMemory = std::size_t{kSanitized ? 800 : 60} << 20;
 
 std::string random_bytes(std::size_t size, unsigned seed) {
   std::mt19937 random(seed);

@@ -140,7 +140,7 @@ TEST(Gantt, IsADrawingWithoutWhatWasNeitherWantedNorRun) {
   Gantt gantt;
   gantt.nodes = {{"a"}, {"b"}, {"c"}, {"d"}};
   gantt.nodes[0].status = NodeStatus::Done;
-  for (const std::size_t skipped : {1, 2, 3})
+  for (const std::size_t skipped : {1U, 2U, 3U})
     gantt.nodes[skipped].status = NodeStatus::Skipped;
   gantt.bars = {{2, TimePoint{}, TimePoint{seconds(1)}, 0, true}};
   gantt.arrange();

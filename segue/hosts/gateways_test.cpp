@@ -227,9 +227,10 @@ TEST(Gateways, AConnectionIsThereWhereBothHalvesAre) {
   };
   for (const auto& [from, to] : {std::pair("a.out", "a.out>.in"), std::pair("a.out>>right.out", "b.in")}) {
     auto part = whole;
-    const auto erased = std::erase_if(part.connections, [&](const model::Connection& one) {
-      return to_string(one.from) == from && to_string(one.to) == to;
-    });
+    const auto erased =
+        std::erase_if(part.connections, [&from = from, &to = to](const model::Connection& one) {
+          return to_string(one.from) == from && to_string(one.to) == to;
+        });
     EXPECT_EQ(erased, 1U);
     const auto seen = without_gateways(part);
     EXPECT_EQ(count(seen, "b.in"), 0);

@@ -4,6 +4,8 @@
 #include <segue/link/local.hpp>
 #include <segue/link/shared_test_support.hpp>
 
+#include <support/sanitizers.hpp>
+
 #include <gmock/gmock.h>
 
 #include <fcntl.h>
@@ -223,11 +225,7 @@ TEST(CommitPage, takes_no_file_that_could_change_under_it) {
   EXPECT_FALSE(CommitPage::map(-1));
 }
 
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr int kCommits = 1000;
-#else
-constexpr int kCommits = 10000;
-#endif
+constexpr int kCommits = kSanitized ? 1000 : 10000;
 
 /// Writes 1, 2, ... as fast as its readers take them. A refused sample was taken by none, and is written
 /// again.

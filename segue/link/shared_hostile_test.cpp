@@ -278,7 +278,7 @@ TEST(SharedHostile, ASampleThatWasErasedIsNoticed) {
     EXPECT_FALSE(link.input->damaged());
     EXPECT_NE(ring.words().remove(0), 0U);
     EXPECT_FALSE(sink.in.take());
-    EXPECT_TRUE(eventually([&] { return link.input->damaged(); }));
+    EXPECT_TRUE(eventually([&link = link] { return link.input->damaged(); }));
   }
 }
 

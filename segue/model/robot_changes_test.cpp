@@ -31,7 +31,7 @@ TEST_F(ChangedRobot, HasOtherPropertiesInAllControllersAndPools) {
       apply({{{"planner", 3}}, {{"arm.speed", 5}, {"planner.effort", 0.5}}}, robot, controllers).has_value());
   EXPECT_EQ(robot.pools[0].size, 3);
   EXPECT_EQ(*robot.pools[0].task.properties.find("effort"), type::Value(0.5));
-  for (const int i : {0, 2}) {
+  for (const std::size_t i : {0U, 2U}) {
     const Task& arm = controllers[i].tasks[0];
     EXPECT_EQ(*arm.properties.find("speed"), type::Value(5));
     EXPECT_EQ(*arm.properties.find("limit"), type::Value(2));

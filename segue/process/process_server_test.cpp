@@ -5,6 +5,7 @@
 #include <segue/process/process_server.hpp>
 
 #include <support/paths.hpp>
+#include <support/sanitizers.hpp>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -425,11 +426,7 @@ TEST_F(ProcessServerTest, aProcessBeginsWithCleanSignals) {
 }
 
 /// Sanitizers reserve terabytes of address space, which no limit of memory permits.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kMemoryLimit = std::uint64_t{1} << 50;
-#else
-constexpr std::uint64_t kMemoryLimit = std::uint64_t{512} << 20;
-#endif
+constexpr std::uint64_t kMemoryLimit = kSanitized ? std::uint64_t{1} << 50 : std::uint64_t{512} << 20;
 
 TEST_F(ProcessServerTest, limitsAndVariablesReachTheProcess) {
   const auto processes = server();

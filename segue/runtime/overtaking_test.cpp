@@ -11,6 +11,7 @@
 #include <segue/runtime/runtime.hpp>
 
 #include <support/fake_world.hpp>
+#include <support/sanitizers.hpp>
 
 #include <gtest/gtest.h>
 
@@ -35,11 +36,7 @@ std::uint64_t setting(const char* name, std::uint64_t otherwise) {
   return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kRequests = 1000;
-#else
-constexpr std::uint64_t kRequests = 5000;
-#endif
+constexpr std::uint64_t kRequests = kSanitized ? 1000 : 5000;
 constexpr int kControllers = 12;
 constexpr std::uint64_t kMostClients = 4;
 constexpr int kRequestsARound = 25;  ///< of each client

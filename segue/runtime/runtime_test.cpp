@@ -288,7 +288,7 @@ TEST_F(RuntimeTest, without_a_fallback_it_reports_what_runs) {
 /// Requests `name` and blocks it at its first action of a phase, until go() is called.
 class HeldUp {
  public:
-  HeldUp(testing::StandInRobot& robot, const char* name, model::Phase phase) : robot_(robot) {
+  HeldUp(testing::StandInRobot& robot, const char* name, model::Phase phase) {
     robot.asking.ask(
         [this, phase, gate = go_.get_future().share()](const model::Action& action) -> Result<void> {
           if (action.phase == phase && !entered_.exchange(true)) {
@@ -306,7 +306,6 @@ class HeldUp {
   }
 
  private:
-  testing::StandInRobot& robot_;
   std::promise<void> in_;
   std::promise<void> go_;
   std::atomic<bool> entered_{false};

@@ -9,6 +9,7 @@
 #include <support/faulty_host.hpp>
 #include <support/paths.hpp>
 #include <support/random_networks.hpp>
+#include <support/sanitizers.hpp>
 
 #include <gmock/gmock.h>
 
@@ -178,11 +179,7 @@ bool thorough() {
 }
 
 /// Sanitizers, which make everything many times slower, look at a part of the cases.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::size_t kEvery = 5;
-#else
-constexpr std::size_t kEvery = 1;
-#endif
+constexpr std::size_t kEvery = kSanitized ? 20 : 1;
 constexpr int kRandomCases = 1500 / kEvery;
 
 /// Selects the faults for an action: all, or a sample in which every action has one and each fault occurs at

@@ -20,12 +20,12 @@
 using namespace std::chrono_literals;
 
 namespace {
-std::atomic<int> allocations{0};
+[[maybe_unused]] std::atomic<int> allocations{0};
 }  // namespace
 
 // Counted, so that a test can say "allocates nothing". Sanitizers want to own these themselves. Not inlined,
 // or gcc sees malloc and free of their own where new and delete belong together.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(SEGUE_SANITIZER_ADDRESS) && !defined(SEGUE_SANITIZER_THREAD)
 #define SEGUE_TEST_COUNTS_ALLOCATIONS
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;

@@ -131,8 +131,9 @@ void check_phases(const Transition& seamless, const Value& expected) {
 
 void check_after(const Transition& seamless, const Value& expected) {
   for (const auto& [label, list] : expected.as_map()) {
-    const auto action = std::find_if(seamless.actions.begin(), seamless.actions.end(),
-                                     [&](const Action& other) { return other.label() == label; });
+    const auto action =
+        std::find_if(seamless.actions.begin(), seamless.actions.end(),
+                     [&label = label](const Action& other) { return other.label() == label; });
     ASSERT_NE(action, seamless.actions.end()) << "no action " << label;
     Labels before;
     for (const int id : action->after) {
@@ -163,9 +164,10 @@ void check_counts(const Transition& transition, const Value& expected) {
 
 void check_definition(const Transition& paper, const Value& expected) {
   for (const auto& [id, properties] : expected.as_map()) {
-    const auto action = std::find_if(paper.actions.begin(), paper.actions.end(), [&](const Action& other) {
-      return other.kind == model::ActionKind::ApplyConfig && other.task()->str() == id;
-    });
+    const auto action =
+        std::find_if(paper.actions.begin(), paper.actions.end(), [&id = id](const Action& other) {
+          return other.kind == model::ActionKind::ApplyConfig && other.task()->str() == id;
+        });
     ASSERT_NE(action, paper.actions.end()) << "no configuration of " << id << " is applied";
     EXPECT_EQ(std::get<model::ConfigAction>(action->what).definition.properties, properties) << id;
   }

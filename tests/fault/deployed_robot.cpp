@@ -13,6 +13,7 @@
 #include <segue/model/files.hpp>
 
 #include <support/paths.hpp>
+#include <support/sanitizers.hpp>
 
 #include <cstdlib>
 
@@ -112,11 +113,7 @@ void DeployedRobotTest::switch_to(const model::Network& target) {
 }
 
 int DeployedRobotTest::number_of_switches() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr int kSwitches = 12;
-#else
-  constexpr int kSwitches = 100;
-#endif
+  constexpr int kSwitches = kSanitized ? 12 : 100;
   const char* wanted = std::getenv("SEGUE_FAULT_SWITCHES");
   return wanted == nullptr ? kSwitches : std::atoi(wanted);
 }

@@ -2,6 +2,8 @@
 // A component with a faulty hook, which throws, hangs, stops or ends its process, or exhausts its memory.
 #include "deployed_robot.hpp"
 
+#include <support/sanitizers.hpp>
+
 namespace segue::testing {
 namespace {
 
@@ -13,11 +15,7 @@ struct Fault {
   const char* how;
 };
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr const char* kLimits = "{core: 0}";  // they need all address space themselves
-#else
-constexpr const char* kLimits = "{memory: 400MB, core: 0}";
-#endif
+constexpr const char* kLimits = kSanitized ? "{core: 0}" : "{memory: 400MB, core: 0}";
 
 std::string name_of(const ::testing::TestParamInfo<Fault>& fault) {
   return std::string(fault.param.how) + "_in_" + fault.param.hook;
@@ -143,7 +141,8 @@ INSTANTIATE_TEST_SUITE_P(All, Crash,
                                            Fault{"update", "exit"}),
                          name_of);
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // with them there is no limit to reach
+#if !defined(SEGUE_SANITIZER_ADDRESS) && \
+    !defined(SEGUE_SANITIZER_THREAD)  // with them there is no limit to reach
 
 class Exhaustion : public FaultyComponent {};
 

@@ -2,6 +2,7 @@
 // SIGKILL of random deployment processes at random times, while random controllers are requested.
 // SEGUE_KILL_ROUNDS=2000 runs as many rounds, SEGUE_SEED=n another sequence of them.
 #include <support/number_from.hpp>
+#include <support/sanitizers.hpp>
 
 #include <array>
 #include <csignal>
@@ -16,11 +17,7 @@ namespace {
 using runtime::Outcome;
 using runtime::SwitchResult;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kRounds = 10;
-#else
-constexpr int kRounds = 60;
-#endif
+constexpr int kRounds = kSanitized ? 10 : 60;
 
 class KilledAtRandom : public DisturbedTransition {
  protected:

@@ -12,6 +12,8 @@
 
 #include <segue/base/log.hpp>
 
+#include <support/sanitizers.hpp>
+
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -42,11 +44,7 @@ void showValue(const Scenario& scenario, std::ostream& out) {
 
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kRounds = 50;
-#else
-constexpr int kRounds = 250;
-#endif
+constexpr int kRounds = kSanitized ? 50 : 250;
 constexpr int kMostRounds = 5;  ///< of a scenario
 constexpr int kMostHosts = 4;
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memory of pages that stay open at a robot that switches every second: one page for each view, the studio and the robot.
-// Prints a line every minute, and at the end how much each has grown since the first quarter of the time.
+// Prints a line every minute, and at the end how much each has grown since the first quarter of the time; fails where one has grown
+// by more than a tenth and a megabyte.
 //   node memory.mjs SEGUE PICTURE_FOLDER [MINUTES]       default: 60
 import { spawn } from 'node:child_process';
 import { readFileSync } from 'node:fs';
+import { figure } from './aims.mjs';
 import { Stage } from './stage.mjs';
 
 const [segue, pictures, minutes = '60'] = process.argv.slice(2);
@@ -96,7 +98,12 @@ try {
   const mean = (part, name) => part.reduce((sum, values) => sum + values.get(name), 0) / part.length;
   const quarter = Math.max(1, Math.floor(series.length / 4));
   console.log('\nfirst quarter -> last quarter');
-  for (const name of series[0].keys()) console.log(`${name}: ${mean(series.slice(0, quarter), name).toFixed(1)} -> ${mean(series.slice(-quarter), name).toFixed(1)}`);
+  for (const name of series[0].keys()) {
+    const first = mean(series.slice(0, quarter), name);
+    const last = mean(series.slice(-quarter), name);
+    const [kind, unit] = name.endsWith('MB') ? [name.slice(0, -3), 'MB'] : [name, ''];
+    figure(`${kind}, at first ${first.toFixed(1)}, in the end`, last, unit, { most: Number((1.1 * first + 1).toFixed(1)) });
+  }
   failed = false;
 } catch (error) {
   console.error(error);

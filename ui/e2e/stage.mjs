@@ -9,7 +9,13 @@ import { join } from 'node:path';
 import assert from 'node:assert/strict';
 import { chromium } from 'playwright-core';
 
-const browserProgram = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
+/** Where Chromium is; without it the program ends with status 77. */
+export function browserProgram() {
+  const program = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
+  if (program) return program;
+  console.log('skipped: chromium is not installed (tools/setup --test)');
+  process.exit(77);
+}
 
 /** Ends a program by Ctrl-C; resolves to its exit status. */
 export function end(child) {
@@ -20,10 +26,7 @@ export function end(child) {
 
 export class Stage {
   constructor(segue, pictures) {
-    if (!browserProgram) {
-      console.log('skipped: chromium is not installed (tools/setup --test)');
-      process.exit(77);
-    }
+    this.browserProgram = browserProgram();
     this.segue = segue;
     this.pictures = pictures;
     this.folder = mkdtempSync(join(tmpdir(), 'segue-studio-'));
@@ -102,7 +105,7 @@ export class Stage {
   /** An empty page of a browser with these `options` of its own; what goes wrong in the page is in `problems`. */
   async openBrowser(...options) {
     this.browser = await chromium.launchPersistentContext(join(this.folder, 'browser'), {
-      executablePath: browserProgram,
+      executablePath: this.browserProgram,
       headless: true,
       viewport: { width: 1360, height: 820 },
       args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', ...options],

@@ -120,10 +120,10 @@ kj::Promise<void> Stream::drain() {
 }
 
 kj::Promise<size_t> Stream::tryRead(void* buffer, size_t minimum, size_t maximum) {
-  return read(static_cast<kj::byte*>(buffer), minimum, maximum, 0);
+  return read_more(static_cast<kj::byte*>(buffer), minimum, maximum, 0);
 }
 
-kj::Promise<size_t> Stream::read(kj::byte* buffer, size_t minimum, size_t maximum, size_t done) {
+kj::Promise<size_t> Stream::read_more(kj::byte* buffer, size_t minimum, size_t maximum, size_t done) {
   while (done < minimum) {
     size_t got = 0;
     ERR_clear_error();
@@ -138,7 +138,7 @@ kj::Promise<size_t> Stream::read(kj::byte* buffer, size_t minimum, size_t maximu
         }
         return feed().then([=, this](bool more) -> kj::Promise<size_t> {
           if (!more) return done;
-          return read(buffer, minimum, maximum, done);
+          return read_more(buffer, minimum, maximum, done);
         });
       case SSL_ERROR_ZERO_RETURN:
         return done;

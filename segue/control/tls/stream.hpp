@@ -53,7 +53,7 @@ class Stream final : public detail::SecureStream {
 
   kj::Promise<Result<Identity>> fail_handshake();
   [[nodiscard]] Result<Identity> verified() const;
-  kj::Promise<size_t> read(kj::byte* buffer, size_t minimum, size_t maximum, size_t done);
+  kj::Promise<size_t> read_more(kj::byte* buffer, size_t minimum, size_t maximum, size_t done);
   kj::Promise<void> write_from(kj::ArrayPtr<const kj::ArrayPtr<const kj::byte>> pieces, size_t piece,
                                size_t offset);
   /// Takes bytes from the other side; false at their end.
