@@ -10,6 +10,8 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <initializer_list>
+#include <string>
 
 namespace segue::cdtn {
 namespace {
@@ -26,7 +28,7 @@ class Boxes : public testing::TestWithParam<int> {
     ASSERT_TRUE(flat_) << to_string(diagnostics);
   }
 
-  double run(std::uint32_t planners, std::uint32_t copies, ConcurrentEngineOptions options = {}) {
+  Duration run(std::uint32_t planners, std::uint32_t copies, ConcurrentEngineOptions options = {}) {
     for (const char* name : {"process:path_planner", "worldmodel:projected"})
       flat_->network.resources[flat_->network.resources.intern(name)].count = planners;
     const Order order = derive_order(flat_->network);
@@ -35,41 +37,94 @@ class Boxes : public testing::TestWithParam<int> {
     ConcurrentEngine engine(flat_->network, order, environment, options);
     const RunResult result = engine.run();
     EXPECT_TRUE(result.done()) << to_string(*result.error);
-    return std::chrono::duration<double>(result.makespan).count();
+    return result.makespan;
+  }
+
+  /// How long the nodes of these names take, one after the other.
+  Duration together(std::initializer_list<const char*> names) const {
+    Duration sum{};
+    for (const std::string name : names) {
+      std::uint32_t found = 0;
+      for (NodeId node{0}; index(node) < flat_->network.size(); node = NodeId{index(node) + 1}) {
+        if (flat_->network.name_of(node) != name) continue;
+        sum += flat_->network[node].duration;
+        ++found;
+      }
+      EXPECT_EQ(found, 1U) << name;
+    }
+    return sum;
+  }
+
+  /// Likewise of the nodes of these names for each box from `first` on.
+  Duration for_boxes(int first, std::initializer_list<const char*> names) const {
+    Duration sum{};
+    for (int box = first; box <= GetParam(); ++box) {
+      for (const std::string name : names)
+        sum += together({(name + std::to_string(box)).c_str()});
+    }
+    return sum;
   }
 
   std::size_t row() const { return static_cast<std::size_t>(GetParam()) - 1; }
   std::optional<FlatNetwork> flat_;
 };
 
-TEST_P(Boxes, TakeAsLongAsThePaperSaysSequentially) {
+double in_seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// The durations were fitted to the paper's figures, and come within 0.6 % of them.
+TEST_P(Boxes, TakeAsLongSequentiallyAsAllNodesTogether) {
   SimulatedEnvironment environment(flat_->network, flat_->trials);
   const RunResult result = run_sequential(flat_->network, environment);
-  EXPECT_NEAR(std::chrono::duration<double>(result.makespan).count(), (std::array{81.6, 123.1, 164.5})[row()],
-              kTolerance);
+  Duration all{};
+  for (NodeId node{0}; index(node) < flat_->network.size(); node = NodeId{index(node) + 1})
+    all += flat_->network[node].duration;
+  EXPECT_EQ(result.makespan, all);
+  EXPECT_NEAR(in_seconds(all), (std::array{81.6, 123.1, 164.5})[row()], kTolerance);
+  const double published = (std::array{81.3, 123.7, 164.2})[row()];
+  EXPECT_NEAR(in_seconds(all), published, published * 0.006);
 }
 
+/// The arm rests only until the first way has been planned: all other planning is done while it moves.
 TEST_P(Boxes, ReachTheCriticalPathWithOnePlanner) {
-  const double expected = (std::array{72.9, 95.2, 117.5})[row()];
-  EXPECT_NEAR(run(1, 0), expected, kTolerance);
-  const auto path = critical_path(flat_->network, derive_order(flat_->network));
-  EXPECT_NEAR(std::chrono::duration<double>(path.length).count(), expected, kTolerance);
+  const Duration expected =
+      together({"LOOK", "D1", "P-MA1", "STOW"}) + for_boxes(1, {"MA", "MT", "G", "R", "PL"});
+  EXPECT_EQ(run(1, 0), expected);
+  EXPECT_EQ(critical_path(flat_->network, derive_order(flat_->network)).length, expected);
+  EXPECT_NEAR(in_seconds(expected), (std::array{72.9, 95.2, 117.5})[row()], kTolerance);
 }
 
-/// With one planner the paper has 73.5, 107.3, 141.5 s, with two 72.3, 97.3, 116.5 s. One copy of the world
-/// that is kept until its plan has been carried out comes within 5 % of the former, three copies within 3 %
-/// of the latter.
-TEST_P(Boxes, TakeAsLongAsInThePaperWithAsManyCopiesOfTheWorld) {
-  const double one_planner = (std::array{73.5, 107.3, 141.5})[row()];
-  const double two_planners = (std::array{72.3, 97.3, 116.5})[row()];
-  EXPECT_NEAR(run(1, 1), one_planner, one_planner * 0.05);
-  EXPECT_NEAR(run(2, 3), two_planners, two_planners * 0.03);
+/// A copy of the world is kept until the plan that was made in it has been carried out. So where there is
+/// one, from the second box on the way to a box is planned once the arm has retreated from the last one, and
+/// its last piece when the arm has come near the box; of the rest, all is planned while the arm moves. How
+/// many copies the paper's robot kept is not published. Its figures were measured and ours are computed, so
+/// ours must not be longer.
+TEST_P(Boxes, WithOneCopyOfTheWorldPlanEachWayToABoxAfterTheMotionBefore) {
+  const Duration makespan = run(1, 1);
+  EXPECT_EQ(makespan, together({"LOOK", "D1", "P-MA1", "MA1", "MT1", "G1", "R1"}) +
+                          for_boxes(2, {"P-MA", "MA", "P-MT", "MT", "G", "R"}) +
+                          for_boxes(GetParam(), {"PL"}) + together({"STOW"}));
+  EXPECT_LE(in_seconds(makespan), (std::array{73.5, 107.3, 141.5})[row()]);
 }
 
-TEST_P(Boxes, TakeNoLongerThanSequentiallyWithoutRunningAhead) {
+/// Two planners with three copies need not wait for each other. The paper's figures for two planners, which
+/// are measured, lie up to 0.9 % below the critical path of the durations that were fitted to it, so nobody
+/// can keep to them exactly: ours are no longer than 1.01 times these.
+TEST_P(Boxes, ReachTheCriticalPathWithTwoPlannersAndThreeCopiesOfTheWorld) {
+  const Duration makespan = run(2, 3);
+  EXPECT_EQ(makespan, critical_path(flat_->network, derive_order(flat_->network)).length);
+  EXPECT_LE(in_seconds(makespan), 1.01 * (std::array{72.3, 97.3, 116.5})[row()]);
+}
+
+/// Only moving the arm out and looking for later boxes are done beside other things.
+TEST_P(Boxes, PlanEveryWayWhileTheArmRestsWithoutRunningAhead) {
   ConcurrentEngineOptions options;
   options.speculate = false;
-  EXPECT_LT(run(1, 0, options), (std::array{81.6, 123.1, 164.5})[row()]);
+  const Duration makespan = run(1, 0, options);
+  EXPECT_EQ(makespan, together({"LOOK", "D1", "STOW"}) +
+                          for_boxes(1, {"P-MA", "MA", "P-MT", "MT", "G", "P-R", "R", "PL"}));
+  EXPECT_LT(in_seconds(makespan), (std::array{81.6, 123.1, 164.5})[row()]);
 }
 
 INSTANTIATE_TEST_SUITE_P(Paper, Boxes, testing::Values(1, 2, 3));
