@@ -170,19 +170,26 @@ if(BUILD_TESTING)
   segue_test_headers()
 endif()
 
-# segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [KINDS unit|product|nightly...] [LABELS ...] [TIMEOUT seconds])
+# What a GoogleTest program prints with --gtest_brief=1 where cases were skipped and none has failed. Output of a failed case has
+# a bracket before that of the summary, so that a failure never counts as skipped.
+set(SEGUE_SOME_SKIPPED "^[^[]*\\[==========\\][^[]*\\[  PASSED  \\][^[]*\\[  SKIPPED \\]")
+
+# segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [KINDS unit|product|nightly...] [LABELS ...] [TIMEOUT seconds]
+#            [SHARED_DATA] [WHERE_POSSIBLE])
 # A GoogleTest (and rapidcheck) program, one ctest entry, which may include <support/...>. Its kinds are labels, and decide which
 # stages of tools/test build and run it:
 #   unit      (the default) under the sanitizers of addresses and undefined behaviour
 #   product   in the release build: the programs as users run them, real time, and what tries too many cases for sanitizers
 #   nightly   in the release build of a night only
 # Label `concurrency`: also under thread sanitizer. SEPARATE sources are compiled on their own in unity builds too, because they
-# define names that another source defines as well.
+# define names that another source defines as well. SHARED_DATA: cases of suites whose names end in SharedData need data that is
+# not part of Segue (tests/support/shared_data.hpp); they are a ctest entry of their own, NAME_shared_data, which is shown as
+# skipped when they are. WHERE_POSSIBLE: likewise suites that end in WherePossible need what not every machine and user has.
 function(segue_test NAME)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;SEPARATE;LINK;KINDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SHARED_DATA;WHERE_POSSIBLE" "TIMEOUT" "SOURCES;SEPARATE;LINK;KINDS;LABELS" ${ARGN})
   if(NOT ARG_KINDS)
     set(ARG_KINDS unit)
   endif()
@@ -203,10 +210,32 @@ function(segue_test NAME)
   if("concurrency" IN_LIST ARG_LABELS)
     add_dependencies(concurrency_tests ${NAME})
   endif()
+  set(entries ${NAME})
+  set(apart)
+  if(ARG_SHARED_DATA)
+    segue_skippable_test(${NAME} shared_data SharedData)
+  endif()
+  if(ARG_WHERE_POSSIBLE)
+    segue_skippable_test(${NAME} where_possible WherePossible)
+  endif()
+  if(apart)
+    list(JOIN apart ":" apart)
+    set(apart --gtest_filter=-${apart})
+  endif()
+  add_test(NAME ${NAME} COMMAND ${NAME} --gtest_brief=1 ${apart})
   # What may take long begins first (COST), so that nobody waits for it alone at the end.
-  add_test(NAME ${NAME} COMMAND ${NAME} --gtest_brief=1)
-  set_tests_properties(${NAME} PROPERTIES TIMEOUT ${ARG_TIMEOUT} COST ${ARG_TIMEOUT} LABELS "${ARG_KINDS};${ARG_LABELS}")
+  set_tests_properties(${entries} PROPERTIES TIMEOUT ${ARG_TIMEOUT} COST ${ARG_TIMEOUT} LABELS "${ARG_KINDS};${ARG_LABELS}")
 endfunction()
+
+# Of segue_test: makes the entry NAME_KIND for the suites that end in SUITE, and leaves these out of the entry NAME. That there
+# are none is a failure.
+macro(segue_skippable_test NAME KIND SUITE)
+  add_test(NAME ${NAME}_${KIND} COMMAND ${NAME} --gtest_brief=1 --gtest_filter=*${SUITE}.*)
+  set_tests_properties(${NAME}_${KIND} PROPERTIES SKIP_REGULAR_EXPRESSION "${SEGUE_SOME_SKIPPED}"
+                       FAIL_REGULAR_EXPRESSION " 0 tests from 0 test suites ran")
+  list(APPEND entries ${NAME}_${KIND})
+  list(APPEND apart *${SUITE}.*)
+endmacro()
 
 # segue_long_tests(NAME...): these take more than daily work should wait for (ctest -LE long leaves them out).
 function(segue_long_tests)

@@ -30,7 +30,9 @@ TEST_F(SecureTest, OneServerMayListenOnASocketAndOnTcp) {
   EXPECT_FALSE(std::filesystem::exists(socket_));
 }
 
-TEST_F(SecureTest, Version6OfTheProtocolServesAsWell) {
+using SecureWherePossible = SecureTest;
+
+TEST_F(SecureWherePossible, Version6OfTheProtocolServesAsWell) {
   auto server = Server::listen(Places{{}, place("::1")}, &robot_);
   if (!server) GTEST_SKIP() << to_string(server.error());
   const auto robot = connect(TcpEndpoint{{"::1", (*server)->port()}, "left", credentials("ann")}, kLong);

@@ -3,7 +3,7 @@
 
 #include <segue/type/yaml.hpp>
 
-#include <support/paths.hpp>
+#include <support/shared_data.hpp>
 
 #include <gmock/gmock.h>
 
@@ -43,14 +43,11 @@ void live_through(const model::ComponentCatalog& catalog, int& count) {
   }
 }
 
-TEST(StandIn, every_rock_component_lives_through_its_life_cycle) {
-  const fs::path rock = fs::path(segue::paths::kSourceFolder) / ".." / "shared" / "data" / "rock";
-  if (!fs::exists(rock)) {
-    GTEST_SKIP() << "no " << rock;
-  }
+TEST(StandInSharedData, every_rock_component_lives_through_its_life_cycle) {
+  if (const auto missing = missing_shared_data("rock"); !missing.empty()) GTEST_SKIP() << missing;
   int count = 0;
   for (const char* folder : {"interfaces", "models"}) {
-    for (const auto& file : fs::directory_iterator(rock / folder)) {
+    for (const auto& file : fs::directory_iterator(shared_data("rock") / folder)) {
       model::ComponentCatalog catalog;
       Diagnostics diagnostics;
       model::load_components(file.path(), catalog, diagnostics);

@@ -5,6 +5,7 @@
 #include <segue/type/json.hpp>
 
 #include <support/paths.hpp>
+#include <support/shared_data.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,12 +22,12 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const path kOurs = segue::paths::in_sources("/tests/rafcon");
-const path kReal = segue::paths::in_sources("/../shared/data/rafcon/DLR-RM+RAFCON");
+const std::string kReal = "rafcon/DLR-RM+RAFCON";  // of the shared data
 
 /// Where RAFCON's own tests look for libraries.
 std::vector<RafconLibraryPath> real_paths() {
-  const path share = kReal / "source/rafcon/share/rafcon";
-  const path tests = kReal / "tests/assets/unit_test_state_machines";
+  const path share = shared_data(kReal) / "source/rafcon/share/rafcon";
+  const path tests = shared_data(kReal) / "tests/assets/unit_test_state_machines";
   return {{"generic", share / "libraries/generic"},
           {"tutorials", share / "examples/tutorials"},
           {"turtle_libraries", share / "examples/libraries/turtle_libraries"},
@@ -46,7 +47,7 @@ struct Expected {
 
 std::vector<Expected> oracle() {
   std::vector<Expected> rows;
-  std::istringstream lines(read_file(kReal.parent_path() / "oracle_load.jsonl").value_or(""));
+  std::istringstream lines(read_file(shared_data("rafcon/oracle_load.jsonl")).value_or(""));
   const auto number = [](const type::Value& row, std::string_view key) {
     const type::Value* value = row.find(key);
     return value == nullptr ? 0 : value->as_uint();
@@ -55,7 +56,7 @@ std::vector<Expected> oracle() {
     const auto row = type::parse_json(line);
     if (!row) continue;
     Expected expected;
-    expected.folder = kReal / row->find("path")->as_string();
+    expected.folder = shared_data(kReal) / row->find("path")->as_string();
     expected.ok = row->find("ok")->as_bool();
     expected.counts = {number(*row, "states_expanded"), number(*row, "library_states"),
                        number(*row, "transitions"), number(*row, "data_flows")};
@@ -71,8 +72,8 @@ std::string told(const RafconCounts& counts) {
          std::to_string(counts.data_flows) + " data flows";
 }
 
-TEST(RafconRealMachines, loadAsRafconLoadsThem) {
-  if (!std::filesystem::exists(kReal)) GTEST_SKIP() << "no " << kReal;
+TEST(RafconMachinesSharedData, loadAsRafconLoadsThem) {
+  if (const auto missing = missing_shared_data(kReal); !missing.empty()) GTEST_SKIP() << missing;
   const auto rows = oracle();
   ASSERT_GT(rows.size(), 100U);
   for (const Expected& expected : rows) {

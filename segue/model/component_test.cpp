@@ -3,7 +3,7 @@
 #include <segue/model/files.hpp>
 #include <segue/model/port_pattern.hpp>
 
-#include <support/paths.hpp>
+#include <support/shared_data.hpp>
 
 #include <gmock/gmock.h>
 
@@ -264,14 +264,13 @@ TEST(RockModelTest, theTransformerAddsPortsAndProperties) {
   EXPECT_EQ(model->find_property("samples_period")->default_value, Value(0.01));
 }
 
-TEST(RealModelsTest, everyInterfaceAndExportedModelReads) {
-  const fs::path rock = fs::path(segue::paths::kSourceFolder) / ".." / "shared" / "data" / "rock";
-  if (!fs::exists(rock)) GTEST_SKIP() << "no real inputs here";
+TEST(RealModelsSharedData, everyInterfaceAndExportedModelReads) {
+  if (const auto missing = missing_shared_data("rock"); !missing.empty()) GTEST_SKIP() << missing;
   ComponentCatalog catalog;
   Diagnostics diagnostics;
   std::set<fs::path> files;
   for (const char* folder : {"interfaces", "models"}) {
-    for (const auto& entry : fs::directory_iterator(rock / folder))
+    for (const auto& entry : fs::directory_iterator(shared_data("rock") / folder))
       files.insert(entry.path());
   }
   for (const fs::path& file : files) {
@@ -293,11 +292,9 @@ TEST(RealModelsTest, everyInterfaceAndExportedModelReads) {
   expect_round_trip(catalog);
 }
 
-TEST(RealModelsTest, everyTypelibRegistryReads) {
-  const fs::path typelib =
-      fs::path(segue::paths::kSourceFolder) / ".." / "shared" / "data" / "rock" / "typelib";
-  if (!fs::exists(typelib)) GTEST_SKIP() << "no real inputs here";
-  for (const auto& entry : fs::directory_iterator(typelib)) {
+TEST(RealModelsSharedData, everyTypelibRegistryReads) {
+  if (const auto missing = missing_shared_data("rock/typelib"); !missing.empty()) GTEST_SKIP() << missing;
+  for (const auto& entry : fs::directory_iterator(shared_data("rock/typelib"))) {
     ComponentCatalog catalog;
     Diagnostics diagnostics;
     EXPECT_TRUE(load_components(entry.path(), catalog, diagnostics)) << to_string(diagnostics);

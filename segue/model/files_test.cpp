@@ -3,6 +3,7 @@
 #include <segue/model/host_config.hpp>
 
 #include <support/paths.hpp>
+#include <support/shared_data.hpp>
 
 #include <gmock/gmock.h>
 
@@ -297,34 +298,37 @@ TEST(KindOfFileTest, byContentThenByName) {
   EXPECT_EQ(kind_of_file("a.txt", "; nothing"), FileKind::Unknown);
 }
 
-fs::path real_inputs() {
-  return fs::path(segue::paths::kSourceFolder) / ".." / "shared" / "data";
+const fs::path kArtemis = segue::paths::in_sources("/examples/04_artemis/controllers");
+
+void expect_cnd_files_to_read(const fs::path& folder, int expected) {
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().string().find(".cnd") == std::string::npos) continue;
+    Diagnostics diagnostics;
+    const auto network = load_network(entry.path(), diagnostics);
+    ASSERT_TRUE(network) << to_string(diagnostics);
+    for (const Diagnostic& item : diagnostics.items())
+      EXPECT_EQ(item.code, "sections-not-read") << item.message;
+    EXPECT_FALSE(network->tasks.empty());
+    Diagnostics again;
+    EXPECT_EQ(read_network(write_network(*network), "x.yaml", again), network) << to_string(again);
+    ++files;
+  }
+  EXPECT_EQ(files, expected);
 }
 
-TEST(RealFilesTest, everyCndFileReads) {
-  if (!fs::exists(real_inputs())) GTEST_SKIP() << "no real inputs here";
-  int files = 0;
-  for (const char* folder : {"rock/cnd", "artemis"}) {
-    for (const auto& entry : fs::directory_iterator(real_inputs() / folder)) {
-      if (entry.path().string().find(".cnd") == std::string::npos) continue;
-      Diagnostics diagnostics;
-      const auto network = load_network(entry.path(), diagnostics);
-      ASSERT_TRUE(network) << to_string(diagnostics);
-      for (const Diagnostic& item : diagnostics.items())
-        EXPECT_EQ(item.code, "sections-not-read") << item.message;
-      EXPECT_FALSE(network->tasks.empty());
-      Diagnostics again;
-      EXPECT_EQ(read_network(write_network(*network), "x.yaml", again), network) << to_string(again);
-      ++files;
-    }
-  }
-  EXPECT_EQ(files, 7);
+TEST(RealFilesSharedData, everyCndFileReads) {
+  if (const auto missing = missing_shared_data("rock/cnd"); !missing.empty()) GTEST_SKIP() << missing;
+  expect_cnd_files_to_read(shared_data("rock/cnd"), 3);
+}
+
+TEST(RealFilesTest, everyArtemisControllerReads) {
+  expect_cnd_files_to_read(kArtemis, 4);
 }
 
 TEST(RealFilesTest, theArtemisControllersHaveThePapersSizes) {
-  if (!fs::exists(real_inputs())) GTEST_SKIP() << "no real inputs here";
   Diagnostics diagnostics;
-  const auto network = load_network(real_inputs() / "artemis" / "goal_navigation.cnd", diagnostics);
+  const auto network = load_network(kArtemis / "goal_navigation.cnd", diagnostics);
   ASSERT_TRUE(network) << to_string(diagnostics);
   EXPECT_EQ(network->name, NetworkName("goal_navigation"));
   EXPECT_EQ(network->tasks.size(), 41U);

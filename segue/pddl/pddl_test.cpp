@@ -77,7 +77,7 @@ using Row = std::map<std::string, std::string>;
 
 std::vector<Row> published() {
   std::vector<Row> rows;
-  const auto text = read_file(shared_data("pddl") / "results.csv");
+  const auto text = read_file(shared_data("pddl/results.csv"));
   if (!text) return rows;
   std::istringstream lines(*text);
   std::string line;
@@ -98,9 +98,10 @@ std::vector<Row> published() {
   return rows;
 }
 
-TEST(Pddl, CompetitionPlansAreAsParallelAsThePublishedOnes) {
+TEST(PddlSharedData, CompetitionPlansAreAsParallelAsThePublishedOnes) {
+  if (const auto missing = missing_shared_data("pddl/results.csv"); !missing.empty()) GTEST_SKIP() << missing;
   const auto rows = published();
-  if (rows.empty()) GTEST_SKIP() << "without " << shared_data("pddl");
+  ASSERT_FALSE(rows.empty());
   for (const Row& row : rows) {
     const auto folder = shared_data("pddl") / row.at("domain") / row.at("instance");
     const auto plan = folder / (row.at("planner") == "lama-first" ? "plan" : "plan.mp");

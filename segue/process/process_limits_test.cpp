@@ -87,10 +87,11 @@ TEST(ProcessLimits, aPriorityThatDoesNotExistIsRefusedEvenIfItIsOptional) {
   });
 }
 
-TEST(ProcessLimits, aSchedulerThatIsPermittedIsChosen) {
+TEST(ProcessLimitsWherePossible, aSchedulerThatIsPermittedIsChosen) {
   std::jthread([] {
     const sched_param parameters{3};
-    if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) GTEST_SKIP() << "not permitted here";
+    if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
+      GTEST_SKIP() << "a real-time scheduler is not permitted";
     EXPECT_TRUE(apply_to_this_process(with(Scheduler::RoundRobin, 4, false)));
     EXPECT_EQ(::sched_getscheduler(0), SCHED_RR);
     sched_param chosen{};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/type/typelib.hpp>
 
-#include <support/paths.hpp>
+#include <support/shared_data.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::filesystem::path kRealFiles = segue::paths::in_sources("/../shared/data/rock/typelib");
+const std::string kRealFiles = "rock/typelib";  // of the shared data
 
 std::string in_typelib(const std::string& content) {
   return "<?xml version=\"1.0\"?>\n<typelib>\n" + content + "\n</typelib>\n";
@@ -299,11 +299,11 @@ std::size_t count(const TypeRegistry& registry, TypeKind kind) {
   return static_cast<std::size_t>(std::ranges::count(types, kind, &Type::kind));
 }
 
-TEST(TypelibRealFiles, all_are_read) {
-  if (!std::filesystem::exists(kRealFiles)) GTEST_SKIP() << kRealFiles << " is not here";
+TEST(TypelibSharedData, all_are_read) {
+  if (const auto missing = missing_shared_data(kRealFiles); !missing.empty()) GTEST_SKIP() << missing;
   std::size_t files = 0;
   TypeRegistry all;
-  for (const auto& entry : std::filesystem::directory_iterator(kRealFiles)) {
+  for (const auto& entry : std::filesystem::directory_iterator(shared_data(kRealFiles))) {
     SCOPED_TRACE(entry.path().filename());
     ++files;
     Diagnostics diagnostics;
@@ -322,11 +322,11 @@ TEST(TypelibRealFiles, all_are_read) {
 
 std::optional<TypeRegistry> real(const std::string& name) {
   Diagnostics diagnostics;
-  return load_typelib(kRealFiles / name, diagnostics);
+  return load_typelib(shared_data(kRealFiles) / name, diagnostics);
 }
 
-TEST(TypelibRealFiles, rock_types_are_as_they_should_be) {
-  if (!std::filesystem::exists(kRealFiles)) GTEST_SKIP() << kRealFiles << " is not here";
+TEST(TypelibSharedData, rock_types_are_as_they_should_be) {
+  if (const auto missing = missing_shared_data(kRealFiles); !missing.empty()) GTEST_SKIP() << missing;
   auto types = real("orogen_test_ros_models_base.tlb");
   ASSERT_TRUE(types);
   const Type* state = types->find("base::samples::RigidBodyState_m");
@@ -340,9 +340,9 @@ TEST(TypelibRealFiles, rock_types_are_as_they_should_be) {
   EXPECT_EQ(types->find("/std/vector</unsigned char>"), types->find("std::vector<uint8_t>"));
 }
 
-TEST(TypelibRealFiles, every_type_is_found_by_its_own_name_and_has_a_definition) {
-  if (!std::filesystem::exists(kRealFiles)) GTEST_SKIP() << kRealFiles << " is not here";
-  for (const auto& entry : std::filesystem::directory_iterator(kRealFiles)) {
+TEST(TypelibSharedData, every_type_is_found_by_its_own_name_and_has_a_definition) {
+  if (const auto missing = missing_shared_data(kRealFiles); !missing.empty()) GTEST_SKIP() << missing;
+  for (const auto& entry : std::filesystem::directory_iterator(shared_data(kRealFiles))) {
     auto registry = real(entry.path().filename());
     ASSERT_TRUE(registry);
     for (const Type* type : registry->types()) {

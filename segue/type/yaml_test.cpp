@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/type/yaml.hpp>
-#include <support/paths.hpp>
 #include <support/random_values.hpp>
+#include <support/shared_data.hpp>
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -261,11 +261,10 @@ RC_GTEST_PROP(YamlWriter, WritingTwiceChangesNothing, ()) {
 }
 
 // Rock's property files hold several documents and are read by the model importer; all others are one.
-TEST(YamlRealFiles, AreReadAndWrittenBackEqual) {
-  const std::filesystem::path data = segue::paths::in_sources("/../shared/data");
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data;
+TEST(YamlSharedData, FilesAreReadAndWrittenBackEqual) {
+  if (const auto missing = missing_shared_data(); !missing.empty()) GTEST_SKIP() << missing;
   int read = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(data)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(shared_data())) {
     const auto extension = entry.path().extension();
     if (extension != ".yml" && extension != ".yaml" && extension != ".cnd") continue;
     const auto value = load_yaml(entry.path());

@@ -4,9 +4,8 @@
 #include <segue/model/files.hpp>
 #include <segue/runtime/temporary_hosts.hpp>
 
-#include <support/shared_data.hpp>
+#include <support/paths.hpp>
 
-#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
@@ -36,7 +35,8 @@ class ArtemisTest : public Base {
     std::set<std::string> used;
     for (const auto& controller : kArtemisControllers) {
       Diagnostics diagnostics;
-      auto network = model::load_network(shared_data("artemis") / (controller + ".cnd"), diagnostics);
+      const auto file = segue::paths::in_sources("/examples/04_artemis/controllers/") + controller + ".cnd";
+      auto network = model::load_network(file, diagnostics);
       ASSERT_TRUE(network) << to_string(diagnostics);
       runtime::deal_out(*network, names);
       for (const auto& deployment : network->deployments)
@@ -60,8 +60,6 @@ class ArtemisTest : public Base {
     this->stop_robot();
     EXPECT_EQ(this->all_deployments(), (std::map<std::string, pid_t>{}));
   }
-
-  static bool has_data() { return std::filesystem::exists(shared_data("artemis")); }
 };
 
 }  // namespace segue::testing

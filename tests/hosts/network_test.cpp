@@ -15,7 +15,7 @@ using type::Value;
 
 void NetworkTest::SetUp() {
   const auto& obstacle = TestNetwork::obstacle();
-  if (!obstacle.empty()) GTEST_SKIP() << "skipped: " << obstacle;
+  if (!obstacle.empty()) GTEST_SKIP() << obstacle;
   DisturbedChainTest::SetUp();
   network_ = std::make_unique<TestNetwork>(std::vector<std::string>{"a", "b", "c", "runtime"});
   ASSERT_EQ(segue({"host", "init", "--authority", "ca", "--no-host", "--out", "me"}).status, 0);
