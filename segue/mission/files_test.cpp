@@ -16,8 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 
 /// One of everything that a mission file can hold.
-const std::filesystem::path kEverything =
-    segue::paths::in_sources("/tests/fuzz/corpus/mission/everything.yaml");
+const std::filesystem::path kEverything = segue::paths::in_sources("/tests/cases/mission/everything.yaml");
 
 TEST(MissionFile, isWrittenBackEqual) {
   Diagnostics loading;
