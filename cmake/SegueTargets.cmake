@@ -247,27 +247,63 @@ function(segue_long_tests)
   endforeach()
 endfunction()
 
-# segue_fuzzer(NAME SOURCES ... LINK targets... [CORPUS folder])
-# A libFuzzer program (SEGUE_FUZZ with clang). As a ctest entry it tries SEGUE_FUZZ_RUNS inputs made from its corpus, for
-# SEGUE_FUZZ_SECONDS at the most; with SEGUE_FUZZ_SEED the same ones each time, so that a change is judged by what it changes.
+# segue_fuzzer(KIND_fuzz SOURCES ... LINK targets... [INCLUDE folders...])
+# What tries inputs that others may have written. tests/fuzz/seeds/KIND holds texts from which the build makes a first corpus
+# (tests/fuzz/make_corpus). With every compiler it is a test, KIND_fuzz_replay, that tries this corpus and simple changes of it.
+# With SEGUE_FUZZ (clang) it is a libFuzzer program as well. As a ctest entry that tries SEGUE_FUZZ_RUNS inputs made from the
+# corpus, for SEGUE_FUZZ_SECONDS at the most; with SEGUE_FUZZ_SEED the same ones each time, so that a change is judged by what it
+# changes. Headers in INCLUDE are not ours.
 set(SEGUE_FUZZ_SECONDS 20 CACHE STRING "How long each fuzzer runs as a test")
 set(SEGUE_FUZZ_RUNS 100000 CACHE STRING "How many inputs each fuzzer tries as a test; -1: as many as time allows")
 set(SEGUE_FUZZ_SEED 1 CACHE STRING "Where its random numbers begin; 0: anywhere")
 function(segue_fuzzer NAME)
-  if(NOT SEGUE_FUZZ)
+  if(NOT SEGUE_FUZZ AND NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "CORPUS" "SOURCES;LINK" ${ARGN})
-  add_executable(${NAME} ${ARG_SOURCES})
-  target_link_libraries(${NAME} PRIVATE ${ARG_LINK} segue_flags)
-  target_compile_options(${NAME} PRIVATE -fsanitize=fuzzer)
-  target_link_options(${NAME} PRIVATE -fsanitize=fuzzer)
-  set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz)
-  add_dependencies(fuzzers ${NAME})
-  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found)
-  add_test(NAME ${NAME}
-           COMMAND ${NAME} -max_total_time=${SEGUE_FUZZ_SECONDS} -runs=${SEGUE_FUZZ_RUNS}
-                   -seed=${SEGUE_FUZZ_SEED} -timeout=10 -rss_limit_mb=2048
-                   -print_final_stats=1 ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found ${ARG_CORPUS})
-  set_tests_properties(${NAME} PROPERTIES LABELS fuzz TIMEOUT 600)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;INCLUDE" ${ARGN})
+  string(REGEX REPLACE "_fuzz$" "" kind ${NAME})
+  set(fuzz ${CMAKE_SOURCE_DIR}/tests/fuzz)
+  set(corpus ${CMAKE_BINARY_DIR}/fuzz/corpus/${kind})
+  file(GLOB seeds CONFIGURE_DEPENDS ${fuzz}/seeds/${kind}/*.txt)
+  add_custom_command(
+    OUTPUT ${corpus}.stamp
+    COMMAND ${fuzz}/make_corpus --stamp ${corpus}.stamp ${fuzz}/seeds/${kind} ${corpus}
+    DEPENDS ${fuzz}/make_corpus ${seeds}
+    DEPFILE ${corpus}.stamp.d
+    COMMENT "Making the corpus of ${NAME}")
+  add_custom_target(${NAME}_corpus DEPENDS ${corpus}.stamp)
+
+  set(programs)
+  if(BUILD_TESTING)
+    if(NOT TARGET segue_replay)
+      add_library(segue_replay OBJECT ${fuzz}/replay.cpp)
+      target_link_libraries(segue_replay PRIVATE segue_flags)
+    endif()
+    list(APPEND programs ${NAME}_replay)
+    add_executable(${NAME}_replay ${ARG_SOURCES})
+    target_link_libraries(${NAME}_replay PRIVATE segue_replay)
+    target_compile_options(${NAME}_replay PRIVATE $<$<CONFIG:Release>:-O1>)
+    set_target_properties(${NAME}_replay PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+    add_test(NAME ${NAME}_replay COMMAND ${NAME}_replay ${corpus})
+    set_tests_properties(${NAME}_replay PROPERTIES LABELS unit TIMEOUT 120)
+  endif()
+  if(SEGUE_FUZZ)
+    list(APPEND programs ${NAME})
+    add_executable(${NAME} ${ARG_SOURCES})
+    target_compile_options(${NAME} PRIVATE -fsanitize=fuzzer)
+    target_link_options(${NAME} PRIVATE -fsanitize=fuzzer)
+    set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz)
+    add_dependencies(fuzzers ${NAME})
+    file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found)
+    add_test(NAME ${NAME}
+             COMMAND ${NAME} -max_total_time=${SEGUE_FUZZ_SECONDS} -runs=${SEGUE_FUZZ_RUNS}
+                     -seed=${SEGUE_FUZZ_SEED} -timeout=10 -rss_limit_mb=2048
+                     -print_final_stats=1 ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found ${corpus})
+    set_tests_properties(${NAME} PROPERTIES LABELS fuzz TIMEOUT 600)
+  endif()
+  foreach(program IN LISTS programs)
+    target_link_libraries(${program} PRIVATE ${ARG_LINK} segue_flags)
+    target_include_directories(${program} SYSTEM PRIVATE ${ARG_INCLUDE})
+    add_dependencies(${program} ${NAME}_corpus)
+  endforeach()
 endfunction()

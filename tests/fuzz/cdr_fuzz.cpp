@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Reading objects from CDR, as if a hostile computer had sent it. The first byte chooses the type.
+#include "allocated.hpp"
 #include "require.hpp"
 
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
 #include <segue/type/flat.hpp>
-
-#include <sanitizer/allocator_interface.h>
 
 #include <array>
 #include <cstddef>
@@ -56,14 +55,8 @@ SEGUE_TYPE(fuzzed::All, odd, name, samples, points, remark, bits, two, empty, la
 namespace segue::type {
 namespace {
 
+using fuzz::allocated;
 using fuzz::require;
-
-thread_local std::size_t allocated = 0;
-
-void count(const volatile void*, std::size_t size) {
-  allocated += size;
-}
-void ignore(const volatile void*) {}
 
 /// A text or an optional that holds nothing takes four bytes in CDR.
 constexpr std::size_t kMostGrowth = (sizeof(std::string) + 3) / 4;
@@ -106,10 +99,6 @@ void read(std::span<const std::byte> bytes) {
 
 }  // namespace
 }  // namespace segue::type
-
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  return __sanitizer_install_malloc_and_free_hooks(&segue::type::count, &segue::type::ignore) > 0 ? 0 : 1;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;

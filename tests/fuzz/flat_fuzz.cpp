@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Reading the flat layout, as if a hostile process had written it. The first byte chooses the type.
+#include "allocated.hpp"
 #include "require.hpp"
 
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
 #include <segue/type/flat.hpp>
-
-#include <sanitizer/allocator_interface.h>
 
 #include <array>
 #include <cstddef>
@@ -49,14 +48,8 @@ SEGUE_TYPE(fuzzed::All, name, samples, remark, bits, two, empty, last, texts)
 namespace segue::type {
 namespace {
 
+using fuzz::allocated;
 using fuzz::require;
-
-thread_local std::size_t allocated = 0;
-
-void count(const volatile void*, std::size_t size) {
-  allocated += size;
-}
-void ignore(const volatile void*) {}
 
 /// A sequence in memory has at the most so many times the bytes it has in the layout: of optionals, which
 /// take one byte there when they hold nothing.
@@ -97,10 +90,6 @@ void read(std::span<const std::byte> bytes) {
 
 }  // namespace
 }  // namespace segue::type
-
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  return __sanitizer_install_malloc_and_free_hooks(&segue::type::count, &segue::type::ignore) > 0 ? 0 : 1;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;

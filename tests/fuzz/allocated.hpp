@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define SEGUE_ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SEGUE_ADDRESS_SANITIZER
+#endif
+#endif
+
+/// How much memory is allocated. The address sanitizer tells of every allocation; without a sanitizer those
+/// by `new` count, which this header replaces, so one source of a program includes it.
+namespace segue::fuzz {
+
+/// By this thread; whoever wants to know sets it to 0 before.
+inline thread_local std::size_t allocated = 0;
+
+}  // namespace segue::fuzz
+
+#ifdef SEGUE_ADDRESS_SANITIZER
+
+#include <sanitizer/allocator_interface.h>
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  const auto count = [](const volatile void*, std::size_t size) { segue::fuzz::allocated += size; };
+  const auto ignore = [](const volatile void*) {};
+  return __sanitizer_install_malloc_and_free_hooks(count, ignore) > 0 ? 0 : 1;
+}
+
+#elif !defined(__SANITIZE_THREAD__)
+
+// Not inlined, or gcc sees malloc and free of their own where new and delete belong together.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  segue::fuzz::allocated += size;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+#endif
