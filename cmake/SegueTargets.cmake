@@ -260,12 +260,9 @@ endfunction()
 # segue_fuzzer(KIND_fuzz SOURCES ... LINK targets... [INCLUDE folders...])
 # What tries inputs that others may have written. tests/fuzz/seeds/KIND holds texts from which the build makes a first corpus
 # (tests/fuzz/make_corpus). With every compiler it is a test, KIND_fuzz_replay, that tries this corpus and simple changes of it.
-# With SEGUE_FUZZ (clang) it is a libFuzzer program as well. As a ctest entry that tries SEGUE_FUZZ_RUNS inputs made from the
-# corpus, for SEGUE_FUZZ_SECONDS at the most; with SEGUE_FUZZ_SEED the same ones each time, so that a change is judged by what it
-# changes. Headers in INCLUDE are not ours.
-set(SEGUE_FUZZ_SECONDS 20 CACHE STRING "How long each fuzzer runs as a test")
-set(SEGUE_FUZZ_RUNS 100000 CACHE STRING "How many inputs each fuzzer tries as a test; -1: as many as time allows")
-set(SEGUE_FUZZ_SEED 1 CACHE STRING "Where its random numbers begin; 0: anywhere")
+# With SEGUE_FUZZ (clang) it is a libFuzzer program as well; as a ctest entry that searches for SEGUE_FUZZ_SECONDS, beginning with
+# the corpus. Headers in INCLUDE are not ours.
+set(SEGUE_FUZZ_SECONDS 60 CACHE STRING "How long each fuzzer searches as a test")
 function(segue_fuzzer NAME)
   if(NOT SEGUE_FUZZ AND NOT BUILD_TESTING)
     return()
@@ -294,6 +291,7 @@ function(segue_fuzzer NAME)
     target_link_libraries(${NAME}_replay PRIVATE segue_replay)
     target_compile_options(${NAME}_replay PRIVATE $<$<CONFIG:Release>:-O1>)
     set_target_properties(${NAME}_replay PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+    add_dependencies(unit_tests ${NAME}_replay)
     add_test(NAME ${NAME}_replay COMMAND ${NAME}_replay ${corpus})
     set_tests_properties(${NAME}_replay PROPERTIES LABELS unit TIMEOUT 120)
   endif()
@@ -306,10 +304,9 @@ function(segue_fuzzer NAME)
     add_dependencies(fuzzers ${NAME})
     file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found)
     add_test(NAME ${NAME}
-             COMMAND ${NAME} -max_total_time=${SEGUE_FUZZ_SECONDS} -runs=${SEGUE_FUZZ_RUNS}
-                     -seed=${SEGUE_FUZZ_SEED} -timeout=10 -rss_limit_mb=2048
-                     -print_final_stats=1 ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found ${corpus})
-    set_tests_properties(${NAME} PROPERTIES LABELS fuzz TIMEOUT 600)
+             COMMAND ${NAME} -max_total_time=${SEGUE_FUZZ_SECONDS} -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found ${corpus})
+    math(EXPR limit "${SEGUE_FUZZ_SECONDS} + 300")
+    set_tests_properties(${NAME} PROPERTIES LABELS fuzz TIMEOUT ${limit})
   endif()
   foreach(program IN LISTS programs)
     target_link_libraries(${program} PRIVATE ${ARG_LINK} segue_flags)
