@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string_view>
+#include <utility>
+#include <vector>
+
 namespace segue {
 namespace {
 
@@ -12,9 +16,29 @@ TEST(Error, PrintsPlaceSubjectAndCause) {
   EXPECT_EQ(to_string(error), "a.yaml:3:5: camera: cannot configure (no such device)");
 }
 
-TEST(Error, EveryCodeHasAName) {
-  EXPECT_EQ(to_string(ErrorCode::InvalidArgument), "invalid-argument");
-  EXPECT_EQ(to_string(ErrorCode::Internal), "internal");
+TEST(Error, EveryCodeHasTheNameThatToolsKnow) {
+  using enum ErrorCode;
+  const std::vector<std::pair<ErrorCode, std::string_view>> names = {
+      {InvalidArgument, "invalid-argument"},
+      {NotFound, "not-found"},
+      {AlreadyExists, "already-exists"},
+      {ParseError, "parse-error"},
+      {TypeMismatch, "type-mismatch"},
+      {InvalidState, "invalid-state"},
+      {Unsupported, "unsupported"},
+      {PermissionDenied, "permission-denied"},
+      {ResourceExhausted, "resource-exhausted"},
+      {DeadlineExceeded, "deadline-exceeded"},
+      {Cancelled, "cancelled"},
+      {Superseded, "superseded"},
+      {Unavailable, "unavailable"},
+      {IoError, "io-error"},
+      {HookFailed, "hook-failed"},
+      {Internal, "internal"},
+  };
+  for (const auto& [code, name] : names)
+    EXPECT_EQ(to_string(code), name);
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(Internal) + 1) << "a code is missing here";
 }
 
 TEST(Diagnostics, CountsErrorsButNotWarnings) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/concurrent/notifier.hpp>
 
+#include <support/waiting_call.hpp>
+
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <future>
 #include <stdexcept>
 #include <vector>
@@ -56,16 +59,21 @@ TEST(Notifier, drops_events_without_a_listener_and_does_not_wait_for_them) {
 TEST(Notifier, waits_for_the_previous_listener_before_it_is_replaced) {
   Notifier<int> notifier;
   std::promise<void> entered;
+  std::promise<void> go_on;
   std::atomic<bool> left{false};
   notifier.set_listener([&](int) {
     entered.set_value();
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    go_on.get_future().wait();
     left = true;
   });
   notifier.post(1);
   entered.get_future().wait();
-  notifier.set_listener({});
-  EXPECT_TRUE(left);
+  segue::testing::WaitingCall replacing([&] {
+    notifier.set_listener({});
+    EXPECT_TRUE(left);
+  });
+  EXPECT_TRUE(replacing.waits());
+  go_on.set_value();
 }
 
 TEST(Notifier, a_listener_that_throws_gets_the_next_event) {

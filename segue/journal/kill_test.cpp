@@ -10,7 +10,10 @@
 
 #include <array>
 #include <csignal>
+#include <fstream>
 #include <random>
+#include <string>
+#include <thread>
 
 extern char** environ;
 
@@ -50,6 +53,17 @@ class Writer {
                : std::strtoull(line.data(), nullptr, 10);
   }
 
+  /// Waits until it has written that many more times, to any file: a transaction is several writes.
+  bool wait_for_writes(std::uint64_t more) const {
+    const std::uint64_t before = writes();
+    const TimePoint limit = RealClock::instance().now() + std::chrono::seconds(60);
+    while (writes() < before + more) {
+      if (RealClock::instance().now() > limit) return false;
+      std::this_thread::yield();
+    }
+    return true;
+  }
+
   /// Kills the process; returns the last number that it printed.
   std::uint64_t kill(std::uint64_t safe) {
     ::kill(pid_, SIGKILL);
@@ -62,6 +76,18 @@ class Writer {
   }
 
  private:
+  /// The calls of the system with which it has written.
+  [[nodiscard]] std::uint64_t writes() const {
+    std::ifstream file("/proc/" + std::to_string(pid_) + "/io");
+    std::string name;
+    std::uint64_t count = 0;
+    while (file >> name >> count) {
+      if (name == "syscw:") return count;
+    }
+    ADD_FAILURE() << "the system does not say what process " << pid_ << " has written";
+    return 0;
+  }
+
   pid_t pid_ = -1;
   std::FILE* reported_ = nullptr;
 };
@@ -77,8 +103,7 @@ TEST(JournalKill, NothingThatWasFlushedIsLostWheneverTheWriterIsKilled) {
     std::uint64_t last = safe;
     for (int i = 0; i < flushes; ++i)
       last = std::max(last, writer.next());
-    // A random moment within the next write.
-    ::usleep(std::uniform_int_distribution<useconds_t>(0, 4000)(random));
+    ASSERT_TRUE(writer.wait_for_writes(std::uniform_int_distribution<std::uint64_t>(0, 40)(random)));
     last = writer.kill(last);
     if (!std::filesystem::exists(path)) continue;
     auto reader = JournalReader::open(path);
