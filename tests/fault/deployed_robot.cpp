@@ -12,6 +12,7 @@
 #include <segue/link/shared_memory.hpp>
 #include <segue/model/files.hpp>
 
+#include <support/eventually.hpp>
 #include <support/paths.hpp>
 #include <support/sanitizers.hpp>
 
@@ -26,8 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using type::Value;
-
-constexpr auto kPatience = std::chrono::seconds(60);
 
 constexpr const char* kLibrary = "segue_test_faults";
 }  // namespace

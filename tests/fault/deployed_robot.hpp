@@ -8,6 +8,7 @@
 #include <segue/runtime/runtime.hpp>
 
 #include <support/asking_host.hpp>
+#include <support/eventually.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "robot_checks.hpp"
 
+#include <support/eventually.hpp>
+
 #include <gtest/gtest.h>
 #include <signal.h>
-
-#include <chrono>
-#include <thread>
 
 #include "processes.hpp"
 
@@ -15,18 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kLong = std::chrono::seconds(60);
-
 }  // namespace
-
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kLong;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return true;
-}
 
 pid_t pid_of(const fs::path& runtime_folder, const std::string& deployment) {
   const auto all = deployments_of(runtime_folder);

@@ -12,9 +12,6 @@
 /// Waits and checks for all tests of disturbed robots.
 namespace segue::testing {
 
-/// Waits, with a long time limit, until a condition becomes true.
-[[nodiscard]] bool eventually(const std::function<bool()>& condition);
-
 /// The deployment process of that name, of the robot whose runtime folder that is; -1 if there is none.
 [[nodiscard]] pid_t pid_of(const std::filesystem::path& runtime_folder, const std::string& deployment);
 

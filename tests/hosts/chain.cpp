@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "chain.hpp"
 
-#include "../fault/robot_checks.hpp"
+#include <support/eventually.hpp>
 
 namespace segue::testing {
 

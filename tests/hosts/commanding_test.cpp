@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who commands a robot on several hosts: its runtime is killed, or there are two.
-#include "../fault/robot_checks.hpp"
+#include <support/eventually.hpp>
+
 #include "chain.hpp"
 
 namespace segue::testing {

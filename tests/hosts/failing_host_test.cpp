@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hosts that lose their power and start again, whose disk is full, or whose clock is set.
+#include <support/eventually.hpp>
+
 #include "../fault/processes.hpp"
-#include "../fault/robot_checks.hpp"
 #include "network_test.hpp"
 
 namespace segue::testing {

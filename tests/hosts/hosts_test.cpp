@@ -5,6 +5,8 @@
 #include <segue/hosts/gateways.hpp>
 #include <segue/model/files.hpp>
 
+#include <support/eventually.hpp>
+
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,7 +18,6 @@
 #include <utility>
 
 #include "../fault/processes.hpp"
-#include "../fault/robot_checks.hpp"
 
 namespace segue::testing {
 
@@ -122,20 +123,18 @@ bool is_below(const std::string& environment, const std::string& folder) {
   return environment.find("XDG_RUNTIME_DIR=" + folder) != std::string::npos;
 }
 
-void kill_all_below(const std::string& folder) {
-  bool found = true;
-  for (int round = 0; found && round < 1000; ++round) {
-    found = false;
-    std::error_code gone;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc", gone)) {
-      const std::string name = entry.path().filename();
-      if (name.find_first_not_of("0123456789") != std::string::npos || name == std::to_string(::getpid()))
-        continue;
-      if (!is_below(read_file(entry.path() / "environ").value_or(""), folder)) continue;
-      found = ::kill(std::stoi(name), SIGKILL) == 0 || found;
-    }
-    if (found) ::usleep(10'000);
+/// Whether there was any.
+bool kill_those_below(const std::string& folder) {
+  bool found = false;
+  std::error_code gone;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", gone)) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos || name == std::to_string(::getpid()))
+      continue;
+    if (!is_below(read_file(entry.path() / "environ").value_or(""), folder)) continue;
+    found = ::kill(std::stoi(name), SIGKILL) == 0 || found;
   }
+  return found;
 }
 
 }  // namespace
@@ -150,7 +149,7 @@ Guardian::Guardian(std::string folder) {
     char byte = 0;
     while (::read(ends[0], &byte, 1) > 0) {
     }
-    kill_all_below(folder);
+    (void)eventually([&] { return !kill_those_below(folder); });  // until none starts others any more
     ::_exit(0);
   }
   ::close(ends[0]);

@@ -3,7 +3,6 @@
 // both.
 #include <random>
 
-#include "../fault/robot_checks.hpp"
 #include "network_test.hpp"
 
 namespace segue::testing {

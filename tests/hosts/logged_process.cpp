@@ -3,6 +3,8 @@
 
 #include <segue/base/file.hpp>
 
+#include <support/eventually.hpp>
+
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -11,8 +13,6 @@
 #include <csignal>
 #include <stdexcept>
 #include <utility>
-
-#include "../fault/robot_checks.hpp"
 
 extern char** environ;
 

@@ -2,7 +2,6 @@
 // What happens when a host dies, stands still, or loses its daemon: before, in and after a switch.
 #include <functional>
 
-#include "../fault/robot_checks.hpp"
 #include "disturbed_chain.hpp"
 
 namespace segue::testing {

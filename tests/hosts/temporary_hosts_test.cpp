@@ -3,6 +3,8 @@
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/temporary_hosts.hpp>
 
+#include <support/eventually.hpp>
+
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,7 +13,6 @@
 #include <csignal>
 
 #include "../fault/processes.hpp"
-#include "../fault/robot_checks.hpp"
 #include "../system/system_test.hpp"
 
 namespace segue::testing {

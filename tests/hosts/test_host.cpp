@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "test_host.hpp"
 
+#include <support/eventually.hpp>
 #include <support/paths.hpp>
 
 #include <gtest/gtest.h>
@@ -11,7 +12,6 @@
 #include <utility>
 
 #include "../fault/processes.hpp"
-#include "../fault/robot_checks.hpp"
 
 namespace segue::testing {
 

@@ -8,12 +8,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <fstream>
 #include <stdexcept>
 #include <string>
-#include <thread>
 
 extern char** environ;
 
@@ -55,6 +55,17 @@ pid_t spawn(const std::vector<std::string>& command, const std::filesystem::path
   return pid;
 }
 
+bool blocks(pid_t pid, int signal) {
+  const std::string key = "SigBlk:";
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (!line.starts_with(key)) continue;
+    const auto mask = std::stoull(line.substr(key.size()), nullptr, 16);
+    return (mask >> (signal - 1) & 1U) != 0;
+  }
+  return false;
+}
+
 }  // namespace
 
 Process::Process(const std::vector<std::string>& command, const std::filesystem::path& folder) {
@@ -81,18 +92,15 @@ void Process::signal(int number) const {
 }
 
 bool Process::wait_until_blocked(int signal) const {
-  const std::string key = "SigBlk:";
-  const auto deadline = Clock::now() + kPatience;
-  while (Clock::now() < deadline) {
-    std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
-    for (std::string line; std::getline(status, line);) {
-      if (!line.starts_with(key)) continue;
-      const auto mask = std::stoull(line.substr(key.size()), nullptr, 16);
-      if ((mask >> (signal - 1) & 1U) != 0) return true;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return false;
+  bool blocked = false;
+  (void)eventually([&] { return (blocked = blocks(pid_, signal)) || has_ended(); });
+  return blocked;
+}
+
+bool Process::has_ended() const {
+  siginfo_t info{};
+  const int failed = ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT);
+  return failed != 0 || info.si_pid == pid_;
 }
 
 bool Process::read_from(int& descriptor, std::string& into) {
@@ -115,13 +123,17 @@ bool Process::pump(std::chrono::milliseconds limit) {
   return output_ >= 0 || errors_ >= 0;
 }
 
-bool Process::wait_for(const std::string& text) {
+bool Process::wait_until(const std::function<bool(const std::string& output)>& condition) {
   const auto deadline = Clock::now() + kPatience;
-  while (finished_.output.find(text) == std::string::npos) {
+  while (!condition(finished_.output)) {
     if (Clock::now() >= deadline || output_ < 0) return false;
     pump(left_until(deadline));
   }
   return true;
+}
+
+bool Process::wait_for(const std::string& text) {
+  return wait_until([&](const std::string& output) { return output.find(text) != std::string::npos; });
 }
 
 void Process::close_output() {

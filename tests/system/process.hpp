@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <support/eventually.hpp>
+
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,8 +13,6 @@
 
 /// Real processes for tests through the command line. Every wait has a deadline.
 namespace segue::testing {
-
-inline constexpr auto kPatience = std::chrono::seconds(60);
 
 /// The result of a finished process. `status` is its exit status, 128 + the signal that ended it, or -1 if it
 /// had to be killed at the deadline.
@@ -32,10 +33,14 @@ class Process {
 
   /// Waits for a line with `text` on standard output; false at the deadline or the end of the process.
   bool wait_for(const std::string& text);
+  /// Waits until all of standard output so far fulfils the condition; false as above.
+  [[nodiscard]] bool wait_until(const std::function<bool(const std::string& output)>& condition);
   void signal(int number) const;
   [[nodiscard]] pid_t pid() const { return pid_; }
-  /// Waits until the process handles this signal by blocking it; false at the deadline.
+  /// Waits until the process handles this signal by blocking it; false at the deadline or its end.
   [[nodiscard]] bool wait_until_blocked(int signal) const;
+  /// Whether the process has ended, without waiting; wait() still returns how.
+  [[nodiscard]] bool has_ended() const;
   /// Nobody reads its standard output any more.
   void close_output();
   /// Waits for the end.

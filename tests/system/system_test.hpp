@@ -4,18 +4,17 @@
 #include <segue/type/json.hpp>
 #include <segue/type/value.hpp>
 
+#include <support/eventually.hpp>
 #include <support/paths.hpp>
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "../fault/processes.hpp"
@@ -82,11 +81,7 @@ class SystemTest : public ::testing::Test {
   /// The name of what the robot runs.
   [[nodiscard]] std::string controller() { return json({"status"}).find("controller")->as_string(); }
   void wait_for_controller(const std::string& name) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (controller() != name) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the robot does not run " << name;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    ASSERT_TRUE(eventually([&] { return controller() == name; })) << "the robot does not run " << name;
   }
   /// Shuts the robot down cleanly.
   Finished stop(int signal = SIGINT) {
