@@ -41,15 +41,15 @@ class HangingRobot : public SystemTest {
     return {};
   }
   [[nodiscard]] bool becomes_fatal(const std::string& error) {
-    const auto give_up = std::chrono::steady_clock::now() + kPatience;
-    while (std::chrono::steady_clock::now() < give_up) {
-      const Value slow = task("slow");
-      if (slow.is_map() && slow.find("state")->as_string() == "fatal") {
-        EXPECT_NE(slow.find("error")->as_string().find(error), std::string::npos) << type::to_json(slow);
-        return true;
-      }
+    Value slow;
+    const bool is_fatal = eventually([&] {
+      slow = task("slow");
+      return slow.is_map() && slow.find("state")->as_string() == "fatal";
+    });
+    if (is_fatal) {
+      EXPECT_NE(slow.find("error")->as_string().find(error), std::string::npos) << type::to_json(slow);
     }
-    return false;
+    return is_fatal;
   }
   /// Switches; no action may fail, not even one that is gone round afterwards.
   void expect_switch(const std::string& controller) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <map>
+#include <string>
 
 #include "disturbed_transition.hpp"
 
@@ -23,14 +25,17 @@ class StoppedDuringTransition : public DisturbedTransition {
 constexpr std::array kVictims = {"work", "old", "fresh"};
 
 TEST_F(StoppedDuringTransition, one_of_its_processes) {
+  std::map<std::string, int> stops;
   before_every_action(
       "a process is stopped",
       [&](std::size_t action) {
         if (action % 2 != 0 && std::getenv("SEGUE_ALL_FAULTS") == nullptr) return;
-        const pid_t pid = pid_of(kVictims.at(action % kVictims.size()));
-        if (pid > 0) ::kill(pid, SIGSTOP);
+        const std::string victim = kVictims.at(action % kVictims.size());
+        if (const pid_t pid = pid_of(victim); pid > 0) stops[victim] += ::kill(pid, SIGSTOP) == 0 ? 1 : 0;
       },
       {}, std::chrono::seconds(1));
+  for (const char* victim : kVictims)
+    EXPECT_GT(stops[victim], 0) << victim << " exists before some of the actions";
 }
 
 }  // namespace

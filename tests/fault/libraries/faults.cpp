@@ -16,7 +16,6 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace fault {
@@ -155,9 +154,13 @@ class Faulty final : public Component {
     if (*how_ == "exit") std::_Exit(3);
     if (*how_ == "crash") crash();
     if (*how_ == "freeze") std::raise(SIGSTOP);
-    while (*how_ == "hang")
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (*how_ == "hang") hang();
     return {};
+  }
+  /// Until the process is killed.
+  [[noreturn]] static void hang() {
+    while (true)
+      ::pause();
   }
   static void crash() {
     std::signal(SIGSEGV, SIG_DFL);  // sanitizers have a handler of their own
