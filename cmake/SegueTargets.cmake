@@ -16,6 +16,7 @@ add_custom_target(unit_tests)
 add_custom_target(product_tests)
 add_custom_target(nightly_tests)
 add_custom_target(concurrency_tests)
+add_custom_target(concurrency_at_night_tests)
 
 # Clones in different folders share what ccache keeps: paths below the clone count as relative. (Debugging information then
 # names the folder in which an object was compiled first.)
@@ -181,8 +182,8 @@ set(SEGUE_SOME_SKIPPED "^[^[]*\\[==========\\][^[]*\\[  PASSED  \\][^[]*\\[  SKI
 #   unit      (the default) under the sanitizers of addresses and undefined behaviour
 #   product   in the release build: the programs as users run them, real time, and what tries too many cases for sanitizers
 #   nightly   in the release build of a night only
-# Label `concurrency`: also under thread sanitizer. SEPARATE sources are compiled on their own in unity builds too, because they
-# define names that another source defines as well. SHARED_DATA: cases of suites whose names end in SharedData need data that is
+# Labels `concurrency` and `concurrency_at_night`: also under thread sanitizer. SEPARATE sources are compiled on their own in unity
+# builds too, because they define names that another source defines as well. SHARED_DATA: cases of suites whose names end in SharedData need data that is
 # not part of Segue (tests/support/shared_data.hpp); they are a ctest entry of their own, NAME_shared_data, which is shown as
 # skipped when they are. WHERE_POSSIBLE: likewise suites that end in WherePossible need what not every machine and user has.
 function(segue_test NAME)
@@ -207,9 +208,11 @@ function(segue_test NAME)
   foreach(kind IN LISTS ARG_KINDS)
     add_dependencies(${kind}_tests ${NAME})
   endforeach()
-  if("concurrency" IN_LIST ARG_LABELS)
-    add_dependencies(concurrency_tests ${NAME})
-  endif()
+  foreach(label concurrency concurrency_at_night)
+    if(label IN_LIST ARG_LABELS)
+      add_dependencies(${label}_tests ${NAME})
+    endif()
+  endforeach()
   set(entries ${NAME})
   set(apart)
   if(ARG_SHARED_DATA)

@@ -28,7 +28,7 @@
 #include <vector>
 
 #ifdef SEGUE_SANITIZER_THREAD
-extern "C" [[gnu::used]] inline const char* __tsan_default_suppressions() {
+extern "C" [[gnu::used]] const char* __tsan_default_suppressions() {
   return segue::testing::kCycloneSuppressions;
 }
 #endif
