@@ -38,7 +38,7 @@ class RobotFilesTest : public WebTest {
     session->receive(
         type::to_json(type::Value::map({{"id", 1}, {"verb", verb}, {"arguments", arguments}}), -1));
     std::optional<std::string> text;
-    EXPECT_TRUE(comes_true([&] { return (text = session->next()).has_value(); })) << verb;
+    EXPECT_TRUE(eventually([&] { return (text = session->next()).has_value(); })) << verb;
     return text ? type::parse_json(*text).value() : type::Value();
   }
   type::Value result(const std::string& verb, const type::Value& arguments, Role role = Role::Operate) {

@@ -273,7 +273,7 @@ TEST_F(ServerTest, AThousandConnectionsDisturbNobodyWhoIsIn) {
     }
     EXPECT_NE(good.ask(R"({"id": 1, "verb": "status"})").find("result"), nullptr);
   }
-  EXPECT_TRUE(comes_true([&] { return contains(get("/", host() + cookie()), "200 OK"); }))
+  EXPECT_TRUE(eventually([&] { return contains(get("/", host() + cookie()), "200 OK"); }))
       << "there is room again";
 }
 

@@ -24,7 +24,7 @@ class SessionTest : public WebTest {
   /// The next message that has `key`; others are dropped.
   static Value message(Session& session, const std::string& key) {
     Value found;
-    EXPECT_TRUE(comes_true([&] {
+    EXPECT_TRUE(eventually([&] {
       while (const auto text = session.next()) {
         const auto value = type::parse_json(*text);
         EXPECT_TRUE(value) << *text;
@@ -196,7 +196,7 @@ TEST_F(SessionTest, ABrowserThatIsGoneGetsNoAnswer) {
   session->receive(R"({"id": 2, "verb": "look", "arguments": {"document": "status"}})");
   ASSERT_TRUE(robot_.entered.wait());
   session.reset();
-  EXPECT_TRUE(comes_true([&] { return hub_.newest("status") == nullptr; }));
+  EXPECT_TRUE(eventually([&] { return hub_.newest("status") == nullptr; }));
   robot_.release.open();
 }
 

@@ -3,6 +3,7 @@
 
 #include <segue/type/json.hpp>
 #include <segue/web/hub.hpp>
+#include <support/eventually.hpp>
 #include <support/fake_robot.hpp>
 
 #include <gtest/gtest.h>
@@ -19,10 +20,13 @@
 /// For tests of this folder only.
 namespace segue::web {
 
+using segue::testing::eventually;
+
 /// A robot whose status tests set, and which counts how often it is asked.
 class ShownRobot final : public control::FakeRobot {
  public:
   std::atomic<int> questions{0};
+  std::atomic<int> task_questions{0};  ///< among them
   std::atomic<int> opened{0};          ///< ports
   std::atomic<bool> is_silent{false};  ///< the ports that are opened from now on
   std::atomic<bool> is_gone{false};    ///< the task whose ports are opened
@@ -38,6 +42,7 @@ class ShownRobot final : public control::FakeRobot {
   }
   Result<type::Value> task(std::string_view id) override {
     ++questions;
+    ++task_questions;
     if (id == "gone") return fail(ErrorCode::NotFound, "no task 'gone' runs");
     return type::Value::map({{"id", id}});
   }
@@ -117,15 +122,5 @@ class WebTest : public ::testing::Test {
   ShownRobot robot_;
   std::unique_ptr<control::Server> serving_;
 };
-
-/// Whether `holds` becomes true in time.
-inline bool comes_true(const std::function<bool()>& holds) {
-  const TimePoint end = control::soon();
-  while (!holds()) {
-    if (monotonic_now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
 
 }  // namespace segue::web
