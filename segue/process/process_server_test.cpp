@@ -4,6 +4,7 @@
 #include <segue/process/process_log.hpp>
 #include <segue/process/process_server.hpp>
 
+#include <support/eventually.hpp>
 #include <support/paths.hpp>
 #include <support/sanitizers.hpp>
 
@@ -32,23 +33,14 @@ namespace segue::process {
 namespace {
 
 namespace fs = std::filesystem;
+using segue::testing::eventually;
+using segue::testing::kPatience;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using ::testing::HasSubstr;
 
-constexpr Duration kPatience = seconds(60);
-
 TimePoint soon(Duration duration = kPatience) {
   return RealClock::instance().now() + duration;
-}
-
-bool eventually(const std::function<bool()>& condition) {
-  const TimePoint give_up = soon();
-  while (!condition()) {
-    if (RealClock::instance().now() > give_up) return false;
-    std::this_thread::sleep_for(milliseconds(2));
-  }
-  return true;
 }
 
 /// A zombie counts as gone.
@@ -87,7 +79,7 @@ class Heard {
   std::vector<ProcessInfo> told_;
 };
 
-class ProcessServerTest : public testing::Test {
+class ProcessServerTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::string pattern = "/tmp/segue-test-XXXXXX";
@@ -437,10 +429,10 @@ TEST_F(ProcessServerTest, limitsAndVariablesReachTheProcess) {
   const std::string proc = "/proc/" + std::to_string(process.pid);
   const std::string limits = text_of(proc + "/limits");
   const std::string memory = std::to_string(kMemoryLimit);
-  EXPECT_THAT(limits, testing::ContainsRegex("Max data size +" + memory + " +" + memory));
-  EXPECT_THAT(limits, testing::ContainsRegex("Max open files +100 +100"));
-  EXPECT_THAT(limits, testing::ContainsRegex("Max cpu time +60 +60"));
-  EXPECT_THAT(limits, testing::ContainsRegex("Max core file size +0 +0"));
+  EXPECT_THAT(limits, ::testing::ContainsRegex("Max data size +" + memory + " +" + memory));
+  EXPECT_THAT(limits, ::testing::ContainsRegex("Max open files +100 +100"));
+  EXPECT_THAT(limits, ::testing::ContainsRegex("Max cpu time +60 +60"));
+  EXPECT_THAT(limits, ::testing::ContainsRegex("Max core file size +0 +0"));
   EXPECT_THAT(text_of(proc + "/environ"), HasSubstr("PLACE=the moon"));
 }
 

@@ -2,6 +2,8 @@
 #include <segue/base/virtual_clock.hpp>
 #include <segue/task/probe_component.hpp>
 
+#include <support/eventually.hpp>
+
 #include <gmock/gmock.h>
 
 #include <latch>
@@ -127,24 +129,23 @@ TEST_F(Operations, CallThatDoesNotEndInTimeIsLeftAlone) {
 }
 
 TEST_F(Operations, OneThatExceedsTheDeadlinesOfItsCallAndItsTaskIsOverdue) {
-  const Activity activity{.trigger = Trigger::PortDriven, .update_deadline = 1ms};
+  Activity activity{.trigger = Trigger::PortDriven, .update_deadline = 1ns};
   auto component = std::make_unique<Calculator>();
   Calculator& slow = *component;
   task = std::move(*Task::create("slow", std::move(component), &activity));
   std::thread patient([&] { EXPECT_TRUE(task->call("wait", Value(), soon())); });
   slow.inside.wait();
-  std::this_thread::sleep_for(5ms);
   EXPECT_FALSE(task->overdue()) << "its caller waits for it";
   slow.go_on.count_down();
   patient.join();
 
+  activity.update_deadline = 1ms;
   component = std::make_unique<Calculator>();
   Calculator& stuck = *component;
   task = std::move(*Task::create("stuck", std::move(component), &activity));
   while (!stuck.inside.try_wait())  // a call that did not begin in time never runs
     ASSERT_FALSE(task->call("wait", Value(), RealClock::instance().now() + 20ms));
-  while (!task->overdue())
-    std::this_thread::yield();
+  ASSERT_TRUE(segue::testing::eventually([&] { return task->overdue().has_value(); }));
   EXPECT_EQ(task->overdue(), "an operation has not returned within 1ms");
   EXPECT_THAT(to_string(task->configure(soon()).error()), HasSubstr("an operation has not returned"));
   stuck.go_on.count_down();
