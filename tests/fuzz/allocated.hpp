@@ -24,7 +24,9 @@ inline thread_local std::size_t allocated = 0;
 
 #ifdef SEGUE_ADDRESS_SANITIZER
 
-#include <sanitizer/allocator_interface.h>
+// As in clang's <sanitizer/allocator_interface.h>; gcc has the function and not the header.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*allocated)(const volatile void*, std::size_t),
+                                                         void (*freed)(const volatile void*));
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   const auto count = [](const volatile void*, std::size_t size) { segue::fuzz::allocated += size; };
