@@ -5,14 +5,6 @@
 #include <cstdlib>
 #include <new>
 
-#if defined(__SANITIZE_ADDRESS__)
-#define SEGUE_ADDRESS_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SEGUE_ADDRESS_SANITIZER
-#endif
-#endif
-
 /// How much memory is allocated. The address sanitizer tells of every allocation; without a sanitizer those
 /// by `new` count, which this header replaces, so one source of a program includes it.
 namespace segue::fuzz {
@@ -22,7 +14,7 @@ inline thread_local std::size_t allocated = 0;
 
 }  // namespace segue::fuzz
 
-#ifdef SEGUE_ADDRESS_SANITIZER
+#ifdef SEGUE_SANITIZER_ADDRESS
 
 // As in clang's <sanitizer/allocator_interface.h>; gcc has the function and not the header.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*allocated)(const volatile void*, std::size_t),
@@ -34,7 +26,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
   return __sanitizer_install_malloc_and_free_hooks(count, ignore) > 0 ? 0 : 1;
 }
 
-#elif !defined(__SANITIZE_THREAD__)
+#elif !defined(SEGUE_SANITIZER_THREAD)
 
 // Not inlined, or gcc sees malloc and free of their own where new and delete belong together.
 [[gnu::noinline]] void* operator new(std::size_t size) {
