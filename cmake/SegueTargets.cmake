@@ -246,7 +246,7 @@ function(segue_left_out NAME WHY)
   message(STATUS "${WHY}")
   if(BUILD_TESTING)
     add_test(NAME ${NAME} COMMAND ${CMAKE_COMMAND} -E echo "skipped: ${WHY}")
-    set_tests_properties(${NAME} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped: ")
+    set_tests_properties(${NAME} PROPERTIES LABELS "unit;product" SKIP_REGULAR_EXPRESSION "^skipped: ")
   endif()
 endfunction()
 
