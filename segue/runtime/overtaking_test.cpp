@@ -10,6 +10,7 @@
 #include <segue/host/local_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
 
+#include <support/eventually.hpp>
 #include <support/fake_world.hpp>
 #include <support/sanitizers.hpp>
 
@@ -17,7 +18,9 @@
 
 #include <array>
 #include <atomic>
+#include <condition_variable>
 #include <cstdlib>
+#include <future>
 #include <map>
 #include <mutex>
 #include <random>
@@ -39,7 +42,8 @@ std::uint64_t setting(const char* name, std::uint64_t otherwise) {
 constexpr std::uint64_t kRequests = kSanitized ? 1000 : 5000;
 constexpr int kControllers = 12;
 constexpr std::uint64_t kMostClients = 4;
-constexpr int kRequestsARound = 25;  ///< of each client
+constexpr int kRequestsARound = 25;                ///< of each client
+constexpr std::uint64_t kCallsBetweenDeaths = 25;  ///< at the most
 
 model::NetworkName controller_name(std::uint64_t number) {
   return model::NetworkName("controller" + std::to_string(number));
@@ -82,12 +86,17 @@ model::Network random_controller(Random& random, int number) {
   return network;
 }
 
-/// A runtime over simulated processes, whose calls take a random time.
+/// A runtime over simulated processes, whose calls let others go first now and then.
 class Robot {
  public:
   explicit Robot(std::uint64_t seed) : random_(seed) {
     world.on_call([this](const std::string&, const deploy::testing::FakePtr&) {
-      std::this_thread::sleep_for(std::chrono::microseconds(random_below(4) == 0 ? random_below(300) : 0));
+      if (random_below(4) == 0) {
+        std::this_thread::yield();
+      }
+      if (note_call()) {
+        kill_some_process();
+      }
     });
     Random shapes(seed);
     for (int i = 0; i < kControllers; ++i) {
@@ -101,10 +110,45 @@ class Robot {
     return random_() % limit;
   }
 
+  /// Until so many more calls have begun, or the answer is there. A robot at rest is looked at now and then,
+  /// which are calls, too.
+  void wait_for_calls(std::uint64_t count, const std::future<SwitchResult>& answer) {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t last = calls_ + count;
+    EXPECT_TRUE(called_.wait_for(lock, segue::testing::kPatience, [&] {
+      return calls_ >= last || answer.wait_for(0s) == std::future_status::ready;
+    }));
+  }
+  /// From now on, or no more, processes die in the middle of calls.
+  void set_mortal(bool mortal) {
+    const std::lock_guard lock(mutex_);
+    mortal_ = mortal;
+  }
+
   deploy::testing::FakeWorld world;
   model::ComponentCatalog catalog;
+  std::atomic<int> deaths{0};
 
  private:
+  /// Whether a process dies in the middle of this one.
+  bool note_call() {
+    const std::lock_guard lock(mutex_);
+    ++calls_;
+    called_.notify_all();
+    if (!mortal_ || calls_ < next_death_) {
+      return false;
+    }
+    next_death_ = calls_ + 1 + random_() % kCallsBetweenDeaths;
+    return true;
+  }
+  void kill_some_process() {
+    const auto process = world.find("p" + std::to_string(1 + random_below(3)));
+    if (process != nullptr) {
+      ++deaths;
+      world.kill(process);
+    }
+  }
+
   static process::Launch launch() {
     process::Launch launch;
     launch.robot = "robot";
@@ -119,8 +163,12 @@ class Robot {
     return options;
   }
 
-  std::mutex mutex_;  ///< protects random_
+  std::mutex mutex_;  ///< protects everything below up to the host
   Random random_;
+  std::condition_variable called_;
+  std::uint64_t calls_ = 0;
+  bool mortal_ = false;
+  std::uint64_t next_death_ = 0;  ///< at this call
   host::LibrarySet libraries_;
   host::LocalTaskHost local_{
       libraries_, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
@@ -148,18 +196,19 @@ std::string story(const SwitchResult& result) {
 
 class Overtaking : public ::testing::Test {
  protected:
-  /// Sends requests, some of which it does not wait for, and checks how they end.
-  void be_a_client(std::uint64_t longest_pause_us) {
+  /// Sends requests, some of which it does not wait for, and checks how they end. A pause is as long as so
+  /// many calls.
+  void be_a_client(std::uint64_t longest_pause) {
     std::vector<std::pair<int, std::future<SwitchResult>>> sent;
     for (int i = 0; i < kRequestsARound; ++i) {
-      const int deaths_before = deaths_;
+      const int deaths_before = robot_.deaths;
       auto answer = robot_.runtime.request(controller_name(robot_.random_below(kControllers)));
       if (robot_.random_below(2) == 0) {
         check(deaths_before, answer.get());
       } else {
+        robot_.wait_for_calls(robot_.random_below(longest_pause), answer);
         sent.emplace_back(deaths_before, std::move(answer));
       }
-      std::this_thread::sleep_for(std::chrono::microseconds(robot_.random_below(longest_pause_us)));
     }
     for (auto& [deaths_before, answer] : sent) {
       check(deaths_before, answer.get());
@@ -169,16 +218,8 @@ class Overtaking : public ::testing::Test {
   void check(int deaths_before, const SwitchResult& result) {
     ++ended_.at(static_cast<std::size_t>(result.outcome));
     const bool as_asked = result.outcome == Outcome::Done || result.outcome == Outcome::Superseded;
-    const bool disturbed = result.outcome == Outcome::Failed && deaths_ > deaths_before;
+    const bool disturbed = result.outcome == Outcome::Failed && robot_.deaths > deaths_before;
     EXPECT_TRUE(as_asked || disturbed) << story(result);
-  }
-
-  void kill_some_process() {
-    const auto process = robot_.world.find("p" + std::to_string(1 + robot_.random_below(3)));
-    if (process != nullptr) {
-      ++deaths_;
-      robot_.world.kill(process);
-    }
   }
 
   /// One more request gets the robot where it wants, and the leftovers are collected. Where processes died,
@@ -187,9 +228,9 @@ class Overtaking : public ::testing::Test {
     const auto name = controller_name(robot_.random_below(kControllers));
     const model::Network wanted = *robot_.runtime.controller(name);
     SwitchResult result;
-    for (int left = deaths_ > 0 ? 4 : 1; left > 0; --left) {
+    for (int left = robot_.deaths > 0 ? 4 : 1; left > 0; --left) {
       result = robot_.runtime.switch_to(name);
-      if (result.outcome == Outcome::Done && comes_about(wanted, left > 1 ? 3s : 60s)) {
+      if (result.outcome == Outcome::Done && comes_about(wanted, left > 1)) {
         return;
       }
     }
@@ -199,12 +240,14 @@ class Overtaking : public ::testing::Test {
            << "\norphaned endpoints: " << robot_.world.orphaned_endpoints();
   }
 
-  bool comes_about(const model::Network& wanted, Duration patience) {
-    const TimePoint limit = RealClock::instance().now() + patience;
-    while (!equivalent(wanted, robot_.world.truth()) && RealClock::instance().now() < limit) {
-      std::this_thread::sleep_for(1ms);
-    }
-    return equivalent(wanted, robot_.world.truth());
+  /// `may_break`: false too where the runtime sees that it does not, so that it has to be asked once more.
+  bool comes_about(const model::Network& wanted, bool may_break) {
+    bool done = false;
+    EXPECT_TRUE(segue::testing::eventually([&] {
+      done = equivalent(wanted, robot_.world.truth());
+      return done || (may_break && !robot_.runtime.observed_differences().empty());
+    }));
+    return done;
   }
 
   void run(bool with_deaths) {
@@ -212,33 +255,26 @@ class Overtaking : public ::testing::Test {
     std::uint64_t sent = 0;
     while (sent < requests && !HasFailure()) {
       const std::uint64_t many = 1 + robot_.random_below(kMostClients);
-      const std::uint64_t longest_pause_us = 100 + robot_.random_below(10'000);
+      const std::uint64_t longest_pause = 1 + robot_.random_below(100);
       sent += many * kRequestsARound;
       std::vector<std::thread> clients;
-      std::atomic<std::uint64_t> busy{many};
+      robot_.set_mortal(with_deaths);
       for (std::uint64_t i = 0; i < many; ++i) {
-        clients.emplace_back([&] {
-          be_a_client(longest_pause_us);
-          --busy;
-        });
-      }
-      while (with_deaths && busy > 0) {
-        kill_some_process();
-        std::this_thread::sleep_for(std::chrono::microseconds(robot_.random_below(5000)));
+        clients.emplace_back([&] { be_a_client(longest_pause); });
       }
       for (auto& client : clients) {
         client.join();
       }
+      robot_.set_mortal(false);
       expect_in_order();
     }
     RecordProperty("done", ended_.at(static_cast<std::size_t>(Outcome::Done)));
     RecordProperty("superseded", ended_.at(static_cast<std::size_t>(Outcome::Superseded)));
     RecordProperty("failed", ended_.at(static_cast<std::size_t>(Outcome::Failed)));
-    RecordProperty("deaths", deaths_);
+    RecordProperty("deaths", robot_.deaths);
   }
 
   Robot robot_{setting("SEGUE_SEED", 20261122)};
-  std::atomic<int> deaths_{0};
   std::array<std::atomic<int>, 4> ended_{};
 };
 
