@@ -7,6 +7,8 @@
 #include <segue/mission/files.hpp>
 #include <segue/session/session.hpp>
 
+#include <support/eventually.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,6 +25,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using mission::FakeRobot;
+using segue::testing::eventually;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -65,13 +68,11 @@ class GoingOn : public ::testing::TestWithParam<RunMode> {
   void interrupt_after(const std::string& last) {
     std::stop_source stop;
     std::jthread running([&] { EXPECT_TRUE(run("first", false, stop)); });
-    const TimePoint deadline = RealClock::instance().now() + 60s;
     std::string text;
-    while (text.find(last) == std::string::npos) {
-      ASSERT_LT(RealClock::instance().now(), deadline) << text;
+    ASSERT_TRUE(eventually([&] {
       text = read_file(folder_ / "first").value_or("");
-      std::this_thread::sleep_for(1ms);
-    }
+      return text.find(last) != std::string::npos;
+    })) << text;
     stop.request_stop();
     running.join();
     EXPECT_TRUE(
@@ -121,9 +122,8 @@ TEST_P(GoingOn, IsRefusedWhereTheControllerDoesNotRunAnyMore) {
 TEST_P(GoingOn, IsWhatARunDoesAfterItsRobotWasUnreachable) {
   std::jthread running([&] { EXPECT_EQ(run("first", false).value_or("refused"), "preempted"); });
   robot_->wait_until_asked("call planner.set_goal home");
-  const TimePoint deadline = RealClock::instance().now() + 60s;
-  while (read_file(folder_ / "first").value_or("").find("\"told\"") == std::string::npos)
-    ASSERT_LT(RealClock::instance().now(), deadline);
+  ASSERT_TRUE(eventually(
+      [&] { return read_file(folder_ / "first").value_or("").find("\"told\"") != std::string::npos; }));
   robot_->vanish(true);
   running.join();
   robot_->vanish(false);

@@ -118,7 +118,11 @@ class Steered {
  public:
   Steered(const Session& session, RunRequest request) : session_(session), request_(std::move(request)) {
     request_.control = &control_;
-    request_.on_held = [this](const Paths& paths) { told_.insert(told_.end(), paths.begin(), paths.end()); };
+    request_.on_held = [this](const Paths& paths) {
+      const std::lock_guard lock(mutex_);
+      told_.insert(told_.end(), paths.begin(), paths.end());
+      held_.notify_all();
+    };
     thread_ = std::jthread([this] { ended_.set_value(session_.run(request_, stop_.get_token())); });
   }
   ~Steered() { stop_.request_stop(); }
@@ -129,12 +133,13 @@ class Steered {
   void stop() { stop_.request_stop(); }
   /// Waits until it is held and at rest.
   Paths held_at() {
-    const TimePoint limit = RealClock::instance().now() + std::chrono::seconds(60);
-    while (RealClock::instance().now() < limit) {
-      if (const auto at = control_.position().at) return *at;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return {"it is not held"};
+    std::optional<Paths> at;
+    std::unique_lock lock(mutex_);
+    const bool held = held_.wait_for(lock, std::chrono::seconds(60), [&] {
+      at = control_.position().at;
+      return at.has_value();
+    });
+    return held ? *at : Paths{"it is not held"};
   }
   Paths step(RunControl::Step step) {
     auto done = std::make_shared<std::promise<Result<void>>>();
@@ -169,7 +174,9 @@ class Steered {
   RunRequest request_;
   RunControl control_;
   std::stop_source stop_;
-  Paths told_;  ///< by the thread
+  std::mutex mutex_;              ///< protects told_ while the thread runs
+  std::condition_variable held_;  ///< told_ has become more
+  Paths told_;                    ///< by the thread
   std::promise<Result<std::unique_ptr<FinishedRun>>> ended_;
   std::jthread thread_;
 };
