@@ -5,6 +5,8 @@
 #include <segue/mission/script_runner.hpp>
 #include <segue/mission/scripted_data.hpp>
 
+#include <support/eventually.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,13 +24,14 @@ namespace segue::mission {
 namespace {
 
 using namespace std::chrono_literals;
+using segue::testing::eventually;
+using segue::testing::kPatience;
 using std::filesystem::path;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using type::Value;
 
-constexpr auto kPatience = 60s;
 /// Python that never gives up the interpreter's lock.
 const std::string kHold = "re.match('(a+)+$', 'a' * 100 + 'b')";
 
@@ -64,15 +67,6 @@ class Lines {
   std::condition_variable changed_;
   std::string text_;
 };
-
-bool wait_until(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
 
 bool is_gone(pid_t pid) {
   return ::kill(pid, 0) != 0;
@@ -473,7 +467,7 @@ TEST_F(Scripts, thatIgnorePreemptionGetNoCompany) {
   };
   EXPECT_EQ(process("other"), process("stubborn"));
   EXPECT_NE(process("after"), process("stubborn"));
-  EXPECT_TRUE(wait_until([&] { return is_gone(process("stubborn")); }));
+  EXPECT_TRUE(eventually([&] { return is_gone(process("stubborn")); }));
   EXPECT_FALSE(is_gone(process("after")));
 }
 
@@ -691,7 +685,7 @@ TEST_F(Scripts, leaveNoProcessBehind) {
     engine_.reset();
     runner_.reset();
     // It is the system's then, which may take a while to look after it.
-    EXPECT_TRUE(wait_until([&] {
+    EXPECT_TRUE(eventually([&] {
       std::ifstream status("/proc/" + std::to_string(child) + "/stat");
       std::string number, name, state;
       return !(status >> number >> name >> state) || state == "Z";
@@ -714,7 +708,7 @@ TEST_F(Scripts, leaveNoProcessBehindWhenTheyAreKilled) {
   const auto child = static_cast<pid_t>(engine_->globals().get("p")->as_int());
   engine_.reset();
   runner_.reset();
-  EXPECT_TRUE(wait_until([&] { return is_gone(child); }));
+  EXPECT_TRUE(eventually([&] { return is_gone(child); }));
 }
 
 TEST_F(Scripts, abortWhereTheyCloseTheConnection) {
