@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "system_test.hpp"
 
@@ -98,32 +97,27 @@ class MissionHistory : public SystemTest {
 
   /// Once the journal has `last`, since the runtime writes it in the background.
   std::vector<std::string> history_until(const std::string& last) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (true) {
-      std::vector<std::string> lines;
+    std::vector<std::string> lines;
+    const bool has_come = eventually([&] {
+      lines.clear();
       const auto history = json({"history", "--missions"});
       for (const auto& entry : history.as_list())
         lines.push_back(line_of(entry));
-      const bool has_come = std::ranges::find(lines, last) != lines.end();
-      if (has_come || std::chrono::steady_clock::now() > deadline) {
-        EXPECT_TRUE(has_come) << last;
-        return lines;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
+      return std::ranges::find(lines, last) != lines.end();
+    });
+    EXPECT_TRUE(has_come) << last << " is not among " << ::testing::PrintToString(lines);
+    return lines;
   }
 
   /// What lies ahead is prepared then.
   void wait_until_ready(const std::string& controller) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (std::chrono::steady_clock::now() < deadline) {
+    ASSERT_TRUE(eventually([&] {
       const auto status = json({"status"});
-      for (const auto& one : status.find("ready")->as_list()) {
-        if (one.find("controller")->as_string() == controller && one.find("ready")->as_bool()) return;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    FAIL() << controller << " is not prepared";
+      return std::ranges::any_of(status.find("ready")->as_list(), [&](const auto& one) {
+        return one.find("controller")->as_string() == controller && one.find("ready")->as_bool();
+      });
+    })) << controller
+        << " is not prepared: " << segue({"status"}).output;
   }
 
   static std::unique_ptr<Process> begin(const std::string& file, const std::filesystem::path& folder,
@@ -194,12 +188,8 @@ TEST_F(MissionHistory, SaysThatAMissionWasKilledOrLostTheRobot) {
   (void)history_until("asked beyond go_to");
   EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0);
   EXPECT_NE(taken->wait().status, 0);
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  std::string text;
-  do {
-    text = segue({"history", "--missions"}).output;
-  } while (text.find("the robot was taken over by segue switch") == std::string::npos &&
-           std::chrono::steady_clock::now() < deadline);
+  (void)history_until("ended beyond lost");
+  const std::string text = segue({"history", "--missions"}).output;
   EXPECT_THAT(text, HasSubstr("beyond ended: lost after "));
   EXPECT_THAT(text, HasSubstr("the robot was taken over by segue switch"));
 }
@@ -211,7 +201,7 @@ TEST_F(MissionHistory, SaysWhatLookAheadSaved) {
   start({"--stand-in"});
   write("work.yaml", kWork);
   auto working = begin("work.yaml", folder_);
-  wait_until_ready("work");
+  ASSERT_NO_FATAL_FAILURE(wait_until_ready("work"));
   EXPECT_EQ(segue({"write", "drive.command={forward: 0.3, turn: 0.0}"}).status, 0);
   const auto ended = working->wait();
   EXPECT_EQ(ended.status, 0) << ended.output << ended.errors;
@@ -243,10 +233,10 @@ TEST_F(MissionHistory, AMissionTellsItsPlanWhenSomebodyLooks) {
   const auto robot = control::connect(control::socket_path("rover").value());
   ASSERT_TRUE(robot) << to_string(robot.error());
   type::Value shown;
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  do {
+  ASSERT_TRUE(eventually([&] {
     shown = (*robot)->mission(0, true).value();
-  } while ((shown.is_null() || shown.find("plan")->is_null()) && std::chrono::steady_clock::now() < deadline);
+    return !shown.is_null() && !shown.find("plan")->is_null();
+  })) << type::to_json(shown);
   const type::Value& plan = *shown.find("plan");
   EXPECT_EQ(plan.find("states")->as_list().size(), 3U) << type::to_json(plan);
   const auto& look = plan.find("nodes")->as_list().at(1);
