@@ -5,10 +5,9 @@
 
 #include <gmock/gmock.h>
 
-#include <chrono>
+#include <algorithm>
 #include <csignal>
 #include <random>
-#include <thread>
 
 #include "system_test.hpp"
 
@@ -62,6 +61,45 @@ class KilledInMission : public SystemTest {
     std::ofstream(folder_ / "rover" / file, std::ios::app) << text;
   }
   std::map<std::string, pid_t> deployments() const { return deployments_of(folder_ / "runtime"); }
+  std::int64_t last_event() { return json({"events"}).as_list().back().find("number")->as_int(); }
+  /// How many events the robot reports while nobody disturbs a mission.
+  std::size_t events_of(const std::vector<std::string>& mission) {
+    const auto before = last_event();
+    const auto finished = segue(mission);
+    EXPECT_EQ(finished.status, 0) << finished.output << finished.errors;
+    return static_cast<std::size_t>(last_event() - before);
+  }
+  void kill_one(std::uint64_t which) const {
+    const auto running = deployments();
+    ASSERT_FALSE(running.empty());
+    const auto victim = std::next(running.begin(), static_cast<std::ptrdiff_t>(which % running.size()));
+    ASSERT_GT(victim->second, 0);
+    ::kill(victim->second, SIGKILL);
+  }
+  /// Runs the mission and kills a process twice, each time after a random number of further events, together
+  /// fewer than an undisturbed mission has. The kills that the robot reports are added to `reported`.
+  void run_disturbed(const std::vector<std::string>& arguments, std::size_t events, std::mt19937_64& random,
+                     int& reported) {
+    const auto before = std::to_string(last_event());
+    Process follower(command({"events", "--follow", "--after", before}), folder_);
+    Process mission(command(arguments), folder_);
+    std::size_t seen = 0;
+    for (int kills = 0; kills < 2; ++kills) {
+      seen += 1 + random() % (events * 2 / 5);
+      const auto has_come = [&](const std::string& lines) {
+        return static_cast<std::size_t>(std::ranges::count(lines, '\n')) >= seen;
+      };
+      ASSERT_TRUE(follower.wait_until(has_come)) << seen << " of " << events << " events";
+      EXPECT_FALSE(mission.has_ended());
+      ASSERT_NO_FATAL_FAILURE(kill_one(random()));
+    }
+    const auto finished = mission.wait();
+    EXPECT_EQ(finished.status, 0) << finished.output << finished.errors;
+    const auto after = json({"events", "--after", before});
+    reported += static_cast<int>(std::ranges::count_if(after.as_list(), [](const auto& event) {
+      return event.find("message")->as_string().find("SIGKILL") != std::string::npos;
+    }));
+  }
 };
 
 TEST_F(KilledInMission, AControllerThatIsLostIsReported) {
@@ -70,11 +108,7 @@ TEST_F(KilledInMission, AControllerThatIsLostIsReported) {
   for (const std::string mode : {"sequential", "concurrent"}) {
     SCOPED_TRACE(mode);
     Process mission(command({"mission", "run", "endless.yaml", "--mode", mode}), folder_);
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (controller() != "go_to" || !deployments().contains("mind")) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    ASSERT_TRUE(eventually([&] { return controller() == "go_to" && deployments().contains("mind"); }));
     ASSERT_EQ(::kill(deployments().at("mind"), SIGKILL), 0);
     const auto finished = mission.wait();
     EXPECT_EQ(finished.status, 1) << finished.output << finished.errors;
@@ -91,21 +125,20 @@ TEST_F(KilledInMission, WhatWasAbortedIsDoneAgainOnARobotThatRepairsItself) {
   write("to_and_fro.yaml", kToAndFro);
   std::mt19937_64 random(static_cast<std::uint64_t>(number_from("SEGUE_SEED", 1)));
   const int missions = number_from("SEGUE_KILLED_MISSIONS", 4);
+  const auto run = [](const std::string& mode) {
+    return std::vector<std::string>{"mission", "run", "to_and_fro.yaml", "--mode", mode};
+  };
+  ASSERT_EQ(segue({"switch", "explore"}).status, 0) << "which runs before and after every mission";
+  std::map<std::string, std::size_t> events;
+  for (const std::string mode : {"sequential", "concurrent"})
+    ASSERT_GT(events[mode] = events_of(run(mode)), 20U);
+  int reported = 0;
   for (int i = 0; i < missions && !HasFailure(); ++i) {
-    SCOPED_TRACE("mission " + std::to_string(i));
-    Process mission(command({"mission", "run", "to_and_fro.yaml", "--mode",
-                             random() % 2 == 0 ? "sequential" : "concurrent"}),
-                    folder_);
-    for (int kills = 0; kills < 2; ++kills) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 400));
-      const auto running = deployments();
-      if (running.empty()) continue;
-      const auto victim = std::next(running.begin(), static_cast<std::ptrdiff_t>(random() % running.size()));
-      if (victim->second > 0) ::kill(victim->second, SIGKILL);
-    }
-    const auto finished = mission.wait();
-    EXPECT_EQ(finished.status, 0) << finished.output << finished.errors;
+    const std::string mode = random() % 2 == 0 ? "sequential" : "concurrent";
+    SCOPED_TRACE("mission " + std::to_string(i) + ", " + mode);
+    run_disturbed(run(mode), events[mode], random, reported);
   }
+  EXPECT_GE(reported, missions) << "processes that the robot did not miss were killed";
   EXPECT_EQ(segue({"switch", "go_to"}).status, 0);
   EXPECT_EQ(controller(), "go_to");
 }
