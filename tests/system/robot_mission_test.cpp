@@ -2,12 +2,7 @@
 // Missions whose actions are controllers of a running robot.
 #include <gmock/gmock.h>
 
-#include <chrono>
-#include <cstdlib>
 #include <fstream>
-#include <iterator>
-#include <random>
-#include <thread>
 
 #include "system_test.hpp"
 
@@ -251,9 +246,9 @@ TEST_F(RobotMission, GivesTheRobotBackWhenItIsKilled) {
   wait_for_controller("go_to");
   mission.signal(SIGKILL);
   mission.wait();
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (segue({"switch", "explore"}).status != 0)
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline) << segue({"status"}).output;
+  EXPECT_TRUE(eventually([&] {
+    return segue({"switch", "explore"}).status == 0;
+  })) << segue({"status"}).output;
 }
 
 /// A task of its own beside the robot's controllers.
@@ -329,10 +324,10 @@ TEST_F(RobotMission, IsSeenPausedResumedAndStoppedFromElsewhere) {
     SCOPED_TRACE(mode);
     Process mission(command({"mission", "run", "patrol.yaml", "--mode", mode}), folder_);
     wait_for_controller("go_to");
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (segue({"mission", "status"}).output.find("mission patrol: running; under way: drive_to") ==
-           std::string::npos)
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << segue({"mission", "status"}).output;
+    ASSERT_TRUE(eventually([&] {
+      return segue({"mission", "status"}).output.find("mission patrol: running; under way: drive_to") !=
+             std::string::npos;
+    })) << segue({"mission", "status"}).output;
     EXPECT_EQ(segue({"mission", "pause"}).output, "mission patrol: paused\n");
     EXPECT_EQ(json({"mission", "status"}).find("state")->as_string(), "paused");
     EXPECT_EQ(segue({"mission", "resume"}).output, "mission patrol: running\n");
@@ -353,105 +348,6 @@ TEST_F(RobotMission, FailsWithItsRobot) {
   const auto finished = mission.wait();
   EXPECT_EQ(finished.status, 1) << finished.output << finished.errors;
   EXPECT_THAT(finished.output, HasSubstr("endless: aborted"));
-}
-
-/// Runs a mission that is killed at random points, up to `kills` times, and resumed each time.
-class InterruptedMission : public RobotMission {
- protected:
-  [[nodiscard]] std::string journal() const {
-    std::ifstream file(folder_ / "journal");
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  [[nodiscard]] int count(const std::string& what) const {
-    const std::string text = journal();
-    int found = 0;
-    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
-      ++found;
-    return found;
-  }
-
-  std::vector<std::string> next_command(const std::string& mode, bool resume) {
-    std::vector<std::string> line = {"mission", "run", "drive.yaml", "--mode", mode, "--journal", "journal"};
-    if (resume) line.emplace_back("--resume");
-    return command(std::move(line));
-  }
-
-  /// Until the mission can be resumed; what could not be seen to its end is begun again. False if it has
-  /// ended already.
-  bool resume_to_the_end(const std::string& mode) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    bool again = false;
-    while (true) {
-      const bool exists = journal().find('\n') != std::string::npos;
-      if (!exists) std::filesystem::remove(folder_ / "journal");
-      auto line = next_command(mode, exists);
-      if (again && exists) line.insert(line.end(), {"--under-way", "again"});
-      const auto finished = run(line, folder_);
-      if (finished.status == 0 || finished.errors.find("that run has ended") != std::string::npos)
-        return true;
-      again = finished.errors.find("was being told what to do") != std::string::npos;
-      told_again_ += again ? 1 : 0;
-      EXPECT_LT(std::chrono::steady_clock::now(), deadline) << finished.output << finished.errors;
-      if (std::chrono::steady_clock::now() > deadline) return false;
-    }
-  }
-
-  int told_again_ = 0;  ///< actions that were interrupted while they were told
-};
-
-/// SEGUE_INTERRUPTED_MISSIONS: how often in each mode.
-TEST_F(InterruptedMission, GoesOnWithoutTellingAnActionTwice) {
-  start();
-  write("drive.yaml", kDrive);
-  const char* wanted = std::getenv("SEGUE_INTERRUPTED_MISSIONS");
-  const int rounds = wanted == nullptr ? 2 : std::atoi(wanted);
-  std::mt19937 random(std::random_device{}());
-  for (int round = 0; round < 2 * rounds; ++round) {
-    const std::string mode = round % 2 == 0 ? "sequential" : "concurrent";
-    SCOPED_TRACE(mode);
-    told_again_ = 0;
-    std::filesystem::remove(folder_ / "journal");
-    {
-      Process mission(next_command(mode, false), folder_);
-      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 2000));
-      mission.signal(SIGKILL);
-      mission.wait();
-    }
-    EXPECT_TRUE(resume_to_the_end(mode));
-    EXPECT_EQ(count(R"("finished":"done")"), 1) << journal();
-    EXPECT_LE(count(R"("stage":"told")"), 2 + told_again_) << journal();
-    EXPECT_EQ(count(R"("ended":"first")"), 1) << journal();
-    EXPECT_EQ(segue({"switch", ""}).status, 0);
-  }
-}
-
-/// Which adopts tasks in processes of their own, and knows their controller by what runs.
-TEST_F(InterruptedMission, GoesOnWithTheNextRuntime) {
-  ASSERT_EQ(segue({"init", "rover"}).status, 0);
-  std::ofstream(folder_ / "rover/controllers/go_to.yaml", std::ios::app)
-      << "deployments: {motion: {tasks: [drive, odometry, laser, guard, seeker]}}\n";
-  write("drive.yaml", kDrive);
-  for (const std::string mode : {"sequential", "concurrent"}) {
-    SCOPED_TRACE(mode);
-    start();
-    std::filesystem::remove(folder_ / "journal");
-    Process mission(next_command(mode, false), folder_);
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (count(R"("stage":"told")") == 0) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << journal();
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    robot_->signal(SIGKILL);
-    robot_->wait();
-    const auto finished = mission.wait();
-    EXPECT_EQ(finished.status, 1) << finished.output << finished.errors;
-    EXPECT_THAT(finished.errors, HasSubstr("the robot cannot be reached any more"));
-    start();
-    EXPECT_TRUE(resume_to_the_end(mode));
-    EXPECT_EQ(count(R"("finished":"done")"), 1) << journal();
-    EXPECT_EQ(count(R"("stage":"told")"), 2) << journal();
-    stop();
-  }
 }
 
 TEST_F(RobotMission, NeedsARobotThatHasTheController) {
