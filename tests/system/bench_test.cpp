@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
-#include <thread>
 
 #include "system_test.hpp"
 
@@ -212,11 +211,7 @@ TEST_F(Bench, AnInterruptEndsItCleanlyAndKeepsTheResults) {
   Process bench(command({"bench", "E2.1", "--transport", "shm", "--relays", "1", "--repetitions", "100000",
                          "--out", "results"}),
                 folder_);
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!a_deployment_runs()) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  ASSERT_TRUE(eventually([&] { return a_deployment_runs(); }));
   bench.signal(SIGINT);
   const auto finished = bench.wait();
   EXPECT_EQ(finished.status, 1) << finished.output << finished.errors;
@@ -229,11 +224,7 @@ TEST_F(Bench, AnInterruptEndsTheOtherHostToo) {
   Process bench(
       command({"bench", "E1.1", "--transport", "remote", "--relays", "1", "--repetitions", "1000000"}),
       folder_);
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!a_deployment_runs()) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  ASSERT_TRUE(eventually([&] { return a_deployment_runs(); }));
   EXPECT_NE(processes_left(), std::vector<std::string>{});
   bench.signal(SIGINT);
   EXPECT_EQ(bench.wait().status, 1);

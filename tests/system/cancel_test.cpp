@@ -9,16 +9,16 @@ using CancelTest = SystemTest;
 
 /// Waits until a request is in that state, and returns its number.
 std::uint64_t wait_for_request(const std::function<Value()>& status, const std::string& state) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (std::chrono::steady_clock::now() < deadline) {
+  std::uint64_t number = 0;
+  const bool came = eventually([&] {
     const Value now = status();
     for (const Value& request : now.find("requests")->as_list()) {
-      if (*request.find("state") == Value(state)) return request.find("request")->as_uint();
+      if (*request.find("state") == Value(state)) number = request.find("request")->as_uint();
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  ADD_FAILURE() << "no request is in " << state;
-  return 0;
+    return number != 0;
+  });
+  EXPECT_TRUE(came) << "no request is in " << state;
+  return number;
 }
 
 TEST_F(CancelTest, CtrlCUndoesTheSwitchAndTheJournalHasWhoDidIt) {

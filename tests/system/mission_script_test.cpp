@@ -3,12 +3,9 @@
 
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <sstream>
-#include <thread>
 
 #include "system_test.hpp"
 
@@ -21,15 +18,6 @@ using type::Value;
 /// Machines as RAFCON stores them.
 const std::filesystem::path kMachines = segue::paths::in_sources("/tests/rafcon");
 const std::string kOwnLibraries = "own=" + (kMachines / "libraries").string();
-
-bool wait_until(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 /// Whether the process has ended or is a zombie.
 bool ended(pid_t process) {
@@ -193,7 +181,7 @@ TEST_F(MissionScripts, AScriptThatIsInterruptedEndsAsPreempted) {
         "def execute(self, inputs, outputs, gvm):\n  open('works', 'w').close()\n"
         "  return 0 if self.preemptive_wait() else 'aborted'\n");
   Process run(command({"mission", "run", "m.yaml"}), folder_);
-  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "works"); }));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(folder_ / "works"); }));
   run.signal(SIGINT);
   const auto finished = run.wait();
   EXPECT_EQ(finished.status, 1) << finished.errors;
@@ -210,11 +198,11 @@ TEST_F(MissionScripts, ScriptsEndWithAMissionThatIsKilled) {
           "  os.rename('begins', 'works')\n  " +
               work + "\n");
     Process run(command({"mission", "run", "m.yaml"}), folder_);
-    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "works"); }));
+    ASSERT_TRUE(eventually([&] { return std::filesystem::exists(folder_ / "works"); }));
     const pid_t worker = std::stoi(read("works"));
     run.signal(SIGKILL);
     EXPECT_EQ(run.wait().status, 128 + SIGKILL);
-    EXPECT_TRUE(wait_until([&] { return ended(worker); })) << work;
+    EXPECT_TRUE(eventually([&] { return ended(worker); })) << work;
     std::filesystem::remove(folder_ / "works");
   }
 }
@@ -318,7 +306,7 @@ states:
     std::filesystem::remove(folder_ / "done.txt");
     {
       Process process(command(begun), folder_);
-      ASSERT_TRUE(wait_until([&] { return read(journal).find("\"ended\":\"rest\"") != std::string::npos; }));
+      ASSERT_TRUE(eventually([&] { return read(journal).find("\"ended\":\"rest\"") != std::string::npos; }));
       process.signal(SIGKILL);
       process.wait();
     }

@@ -36,12 +36,11 @@ class MissionSteps : public SystemTest {
   }
   /// Waits until `segue mission status` says that.
   void wait_for_status(const std::string& what) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
     std::string seen;
-    do {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << seen;
+    ASSERT_TRUE(eventually([&] {
       seen = segue({"mission", "status"}).output;
-    } while (seen.find(what) == std::string::npos);
+      return seen.find(what) != std::string::npos;
+    })) << seen;
   }
 };
 

@@ -2,12 +2,10 @@
 // Missions whose actions are calls of a robot's pool of processes.
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <thread>
 
 #include "system_test.hpp"
 
@@ -62,11 +60,7 @@ class PoolMission : public SystemTest {
   }
   template <class Condition>
   void wait_until(const Condition& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!condition()) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << segue({"status"}).output;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    ASSERT_TRUE(eventually(condition)) << segue({"status"}).output;
   }
 };
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many missions on one robot, one after the other.
-#include <chrono>
-#include <thread>
-
 #include "system_test.hpp"
 
 namespace segue::testing {
@@ -34,13 +31,9 @@ class RepeatedMissions : public SystemTest {
   }
   /// What the last client held may take a moment to be closed.
   void expect_no_more_than(const Holdings& before) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    Holdings now = holdings_of(robot_->pid());
-    while (is_more(now, before) && std::chrono::steady_clock::now() < deadline) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      now = holdings_of(robot_->pid());
-    }
-    EXPECT_FALSE(is_more(now, before)) << "before: " << to_string(before) << "; now: " << to_string(now);
+    Holdings now;
+    EXPECT_TRUE(eventually([&] { return !is_more(now = holdings_of(robot_->pid()), before); }))
+        << "before: " << to_string(before) << "; now: " << to_string(now);
   }
   static bool is_more(const Holdings& now, const Holdings& before) {
     return now.threads > before.threads || now.descriptors > before.descriptors ||

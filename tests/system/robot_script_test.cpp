@@ -2,9 +2,6 @@
 // Missions whose actions are Python scripts that command a running robot.
 #include <gmock/gmock.h>
 
-#include <chrono>
-#include <thread>
-
 #include "system_test.hpp"
 
 namespace segue::testing {

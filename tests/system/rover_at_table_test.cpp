@@ -41,11 +41,7 @@ class RoverAtTable : public SystemTest {
     return "";
   }
   void wait_until(const std::string& what, const std::function<bool()>& holds) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!holds()) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << what;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    ASSERT_TRUE(eventually(holds)) << what;
   }
   std::vector<double> arm() {
     std::vector<double> positions;
