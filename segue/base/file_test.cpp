@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class FileTest : public testing::Test {
+class FileTest : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
@@ -74,6 +74,12 @@ TEST_F(FileTest, AnErrorWhileReadingIsAnswered) {
 
 TEST_F(FileTest, WritingIntoAMissingFolderIsAnError) {
   EXPECT_FALSE(write_file(folder_ / "no" / "x", "content"));
+}
+
+TEST_F(FileTest, WritingInPlaceOfAFolderIsAnErrorAndLeavesNoTemporaryFile) {
+  fs::create_directories(folder_ / "taken" / "full");
+  EXPECT_FALSE(write_file(folder_ / "taken", "content"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
 TEST_F(FileTest, GlobFindsWhatMatchesInOrder) {

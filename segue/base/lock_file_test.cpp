@@ -4,6 +4,7 @@
 #include <segue/base/process_state.hpp>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <optional>
@@ -53,6 +54,22 @@ TEST_F(LockFileTest, HasOneOwnerAndEndsWithIt) {
     EXPECT_FALSE(try_lock(path_).value());
   }
   EXPECT_TRUE(try_lock(path_).value());
+}
+
+// An owner may remove the file while another thread has opened it and not locked it yet.
+TEST_F(LockFileTest, IsOfTheFileThatIsThere) {
+  const auto lock_and_remove = [this] {
+    for (int i = 0; i < 5000; ++i) {
+      const auto lock = try_lock(path_).value();
+      if (!lock) continue;
+      struct stat held {};
+      ASSERT_EQ(::fstat(lock->get(), &held), 0);
+      ASSERT_EQ(held.st_nlink, 1U) << "only the owner removes it";
+      fs::remove(path_);
+    }
+  };
+  std::jthread other(lock_and_remove);
+  lock_and_remove();
 }
 
 TEST_F(LockFileTest, TellsWhoHoldsIt) {

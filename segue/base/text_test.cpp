@@ -74,6 +74,15 @@ TEST(DidYouMean, SuggestsTheNearestNameOrNothing) {
   EXPECT_EQ(did_you_mean("zzz", names), "");
 }
 
+TEST(DidYouMean, SuggestsNoNameThatDiffersInMoreThanAThird) {
+  EXPECT_EQ(did_you_mean("planning", std::vector<std::string>{"planxyng"}), ", did you mean 'planxyng'?");
+  EXPECT_EQ(did_you_mean("planning", std::vector<std::string>{"plxyzing"}), "");
+}
+
+TEST(DidYouMean, SuggestsTheFirstOfNamesThatAreEquallyNear) {
+  EXPECT_EQ(did_you_mean("arm", std::vector<std::string>{"arm_1", "arm_2"}), ", did you mean 'arm_1'?");
+}
+
 TEST(Listed, JoinsAsInASentence) {
   EXPECT_EQ(listed(std::vector<std::string>{"a", "b", "c"}), "a, b and c");
   EXPECT_EQ(listed(std::vector<std::string>{"a"}), "a");
