@@ -24,6 +24,14 @@ export function end(child) {
   return ended;
 }
 
+/** Ends a program and, with it, the processes of its robot; the program alone where it does not. */
+async function ended(child) {
+  if (child.exitCode !== null || child.signalCode !== null) return;
+  const stubborn = setTimeout(() => child.kill('SIGKILL'), 20000);
+  await end(child);
+  clearTimeout(stubborn);
+}
+
 export class Stage {
   constructor(segue, pictures) {
     this.browserProgram = browserProgram();
@@ -134,7 +142,7 @@ export class Stage {
     const page = this.browser?.pages()[0];
     if (failed) await page?.screenshot({ path: join(this.pictures, 'failed.png') }).catch(() => {});
     await this.browser?.close();
-    for (const child of this.running) if (child.exitCode === null) child.kill('SIGKILL');
+    for (const child of this.running.reverse()) await ended(child);
     rmSync(this.folder, { recursive: true, force: true });
   }
 }
