@@ -6,6 +6,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <semaphore>
 #include <thread>
 
 namespace segue::host {
@@ -155,14 +156,19 @@ TEST_F(LocalHost, forgets_the_tasks_and_connections_of_a_process_that_dies_durin
     expect_done(on_process(ActionKind::Deploy, "p"));
     expect_done(apply(task_of("a", "any::Thing"), "p"));
     expect_done(on_connection(ActionKind::Connect, connection));
+    constexpr int kValues = 20;
+    std::counting_semaphore<> carried_out{0};
     std::thread actor([&] {
-      for (int value = 0; value < 20; ++value) {
+      for (int value = 0; value < kValues; ++value) {
         const auto properties = type::Value::map({{"value", value}});
         static_cast<void>(perform(apply(task_of("a", "any::Thing", properties), "p")));
+        carried_out.release();
         static_cast<void>(perform(on_connection(ActionKind::Connect, wire("b", "out", "a", "in"))));
+        carried_out.release();
       }
     });
-    std::this_thread::sleep_for(std::chrono::microseconds(round));
+    for (int action = round % (2 * kValues); action > 0; --action)
+      carried_out.acquire();
     expect_done(kill);
     actor.join();
     const auto left = host_.observe();
