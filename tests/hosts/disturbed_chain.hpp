@@ -33,8 +33,7 @@ class DisturbedChainTest : public ChainTest {
   void expect_whole(const std::string& controller);
 
  private:
-  std::size_t actions_done(std::int64_t after);
-  bool has_ended(std::int64_t after);
+  bool was_in_time_ = false;  ///< the last disturbance came before the end of its switch
 };
 
 /// A text in a map; empty if it is not there.
