@@ -3,6 +3,8 @@
 
 #include <segue/base/text.hpp>
 
+#include <support/eventually.hpp>
+
 #include <algorithm>
 #include <thread>
 #include <utility>
@@ -155,36 +157,38 @@ bool TroubledRobot::is_commanded(std::size_t host) const {
                                [&](const LeaseInfo& lease) { return lease.holder == holder; });
 }
 
+std::string TroubledRobot::unnoticed() {
+  std::string missing;
+  const auto reports = host().computers();
+  for (std::size_t i = 0; i < hosts(); ++i) {
+    const auto found = std::find_if(reports.begin(), reports.end(),
+                                    [&](const auto& report) { return report.name == name(i); });
+    if (found == reports.end() || found->reachable != can_be_reached(i)) {
+      missing = name(i).str() +
+                (can_be_reached(i) ? " is not found again: " : " is not noticed to be lost: ") +
+                (found == reports.end() ? "" : found->state);
+    } else if (found->reachable && !is_commanded(i)) {
+      missing = name(i).str() + " is not noticed to be commanded by nobody";
+    }
+  }
+  return missing;
+}
+
 std::string TroubledRobot::settle() {
   // What cannot come, because of a planted defect, is not waited for long.
   const Duration patience = planted_ == Planted::Nothing ? kLong : Duration(5s);
-  const TimePoint limit = RealClock::instance().now() + patience;
   std::string missing;
-  do {
+  const auto settled = [&] {
     renew_rivals();
-    missing.clear();
-    const auto reports = host().computers();
-    for (std::size_t i = 0; i < hosts(); ++i) {
-      const auto found = std::find_if(reports.begin(), reports.end(),
-                                      [&](const auto& report) { return report.name == name(i); });
-      if (found == reports.end() || found->reachable != can_be_reached(i)) {
-        missing = name(i).str() +
-                  (can_be_reached(i) ? " is not found again: " : " is not noticed to be lost: ") +
-                  (found == reports.end() ? "" : found->state);
-      } else if (found->reachable && !is_commanded(i)) {
-        missing = name(i).str() + " is not noticed to be commanded by nobody";
-      }
-    }
-    if (missing.empty()) {
-      // Answered when the runtime has looked after everything else.
-      if (runtime().prepare({}).wait_for(kLong) == std::future_status::ready) {
-        return {};
-      }
-      return "the runtime is busy without end";
-    }
-    std::this_thread::sleep_for(1ms);
-  } while (RealClock::instance().now() < limit);
-  return missing;
+    missing = unnoticed();
+    return missing.empty();
+  };
+  if (!segue::testing::eventually(settled, patience)) {
+    return missing;
+  }
+  // Answered when the runtime has looked after everything else.
+  const bool idle = runtime().prepare({}).wait_for(kLong) == std::future_status::ready;
+  return idle ? "" : "the runtime is busy without end";
 }
 
 void TroubledRobot::arm(const std::vector<Trouble>& troubles) {
@@ -373,7 +377,7 @@ std::optional<Error> TroubledRobot::strike(std::size_t host, TroubleKind kind) {
     case TroubleKind::Refused:
       return fail(ErrorCode::InvalidState, "the host refuses");
     case TroubleKind::Slow:
-      std::this_thread::sleep_for(5ms);
+      std::this_thread::sleep_for(5ms);  // the trouble is this time: the runtime's waits are in real time
       return std::nullopt;
     case TroubleKind::ClockJumps:
       computer.clock.advance(kTooLong);

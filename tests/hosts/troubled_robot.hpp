@@ -149,6 +149,8 @@ class TroubledRobot {
   enum class Promise { None, Asked, Given };
 
   [[nodiscard]] bool is_commanded(std::size_t host) const;
+  /// What of hosts that are lost, found or commanded the runtime does not know yet, as a sentence; or empty.
+  [[nodiscard]] std::string unnoticed();
   void watch(std::size_t host);
   void plant(std::size_t host);
   [[nodiscard]] std::vector<HostPlace> places() const;
