@@ -273,6 +273,17 @@ TEST_F(LifeCycle, DestructionStopsAndCleansUp) {
   EXPECT_THAT(hooks, ElementsAre("stop", "cleanup"));
 }
 
+TEST_F(LifeCycle, DestructionStopsATaskInARunTimeErrorToo) {
+  bring_to(TaskState::RunTimeError);
+  std::vector<std::string> hooks;
+  probe->act = [&](const std::string& hook) -> Result<void> {
+    hooks.push_back(hook);
+    return {};
+  };
+  task.reset();
+  EXPECT_THAT(hooks, ElementsAre("stop", "cleanup"));
+}
+
 TEST_F(LifeCycle, RenewedTaskHasItsComponentAndTheOldOneRetires) {
   ASSERT_TRUE(task->set_properties(type::Value::map({{"gain", 4.0}}), soon()));
   const Activity slow{Trigger::Periodic, std::chrono::seconds(1), {}, 0, {}, {}, false};

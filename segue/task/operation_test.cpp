@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/virtual_clock.hpp>
+#include <segue/task/call_queue.hpp>
 #include <segue/task/probe_component.hpp>
 
 #include <support/eventually.hpp>
@@ -205,6 +206,19 @@ TEST_F(Operations, ManyCallersAreServedInTurn) {
   }
   for (std::thread& caller : callers)
     caller.join();
+}
+
+TEST(CallQueue, ACallThatIsRefusedTakesNoPlace) {
+  detail::CallQueue queue;
+  const auto call = std::make_shared<detail::PendingCall>(nullptr, "f", TimePoint::max());
+  const auto fill = [&] {
+    for (int i = 0; i < detail::CallQueue::kLimit; ++i)
+      ASSERT_TRUE(queue.push(call)) << i;
+    EXPECT_FALSE(queue.push(call));
+  };
+  fill();
+  queue.take_all([](detail::PendingCall&) {});
+  fill();
 }
 
 TEST_F(Operations, DynamicOnesTakeValues) {
