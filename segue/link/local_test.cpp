@@ -6,6 +6,8 @@
 #include <segue/task/task.hpp>
 #include <segue/type/describe.hpp>
 
+#include <support/waiting_call.hpp>
+
 #include <gmock/gmock.h>
 
 #include <array>
@@ -519,14 +521,11 @@ TEST_F(Local, NobodyNotifiesAListenerThatWasReplaced) {
   in.set_listener(&listener);
   std::thread writing([&] { out.write(1); });
   listener.inside.wait();
-  std::atomic<bool> replaced{false};
-  std::thread replacing([&] {
+  segue::testing::WaitingCall replacing([&] {
     in.set_listener(nullptr);
     EXPECT_TRUE(listener.left) << "the writer still used it";
-    replaced = true;
   });
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // without waiting it would be replaced by now
-  EXPECT_FALSE(replaced);
+  EXPECT_TRUE(replacing.waits());
   listener.go_on.count_down();
   replacing.join();
   writing.join();

@@ -616,7 +616,7 @@ TEST(SharedConnection, LatencyCountsFromTheWriteInTheOtherProcess) {
   start.out.write(1);
   blocker->inside.wait();
   source.out.write(Pose(1));
-  std::this_thread::sleep_for(kBusy);
+  std::this_thread::sleep_for(kBusy);  // what is tested is that time is measured where it passes
   blocker->go_on.count_down();
   ASSERT_TRUE(eventually([&, &seen = *counter] { return seen.updates > 0; }));
   ASSERT_TRUE(counting->stop(soon()));
