@@ -7,7 +7,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <thread>
 
 /// What look-ahead saves, measured.
 namespace segue::runtime {
@@ -102,18 +101,14 @@ TEST_F(SavedInJournal, StandsBesideWhatItTook) {
   prepare({model::NetworkName("park")});
   const auto parked = switch_to("park");
   ASSERT_TRUE(parked.ahead);
-  const TimePoint deadline = RealClock::instance().now() + 60s;
-  while (RealClock::instance().now() < deadline) {
-    auto reader = journal::JournalReader::open(options().journal);
-    const auto entries = reader ? *reader->transitions(1) : std::vector<journal::TransitionEntry>{};
-    if (!entries.empty() && entries.front().request == parked.request) {
-      EXPECT_EQ(entries.front().ahead, parked.ahead);
-      EXPECT_EQ(entries.front().prepare, parked.prepare);
-      return;
-    }
-    std::this_thread::sleep_for(10ms);
-  }
-  FAIL() << "the journal does not have it";
+  ASSERT_TRUE(runtime_.flush_journal(RealClock::instance().now() + 60s));
+  auto reader = journal::JournalReader::open(options().journal);
+  ASSERT_TRUE(reader) << to_string(reader.error());
+  const auto entries = reader->transitions(1);
+  ASSERT_TRUE(entries && !entries->empty());
+  EXPECT_EQ(entries->front().request, parked.request);
+  EXPECT_EQ(entries->front().ahead, parked.ahead);
+  EXPECT_EQ(entries->front().prepare, parked.prepare);
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/runtime.hpp>
 
+#include <support/eventually.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
-#include <thread>
 
 #include "test_support.hpp"
 
@@ -14,6 +15,7 @@ namespace segue::runtime {
 namespace {
 
 using namespace std::chrono_literals;
+using segue::testing::eventually;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using testing::network_of;
@@ -40,14 +42,6 @@ RuntimeOptions with_pool(model::Pool pool) {
   return options;
 }
 
-template <class Condition>
-bool before_long(const Condition& condition) {
-  const TimePoint deadline = RealClock::instance().now() + 60s;
-  while (!condition() && RealClock::instance().now() < deadline)
-    std::this_thread::sleep_for(1ms);
-  return condition();
-}
-
 bool all_ready(const Runtime& runtime) {
   const auto pools = runtime.pools();
   return !pools.empty() && std::ranges::all_of(pools[0].instances, &PoolInstance::ready);
@@ -62,7 +56,7 @@ std::vector<std::string> labels(const SwitchResult& result) {
 
 TEST(RobotPools, RunBesideEveryController) {
   StandInRobot robot(with_pool(pool_of(2)));
-  ASSERT_TRUE(before_long([&] { return all_ready(robot.runtime); }));
+  ASSERT_TRUE(eventually([&] { return all_ready(robot.runtime); }));
   EXPECT_TRUE(robot.runtime.belief().empty()) << "they are part of no controller";
   for (const char* text : {kWithA, kWithB, kWithA}) {
     const auto result = robot.runtime.switch_to(network_of(text));
@@ -79,19 +73,19 @@ TEST(RobotPools, RunBesideEveryController) {
 TEST(RobotPools, EndWithARequestThatSaysSo) {
   StandInRobot robot(with_pool(pool_of(2)));
   ASSERT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
-  ASSERT_TRUE(before_long([&] { return all_ready(robot.runtime); }));
+  ASSERT_TRUE(eventually([&] { return all_ready(robot.runtime); }));
   RequestOptions all;
   all.end_pools = true;
   ASSERT_EQ(robot.runtime.switch_to(model::Network{}, all).outcome, Outcome::Done);
   EXPECT_TRUE(robot.host.tasks().empty());
   ASSERT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
-  EXPECT_TRUE(before_long([&] { return all_ready(robot.runtime); })) << "the next request has them again";
+  EXPECT_TRUE(eventually([&] { return all_ready(robot.runtime); })) << "the next request has them again";
 }
 
 TEST(RobotPools, SurviveATransitionThatIsUndone) {
   StandInRobot robot(with_pool(pool_of(2)));
   ASSERT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
-  ASSERT_TRUE(before_long([&] { return all_ready(robot.runtime); }));
+  ASSERT_TRUE(eventually([&] { return all_ready(robot.runtime); }));
   robot.asking.ask([&](const model::Action& action) -> Result<void> {
     return action.label() == "start b" ? Result<void>(fail(ErrorCode::HookFailed, "refuses"))
                                        : Result<void>();
@@ -107,19 +101,19 @@ TEST(RobotPools, SurviveATransitionThatIsUndone) {
 TEST(RobotPools, FailWithoutTheControllers) {
   StandInRobot robot(with_pool(pool_of(1, "{stand_in: {rate: 1000, fail: [update]}}")));
   const auto given_up = [&] { return robot.runtime.pools().at(0).instances.at(0).given_up; };
-  ASSERT_TRUE(before_long(given_up));
+  ASSERT_TRUE(eventually(given_up));
   for (const char* text : {kWithA, kWithB}) {
     const auto result = robot.runtime.switch_to(network_of(text));
     ASSERT_EQ(result.outcome, Outcome::Done) << testing::why(result);
     EXPECT_THAT(labels(result), Each(Not(HasSubstr("planner"))));
   }
   EXPECT_THAT(robot.runtime.unresolved(), ::testing::IsEmpty());
-  EXPECT_TRUE(before_long(given_up));
+  EXPECT_TRUE(eventually(given_up));
 }
 
 TEST(RobotPools, WhoseInstancesCannotStartSayWhy) {
   StandInRobot robot(with_pool(pool_of(2, "{stand_in: {fail: [configure]}}")));
-  ASSERT_TRUE(before_long([&] { return robot.runtime.pools().at(0).instances.at(1).given_up; }));
+  ASSERT_TRUE(eventually([&] { return robot.runtime.pools().at(0).instances.at(1).given_up; }));
   const auto report = robot.runtime.pools().at(0);
   EXPECT_FALSE(report.instances[1].ready);
   EXPECT_THAT(report.instances[1].reason, HasSubstr("attempts to start it have not helped"));

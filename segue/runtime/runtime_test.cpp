@@ -6,6 +6,8 @@
 #include <segue/runtime/test_support.hpp>
 #include <segue/task/component.hpp>
 
+#include <support/eventually.hpp>
+
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -35,6 +37,7 @@ SEGUE_COMPONENT(runtime_test::Hanging)
 namespace segue::runtime {
 namespace {
 
+using segue::testing::eventually;
 using ::testing::HasSubstr;
 using testing::network_of;
 using testing::why;
@@ -361,10 +364,7 @@ TEST_F(RuntimeTest, queries_are_answered_while_a_component_hangs) {
   EXPECT_TRUE(result.undo->restored) << why(result);
   EXPECT_TRUE(robot_.host.observe().empty());
   const auto again = runtime_.request(network, hasty);
-  const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
-  while (robot_.host.tasks().empty() && RealClock::instance().now() < deadline) {
-    std::this_thread::yield();
-  }
+  EXPECT_TRUE(eventually([&] { return !robot_.host.tasks().empty(); }));
   EXPECT_TRUE(robot_.host.observe().tasks.size() <= 1U);
   EXPECT_EQ(runtime_.belief().name, model::NetworkName()) << "the runtime answers all the same";
   again.wait();

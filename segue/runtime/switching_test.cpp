@@ -4,6 +4,7 @@
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/test_support.hpp>
 
+#include <support/eventually.hpp>
 #include <support/paths.hpp>
 #include <support/random_networks.hpp>
 
@@ -14,11 +15,11 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <thread>
 
 namespace segue::runtime {
 namespace {
 
+using segue::testing::eventually;
 using testing::entries;
 using testing::runnable;
 using testing::why;
@@ -59,19 +60,13 @@ std::size_t threads_now() {
 
 /// Threads that have ended leave /proc a moment after they are joined.
 std::size_t settled_threads(std::size_t most) {
-  const auto deadline = RealClock::instance().now() + std::chrono::seconds(10);
-  while (threads_now() > most && RealClock::instance().now() < deadline) {
-    std::this_thread::yield();
-  }
+  (void)eventually([&] { return threads_now() <= most; }, std::chrono::seconds(10));
   return threads_now();
 }
 
 /// Reading /proc opens a descriptor itself, in each count alike.
 std::size_t settled_descriptors(std::size_t most) {
-  const auto deadline = RealClock::instance().now() + std::chrono::seconds(10);
-  while (entries("/proc/self/fd") > most && RealClock::instance().now() < deadline) {
-    std::this_thread::yield();
-  }
+  (void)eventually([&] { return entries("/proc/self/fd") <= most; }, std::chrono::seconds(10));
   return entries("/proc/self/fd");
 }
 
