@@ -2,6 +2,7 @@
 // Connections between two deployments in one process, as if each had a process of its own.
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/host/test_support.hpp>
+#include <support/eventually.hpp>
 #include <support/test_hooks.hpp>
 
 #include <gmock/gmock.h>
@@ -191,11 +192,7 @@ class ConnectedDeployments : public ::testing::Test {
     EXPECT_TRUE(q_.host.perform(on_process(ActionKind::Undeploy, q_.key.process.str()), soon()));
   }
   [[nodiscard]] static bool arrives_after(std::int64_t value) {
-    const TimePoint limit = soon();
-    while (pair::last <= value && RealClock::instance().now() < limit) {
-      std::this_thread::yield();
-    }
-    return pair::last > value;
+    return segue::testing::eventually([value] { return pair::last > value; });
   }
 
   Process p_{"p"};

@@ -7,6 +7,7 @@
 #include <segue/host/local_task_host.hpp>
 #include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
+#include <support/eventually.hpp>
 #include <support/fake_world.hpp>
 
 #include <gmock/gmock.h>
@@ -23,6 +24,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using model::ActionKind;
+using segue::testing::eventually;
 using testing::FakePtr;
 using testing::FakeWorld;
 using testing::Fault;
@@ -858,11 +860,7 @@ TEST(DeployedTaskHost, RemovesEndpointsThatADeadProcessLeft) {
     std::erase_if(p1->endpoints,
                   [](const EndpointReport& endpoint) { return endpoint.side == Side::Output; });
   });
-  const TimePoint give_up = soon();
-  while (world.orphaned_endpoints() > 0 && RealClock::instance().now() < give_up) {
-    std::this_thread::yield();
-  }
-  EXPECT_EQ(world.orphaned_endpoints(), 0U);
+  EXPECT_TRUE(eventually([&] { return world.orphaned_endpoints() == 0; }));
   EXPECT_EQ(text(robot.wrong()), "");
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne)));

@@ -2,6 +2,7 @@
 // The tasks of one process as a deployment, without shared memory.
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/host/test_support.hpp>
+#include <support/eventually.hpp>
 #include <support/test_hooks.hpp>
 
 #include <gmock/gmock.h>
@@ -24,6 +25,7 @@ using host::testing::soon;
 using host::testing::task_of;
 using host::testing::wire;
 using model::ActionKind;
+using segue::testing::eventually;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -86,12 +88,7 @@ class LocalDeploymentTest : public ::testing::Test {
   }
   /// Waits until exactly these tasks are reported as hanging.
   [[nodiscard]] bool hang_now(const std::vector<model::TaskId>& expected) {
-    const TimePoint limit = soon();
-    while (RealClock::instance().now() < limit) {
-      if (deployment_.snapshot()->hanging == expected) return true;
-      std::this_thread::yield();
-    }
-    return false;
+    return eventually([&] { return deployment_.snapshot()->hanging == expected; });
   }
 
   model::ComponentCatalog catalog_;
@@ -266,16 +263,12 @@ TEST(LocalHostOfOverdueTasks, removes_a_process_whose_task_hangs_and_destroys_th
   ASSERT_TRUE(done(on_task(ActionKind::Configure, "s")));
   ASSERT_TRUE(done(on_task(ActionKind::Start, "s")));
   ASSERT_TRUE(hooks::wait_until_inside("s"));
-  while (!host.hanging().contains(model::TaskId("s")))
-    std::this_thread::yield();
+  ASSERT_TRUE(eventually([&] { return host.hanging().contains(model::TaskId("s")); }));
   EXPECT_TRUE(done(on_process(ActionKind::Undeploy, "p")));
   EXPECT_TRUE(host.observe().empty());
   EXPECT_FALSE(host.at_rest());
   hooks::release("s");
-  const TimePoint limit = soon();
-  while (!host.at_rest() && RealClock::instance().now() < limit)
-    std::this_thread::yield();
-  EXPECT_TRUE(host.at_rest());
+  EXPECT_TRUE(eventually([&] { return host.at_rest(); }));
 }
 
 TEST_F(LocalDeploymentTest, tells_of_a_task_that_fails_by_itself) {
