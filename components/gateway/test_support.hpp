@@ -11,6 +11,7 @@
 #include <segue/task/task.hpp>
 
 #include <support/cyclone_suppressions.hpp>
+#include <support/eventually.hpp>
 
 #include <unistd.h>
 
@@ -128,22 +129,12 @@ SEGUE_TYPE(gateway::testing::Cloud, number, bytes, rings, poses, texts, bits, re
 
 namespace gateway::testing {
 
+using segue::testing::eventually;  // for what happens in threads of Cyclone and in other processes
 using segue::type::Value;
 using segue::type::ValueMap;
 
 inline segue::TimePoint soon() {
   return segue::RealClock::instance().now() + std::chrono::seconds(60);
-}
-
-/// Polls, since what it waits for happens in threads of Cyclone and in other processes.
-template <class Condition>
-bool eventually(Condition condition) {
-  const segue::TimePoint end = soon();
-  while (!condition()) {
-    if (segue::RealClock::instance().now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
 }
 
 /// Programs that run at the same time rarely share a domain, and never a topic.
