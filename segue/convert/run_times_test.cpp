@@ -23,6 +23,7 @@ using namespace std::chrono_literals;
 using cdtn::ClockKind;
 using cdtn::NodeResult;
 
+/// Really slept: what is tested is that time is measured where it passes.
 constexpr Duration kNap = 20ms;
 
 /// What actions measured of themselves, in the order of their ends.
