@@ -9,6 +9,7 @@
 #include <atomic>
 #include <future>
 #include <map>
+#include <semaphore>
 #include <thread>
 
 namespace segue::control {
@@ -580,6 +581,7 @@ TEST_F(HostTest, ClientsAndServersMayEndAtAnyTime) {
   for (int round = 0; round < 15; ++round) {
     serve();
     std::atomic<bool> over{false};
+    std::counting_semaphore<> answered{0};  // calls
     std::vector<std::thread> users;
     for (int i = 0; i < 2; ++i) {
       users.emplace_back([&] {
@@ -591,6 +593,7 @@ TEST_F(HostTest, ClientsAndServersMayEndAtAnyTime) {
         (*robot)->set_listener([&](const host::HostEvent&) { ++heard; });
         for (int call = 0; call < 10; ++call) {
           (void)(*robot)->look();
+          answered.release();
           (*robot)->begin_all({action_of(model::ActionKind::Stop, "a")}, soon(), [](const auto&) {});
         }
       });
@@ -599,7 +602,8 @@ TEST_F(HostTest, ClientsAndServersMayEndAtAnyTime) {
       while (!over)
         daemon_.robot->tell(host::TaskEvent{TaskId("a"), TaskState::Fatal, "why"});
     });
-    std::this_thread::sleep_for(std::chrono::milliseconds(round));
+    for (int call = 0; call < round; ++call)
+      EXPECT_TRUE(answered.try_acquire_until(soon()));
     server_.reset();
     for (auto& user : users)
       user.join();
