@@ -1,27 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/virtual_clock.hpp>
 
-#include <gtest/gtest.h>
-#include <unistd.h>
 #include <support/eventually.hpp>
+#include <support/waiting_call.hpp>
 
-#include <atomic>
-#include <fstream>
-#include <future>
-#include <string>
-#include <thread>
-#include <vector>
+#include <gtest/gtest.h>
+
+#include <list>
 
 namespace segue {
 namespace {
-
-/// Whether a thread of this process is blocked.
-bool is_blocked(pid_t thread) {
-  std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t end_of_name = text.rfind(") ");
-  return end_of_name != std::string::npos && text[end_of_name + 2] == 'S';
-}
 
 TEST(VirtualClock, MovesOnlyWhenTold) {
   VirtualClock clock;
@@ -33,35 +21,25 @@ TEST(VirtualClock, MovesOnlyWhenTold) {
 
 TEST(VirtualClock, WakesWhoeverWaitsForAPointInTimeThatCame) {
   VirtualClock clock;
-  std::atomic<bool> woke{false};
-  std::thread sleeper([&] {
-    clock.sleep_until(TimePoint{} + std::chrono::hours(1));
-    woke = true;
-  });
+  testing::WaitingCall sleeper([&] { clock.sleep_until(TimePoint{} + std::chrono::hours(1)); });
+  EXPECT_TRUE(sleeper.waits());
   clock.advance(std::chrono::minutes(59));
-  EXPECT_FALSE(woke);
+  EXPECT_FALSE(sleeper.returned());
   clock.advance(std::chrono::minutes(1));
   sleeper.join();
-  EXPECT_TRUE(woke);
+  EXPECT_TRUE(sleeper.returned());
 }
 
 TEST(VirtualClock, WakesAllWhoWait) {
   VirtualClock clock;
-  std::vector<std::future<void>> sleepers;
+  std::list<testing::WaitingCall> sleepers;
   for (int i = 0; i < 3; ++i) {
-    std::promise<pid_t> thread;
-    std::future<pid_t> started = thread.get_future();
-    sleepers.push_back(std::async(std::launch::async, [&clock, thread = std::move(thread)]() mutable {
-      thread.set_value(::gettid());
-      clock.sleep_until(TimePoint{} + std::chrono::hours(1));
-    }));
-    const pid_t number = started.get();
-    ASSERT_TRUE(testing::eventually([&] { return is_blocked(number); }));
+    sleepers.emplace_back([&] { clock.sleep_until(TimePoint{} + std::chrono::hours(1)); });
+    ASSERT_TRUE(sleepers.back().waits());
   }
   clock.advance(std::chrono::hours(1));
-  const auto deadline = std::chrono::steady_clock::now() + testing::kPatience;
-  for (std::future<void>& sleeper : sleepers)
-    EXPECT_EQ(sleeper.wait_until(deadline), std::future_status::ready);
+  for (const testing::WaitingCall& sleeper : sleepers)
+    EXPECT_TRUE(testing::eventually([&] { return sleeper.returned(); }));
   for (std::size_t i = 0; i < sleepers.size(); ++i)
     clock.advance({});  // so that the test ends even if some were forgotten
 }
