@@ -27,7 +27,7 @@ manual: ## the manual as HTML, in build/manual; with pictures of the studio afte
 	@tools/setup --test
 	@tools/manual
 
-test: ## everything that CI runs (see tools/test --help)
+test: ## what CI runs (tools/test --help: single stages, quick checks before a commit, those of the night)
 	@tools/test
 
 bench: setup ## all benchmarks, with their floors in the same run
