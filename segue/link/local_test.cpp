@@ -251,6 +251,24 @@ TEST_F(Local, NothingIsDeliveredAfterDisconnect) {
   connection->disconnect();
 }
 
+TEST_F(Local, AnEndedConnectionKeepsNoSamples) {
+  // How many samples readers can hold after so many have waited in a connection that has ended.
+  const auto available_after = [this](int waiting) {
+    OutputPort<int> out(writer, "out");
+    InputPort<int> in(reader, "in");
+    const auto ended = connected(out, in, buffer(20));
+    for (int i = 0; i < waiting; ++i)
+      out.write(i);
+    ended->disconnect();
+    connected(out, in);
+    std::vector<Sample<int>> held;
+    while (out.write(0) == WriteResult::Written)
+      held.push_back(in.take());
+    return held.size();
+  };
+  EXPECT_EQ(available_after(20), available_after(0));
+}
+
 TEST_F(Local, OldDataOfOtherConnectionsStays) {
   OutputPort<int> one(writer, "one");
   OutputPort<int> two(writer, "two");
