@@ -141,8 +141,8 @@ void Process::close_output() {
   output_ = -1;
 }
 
-Finished Process::wait() {
-  const auto deadline = Clock::now() + kPatience;
+Finished Process::wait(std::chrono::seconds limit) {
+  const auto deadline = Clock::now() + limit;
   while (output_ >= 0 || errors_ >= 0) {
     if (Clock::now() >= deadline) {
       ::kill(pid_, SIGKILL);

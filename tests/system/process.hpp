@@ -44,7 +44,7 @@ class Process {
   /// Nobody reads its standard output any more.
   void close_output();
   /// Waits for the end.
-  Finished wait();
+  Finished wait(std::chrono::seconds limit = kPatience);
 
  private:
   /// Reads available output; false once both ends are closed. Waits at most for `limit`.
