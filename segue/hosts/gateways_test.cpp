@@ -106,6 +106,22 @@ TEST(Gateways, OneSenderServesAllReadersWithOnePolicy) {
   EXPECT_TRUE(equivalent(without_gateways(whole), spread));
 }
 
+TEST(Gateways, WhoWantsTheLastSampleHasASenderOfItsOwn) {
+  const auto whole = expand(read_text(R"(network: spread
+tasks:
+  a: {component: test::A}
+  b: {component: test::B}
+deployments:
+  one: {process: p, host: left, tasks: [a]}
+connections:
+  - a.out -> b.in
+  - {from: a.out, to: b.more, policy: data, init: true}
+)"));
+  EXPECT_EQ(links(whole),
+            (std::set<std::string>{"a.out>", "a.out>>localhost", "a.out>_init", "a.out>_init>localhost"}));
+  EXPECT_NE(property_of(whole, "a.out>", "topic"), property_of(whole, "a.out>_init", "topic"));
+}
+
 TEST(Gateways, EachHalfStaysOnItsHost) {
   const auto whole = expand(read_text(kSpread));
   const auto processes = model::task_processes(whole);

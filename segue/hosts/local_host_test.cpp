@@ -208,6 +208,15 @@ TEST(LocalHost, ModelFilesAreKeptUnderNamesOfItsOwn) {
   EXPECT_EQ(texts, (std::vector<std::string>{"one", "three", "two"}));
 }
 
+TEST(LocalHost, WhoseModelFilesCannotBeKeptLeavesTheRobotToOthers) {
+  Computer computer("left");
+  ASSERT_TRUE(write_file(computer.folder / "robots" / "robot.models", "where their folder should be"));
+  auto request = request_of("a");
+  request.models = {{"arm.yaml", "one"}};
+  ASSERT_FALSE(computer.local->acquire(request, in_time()));
+  EXPECT_NE(acquired(computer, request_of("b")), nullptr);
+}
+
 TEST(LocalHost, RefusesNamesThatArePaths) {
   Computer computer("left");
   for (const char* name : {"", "..", "../robot", "a/b", "/etc"}) {

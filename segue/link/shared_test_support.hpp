@@ -7,6 +7,8 @@
 #include <segue/task/task.hpp>
 #include <segue/type/describe.hpp>
 
+#include <support/eventually.hpp>
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -49,20 +51,10 @@ using task::ReadStatus;
 using task::Sample;
 using task::Task;
 using task::WriteResult;
+using testing::eventually;
 
 inline TimePoint soon() {
   return RealClock::instance().now() + std::chrono::seconds(60);
-}
-
-/// Waits for something that another thread or process does.
-template <class Condition>
-bool eventually(Condition condition) {
-  const TimePoint deadline = soon();
-  while (!condition()) {
-    if (RealClock::instance().now() > deadline) return false;
-    std::this_thread::yield();
-  }
-  return true;
 }
 
 template <class T>

@@ -24,11 +24,12 @@ std::string name_of(const ::testing::TestParamInfo<Fault>& fault) {
 class FaultyComponent : public DeployedRobotTest, public ::testing::WithParamInterface<Fault> {
  protected:
   /// The chain, and a task with the fault in a process of its own beside a healthy one.
-  static model::Network with(const std::string& hook, const std::string& how) {
-    return network(
-        "faulty",
-        "  bad: {component: \"fault::Faulty\", properties: {hook: \"" + hook + "\", how: " + how + "}}\n",
-        std::string("  bad: {tasks: [bad], limits: ") + kLimits + "}\n");
+  static model::Network with(const std::string& hook, const std::string& how,
+                             const std::string& reached = {}) {
+    return network("faulty",
+                   "  bad: {component: \"fault::Faulty\", properties: {hook: \"" + hook + "\", how: " + how +
+                       ", reached: \"" + reached + "\"}}\n",
+                   std::string("  bad: {tasks: [bad], limits: ") + kLimits + "}\n");
   }
   const model::Network plain_ = network("plain");
   const model::Network healthy_ = with("", "nothing");
@@ -38,13 +39,15 @@ class FaultyComponent : public DeployedRobotTest, public ::testing::WithParamInt
 class Hang : public FaultyComponent {};
 
 TEST_P(Hang, costs_its_process_and_nothing_else) {
-  const Duration patience = std::chrono::seconds(1);
+  const Duration patience = std::chrono::seconds(3);  // also for a new process on a busy computer
   switch_to(plain_);
   const std::string hook = GetParam().hook;
   const bool at_the_begin = hook == "configure" || hook == "start";
-  const auto there = try_switch(with(hook, GetParam().how), patience);
   const bool at_any_time =
       hook == "update" && std::string(GetParam().how) == "freeze";  // also before it answered
+  const auto reached = folder_ / "reached";
+  const auto faulty = with(hook, GetParam().how, reached);
+  const auto there = at_the_begin || at_any_time ? try_switch(faulty, patience) : try_switch(faulty);
   if (!at_any_time) {
     EXPECT_EQ(there.outcome, at_the_begin ? Outcome::Failed : Outcome::Done)
         << (there.error ? to_string(*there.error) : "");
@@ -54,6 +57,9 @@ TEST_P(Hang, costs_its_process_and_nothing_else) {
     EXPECT_TRUE(there.undo->restored) << to_string(*there.error);
     EXPECT_EQ(pid_of("bad"), -1);
     EXPECT_TRUE(equivalent(host().observe(), plain_));
+  }
+  if (hook == "update") {
+    ASSERT_TRUE(eventually([&] { return std::filesystem::exists(reached); }));
   }
   const pid_t hanging = pid_of("bad");
   // A process that does not answer is replaced at once; a hook is given its deadline first.

@@ -6,6 +6,7 @@
 
 #include <segue/task/component.hpp>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -147,6 +148,7 @@ class Faulty final : public Component {
  private:
   Result<void> at(const std::string& hook) {
     if (hook != *hook_) return {};
+    if (!reached_->empty()) ::close(::creat(reached_->c_str(), 0600));
     if (*how_ == "error") return segue::fail(segue::ErrorCode::HookFailed, "refused, as requested");
     if (*how_ == "throw") throw std::runtime_error("thrown, as requested");
     if (*how_ == "exhaust") exhaust();
@@ -176,6 +178,9 @@ class Faulty final : public Component {
   OutputPort<int> out_{*this, "out"};
   Property<std::string> hook_{*this, "hook", ""};
   Property<std::string> how_{*this, "how", "", segue::task::PropertyOptions{.live = true, .doc = {}}};
+  Property<std::string> reached_{
+      *this, "reached", "",
+      segue::task::PropertyOptions{.live = false, .doc = "A file that is made when the hook begins"}};
   std::vector<std::string> hoard_;
 };
 
