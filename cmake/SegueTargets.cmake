@@ -176,26 +176,28 @@ endif()
 set(SEGUE_SOME_SKIPPED "^[^[]*\\[==========\\][^[]*\\[  PASSED  \\][^[]*\\[  SKIPPED \\]")
 
 # segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [KINDS unit|product|nightly...] [LABELS ...] [TIMEOUT seconds]
-#            [SHARED_DATA] [WHERE_POSSIBLE])
-# A GoogleTest (and rapidcheck) program, one ctest entry, which may include <support/...>. Its kinds are labels, and decide which
-# stages of tools/test build and run it:
+#            [SHARDS number] [SHARED_DATA] [WHERE_POSSIBLE])
+# A GoogleTest (and rapidcheck) program, which may include <support/...>. It is one ctest entry, or with SHARDS so many, NAME_1 and
+# so on, each of which runs a part of its cases. Its kinds are labels, and decide which stages of tools/test build and run it:
 #   unit      (the default) under the sanitizers of addresses and undefined behaviour
 #   product   in the release build: the programs as users run them, real time, and what tries too many cases for sanitizers
 #   nightly   in the release build of a night only
-# Labels `concurrency` and `concurrency_at_night`: also under thread sanitizer. SEPARATE sources are compiled on their own in unity
-# builds too, because they define names that another source defines as well. SHARED_DATA: cases of suites whose names end in SharedData need data that is
-# not part of Segue (tests/support/shared_data.hpp); they are a ctest entry of their own, NAME_shared_data, which is shown as
-# skipped when they are. WHERE_POSSIBLE: likewise suites that end in WherePossible need what not every machine and user has.
+# Labels `concurrency` and `concurrency_at_night`: also under thread sanitizer; `long`: it takes more than daily work should wait
+# for (ctest -LE long leaves it out). SEPARATE sources are compiled on their own in unity
+# builds too, because they define names that another source defines as well. SHARED_DATA: cases of suites whose names end in
+# SharedData need data that is not part of Segue (tests/support/shared_data.hpp); they are a ctest entry of their own,
+# NAME_shared_data, which is shown as skipped when they are. WHERE_POSSIBLE: likewise suites that end in WherePossible need what
+# not every machine and user has.
 function(segue_test NAME)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "SHARED_DATA;WHERE_POSSIBLE" "TIMEOUT" "SOURCES;SEPARATE;LINK;KINDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SHARED_DATA;WHERE_POSSIBLE" "TIMEOUT;SHARDS" "SOURCES;SEPARATE;LINK;KINDS;LABELS" ${ARGN})
   if(NOT ARG_KINDS)
     set(ARG_KINDS unit)
   endif()
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 300)
+    set(ARG_TIMEOUT 400)
   endif()
   add_executable(${NAME} ${ARG_SOURCES} ${ARG_SEPARATE})
   set_source_files_properties(${ARG_SEPARATE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
@@ -213,7 +215,7 @@ function(segue_test NAME)
       add_dependencies(${label}_tests ${NAME})
     endif()
   endforeach()
-  set(entries ${NAME})
+  set(entries)
   set(apart)
   if(ARG_SHARED_DATA)
     segue_skippable_test(${NAME} shared_data SharedData)
@@ -225,9 +227,23 @@ function(segue_test NAME)
     list(JOIN apart ":" apart)
     set(apart --gtest_filter=-${apart})
   endif()
-  add_test(NAME ${NAME} COMMAND ${NAME} --gtest_brief=1 ${apart})
+  if(ARG_SHARDS)
+    foreach(shard RANGE 1 ${ARG_SHARDS})
+      math(EXPR index "${shard} - 1")
+      add_test(NAME ${NAME}_${shard} COMMAND ${NAME} --gtest_brief=1 ${apart})
+      set_tests_properties(${NAME}_${shard} PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=${ARG_SHARDS};GTEST_SHARD_INDEX=${index}")
+      list(APPEND entries ${NAME}_${shard})
+    endforeach()
+  else()
+    add_test(NAME ${NAME} COMMAND ${NAME} --gtest_brief=1 ${apart})
+    list(APPEND entries ${NAME})
+  endif()
   # What may take long begins first (COST), so that nobody waits for it alone at the end.
-  set_tests_properties(${entries} PROPERTIES TIMEOUT ${ARG_TIMEOUT} COST ${ARG_TIMEOUT} LABELS "${ARG_KINDS};${ARG_LABELS}")
+  set(cost ${ARG_TIMEOUT})
+  if("long" IN_LIST ARG_LABELS)
+    set(cost 2000)
+  endif()
+  set_tests_properties(${entries} PROPERTIES TIMEOUT ${ARG_TIMEOUT} COST ${cost} LABELS "${ARG_KINDS};${ARG_LABELS}")
 endfunction()
 
 # Of segue_test: makes the entry NAME_KIND for the suites that end in SUITE, and leaves these out of the entry NAME. That there
@@ -248,16 +264,6 @@ function(segue_left_out NAME WHY)
     add_test(NAME ${NAME} COMMAND ${CMAKE_COMMAND} -E echo "skipped: ${WHY}")
     set_tests_properties(${NAME} PROPERTIES LABELS "unit;product" SKIP_REGULAR_EXPRESSION "^skipped: ")
   endif()
-endfunction()
-
-# segue_long_tests(NAME...): these take more than daily work should wait for (ctest -LE long leaves them out).
-function(segue_long_tests)
-  foreach(name IN LISTS ARGV)
-    if(TEST ${name})
-      set_property(TEST ${name} APPEND PROPERTY LABELS long)
-      set_property(TEST ${name} PROPERTY COST 1000)
-    endif()
-  endforeach()
 endfunction()
 
 # segue_fuzzer(KIND_fuzz SOURCES ... LINK targets... [INCLUDE folders...])

@@ -19,6 +19,7 @@ using type::ValueMap;
 struct CallOptions {
   std::string operation;
   std::vector<std::string> arguments;
+  bool beside = false;
   Duration timeout = std::chrono::seconds(10);
 };
 
@@ -57,7 +58,8 @@ int call_operation(control::RobotService& robot, const CallOptions& options, con
   if (!arguments) return failed(context, arguments.error());
   const auto address = resolve(robot, options.operation, "OPERATION");
   if (!address) return failed(context, address.error());
-  const auto result = robot.call(address->task, address->member, *arguments, deadline_in(options.timeout));
+  const auto result = robot.call(address->task, address->member, *arguments,
+                                 sender_of("call", options.beside), deadline_in(options.timeout));
   if (!result) return failed(context, result.error());
   if (context.json()) {
     print_json(*result);
@@ -83,6 +85,7 @@ void add_call(Verb& app, Context& context) {
                         });
   verb.option("TASK.OPERATION", options->operation, "the operation").required();
   verb.option("ARGUMENT", options->arguments, "arguments as name=value, or values in declared order (YAML)");
+  add_beside_option(verb, options->beside);
   verb.option("--timeout DURATION", options->timeout, "how long to wait for the result (default 10s)");
   add_robot_option(verb, context);
 }

@@ -183,9 +183,18 @@ class Checker {
     Diagnostics found = model::validate(robot, networks);
     const auto depth = options_.structure ? Depth::Structure : Depth::Full;
     found.append(model::validate(model::pool_network(robot.pools), catalog_, depth));
+    if (robot.halt && !options_.structure) model::check_halt_members(*robot.halt, networks, catalog_, found);
+    if (!robot.halt && !robot.missions.empty()) {
+      found.warning(
+          "no-halt",
+          "the robot has missions, but its file does not say how it comes to rest: after a mission that is "
+          "stopped or lost it runs on ('halt: {controller: NAME, at_rest: [...]}')",
+          robot.where);
+    }
     for (const Diagnostic& item : found.items()) {
       const bool may_follow = (item.code == "unknown-host" && robot.hosts.empty()) ||
-                              item.code == "unknown-controller" || item.code == "no-fallback";
+                              item.code == "unknown-controller" || item.code == "unknown-task" ||
+                              item.code == "no-fallback";
       if (complete || !may_follow) diagnostics_.add(item);
     }
   }

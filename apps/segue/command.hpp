@@ -58,6 +58,7 @@ void add_plan(Verb& app, Context& context);
 void add_apply(Verb& app, Context& context);
 void add_switch(Verb& app, Context& context);
 void add_cancel(Verb& app, Context& context);
+void add_stop(Verb& app, Context& context);
 void add_prepare(Verb& app, Context& context);
 void add_status(Verb& app, Context& context);
 void add_top(Verb& app, Context& context);

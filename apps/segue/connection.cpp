@@ -70,6 +70,16 @@ std::vector<std::string> task_names(const Value& status) {
   return names;
 }
 
+control::Sender sender_of(std::string_view verb, bool beside) {
+  return {.who = sender(verb), .beside_mission = beside};
+}
+
+void add_beside_option(Verb& verb, bool& beside) {
+  verb.flag(
+      "--beside-mission", beside,
+      "although a mission commands the robot, and beside what that is doing; otherwise it is refused then");
+}
+
 std::string sender(std::string_view verb) {
   return fmt::format("segue {} (pid {}, uid {})", verb, ::getpid(), ::getuid());
 }

@@ -13,6 +13,18 @@ robot: @ROBOT@
 hosts: {onboard: local}
 libraries: [segue_components_demo]      # component libraries; `segue component list` shows their components
 controllers: [controllers/*.yaml]
+halt: {controller: hold, at_rest: [{task: drive, state: idle}]}   # how it comes to rest: `segue stop`, Ctrl-C
+)";
+
+constexpr std::string_view kHold = R"(# Nobody commands the drive, so it comes to rest.
+network: hold
+tasks:
+  drive: {component: "demo::Drive"}
+  odometry: {component: "demo::Odometry"}
+  laser: {component: "demo::LaserScanner"}
+connections:
+  - drive.velocity -> odometry.velocity
+  - odometry.pose -> laser.pose
 )";
 
 constexpr std::string_view kExplore = R"(# Wanders about and turns away from obstacles.
@@ -65,7 +77,7 @@ connections:
 
 constexpr std::string_view kReadme = R"(# @ROBOT@
 
-A simulated robot in a square room, with three controllers: explore, go_to and manual.
+A simulated robot in a square room, with three controllers: explore, go_to and manual; and one in which it stands still: hold.
 
 In one terminal:
 
@@ -82,8 +94,10 @@ In another:
     segue switch manual
     segue call joystick.push forward=1 turn=0.2
     segue top
+    segue stop                          # bring it to rest, whoever commands it
+    segue stop --release                # let it be commanded again
 
-Ctrl-C in the first terminal stops every task cleanly.
+Ctrl-C in the first terminal brings the robot to rest and stops every task cleanly.
 
 `controllers/` contains one file per controller. Add your own, and `segue check robot.yaml` reports any problems.
 `segue component list` lists the available components, `segue component show demo::Drive` describes one of them.
@@ -160,11 +174,10 @@ std::string namespace_of(std::string robot) {
 
 std::vector<InitFile> init_files(const std::string& robot, bool library) {
   const std::string name = namespace_of(robot);
-  std::vector<InitFile> files = {{"robot.yaml", replaced(kRobot, "@ROBOT@", robot)},
-                                 {"controllers/explore.yaml", std::string(kExplore)},
-                                 {"controllers/go_to.yaml", std::string(kGoal)},
-                                 {"controllers/manual.yaml", std::string(kManual)},
-                                 {"README.md", replaced(kReadme, "@ROBOT@", robot)}};
+  std::vector<InitFile> files = {
+      {"robot.yaml", replaced(kRobot, "@ROBOT@", robot)}, {"controllers/explore.yaml", std::string(kExplore)},
+      {"controllers/go_to.yaml", std::string(kGoal)},     {"controllers/manual.yaml", std::string(kManual)},
+      {"controllers/hold.yaml", std::string(kHold)},      {"README.md", replaced(kReadme, "@ROBOT@", robot)}};
   if (!library) return files;
   files.back().text += replaced(kLibraryReadme, "@ROBOT@", name);
   files.push_back({"components/CMakeLists.txt", replaced(kCMake, "@ROBOT@", name)});

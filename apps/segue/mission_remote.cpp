@@ -77,10 +77,11 @@ void MissionRemote::Answers::add_to(type::ValueMap& control) const {
   if (!values_.is_null()) control.append("values", values_);
 }
 
-MissionRemote::MissionRemote(robot::ServedRobot& robot, std::string mission, Plan plan, RunControl& control,
-                             std::stop_source stop)
+MissionRemote::MissionRemote(robot::ServedRobot& robot, const mission::Mission& mission, Plan plan,
+                             RunControl& control, std::stop_source stop)
     : robot_(robot),
-      mission_(std::move(mission)),
+      mission_(mission.name),
+      keeps_(mission.at_end == mission::Mission::AtEnd::Keep),
       plan_(std::move(plan)),
       control_(control),
       stop_(std::move(stop)),
@@ -185,7 +186,8 @@ Value MissionRemote::doing() const {
                      {"state", state},
                      {"running", std::move(running)},
                      {"ended", ended_},
-                     {"control", std::move(control)}});
+                     {"control", std::move(control)},
+                     {"at_end", keeps_ ? "keep" : "halt"}});
 }
 
 }  // namespace segue::cli

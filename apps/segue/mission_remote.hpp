@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/mission/action_runner.hpp>
+#include <segue/mission/mission.hpp>
 #include <segue/robot/served_robot.hpp>
 #include <segue/session/run_control.hpp>
 
@@ -27,8 +28,8 @@ class MissionRemote {
 
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
   /// requested when the mission shall stop.
-  MissionRemote(robot::ServedRobot& robot, std::string mission, Plan plan, session::RunControl& control,
-                std::stop_source stop);
+  MissionRemote(robot::ServedRobot& robot, const mission::Mission& mission, Plan plan,
+                session::RunControl& control, std::stop_source stop);
   MissionRemote(const MissionRemote&) = delete;
   MissionRemote& operator=(const MissionRemote&) = delete;
 
@@ -67,6 +68,7 @@ class MissionRemote {
 
   robot::ServedRobot& robot_;
   const std::string mission_;
+  const bool keeps_;  ///< the robot runs on, however the mission ends
   const Plan plan_;
   session::RunControl& control_;
   std::stop_source stop_;

@@ -27,6 +27,7 @@
 #include "models.hpp"
 #include "output.hpp"
 #include "report_text.hpp"
+#include "rest.hpp"
 #include "stop_signal.hpp"
 
 namespace segue::cli {
@@ -37,6 +38,8 @@ using session::FinishedRun;
 using session::RunMode;
 using session::RunRequest;
 
+/// A robot that is not at rest by its own limit stops its devices, which takes seconds.
+constexpr Duration kRestTimeout = std::chrono::minutes(2);
 /// More are no help to a reader; --format json has all.
 constexpr std::size_t kMostRows = 1000;
 
@@ -318,6 +321,23 @@ void tell_end(const Ran& run, MissionRemote& remote) {
   remote.ended(overview.outcome, overview.error ? overview.error->message : "");
 }
 
+/// Gives the robot back. Unless the mission has ended as it should, or wants the robot to run on, it comes to
+/// rest, which is waited for; false where it does not.
+bool leave(robot::ServedRobot& robot, const Ran& run, const session::Session& plan, bool is_unreachable) {
+  const bool keep = (run && (*run)->overview().succeeded) ||
+                    plan.program()->mission().at_end == mission::Mission::AtEnd::Keep;
+  const auto rest = robot.give_back(keep, deadline_in(kRestTimeout));
+  if (!rest) {
+    // Whoever took the robot over, or has halted it, has been named as the reason why the mission ended.
+    if (!is_unreachable && rest.error().code != ErrorCode::InvalidState)
+      print_note("it is not known whether the robot is at rest: " + rest.error().message);
+    return keep;
+  }
+  if (rest->is_null()) return true;
+  print_note(rest_text(plan.name(), *rest));
+  return cli::is_at_rest(*rest);
+}
+
 /// The robot carries out what is a controller. The plan is made anew with what the robot can run at once.
 int run_on_robot(RunRequest request, const MissionOptions& options, control::RobotService& service,
                  const Context& context) {
@@ -343,15 +363,19 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   if (auto given = run_by_robot(request, *plan, robot, how); !given) return failed(context, given.error());
   session::RunControl steering;
   request.control = &steering;
-  MissionRemote remote(
-      *robot, plan->name(), [&] { return shown_plan(*plan, request); }, steering, stop);
-  request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
-  const Ran run = run_with_progress(*plan, request, options, stop.get_token(), context);
-  tell_end(run, remote);
+  Ran run = fail(ErrorCode::Internal, "the mission has not run");
+  {
+    MissionRemote remote(
+        *robot, plan->program()->mission(), [&] { return shown_plan(*plan, request); }, steering, stop);
+    request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
+    run = run_with_progress(*plan, request, options, stop.get_token(), context);
+    tell_end(run, remote);
+  }
+  const bool is_at_rest = leave(*robot, run, *plan, *is_unreachable);
   const int status = show(run, *plan, options, robot.get(), context);
   if (*is_unreachable)
     print_note("the robot cannot be reached any more; when it runs again, the mission goes on with --resume");
-  return status;
+  return is_at_rest ? status : std::max<int>(status, kFailed);
 }
 
 }  // namespace

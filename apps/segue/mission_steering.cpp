@@ -14,6 +14,7 @@
 
 #include "connection.hpp"
 #include "output.hpp"
+#include "rest.hpp"
 
 namespace segue::cli {
 
@@ -130,14 +131,54 @@ int show_state(const Result<Value>& doing, const std::string& name, const std::s
   return kDone;
 }
 
+/// Waits until the robot is at rest after a mission that was stopped; null where it need not come to rest.
+Result<Value> rest_after(control::RobotService& robot, TimePoint deadline) {
+  while (true) {
+    const auto status = robot.status();
+    if (!status) return status.error();
+    const Value* halt = status->find("halt");
+    if (halt == nullptr || halt->is_null()) return Value();
+    const std::string state = text_at(*halt, "state");
+    if (state != "halting") {
+      Value rest = *halt;
+      rest.as_map().set("at_rest", state == "at_rest");
+      return rest;
+    }
+    if (RealClock::instance().now() > deadline) {
+      return fail(ErrorCode::DeadlineExceeded,
+                  "the mission has ended, but the robot is not at rest yet; watch it with 'segue events'");
+    }
+    std::this_thread::sleep_for(kLookPeriod);
+  }
+}
+
 int ask_state(control::RobotService& robot, const std::string& what, const std::string& wanted,
               const SteeringOptions& options, const Context& context) {
   const auto now = mission_of(robot);
   if (!now) return failed(context, now.error());
   const auto doing = ask(robot, what, {}, options.timeout,
                          [&](const Value& then) { return text_at(then, "state") == wanted; });
-  const std::string ended = what == "stop" ? "stopped" : what == "resume" ? "ended" : "";
+  const std::string ended = what == "resume" ? "ended" : "";
   return show_state(doing, text_at(*now, "mission"), ended, context);
+}
+
+/// It counts as stopped when the robot is at rest.
+int stop_mission(control::RobotService& robot, const SteeringOptions& options, const Context& context) {
+  const TimePoint deadline = deadline_in(options.timeout);
+  const auto now = mission_of(robot);
+  if (!now) return failed(context, now.error());
+  const std::string name = text_at(*now, "mission");
+  const auto doing = ask(robot, "stop", {}, options.timeout, [](const Value&) { return false; });
+  if (doing || doing.error().code != ErrorCode::NotFound) return failed(context, doing.error());
+  const auto rest = rest_after(robot, deadline);
+  if (!rest) return failed(context, rest.error());
+  if (rest->is_null()) return show_state(doing, name, "stopped", context);
+  if (context.json()) {
+    print_json(Value::map({{"mission", name}, {"state", "stopped"}, {"rest", *rest}}));
+  } else {
+    print_line(rest_text("mission " + name + ": stopped", *rest));
+  }
+  return is_at_rest(*rest) ? kDone : kFailed;
 }
 
 /// Where the mission is once it is held again; that it has ended is no failure of a step.
@@ -314,8 +355,10 @@ void add_mission_steering(Verb& mission, Context& context) {
   add_request(mission, context, "pause", "paused",
               "let the mission that commands a robot begin nothing more; what is under way goes on");
   add_request(mission, context, "resume", "running", "let a paused mission go on");
-  add_request(mission, context, "stop", "ended",
-              "stop the mission that commands a robot: what is under way is preempted");
+  add_steering(
+      mission, context, std::make_shared<SteeringOptions>(), "stop",
+      "stop the mission that commands a robot: what is under way is preempted, and the robot comes to rest",
+      "  segue mission stop", stop_mission);
   add_steps(mission, context);
 }
 

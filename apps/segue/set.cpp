@@ -16,6 +16,7 @@ using type::Value;
 
 struct SetOptions {
   std::string assignment;
+  bool beside = false;
   Duration timeout = std::chrono::seconds(10);
 };
 
@@ -39,7 +40,8 @@ int set_property(control::RobotService& robot, const SetOptions& options, const 
   const auto address = resolve(robot, options.assignment.substr(0, equals), "PROPERTY");
   if (!address) return failed(context, address.error());
   const std::string before = present_value(robot, *address);
-  const auto done = robot.set_property(address->task, address->member, *value, deadline_in(options.timeout));
+  const auto done = robot.set_property(address->task, address->member, *value,
+                                       sender_of("set", options.beside), deadline_in(options.timeout));
   if (!done) return failed(context, done.error());
   if (context.json()) {
     print_json(Value::map({{"task", address->task}, {"property", address->member}, {"value", *value}}));
@@ -66,6 +68,7 @@ void add_set(Verb& app, Context& context) {
       .check([](const std::string& text) {
         return text.find('=') == std::string::npos ? "write TASK.PROPERTY=VALUE" : std::string();
       });
+  add_beside_option(verb, options->beside);
   verb.option("--timeout DURATION", options->timeout, "how long to wait for the task (default 10s)");
   add_robot_option(verb, context);
 }

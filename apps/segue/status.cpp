@@ -59,6 +59,22 @@ std::string commander_text(const Value& status) {
   return who.empty() ? who : fmt::format("commanded by: {}\n", printable(who));
 }
 
+/// That it was halted since it was commanded last, or is stopped until it is released.
+std::string halt_text(const Value& status) {
+  std::string text;
+  if (const Value* halt = status.find("halt"); halt != nullptr && halt->is_map()) {
+    const std::string state = text_at(*halt, "state");
+    const std::string why = text_at(*halt, "why");
+    text += fmt::format("halted by {}{}: {}\n", text_at(*halt, "who"), why.empty() ? "" : " (" + why + ")",
+                        state == "halting"   ? "on its way to rest"
+                        : state == "at_rest" ? "at rest"
+                                             : "not at rest in time: " + text_at(*halt, "trouble"));
+  }
+  if (const std::string who = text_at(status, "stopped_by"); !who.empty())
+    text += fmt::format("stopped by {} until `segue stop --release`\n", who);
+  return text.empty() ? text : coloured(Colour::Red, printable(text));
+}
+
 /// What the files of the robot have to do with what runs: nothing to say if they are what was loaded.
 std::string files_text(const Value& status) {
   const std::string controller = text_at(status, "controller");
@@ -150,8 +166,8 @@ int show_status(control::RobotService& robot, const Context& context) {
     print_json(*status);
     return kDone;
   }
-  print(status_heading(*status) + commander_text(*status) + other_controllers(*status) + files_text(*status) +
-        pools_text(*status) + hosts_text(*status));
+  print(status_heading(*status) + halt_text(*status) + commander_text(*status) + other_controllers(*status) +
+        files_text(*status) + pools_text(*status) + hosts_text(*status));
   if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {

@@ -15,6 +15,7 @@ using type::Value;
 
 struct WriteOptions {
   std::string assignment;
+  bool beside = false;
   Duration timeout = std::chrono::seconds(10);
 };
 
@@ -24,7 +25,8 @@ int write_sample(control::RobotService& robot, const WriteOptions& options, cons
   if (!value) return failed(context, value.error());
   const auto address = resolve(robot, options.assignment.substr(0, equals), "PORT");
   if (!address) return failed(context, address.error());
-  const auto done = robot.write(address->task, address->member, *value, deadline_in(options.timeout));
+  const auto done = robot.write(address->task, address->member, *value, sender_of("write", options.beside),
+                                deadline_in(options.timeout));
   if (!done) return failed(context, done.error());
   if (context.json()) {
     print_json(Value::map({{"task", address->task}, {"port", address->member}, {"value", *value}}));
@@ -52,6 +54,7 @@ void add_write(Verb& app, Context& context) {
       .check([](const std::string& text) {
         return text.find('=') == std::string::npos ? "write TASK.PORT=VALUE" : std::string();
       });
+  add_beside_option(verb, options->beside);
   verb.option("--timeout DURATION", options->timeout,
               "how long to wait until the task has read it (default 10s)");
   add_robot_option(verb, context);

@@ -41,13 +41,15 @@ class Drive final : public Component {
     if (command_in_.read(command_) == ReadStatus::NewData) {
       last_command_ = now();
     }
-    const bool late = now() - last_command_ > *timeout_;
+    // Whoever commanded until a switch cannot tell it to stop any more.
+    const bool late = !command_in_.connected() || now() - last_command_ > *timeout_;
     const Velocity wanted = late ? Velocity{} : command_;
     const double change = *max_acceleration_ * step;
     const double forward = std::clamp(wanted.forward, -*max_speed_, *max_speed_);
     velocity_.forward += std::clamp(forward - velocity_.forward, -change, change);
     velocity_.turn = std::clamp(wanted.turn, -*max_turn_, *max_turn_);
-    set_state(late ? "idle" : "driving");
+    const bool stands = velocity_.forward == 0 && velocity_.turn == 0;
+    set_state(late && stands ? "idle" : "driving");
     velocity_out_.write(velocity_);
   }
 
@@ -60,7 +62,10 @@ class Drive final : public Component {
   Property<double> max_turn_{*this, "max_turn", 1.5, {.live = true, .doc = "rad/s"}};
   Property<double> max_acceleration_{*this, "max_acceleration", 2.0, {.doc = "m/s^2"}};
   Property<std::chrono::milliseconds> timeout_{
-      *this, "timeout", std::chrono::milliseconds(500), {.doc = "stops after this time without a command"}};
+      *this,
+      "timeout",
+      std::chrono::milliseconds(500),
+      {.doc = "stops after this time without a command, and at once where nobody is connected"}};
   Velocity command_;
   Velocity velocity_;
   segue::TimePoint last_command_;

@@ -18,11 +18,6 @@ class StopButton final : public Component {
   }
 
  protected:
-  segue::Result<void> on_start() override {
-    pressed_ = false;
-    return {};
-  }
-
   void on_update() override {
     set_state(pressed_ ? "pressed" : "released");
     pressed_out_.write(pressed_);

@@ -52,7 +52,7 @@ TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
             Value::map({{"text", "transition: {}"}, {"file", "a.yaml"}}));
   EXPECT_EQ(robot->prepare({"drive", "dock"}, soon()).value(), Value::list({"drive", "dock"}));
   EXPECT_EQ(robot->conflicts({"drive", "dock"}).value(), Value::list({"drive", "dock"}));
-  EXPECT_TRUE(robot->write("planner", "goal", 7, soon()));
+  EXPECT_TRUE(robot->write("planner", "goal", 7, {}, soon()));
   EXPECT_EQ(robot_.last_set(), Value::map({{"task", "planner"}, {"property", "port goal"}, {"value", 7}}));
 }
 
@@ -88,9 +88,18 @@ TEST_F(ControlTest, APropertyTravelsAsItWasWritten) {
   const auto robot = client();
   Value version(1.1);
   version.set_source_text("1.10");
-  ASSERT_TRUE(robot->set_property("a", "b.c", version, soon()));
+  ASSERT_TRUE(robot->set_property("a", "b.c", version, {}, soon()));
   EXPECT_EQ(robot_.last_set(), Value::map({{"task", "a"}, {"property", "b.c"}, {"value", 1.1}}));
   EXPECT_EQ(robot_.last_set_text(), "1.10");
+  ASSERT_TRUE(robot->set_property("a", "b.c", 1, {"ann", 7, true}, soon()));
+  EXPECT_EQ(robot_.last_sender().who, "ann");
+  EXPECT_EQ(robot_.last_sender().lease, 7U);
+  EXPECT_TRUE(robot_.last_sender().beside_mission);
+  EXPECT_EQ(*robot->give_back(5, true, soon())->find("keep"), Value(true));
+  EXPECT_EQ(*robot->give_back(5, true, soon())->find("lease"), Value(5));
+  EXPECT_EQ(*robot->stop("ann", soon())->find("who"), Value("ann"));
+  ASSERT_TRUE(robot->release_stop("bob"));
+  EXPECT_EQ(*robot_.last_set().find("value"), Value("bob"));
 }
 
 TEST_F(ControlTest, ErrorsTravelWithPlaceAndCauses) {
@@ -124,7 +133,7 @@ TEST_F(ControlTest, AnyValueComesBackAsItWent) {
   const auto robot = client();
   rc::check("echo", [&] {
     const auto value = *type::random_value();
-    const auto back = robot->call("t", "echo", value, soon());
+    const auto back = robot->call("t", "echo", value, {}, soon());
     RC_ASSERT(back.has_value());
     RC_ASSERT(*back == value);
     RC_ASSERT(back->kind() == value.kind());
@@ -136,7 +145,7 @@ TEST_F(ControlTest, NumbersOfAKindComeBackAsThatKind) {
   const auto robot = client();
   const Value mixed = Value::list({Value::list({1, 2, 3}), Value::list({1.5, 2.0}), Value::list({1, 2.0}),
                                    Value::list({UINT64_MAX, UINT64_MAX - 1}), Value(Value::List{})});
-  const auto back = robot->call("t", "echo", mixed, soon()).value();
+  const auto back = robot->call("t", "echo", mixed, {}, soon()).value();
   EXPECT_EQ(back, mixed);
   EXPECT_EQ(back.as_list()[1].as_list()[1].kind(), Value::Kind::Float);
   EXPECT_EQ(back.as_list()[2].as_list()[0].kind(), Value::Kind::Int);
@@ -149,13 +158,13 @@ TEST_F(ControlTest, ValuesNestedTooDeepOrTooLargeAreRefusedAndTheConnectionLives
   Value deep(1);
   for (int i = 0; i < 200; ++i)
     deep = Value::list({std::move(deep)});
-  EXPECT_EQ(robot->call("t", "echo", deep, soon()).value(), deep);
+  EXPECT_EQ(robot->call("t", "echo", deep, {}, soon()).value(), deep);
   for (int i = 0; i < 200; ++i)
     deep = Value::list({std::move(deep)});
-  const auto too_deep = robot->call("t", "echo", deep, soon());
+  const auto too_deep = robot->call("t", "echo", deep, {}, soon());
   ASSERT_FALSE(too_deep);
   EXPECT_EQ(too_deep.error().code, ErrorCode::InvalidArgument);
-  const auto too_large = robot->call("t", "echo", Value(std::string(std::size_t{20} << 20, 'x')), soon());
+  const auto too_large = robot->call("t", "echo", Value(std::string(std::size_t{20} << 20, 'x')), {}, soon());
   ASSERT_FALSE(too_large);
   EXPECT_EQ(too_large.error().code, ErrorCode::ResourceExhausted);
   EXPECT_EQ(robot->task("huge").error().code, ErrorCode::ResourceExhausted);
@@ -244,7 +253,7 @@ TEST_F(ControlTest, ASlowCallBlocksNeitherOthersNorItsOwnClient) {
   serve();
   const auto slow = client();
   const auto quick = client();
-  auto waiting = std::async(std::launch::async, [&] { return slow->call("t", "wait", Value(), soon()); });
+  auto waiting = std::async(std::launch::async, [&] { return slow->call("t", "wait", Value(), {}, soon()); });
   ASSERT_TRUE(robot_.entered.wait());
   EXPECT_TRUE(quick->status());
   EXPECT_TRUE(slow->status());
@@ -255,7 +264,7 @@ TEST_F(ControlTest, ASlowCallBlocksNeitherOthersNorItsOwnClient) {
 TEST_F(ControlTest, ADeadlineThatPassesIsAnAnswer) {
   serve();
   const auto deadline = RealClock::instance().now() + std::chrono::milliseconds(20);
-  const auto late = client()->call("t", "wait", Value(), deadline);
+  const auto late = client()->call("t", "wait", Value(), {}, deadline);
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);
   EXPECT_EQ(late.error().message, "nobody let me go");
@@ -267,7 +276,7 @@ TEST_F(ControlTest, AClientWithTooManyCallsIsToldSo) {
   std::vector<std::future<Result<Value>>> calls;
   for (int i = 0; i < 17; ++i) {
     calls.push_back(
-        std::async(std::launch::async, [&] { return robot->call("t", "wait", Value(), soon()); }));
+        std::async(std::launch::async, [&] { return robot->call("t", "wait", Value(), {}, soon()); }));
   }
   // All but one wait; that one is refused at once.
   const auto other = client();
@@ -296,7 +305,7 @@ TEST_F(ControlTest, ManyClientsAndThreadsAtOnce) {
       int right = 0;
       for (int n = 0; n < 50; ++n) {
         const Value sent = Value::list({i, n});
-        right += robot->call("t", "echo", sent, soon()).value_or(Value()) == sent ? 1 : 0;
+        right += robot->call("t", "echo", sent, {}, soon()).value_or(Value()) == sent ? 1 : 0;
       }
       return right;
     }));
@@ -308,7 +317,8 @@ TEST_F(ControlTest, ManyClientsAndThreadsAtOnce) {
 TEST_F(ControlTest, AServerThatGoesAnswersTheCallInProgressAndIsGoneForTheNext) {
   serve();
   const auto robot = client();
-  auto waiting = std::async(std::launch::async, [&] { return robot->call("t", "wait", Value(), soon()); });
+  auto waiting =
+      std::async(std::launch::async, [&] { return robot->call("t", "wait", Value(), {}, soon()); });
   ASSERT_TRUE(robot_.entered.wait());
   auto ending = std::async(std::launch::async, [&] { server_.reset(); });
   robot_.release.open();

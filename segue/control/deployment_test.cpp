@@ -176,6 +176,10 @@ TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
   EXPECT_EQ(process->properties(TaskId("a")).value(), version);
   EXPECT_EQ(process->properties(TaskId("no")).error().code, ErrorCode::NotFound);
   EXPECT_EQ(process->call(TaskId("a"), "echo", Value::list({1, "x"}), soon()).value(), Value::list({1, "x"}));
+  deployment_.state_name = "idle";
+  EXPECT_EQ(process->report(TaskId("a"), soon())->state, TaskState::Running);
+  EXPECT_EQ(process->report(TaskId("a"), soon())->state_name, "idle");
+  EXPECT_EQ(process->report(TaskId("no"), soon()).error().code, ErrorCode::NotFound);
   EXPECT_EQ(process->details(TaskId("no")).error().code, ErrorCode::NotFound);
   const auto thrown = process->describe(TaskId("throws"));
   ASSERT_FALSE(thrown);

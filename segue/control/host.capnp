@@ -49,7 +49,7 @@ interface HostedRobot extends(Tasks.TaskAccess) {
   performInOrder @13 (actions :List(Model.Action), timeout :Int64, ticket :UInt64)
       -> (error :Wire.Error, ended :List(Tasks.Ended));
   # Nothing more of what performInOrder() has been given begins.
-  halt @14 () -> ();
+  beginNoMore @14 () -> ();
 }
 
 struct LinkWait {

@@ -107,13 +107,13 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
     };
     batches().begin(std::move(actions), longest, std::move(send), std::move(completed));
   }
-  void halt() override {
-    // May be called in the loop's own thread. Where it does not arrive, the connection is lost, which halts
-    // too.
+  void begin_no_more() override {
+    // May be called in the loop's own thread. Where it does not arrive, the connection is lost, which lets
+    // nothing more begin too.
     (void)channel().start(
         kHostPatience,
         [id = id_](RpcChannel::Connection& connection) {
-          return connection.held<wire::HostedRobot>(id).haltRequest().send().ignoreResult();
+          return connection.held<wire::HostedRobot>(id).beginNoMoreRequest().send().ignoreResult();
         },
         [](const Error&) {});
   }

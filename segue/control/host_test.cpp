@@ -91,7 +91,7 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     }
     completed(std::move(ended));
   }
-  void halt() override { (void)note("halt"); }
+  void begin_no_more() override { (void)note("begin_no_more"); }
   Result<void> get_ready(const model::Network& target, const std::vector<hosts::LinkWait>& links,
                          TimePoint deadline) override {
     return note("get_ready", [&](Fields& fields) {
@@ -147,6 +147,9 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     return tasks.restore_state(task, state, deadline);
   }
   Result<model::ComponentModel> describe(const TaskId& task) override { return tasks.describe(task); }
+  Result<host::TaskReport> report(const TaskId& task, TimePoint deadline) override {
+    return tasks.report(task, deadline);
+  }
   Result<host::TaskDetails> details(const TaskId& task) override { return tasks.details(task); }
   Result<type::Value> properties(const TaskId& task) override { return tasks.properties(task); }
   Result<void> set_property(const TaskId& task, std::string_view path, const type::Value& value,
@@ -381,13 +384,13 @@ TEST_F(HostTest, WhatFollowsTheBeginOfATransitionComesAfterIt) {
   robot->begin_in_order(
       {{1, model::ActionKind::Start, model::TaskAction{TaskId("a")}, model::Phase::Prepare, {}}}, 5s,
       [](const std::vector<host::Completed>&) {});
-  robot->halt();
+  robot->begin_no_more();
   fake.entered.wait();
   EXPECT_EQ(fake.fields().asked, std::vector<std::string>());
   fake.go_on.open();
   ASSERT_TRUE(robot->withdraw());
   EXPECT_EQ(fake.fields().asked,
-            (std::vector<std::string>{"begin_transition", "begin_in_order", "halt", "withdraw"}));
+            (std::vector<std::string>{"begin_transition", "begin_in_order", "begin_no_more", "withdraw"}));
 }
 
 TEST_F(HostTest, AClientMayBeGoneWhileItsTransitionBegins) {
@@ -413,7 +416,7 @@ TEST_F(HostTest, AClientMayBeGoneWhileItsTransitionBegins) {
   EXPECT_TRUE(robot_of(*host)->withdraw());
 }
 
-TEST_F(HostTest, WhoeverLosesTheConnectionHalts) {
+TEST_F(HostTest, WhoeverLosesTheConnectionBeginsNoMore) {
   serve();
   auto host = client();
   auto robot = robot_of(*host);
@@ -422,7 +425,7 @@ TEST_F(HostTest, WhoeverLosesTheConnectionHalts) {
   host.reset();
   const auto asked = [&] { return daemon_.robot->fields().asked; };
   ASSERT_TRUE(eventually([&] { return asked().size() == 2; }));
-  EXPECT_EQ(asked().back(), "halt");
+  EXPECT_EQ(asked().back(), "begin_no_more");
 }
 
 TEST_F(HostTest, OrdersOfACommitTravel) {

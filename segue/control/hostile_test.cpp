@@ -76,7 +76,7 @@ TEST_F(ControlTest, AClientThatVanishesInACallLeavesTheServerWhole) {
   const auto good = client();
   EXPECT_TRUE(good->status());
   robot_.release.open();
-  EXPECT_EQ(good->call("t", "wait", Value(), soon()).value(), Value("released"));
+  EXPECT_EQ(good->call("t", "wait", Value(), {}, soon()).value(), Value("released"));
 }
 
 TEST_F(ControlTest, TheSixtyFifthClientIsToldWhyAndTheOthersGoOn) {

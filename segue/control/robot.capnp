@@ -7,6 +7,12 @@ $Cxx.namespace("segue::control::wire");
 
 using Wire = import "wire.capnp";
 
+struct Sender {
+  who @0 :Text;
+  lease @1 :UInt64;
+  besideMission @2 :Bool;
+}
+
 # Timeouts are relative to the arrival of the call, in nanoseconds.
 interface Robot {
   status @0 () -> (answer :Wire.Answer);
@@ -15,8 +21,10 @@ interface Robot {
             properties :Wire.Value, lease :UInt64, takeOver :Bool) -> (answer :Wire.Answer);
   applyTransition @3 (text :Data, file :Text, timeout :Int64) -> (answer :Wire.Answer);
   resetBelief @4 () -> (answer :Wire.Answer);
-  setProperty @5 (task :Text, property :Text, value :Wire.Value, timeout :Int64) -> (answer :Wire.Answer);
-  call @6 (task :Text, operation :Text, arguments :Wire.Value, timeout :Int64) -> (answer :Wire.Answer);
+  setProperty @5 (task :Text, property :Text, value :Wire.Value, timeout :Int64,
+      sender :Sender) -> (answer :Wire.Answer);
+  call @6 (task :Text, operation :Text, arguments :Wire.Value, timeout :Int64,
+      sender :Sender) -> (answer :Wire.Answer);
   # `stream` only where the answer is not an error; the answer's value is the name of the port's type.
   openPort @7 (task :Text, port :Text, buffer :UInt32) -> (answer :Wire.Answer, stream :Wire.SampleStream);
   events @8 (after :UInt64, wait :Int64) -> (answer :Wire.Answer);
@@ -33,11 +41,15 @@ interface Robot {
   # nothing: it gives {"lost_to": NAME} once somebody has taken the robot over, and {"asked": WHAT, "number", "arguments"}
   # for each request of askHolder.
   lease @16 (holder :Text) -> (answer :Wire.Answer, stream :Wire.SampleStream);
-  write @17 (task :Text, port :Text, value :Wire.Value, timeout :Int64) -> (answer :Wire.Answer);
+  write @17 (task :Text, port :Text, value :Wire.Value, timeout :Int64,
+      sender :Sender) -> (answer :Wire.Answer);
   report @18 (lease :UInt64, doing :Wire.Value) -> (answer :Wire.Answer);
   # The answer's value is the number of the request.
   askHolder @19 (what :Text, arguments :Wire.Value) -> (answer :Wire.Answer);
   mission @20 (after :UInt64, withPlan :Bool) -> (answer :Wire.Answer);
   past @22 (question :Wire.Value) -> (answer :Wire.Answer);
   cancel @21 (request :UInt64, who :Text, timeout :Int64) -> (answer :Wire.Answer);
+  giveBack @23 (lease :UInt64, keep :Bool, timeout :Int64) -> (answer :Wire.Answer);
+  stop @24 (who :Text, timeout :Int64) -> (answer :Wire.Answer);
+  release @25 (who :Text) -> (answer :Wire.Answer);
 }

@@ -43,6 +43,12 @@ Value listed(const std::vector<PropertyOf>& properties) {
   return list;
 }
 
+void set_sender(wire::Sender::Builder builder, const Sender& sender) {
+  builder.setWho(as_text(sender.who));
+  builder.setLease(sender.lease);
+  builder.setBesideMission(sender.beside_mission);
+}
+
 /// Of requests that may be dry runs.
 template <class Request>
 Result<void> set_options(Request& request, const SwitchOptions& options) {
@@ -269,6 +275,36 @@ class Client final : public RobotService {
                          });
   }
 
+  Result<Value> give_back(std::uint64_t lease, bool keep, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return channel_->ask(left + kGrace, [left, lease, keep](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Robot>().giveBackRequest();
+      request.setLease(lease);
+      request.setKeep(keep);
+      request.setTimeout(left.count());
+      return RpcChannel::send(request);
+    });
+  }
+
+  Result<Value> stop(std::string_view who, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return channel_->ask(left + kGrace, [left, who = std::string(who)](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Robot>().stopRequest();
+      request.setWho(as_text(who));
+      request.setTimeout(left.count());
+      return RpcChannel::send(request);
+    });
+  }
+
+  Result<void> release_stop(std::string_view who) override {
+    return without_value(
+        channel_->ask(kLookTimeout, [who = std::string(who)](RpcChannel::Connection& connection) {
+          auto request = connection.as<wire::Robot>().releaseRequest();
+          request.setWho(as_text(who));
+          return RpcChannel::send(request);
+        }));
+  }
+
   Result<Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
     const Duration left = time_left(deadline);
     return channel_->ask(left + kGrace, [left, controllers](RpcChannel::Connection& connection) {
@@ -302,12 +338,13 @@ class Client final : public RobotService {
   }
 
   Result<void> set_property(std::string_view task, std::string_view property, const Value& value,
-                            TimePoint deadline) override {
+                            const Sender& sender, TimePoint deadline) override {
     if (auto fits = detail::check_size(value, detail::kServerMessageWords); !fits) return fits;
     const Duration left = time_left(deadline);
     return without_value(
         channel_->ask(left + kGrace, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().setPropertyRequest();
+          set_sender(request.initSender(), sender);
           request.setTask(as_text(std::string(task)));
           request.setProperty(as_text(std::string(property)));
           request.setTimeout(left.count());
@@ -317,13 +354,14 @@ class Client final : public RobotService {
         }));
   }
 
-  Result<void> write(std::string_view task, std::string_view port, const Value& value,
+  Result<void> write(std::string_view task, std::string_view port, const Value& value, const Sender& sender,
                      TimePoint deadline) override {
     if (auto fits = detail::check_size(value, detail::kServerMessageWords); !fits) return fits;
     const Duration left = time_left(deadline);
     return without_value(
         channel_->ask(left + kGrace, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().writeRequest();
+          set_sender(request.initSender(), sender);
           request.setTask(as_text(std::string(task)));
           request.setPort(as_text(std::string(port)));
           request.setTimeout(left.count());
@@ -334,11 +372,12 @@ class Client final : public RobotService {
   }
 
   Result<Value> call(std::string_view task, std::string_view operation, const Value& arguments,
-                     TimePoint deadline) override {
+                     const Sender& sender, TimePoint deadline) override {
     if (auto fits = detail::check_size(arguments, detail::kServerMessageWords); !fits) return fits.error();
     const Duration left = time_left(deadline);
     return channel_->ask(left + kGrace, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
       auto request = connection.as<wire::Robot>().callRequest();
+      set_sender(request.initSender(), sender);
       request.setTask(as_text(std::string(task)));
       request.setOperation(as_text(std::string(operation)));
       request.setTimeout(left.count());

@@ -63,6 +63,14 @@ struct SwitchOptions {
   bool take_over = false;   ///< from who holds the lease, if somebody else does
 };
 
+/// Who sets a property, calls an operation or writes a sample. Whoever holds the robot's lease says so; where
+/// somebody else does, it is refused unless it is wanted beside what that is doing, which is an event.
+struct Sender {
+  std::string who{};
+  std::uint64_t lease = 0;      ///< RobotLease::number(); once it is lost, nothing is done with it any more
+  bool beside_mission = false;  ///< although somebody else commands the robot
+};
+
 /// What a running robot offers. The same interface on both sides: the runtime implements it, the server
 /// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
 /// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
@@ -74,7 +82,9 @@ class RobotService {
   /// "changed_files", "state", "controllers", "requests" (that have not ended: {"request", "to", "who",
   /// "state"
   /// ("waiting", "planning", "prepare", "commit", "retire", "undo"), "cancelled_by"}), "pools", "pid",
-  /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "doing"}
+  /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "doing", "halt" (null, or {"who",
+  /// "why", "time_s" (since 1970), "state" ("halting", "at_rest", "not_at_rest"), "stopped", "trouble"}),
+  /// "stopped_by" (who has called stop() and is waited for to release_stop(); null: nobody)}
   virtual Result<type::Value> status() = 0;
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;
@@ -107,10 +117,11 @@ class RobotService {
   /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
   /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more. A
-  /// mission says {"mission", "state", "running", "ended", "control"}, and in "happened" what the robot's
-  /// journal shall have: {"sent_ns" (the sender's time since 1970), "lost" (entries so far that it could not
-  /// keep), "entries": a list of {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"),
-  /// "action" (none: the mission), "iteration", "controller", "outcome", "error", "duration_ns"}}.
+  /// mission says {"mission", "state", "running", "ended", "control", "at_end" ("keep": however its lease
+  /// ends, the robot runs on)}, and in "happened" what the robot's journal shall have: {"sent_ns" (the
+  /// sender's time since 1970), "lost" (entries so far that it could not keep), "entries": a list of
+  /// {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"), "action" (none: the mission),
+  /// "iteration", "controller", "outcome", "error", "duration_ns"}}.
   virtual Result<void> report(std::uint64_t lease, const type::Value& doing) = 0;
   /// The mission that commands the robot, or the last one that did; null where none has since the runtime
   /// began: {"run" (counts missions), "mission", "who", "state" ("running", "paused", "stopping", "ended"),
@@ -132,6 +143,16 @@ class RobotService {
   /// number is the answer, is in "control" of mission(). NotFound where nobody holds it, ResourceExhausted
   /// where it does not hear what it is asked.
   virtual Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments) = 0;
+  /// The holder of that lease commands the robot no longer. Unless it is to `keep` running what it runs, a
+  /// robot that says what rest is comes to rest: {"at_rest", "duration_s", "stopped" (tasks with devices that
+  /// had to be stopped), "trouble" (why)} once it has, else null. A lease that ends without this halts it,
+  /// too.
+  virtual Result<type::Value> give_back(std::uint64_t lease, bool keep, TimePoint deadline) = 0;
+  /// Brings the robot to rest, whoever commands it, and has it refuse whatever is requested until
+  /// release_stop(). Answers as give_back(), once it is at rest or its devices are stopped.
+  virtual Result<type::Value> stop(std::string_view who, TimePoint deadline) = 0;
+  /// InvalidState where nobody has stopped it.
+  virtual Result<void> release_stop(std::string_view who) = 0;
   /// Cancels a request ("requests" of status(); 0: the newest): one that waits ends, the transition of
   /// another one is undone if it is not past its point of commit. Answers the JSON of `switch` of the request
   /// when that is done. NotFound where no such request is open, InvalidState where it goes on. `who` for the
@@ -142,12 +163,13 @@ class RobotService {
                                                TimePoint deadline) = 0;
   virtual Result<void> reset_belief() = 0;
   virtual Result<void> set_property(std::string_view task, std::string_view property,
-                                    const type::Value& value, TimePoint deadline) = 0;
+                                    const type::Value& value, const Sender& sender, TimePoint deadline) = 0;
   virtual Result<type::Value> call(std::string_view task, std::string_view operation,
-                                   const type::Value& arguments, TimePoint deadline) = 0;
+                                   const type::Value& arguments, const Sender& sender,
+                                   TimePoint deadline) = 0;
   /// Writes a sample to an input port of a task that runs, and waits until that has taken it.
   virtual Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
-                             TimePoint deadline) = 0;
+                             const Sender& sender, TimePoint deadline) = 0;
   virtual Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
                                                           std::size_t buffer) = 0;
   /// A list of {"number", "time", "kind", "subject", "message"}.

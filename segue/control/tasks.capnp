@@ -29,6 +29,7 @@ interface TaskAccess {
   restoreState @8 (task :Text, state :State, timeout :Int64) -> (error :Wire.Error);
   write @9 (port :Model.PortRef, value :Wire.Value, timeout :Int64) -> (error :Wire.Error);
   details @10 (task :Text) -> (error :Wire.Error, details :Details);
+  report @11 (task :Text, timeout :Int64) -> (error :Wire.Error, report :TaskReport);
 }
 
 interface BatchFollower {

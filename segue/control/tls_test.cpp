@@ -45,9 +45,9 @@ TEST_F(SecureTest, LargeAnswersAndManyOfThemArriveWhole) {
   const auto robot = client_of("ann");
   const Value large(std::string(std::size_t{3} << 20, 'x'));
   for (int i = 0; i < 5; ++i)
-    EXPECT_EQ(robot->call("t", "echo", large, soon()).value(), large);
+    EXPECT_EQ(robot->call("t", "echo", large, {}, soon()).value(), large);
   for (int i = 0; i < 200; ++i)
-    ASSERT_EQ(robot->call("t", "echo", Value(i), soon()).value(), Value(i));
+    ASSERT_EQ(robot->call("t", "echo", Value(i), {}, soon()).value(), Value(i));
 }
 
 struct Verb {
@@ -80,8 +80,9 @@ std::vector<Verb> all_verbs() {
        [](auto& robot) { return outcome(robot.apply_transition("transition: {}", "a.yaml", soon())); }},
       {"reset_belief", Role::Operate, [](auto& robot) { return outcome(robot.reset_belief()); }},
       {"set_property", Role::Operate,
-       [](auto& robot) { return outcome(robot.set_property("a", "b", Value(1), soon())); }},
-      {"call", Role::Operate, [](auto& robot) { return outcome(robot.call("t", "echo", Value(), soon())); }},
+       [](auto& robot) { return outcome(robot.set_property("a", "b", Value(1), {}, soon())); }},
+      {"call", Role::Operate,
+       [](auto& robot) { return outcome(robot.call("t", "echo", Value(), {}, soon())); }},
       {"shut_down", Role::Operate, [](auto& robot) { return outcome(robot.shut_down()); }},
   };
 }
@@ -187,7 +188,7 @@ TEST_F(SecureTest, WhoIsRevokedWhileConnectedIsCutOff) {
   serve_tcp();
   const auto eve = client_of("eve");
   const auto ann = client_of("ann");
-  auto waiting = std::async(std::launch::async, [&] { return eve->call("t", "wait", Value(), soon()); });
+  auto waiting = std::async(std::launch::async, [&] { return eve->call("t", "wait", Value(), {}, soon()); });
   ASSERT_TRUE(robot_.entered.wait());
   revoke("eve");
   const auto cut = waiting.get();

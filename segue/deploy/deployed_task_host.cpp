@@ -218,6 +218,16 @@ Result<type::Value> DeployedTaskHost::properties(const model::TaskId& task) cons
       task, [](DeploymentService& service, const model::TaskId& id) { return service.properties(id); });
 }
 
+Result<host::TaskReport> DeployedTaskHost::report(const model::TaskId& task, TimePoint deadline) const {
+  auto report = implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {
+    return service.report(id, deadline);
+  });
+  if (report) {
+    report->id = task;
+  }
+  return report;
+}
+
 Result<host::TaskDetails> DeployedTaskHost::details(const model::TaskId& task) const {
   return implementation_->at(
       task, [](DeploymentService& service, const model::TaskId& id) { return service.details(id); });

@@ -208,6 +208,10 @@ Result<type::Value> LocalDeployment::properties(const model::TaskId& task) {
   return implementation_->host.properties(task);
 }
 
+Result<host::TaskReport> LocalDeployment::report(const model::TaskId& task, TimePoint deadline) {
+  return implementation_->host.report(task, deadline);
+}
+
 Result<host::TaskDetails> LocalDeployment::details(const model::TaskId& task) {
   return implementation_->host.details(task);
 }

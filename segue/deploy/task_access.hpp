@@ -44,6 +44,7 @@ class TaskAccess {
 
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;
   virtual Result<type::Value> properties(const model::TaskId& task) = 0;
+  virtual Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) = 0;
   virtual Result<host::TaskDetails> details(const model::TaskId& task) = 0;  ///< Unsupported: older Segue
   virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
                                     const type::Value& value, TimePoint deadline) = 0;

@@ -43,6 +43,28 @@ std::vector<model::Connection> ending_connections(const model::Transition& trans
   return ending;
 }
 
+/// `hanging`: tasks that hang, and why.
+template <class Entry, class Hanging>
+TaskReport report_of(const Entry& entry, const Hanging& hanging) {
+  TaskReport report;
+  report.id = entry.definition.id;
+  report.component = entry.definition.component;
+  report.process = entry.process;
+  report.pid = ::getpid();
+  report.state = entry.task->state();
+  report.state_name = entry.task->state_name();
+  report.error = entry.task->error_message();
+  report.stand_in = entry.stand_in;
+  report.activity = entry.task->activity();
+  report.timing = entry.task->timing();
+  if (const auto found = hanging.find(entry.definition.id); found != hanging.end()) {
+    report.state = TaskState::Fatal;
+    report.state_name = to_string(TaskState::Fatal);
+    report.error = found->second;
+  }
+  return report;
+}
+
 template <class Ports>
 std::vector<std::string> names_of(const Ports& ports) {
   std::vector<std::string> names;
@@ -199,25 +221,17 @@ std::vector<TaskReport> LocalTaskHost::tasks() const {
   std::vector<TaskReport> reports;
   const auto hanging = implementation_->actions.hanging();
   for (const auto& entry : implementation_->table.all()) {
-    TaskReport report;
-    report.id = entry.definition.id;
-    report.component = entry.definition.component;
-    report.process = entry.process;
-    report.pid = ::getpid();
-    report.state = entry.task->state();
-    report.state_name = entry.task->state_name();
-    report.error = entry.task->error_message();
-    report.stand_in = entry.stand_in;
-    report.activity = entry.task->activity();
-    report.timing = entry.task->timing();
-    if (const auto found = hanging.find(entry.definition.id); found != hanging.end()) {
-      report.state = TaskState::Fatal;
-      report.state_name = to_string(TaskState::Fatal);
-      report.error = found->second;
-    }
-    reports.push_back(std::move(report));
+    reports.push_back(report_of(entry, hanging));
   }
   return reports;
+}
+
+Result<TaskReport> LocalTaskHost::report(const model::TaskId& task, TimePoint /*deadline*/) const {
+  const auto entry = implementation_->table.find(task);
+  if (!entry) {
+    return entry.error();
+  }
+  return report_of(*entry, implementation_->actions.hanging());
 }
 
 std::vector<ConnectionReport> LocalTaskHost::connections() const {

@@ -118,7 +118,7 @@ void OrderedActions::begin_ready(std::unique_lock<std::mutex>& lock) {
     }
   }
   beginning_.erase(me);
-  halt(lock);
+  begin_no_more(lock);
   deliver(lock);
   if (is_idle()) {
     changed_.notify_all();
@@ -177,7 +177,7 @@ void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
       finish(batch, batch.indices[one.index], std::move(one));
     }
   }
-  halt(lock);
+  begin_no_more(lock);
   begin_ready(lock);
   deliver(lock);
   if (is_idle() || !doubtful_.empty()) {
@@ -267,24 +267,24 @@ void OrderedActions::settle_doubtful(std::unique_lock<std::mutex>& lock) {
     }
     report(index, std::move(ended));
   }
-  halt(lock);
+  begin_no_more(lock);
   deliver(lock);
 }
 
 void OrderedActions::cancel() {
   std::unique_lock lock(mutex_);
   cancelled_ = true;
-  halt(lock);
+  begin_no_more(lock);
   changed_.notify_all();
 }
 
-void OrderedActions::halt(std::unique_lock<std::mutex>& lock) {
-  if (halted_ || !performer_.halt || in_progress_ == 0 || (!failed_ && !cancelled_)) {
+void OrderedActions::begin_no_more(std::unique_lock<std::mutex>& lock) {
+  if (told_ || !performer_.begin_no_more || in_progress_ == 0 || (!failed_ && !cancelled_)) {
     return;
   }
-  halted_ = true;
+  told_ = true;
   lock.unlock();
-  performer_.halt();
+  performer_.begin_no_more();
   lock.lock();
 }
 

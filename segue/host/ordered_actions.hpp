@@ -44,7 +44,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
     /// them. May be empty; nullptr: at no such place. Must not block.
     std::function<const void*(const model::Action& action)> place{};
     /// Called once nothing new may begin while batches are in progress. May be empty; must not block.
-    std::function<void()> halt{};
+    std::function<void()> begin_no_more{};
   };
 
   /// An action waits for those of `actions` that its `after` names; others are done. `action_deadline` is for
@@ -86,7 +86,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   void report(std::size_t index, Completed ended);
   void release_successors(std::size_t index);
   /// Tells the performer, once, that nothing new may begin.
-  void halt(std::unique_lock<std::mutex>& lock);
+  void begin_no_more(std::unique_lock<std::mutex>& lock);
   /// Tells the caller what is known, in one thread at a time.
   void deliver(std::unique_lock<std::mutex>& lock);
   void report_unbegun(std::unique_lock<std::mutex>& lock);
@@ -117,7 +117,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   std::size_t in_progress_ = 0;  ///< actions; the doubtful ones too
   bool failed_ = false;
   bool cancelled_ = false;
-  bool halted_ = false;
+  bool told_ = false;
   std::vector<Completed> undelivered_;
   bool delivering_ = false;
   std::set<std::thread::id> beginning_;  ///< threads in begin_ready(), where the performer may report at once

@@ -30,7 +30,7 @@ class Performers {
   std::map<int, std::optional<Result<void>>> answers;
   std::map<int, const void*> places;
   std::vector<Ids> batches;
-  int halts = 0;
+  int told = 0;
   model::Network observed;
   std::function<void(int id)> on_begin = [](int) {};
 
@@ -49,7 +49,7 @@ class Performers {
         return found == places.end() ? nullptr : found->second;
       };
     }
-    performer.halt = [this] { ++halts; };
+    performer.begin_no_more = [this] { ++told; };
     return performer;
   }
 
@@ -109,7 +109,7 @@ TEST(OrderedActions, WhatIsReadyBeginsTogether) {
       ends_of(performers, {action(1), action(2), action(3, {1, 2}), action(4, {3}), action(5, {9})});
   EXPECT_THAT(performers.batches, ElementsAre(Ids{1, 2, 5}, Ids{3}, Ids{4}));
   EXPECT_EQ(ended.ids(true, true).size(), 5U);
-  EXPECT_EQ(performers.halts, 0);
+  EXPECT_EQ(performers.told, 0);
   EXPECT_TRUE(ends_of(performers, {}).reports.empty());
 }
 
@@ -147,7 +147,7 @@ TEST(OrderedActions, WhatAHostDidNotBeginWithoutAFailureIsOne) {
   OrderedActions::Performer performer;
   performer.begin = [](const std::vector<Action>& actions, TimePoint, const Completion& completed) {
     for (std::size_t i = 0; i < actions.size(); ++i) {
-      Completed one{i, fail(ErrorCode::Cancelled, "was halted")};
+      Completed one{i, fail(ErrorCode::Cancelled, "was not begun")};
       one.begun = false;
       completed({std::move(one)});
     }
@@ -179,7 +179,7 @@ TEST(OrderedActions, AfterARequestToStopNothingBegins) {
         ends_of(performers, {action(1), action(2, {1}), action(3, {2})}, false, stop.get_token());
     EXPECT_EQ(ended.ids(true, true).size(), static_cast<std::size_t>(when));
     EXPECT_EQ(ended.ids(false, false).size(), static_cast<std::size_t>(3 - when));
-    EXPECT_EQ(performers.halts, when == 0 ? 0 : 1);
+    EXPECT_EQ(performers.told, when == 0 ? 0 : 1);
   }
 }
 

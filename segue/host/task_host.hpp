@@ -134,6 +134,9 @@ class TaskHost {
   [[nodiscard]] virtual model::Network observe() const = 0;
 
   [[nodiscard]] virtual std::vector<TaskReport> tasks() const = 0;
+  /// What tasks() says of one task; only where that lives is asked, which must answer by
+  /// then. NotFound, DeadlineExceeded.
+  [[nodiscard]] virtual Result<TaskReport> report(const model::TaskId& task, TimePoint deadline) const;
   [[nodiscard]] virtual std::vector<ConnectionReport> connections() const = 0;
   /// The current interface of a task, including its dynamic ports.
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) const = 0;

@@ -207,16 +207,16 @@ void ActionRouter::perform(std::vector<model::Action> actions, Duration action_d
     const auto site = site_of(action);
     return site ? *site : nullptr;
   };
-  performer.halt = [this] { halt(); };
+  performer.begin_no_more = [this] { begin_no_more(); };
   std::make_shared<host::OrderedActions>(std::move(actions), action_deadline, std::move(performer),
                                          std::move(completed))
       ->run(stop);
 }
 
-void ActionRouter::halt() const {
+void ActionRouter::begin_no_more() const {
   for (const auto& site : sites_.all()) {
     if (const auto reached = site->reach()) {
-      reached->robot->halt();
+      reached->robot->begin_no_more();
     }
   }
 }

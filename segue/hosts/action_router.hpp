@@ -68,7 +68,7 @@ class ActionRouter {
   Result<void> hand_over(const model::HandOverAction& action, TimePoint deadline) const;
   void note_placement(const model::Action& action, const Result<void>& outcome) const;
   void report(const BatchPtr& batch, std::vector<host::Completed> ended);
-  void halt() const;
+  void begin_no_more() const;
 
   Sites& sites_;
   mutable std::mutex mutex_;  ///< protects everything below

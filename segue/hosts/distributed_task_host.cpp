@@ -408,6 +408,10 @@ Result<type::Value> DistributedTaskHost::properties(const model::TaskId& task) c
   return implementation_->at(task, [&](HostedRobot& robot) { return robot.properties(task); });
 }
 
+Result<host::TaskReport> DistributedTaskHost::report(const model::TaskId& task, TimePoint deadline) const {
+  return implementation_->at(task, [&](HostedRobot& robot) { return robot.report(task, deadline); });
+}
+
 Result<host::TaskDetails> DistributedTaskHost::details(const model::TaskId& task) const {
   return implementation_->at(task, [&](HostedRobot& robot) { return robot.details(task); });
 }

@@ -47,7 +47,7 @@ class HostedRobot : public deploy::TaskAccess {
   virtual void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
                               host::Completion completed) = 0;
   /// Nothing more of what begin_in_order() has been given begins. Does not block.
-  virtual void halt() = 0;
+  virtual void begin_no_more() = 0;
   /// Waits too until all `links` have found their counterparts on other hosts, until `deadline` at most;
   /// DeadlineExceeded where one has not.
   virtual Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,

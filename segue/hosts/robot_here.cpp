@@ -48,10 +48,10 @@ class Session final : public HostedRobot {
   }
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
                       host::Completion completed) override;
-  void halt() override {
+  void begin_no_more() override {
     const Lease::Work working(robot_->lease, epoch_);
     if (working) {
-      robot_->here->part().halt();
+      robot_->here->part().begin_no_more();
     }
   }
   Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
@@ -97,6 +97,9 @@ class Session final : public HostedRobot {
   }
   Result<type::Value> properties(const model::TaskId& task) override {
     return work([&](TaskHostPart& part) { return part.properties(task); });
+  }
+  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.report(task, deadline); });
   }
   Result<host::TaskDetails> details(const model::TaskId& task) override {
     return work([&](TaskHostPart& part) { return part.details(task); });

@@ -46,7 +46,7 @@ void TaskHostPart::begin_in_order(std::vector<model::Action> actions, Duration a
                                                         std::move(performer), completed);
   std::stop_token stop;
   {
-    const std::lock_guard lock(halting_);
+    const std::lock_guard lock(stop_mutex_);
     stop = stop_.get_token();
   }
   if (!pool_.submit([ordered = std::move(ordered), stop] { ordered->run(stop); })) {
@@ -58,10 +58,10 @@ void TaskHostPart::begin_in_order(std::vector<model::Action> actions, Duration a
   }
 }
 
-void TaskHostPart::halt() {
+void TaskHostPart::begin_no_more() {
   std::stop_source stopped;
   {
-    const std::lock_guard lock(halting_);
+    const std::lock_guard lock(stop_mutex_);
     std::swap(stopped, stop_);
   }
   stopped.request_stop();
@@ -181,6 +181,10 @@ Result<model::ComponentModel> TaskHostPart::describe(const model::TaskId& task) 
 
 Result<type::Value> TaskHostPart::properties(const model::TaskId& task) {
   return tasks_.properties(task);
+}
+
+Result<host::TaskReport> TaskHostPart::report(const model::TaskId& task, TimePoint deadline) {
+  return tasks_.report(task, deadline);
 }
 
 Result<host::TaskDetails> TaskHostPart::details(const model::TaskId& task) {

@@ -29,7 +29,7 @@ class TaskHostPart final : public HostedRobot {
   Result<void> begin_transition(const model::Network& before, const model::Network& target) override;
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
                       host::Completion completed) override;
-  void halt() override;
+  void begin_no_more() override;
   Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
                          TimePoint deadline) override;
   Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
@@ -52,6 +52,7 @@ class TaskHostPart final : public HostedRobot {
                              TimePoint deadline) override;
   Result<model::ComponentModel> describe(const model::TaskId& task) override;
   Result<type::Value> properties(const model::TaskId& task) override;
+  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override;
   Result<host::TaskDetails> details(const model::TaskId& task) override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override;
@@ -66,8 +67,8 @@ class TaskHostPart final : public HostedRobot {
   const Clock& clock_;
   Result<void> wait_for(const LinkWait& link, TimePoint deadline);
 
-  std::mutex halting_;       ///< protects the member below
-  std::stop_source stop_;    ///< of what begin_in_order() has been given since the last halt()
+  std::mutex stop_mutex_;    ///< protects the member below
+  std::stop_source stop_;    ///< of what begin_in_order() has been given since the last begin_no_more()
   std::mutex mutex_;         ///< protects the members below; held while a transition commits
   std::uint64_t armed_ = 0;  ///< the transition that can commit; 0: none
   bool promised_ = false;    ///< commit() is obeyed until `until_`

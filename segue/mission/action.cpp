@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/base/trimmed.hpp>
 #include <segue/mission/action.hpp>
-#include <segue/mission/trimmed.hpp>
 
 #include <algorithm>
 
 namespace segue::mission {
-
-using detail::trimmed;
 
 namespace {
 

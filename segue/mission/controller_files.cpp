@@ -2,38 +2,20 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/footprint.hpp>
 #include <segue/mission/parts.hpp>
+#include <segue/model/condition_parts.hpp>
 
 #include <utility>
 
 namespace segue::mission {
 
-Member parse_member(std::string_view text) {
-  const auto dot = text.find('.');
-  if (dot == std::string_view::npos) return {};
-  return {std::string(text.substr(0, dot)), std::string(text.substr(dot + 1))};
-}
-
-std::string to_string(const Member& member) {
-  return member.task + '.' + member.name;
-}
-
 namespace detail {
 
+using model::detail::read_conditions;
+using model::detail::read_member;
 using type::Value;
 using type::ValueMap;
 
 namespace {
-
-Member read_member(std::string_view text, std::string_view example, const std::string& what, const Value& at,
-                   const Source& source) {
-  Member member = parse_member(text);
-  if (!is_identifier(member.task) || member.name.empty()) {
-    source.error(
-        "bad-member",
-        what + ": expected a task and a member of it such as " + quote(example) + ", got " + quote(text), at);
-  }
-  return member;
-}
 
 std::vector<MemberValue> read_member_values(Fields& fields, std::string_view key, std::string_view example,
                                             const Source& source) {
@@ -44,29 +26,6 @@ std::vector<MemberValue> read_member_values(Fields& fields, std::string_view key
     values.push_back({read_member(name, example, fields.what() + ": " + quote(key), value, source), value,
                       source.at(value)});
   return values;
-}
-
-/// The conditions on the robot that the keys of an entry of `until` or `observe` say.
-std::vector<RobotCondition> read_conditions(Fields& fields, const Source& source) {
-  std::vector<RobotCondition> found;
-  if (fields.find("task") != nullptr) {
-    fields.require("state", "the state that is meant");
-    found.emplace_back(TaskReaches{fields.name("task"), fields.text("state")});
-  }
-  if (const Value* port = fields.find("port", Value::Kind::String)) {
-    auto what = parse_condition(fields.text("where"));
-    if (!what) source.error("bad-condition", fields.what() + ": " + what.error().message, *port);
-    found.emplace_back(
-        SampleShows{read_member(port->as_string(), "planner.status", fields.what(), *port, source),
-                    what ? std::move(*what) : Condition{}});
-  }
-  if (const Value* operation = fields.find("call", Value::Kind::String)) {
-    const Value* is = fields.require("is", "the answer that is meant");
-    found.emplace_back(OperationAnswers{
-        read_member(operation->as_string(), "planner.failed", fields.what(), *operation, source),
-        is == nullptr ? Value() : *is});
-  }
-  return found;
 }
 
 Duration read_positive(Fields& fields, std::string_view key, Duration otherwise, const Source& source) {
@@ -124,18 +83,8 @@ std::vector<OutputSource> read_sources(Fields& fields, const Source& source) {
 Value write_when(const TimeIsUp& when) {
   return Value::map({{"after", format_duration(when.after)}});
 }
-Value write_when(const TaskReaches& when) {
-  return Value::map({{"task", when.task}, {"state", when.state}});
-}
-Value write_when(const SampleShows& when) {
-  return Value::map({{"port", to_string(when.port)}, {"where", when.what.text}});
-}
-Value write_when(const OperationAnswers& when) {
-  return Value::map({{"call", to_string(when.operation)}, {"is", when.is}});
-}
-
 Value write_when(const RobotCondition& when) {
-  return std::visit([](const auto& one) { return write_when(one); }, when);
+  return model::detail::write_condition(when);
 }
 
 void write_member_values(ValueMap& map, std::string_view key, const std::vector<MemberValue>& values) {

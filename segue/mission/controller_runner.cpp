@@ -307,18 +307,7 @@ class ControlledRun {
   static std::string sentence(const TimeIsUp& when) {
     return "it had not ended after " + format_duration(when.after);
   }
-  static std::string sentence(const RobotCondition& when) {
-    return std::visit([](const auto& one) { return sentence(one); }, when);
-  }
-  static std::string sentence(const TaskReaches& when) {
-    return "task " + quote(when.task) + " is " + when.state;
-  }
-  static std::string sentence(const SampleShows& when) {
-    return "a sample of " + to_string(when.port) + " showed " + when.what.text;
-  }
-  static std::string sentence(const OperationAnswers& when) {
-    return to_string(when.operation) + " answered as 'until' says";
-  }
+  static std::string sentence(const RobotCondition& when) { return model::sentence(when); }
 
   Result<void> look_at_samples() {
     for (PortFeed& one : feeds_) {

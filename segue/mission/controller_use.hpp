@@ -3,7 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/mission/port.hpp>
-#include <segue/mission/robot_condition.hpp>
+#include <segue/model/robot_condition.hpp>
 #include <segue/type/value.hpp>
 
 #include <string>
@@ -11,6 +11,14 @@
 #include <vector>
 
 namespace segue::mission {
+
+using model::Condition;
+using model::Member;
+using model::OperationAnswers;
+using model::parse_member;
+using model::RobotCondition;
+using model::SampleShows;
+using model::TaskReaches;
 
 /// What a property is set to, or an operation is called with. The text "{input}", at any depth, stands for
 /// the value of that input.

@@ -139,11 +139,15 @@ struct Mission {
   std::vector<Action> actions;
   std::vector<State> states;  ///< states[0] is the root
   std::vector<Library> libraries;
+  /// Keep: the robot runs on what it runs, however the mission ends; otherwise it comes to rest unless the
+  /// mission ends as it should (model::Halt).
+  enum class AtEnd : std::uint8_t { Halt, Keep };
+  AtEnd at_end = AtEnd::Halt;
   std::string file;
   friend bool operator==(const Mission& a, const Mission& b) {
     return a.name == b.name && a.globals == b.globals && a.world == b.world && a.world_data == b.world_data &&
            a.observed == b.observed && a.resources == b.resources && a.actions == b.actions &&
-           a.states == b.states && a.libraries == b.libraries;
+           a.states == b.states && a.libraries == b.libraries && a.at_end == b.at_end;
   }
 
   [[nodiscard]] const State& root() const { return states.front(); }

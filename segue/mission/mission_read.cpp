@@ -34,6 +34,8 @@ class Reader {
     read_named(fields, "actions", [&](const std::string& name, const Value& value) {
       mission_.actions.push_back(detail::read_action(name, value, source_));
     });
+    constexpr std::array<std::string_view, 2> kAtEnd = {"halt", "keep"};
+    mission_.at_end = static_cast<Mission::AtEnd>(fields.choice("at_end", kAtEnd, "bad-at-end").value_or(0));
     fields.ignore("libraries");
     State state;
     state.id = StateId(mission_.name);

@@ -94,6 +94,7 @@ void write_named(ValueMap& map, std::string_view key, const Items& items, Name n
 std::string write_mission(const Mission& mission) {
   ValueMap map;
   map.append("mission", mission.name);
+  if (mission.at_end == Mission::AtEnd::Keep) map.append("at_end", "keep");
   detail::write_ports(map, "globals", mission.globals);
   if (!mission.world.empty()) {
     Value::List world;

@@ -5,7 +5,6 @@
 #include <segue/base/result.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/commanded_robot.hpp>
-#include <segue/mission/robot_condition.hpp>
 #include <segue/type/value.hpp>
 
 #include <functional>

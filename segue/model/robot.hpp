@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/error.hpp>
+#include <segue/model/halt.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/model/network.hpp>
 
@@ -72,6 +73,7 @@ struct Robot {
   std::vector<std::string> controllers;  ///< network files (patterns)
   std::vector<std::string> missions;
   std::optional<NetworkName> fallback;
+  std::optional<Halt> halt;
   Policies policies;
   LookAhead look_ahead;
   std::vector<Pool> pools;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/files.hpp>
+#include <segue/model/halt_parts.hpp>
 #include <segue/model/parts.hpp>
 #include <segue/model/pools.hpp>
 
@@ -123,6 +124,7 @@ Robot read_robot_body(const Value& root, const Source& source) {
   if (const std::string fallback = fields.name("fallback"); !fallback.empty()) {
     robot.fallback = NetworkName(fallback);
   }
+  robot.halt = detail::read_halt(fields, source);
   read_policies(fields, robot, source);
   read_look_ahead(fields, robot, source);
   robot.pools = detail::read_pools(fields, source);

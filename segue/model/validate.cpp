@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/halt_parts.hpp>
 #include <segue/model/network_index.hpp>
 #include <segue/model/pools.hpp>
 #include <segue/model/validate.hpp>
@@ -97,6 +98,7 @@ Diagnostics validate(const Robot& robot, const std::vector<Network>& networks) {
   Diagnostics diagnostics;
   check_hosts(robot, diagnostics);
   check_fallback(robot, networks, diagnostics);
+  detail::check_halt(robot, networks, diagnostics);
   std::unordered_map<NetworkName, const Network*> seen;
   for (const Network& network : networks) {
     const auto [first, fresh] = seen.try_emplace(network.name, &network);

@@ -77,6 +77,7 @@ class StreamSamples final : public mission::PortSamples {
 
 Result<std::uint64_t> ServedRobot::lease() {
   const std::lock_guard lock(mutex_);
+  if (given_back_) return fail(ErrorCode::InvalidState, "the robot was given back");
   if (!lease_) {
     auto lease = service_.lease(who_);
     if (!lease) return lease.error();
@@ -113,6 +114,17 @@ Result<void> ServedRobot::report(Value doing) {
   auto done = service_.report(*number, doing);
   if (done) record_.taken(last);
   return done;
+}
+
+Result<Value> ServedRobot::give_back(bool keep, TimePoint deadline) {
+  std::unique_ptr<control::RobotLease> lease;
+  {
+    const std::lock_guard lock(mutex_);
+    given_back_ = true;
+    lease = std::move(lease_);
+  }
+  if (!lease) return Value();
+  return service_.give_back(lease->number(), keep, deadline);
 }
 
 /// "mission patrol/there"
@@ -167,6 +179,12 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePo
                         (error.empty() ? std::string() : ": " + error));
 }
 
+/// Before the first request it commands nothing.
+control::Sender ServedRobot::sender() const {
+  const std::lock_guard lock(mutex_);
+  return {who_, lease_ ? lease_->number() : 0};
+}
+
 Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view controller) {
   const auto taken = taken_over();
   if (!taken) return taken.error();
@@ -219,15 +237,15 @@ Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, T
 
 Result<Value> ServedRobot::call(const mission::Member& operation, const Value& arguments,
                                 TimePoint deadline) {
-  return service_.call(operation.task, operation.name, arguments, deadline);
+  return service_.call(operation.task, operation.name, arguments, sender(), deadline);
 }
 
 Result<void> ServedRobot::set(const mission::Member& property, const Value& value, TimePoint deadline) {
-  return service_.set_property(property.task, property.name, value, deadline);
+  return service_.set_property(property.task, property.name, value, sender(), deadline);
 }
 
 Result<void> ServedRobot::write(const mission::Member& port, const Value& value, TimePoint deadline) {
-  return service_.write(port.task, port.name, value, deadline);
+  return service_.write(port.task, port.name, value, sender(), deadline);
 }
 
 Result<mission::TaskView> ServedRobot::task(std::string_view id) {

@@ -37,6 +37,9 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<std::vector<control::HolderRequest>> asked();
   /// `doing` is a map; with it goes what waits in record(), for the robot's journal.
   Result<void> report(type::Value doing);
+  /// Commands the robot no longer, which is to `keep` running what it runs, or comes to rest: null, or as of
+  /// control::RobotService::give_back(). Nothing can be requested afterwards.
+  Result<type::Value> give_back(bool keep, TimePoint deadline);
   /// What the mission did. Once a mission has begun there, requests are in the name of its actions.
   [[nodiscard]] MissionRecord& record() { return record_; }
 
@@ -58,6 +61,7 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<std::uint64_t> lease();
   /// By whom, as a sentence; nothing: the lease was not lost.
   Result<std::optional<std::string>> taken_over();
+  [[nodiscard]] control::Sender sender() const;
   void count_saving(const type::Value& transition);
   [[nodiscard]] std::string requester(const mission::ControllerRequest& what) const;
 
@@ -66,6 +70,7 @@ class ServedRobot final : public mission::CommandedRobot {
   MissionRecord record_;
   mutable std::mutex mutex_;                    ///< protects all below
   std::unique_ptr<control::RobotLease> lease_;  ///< taken by the first request
+  bool given_back_ = false;
   LookAheadSaving saved_;
 };
 

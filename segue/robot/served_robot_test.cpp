@@ -33,7 +33,9 @@ class FakeService final : public control::RobotService {
   control::SwitchOptions options;
   std::string lease_holder;
   Value written;
+  std::uint64_t sent_with = 0;
   Value reported;
+  Value given_back;
   Result<void> report_answer;
 
   Result<Value> status() override { return status_answer; }
@@ -74,6 +76,11 @@ class FakeService final : public control::RobotService {
   Result<std::uint64_t> ask_holder(std::string_view /*what*/, const Value& /*arguments*/) override {
     return no();
   }
+  Result<Value> give_back(std::uint64_t lease, bool keep, TimePoint /*deadline*/) override {
+    return given_back = Value::list({lease, keep});
+  }
+  Result<Value> stop(std::string_view /*who*/, TimePoint /*deadline*/) override { return no(); }
+  Result<void> release_stop(std::string_view /*who*/) override { return no(); }
   Result<Value> cancel(std::uint64_t /*request*/, std::string_view /*who*/, TimePoint /*deadline*/) override {
     return no();
   }
@@ -83,16 +90,17 @@ class FakeService final : public control::RobotService {
   }
   Result<void> reset_belief() override { return no(); }
   Result<void> set_property(std::string_view /*task*/, std::string_view /*property*/, const Value& /*value*/,
-                            TimePoint /*deadline*/) override {
+                            const control::Sender& /*sender*/, TimePoint /*deadline*/) override {
     return no();
   }
   Result<void> write(std::string_view task, std::string_view port, const Value& value,
-                     TimePoint /*deadline*/) override {
+                     const control::Sender& sender, TimePoint /*deadline*/) override {
     written = Value::list({task, port, value});
+    sent_with = sender.lease;
     return {};
   }
   Result<Value> call(std::string_view /*task*/, std::string_view /*operation*/, const Value& /*arguments*/,
-                     TimePoint /*deadline*/) override {
+                     const control::Sender& /*sender*/, TimePoint /*deadline*/) override {
     return no();
   }
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view /*task*/,
@@ -235,6 +243,13 @@ TEST_F(ServedRobotTest, SaysWhatItsUserDoesAndHearsWhatThatIsAsked) {
 
 TEST_F(ServedRobotTest, WritesToPorts) {
   EXPECT_TRUE(robot_.write({"planner", "goal"}, 7, {}));
+  EXPECT_EQ(service_.sent_with, 0U) << "nothing has taken the lease yet";
+  ASSERT_TRUE(robot_.take());
+  EXPECT_TRUE(robot_.write({"planner", "goal"}, 7, {}));
+  EXPECT_NE(service_.sent_with, 0U);
+  EXPECT_TRUE(robot_.give_back(true, {}));
+  EXPECT_EQ(service_.given_back.as_list().back(), type::Value(true));
+  EXPECT_FALSE(robot_.take()) << "it has been given back";
   EXPECT_EQ(service_.written, Value::list({"planner", "goal", 7}));
 }
 

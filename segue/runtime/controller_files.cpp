@@ -103,6 +103,7 @@ std::optional<RobotFiles> read_robot_files(const fs::path& file, Diagnostics& di
   if (!robot) return std::nullopt;
   ControllerSet set;
   set.fallback = robot->fallback;
+  set.halt = robot->halt;
   for (const auto& pattern : robot->controllers) {
     for (const auto& path : files_of(*robot, pattern, "controllers", diagnostics)) {
       const auto content = reader.read(path);

@@ -5,6 +5,7 @@
 #include <segue/base/file_stamp.hpp>
 #include <segue/base/result.hpp>
 #include <segue/model/component.hpp>
+#include <segue/model/halt.hpp>
 #include <segue/model/network.hpp>
 
 #include <chrono>
@@ -30,7 +31,8 @@ struct LoadedFile {
 struct ControllerSet {
   std::vector<model::Network> controllers;
   std::optional<model::NetworkName> fallback;
-  std::vector<LoadedFile> files;
+  std::optional<model::Halt> halt{};
+  std::vector<LoadedFile> files{};
 };
 
 using Controllers = std::map<model::NetworkName, model::Network>;

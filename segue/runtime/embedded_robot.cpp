@@ -67,6 +67,9 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
     }
   }
   diagnostics.append(model::validate(robot, read->controllers.controllers));
+  if (robot.halt) {
+    model::check_halt_members(*robot.halt, read->controllers.controllers, catalog, diagnostics);
+  }
   if (diagnostics.has_errors()) {
     return false;
   }
@@ -145,9 +148,10 @@ void EmbeddedRobot::Implementation::start(ControllerSet controllers, host::Local
   if (diagnostics.has_errors()) {
     return;
   }
-  runtime = std::make_unique<Runtime>(robot.name, tasks->host(), catalog,
-                                      RuntimeOptions{robot.fallback, robot.policies, robot.look_ahead,
-                                                     journal_path(options, diagnostics), robot.pools});
+  runtime =
+      std::make_unique<Runtime>(robot.name, tasks->host(), catalog,
+                                RuntimeOptions{robot.fallback, robot.halt, robot.policies, robot.look_ahead,
+                                               journal_path(options, diagnostics), robot.pools});
   diagnostics.append(runtime->load(std::move(controllers)));
   if (!runtime->belief().empty()) {
     runtime->reset_belief();  // adopted deployments: find the name of the controller that they run
@@ -216,8 +220,12 @@ ApplyResult EmbeddedRobot::apply(RequestOptions options) {
 
 SwitchResult EmbeddedRobot::shut_down() {
   implementation_->runtime->prepare({});  // end standby
+  if (implementation_->robot.halt && !implementation_->runtime->belief().empty()) {
+    implementation_->runtime->halt({"shut-down"}).wait();
+  }
   RequestOptions all;
   all.end_pools = true;
+  all.although_halted = true;
   SwitchResult result = implementation_->runtime->switch_to(model::Network{}, all);
   if (result.outcome != Outcome::Done) {
     // The new snapshot shows what failed, such as a task that hangs, so another transition may succeed.

@@ -31,7 +31,8 @@ enum class EventKind {
   HostFound,  ///< it can again
   Files,      ///< files were applied, or those of before are in force again
   Lease,      ///< somebody commands the robot, or does no longer
-  RequestCancelled
+  RequestCancelled,
+  Halt  ///< the robot is brought to rest, or was released
 };
 std::string_view to_string(EventKind kind);
 

@@ -16,13 +16,33 @@ Result<std::uint64_t> Leases::take(std::string holder) {
   return held_->number;
 }
 
+std::optional<Leases::Holder> Leases::holder_of(std::uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  if (!is_holder(number)) {
+    return std::nullopt;
+  }
+  const type::Value* at_end = held_->doing.find("at_end");
+  return Holder{held_->holder, at_end != nullptr && *at_end == type::Value("keep")};
+}
+
 void Leases::end(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
-  if (held_ && held_->number == number) {
+  if (is_holder(number)) {
     log_.add(EventKind::Lease, "", held_->holder + " no longer commands the robot");
     missions_.end("whoever ran it gave the robot back without saying how it ended");
     held_.reset();
   }
+}
+
+void Leases::take_away(const std::string& by) {
+  const std::lock_guard lock(mutex_);
+  if (!held_) {
+    return;
+  }
+  log_.add(EventKind::Lease, "", by + ", took the robot from " + held_->holder);
+  missions_.end("the robot was taken from it by " + by);
+  lost_ = Lease{.number = held_->number, .holder = by};
+  held_.reset();
 }
 
 std::optional<std::string> Leases::lost_to(std::uint64_t number) const {
@@ -54,10 +74,11 @@ type::Value Leases::doing() const {
   return held_ ? held_->doing : type::Value();
 }
 
-type::Value Leases::mission(std::uint64_t after, bool with_plan) {
+type::Value Leases::mission(std::uint64_t after, bool with_plan, bool halts, bool halts_after) {
   const std::lock_guard lock(mutex_);
   if (held_ && with_plan && !missions_.recent().has_plan()) held_->shall_show_plan = true;
-  return missions_.recent().to_value(after, with_plan, held_ ? held_->doing : type::Value());
+  return missions_.recent().to_value(after, with_plan, held_ ? held_->doing : type::Value(),
+                                     halts || (halts_after && held_));
 }
 
 Result<std::uint64_t> Leases::ask(std::string_view what, const type::Value& arguments) {
@@ -76,27 +97,60 @@ std::vector<control::HolderRequest> Leases::take_asked(std::uint64_t number) {
   return asked;
 }
 
-std::optional<Error> Leases::refusal_of(const RequestOptions& options) {
+std::optional<Error> Leases::refusal_of(const RequestOptions& options) const {
   const std::lock_guard lock(mutex_);
-  const bool is_holder = held_ && held_->number == options.lease;
-  if (options.lease != 0 && !is_holder) {
-    const std::string who = who_took(options.lease).value_or("");
-    return fail(ErrorCode::InvalidState, "the robot was taken over" + (who.empty() ? who : " by " + who));
+  if (auto lost = loss_of(options.lease)) {
+    return lost;
   }
-  if (!held_ || is_holder) {
+  if (!held_ || is_holder(options.lease) || options.take_over) {
     return std::nullopt;
   }
-  if (!options.take_over) {
+  return fail(ErrorCode::InvalidState, "the robot is commanded by " + held_->holder +
+                                           "; wait until that has ended, or take the robot over "
+                                           "(--take-over), which ends what it is doing");
+}
+
+std::optional<Error> Leases::loss_of(std::uint64_t lease) const {
+  if (lease == 0 || is_holder(lease)) {
+    return std::nullopt;
+  }
+  const std::string who = who_took(lease).value_or("");
+  return fail(ErrorCode::InvalidState, "the robot was taken over" + (who.empty() ? who : " by " + who));
+}
+
+Result<void> Leases::allow(const TaskSender& sender, const std::string& what) {
+  const std::lock_guard lock(mutex_);
+  if (auto lost = loss_of(sender.lease)) {
+    return std::move(*lost);
+  }
+  if (!held_ || is_holder(sender.lease)) {
+    return {};
+  }
+  if (!sender.beside_mission) {
     return fail(ErrorCode::InvalidState, "the robot is commanded by " + held_->holder +
-                                             "; wait until that has ended, or take the robot over "
-                                             "(--take-over), which ends what it is doing");
+                                             "; wait until that has ended, or do it beside that "
+                                             "(--beside-mission)");
+  }
+  const std::string who = sender.who.empty() ? "somebody" : sender.who;
+  log_.add(EventKind::Lease, "", who + " " + what + ", beside what " + held_->holder + " does");
+  return {};
+}
+
+bool Leases::would_take_over(const RequestOptions& options) const {
+  const std::lock_guard lock(mutex_);
+  return options.take_over && held_ && !is_holder(options.lease);
+}
+
+void Leases::take_over(const RequestOptions& options) {
+  const std::lock_guard lock(mutex_);
+  if (!options.take_over || !held_ || is_holder(options.lease)) {
+    return;
   }
   const std::string who = options.who.empty() ? "a request" : options.who;
   log_.add(EventKind::Lease, "", who + " took the robot over from " + held_->holder);
   missions_.end("the robot was taken over by " + who);
   lost_ = Lease{.number = held_->number, .holder = options.who};
   held_.reset();
-  return std::nullopt;
 }
 
 }  // namespace segue::runtime::detail

@@ -23,18 +23,34 @@ class Leases {
   Leases(EventLog& log, JournalKeeper& journal) : log_(log), missions_(journal) {}
 
   Result<std::uint64_t> take(std::string holder);
+  struct Holder {
+    std::string name;
+    bool keeps = false;  ///< it has said that the robot runs on, however it ends
+  };
+  /// Nothing where nobody holds it with that number.
+  [[nodiscard]] std::optional<Holder> holder_of(std::uint64_t number) const;
   void end(std::uint64_t number);
+  /// From whoever holds it; `by` says who does.
+  void take_away(const std::string& by);
   [[nodiscard]] std::optional<std::string> lost_to(std::uint64_t number) const;
   [[nodiscard]] std::optional<std::string> holder() const;
   /// What the holder does, and what it has been asked to do (control::RobotService::report, ask_holder).
   Result<void> report(std::uint64_t number, type::Value doing);
   [[nodiscard]] type::Value doing() const;
   /// As of control::RobotService::mission. Asks the holder for its plan where that is wanted and not known.
-  [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan);
+  /// A mission has not ended before the robot is at rest: `halts`, whether it comes to rest now; or
+  /// `halts_after`, once the lease ends.
+  [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan, bool halts, bool halts_after);
   Result<std::uint64_t> ask(std::string_view what, const type::Value& arguments);
   std::vector<control::HolderRequest> take_asked(std::uint64_t number);
-  /// Why a request with these options is not accepted. Where they say so, the robot is taken over.
-  std::optional<Error> refusal_of(const RequestOptions& options);
+  /// Why a request with these options is not accepted.
+  [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options) const;
+  /// Whether a request with these options takes the robot over from somebody.
+  [[nodiscard]] bool would_take_over(const RequestOptions& options) const;
+  /// As of Runtime::allow().
+  Result<void> allow(const TaskSender& sender, const std::string& what);
+  /// Takes the robot over where the options of an accepted request say so.
+  void take_over(const RequestOptions& options);
 
  private:
   struct Lease {
@@ -45,6 +61,9 @@ class Leases {
     bool shall_show_plan = false;
   };
   [[nodiscard]] std::optional<std::string> who_took(std::uint64_t number) const;
+  [[nodiscard]] bool is_holder(std::uint64_t lease) const { return held_ && held_->number == lease; }
+  /// Nothing where nobody has lost it.
+  [[nodiscard]] std::optional<Error> loss_of(std::uint64_t lease) const;
 
   EventLog& log_;
   mutable std::mutex mutex_;  ///< protects all below

@@ -105,13 +105,16 @@ LookAheadPlan look_ahead(const model::Network& controller,
     Keys beyond;
     for (const auto& deployment : request.network->deployments) {
       const auto key = deployment.key();
-      if (there.contains(key) || left.take(key)) {
+      if (there.contains(key) || request.always || left.take(key)) {
         there.insert(key);
       } else {
         beyond.insert(key);
       }
     }
     all = solve::with_standby(all, without_processes(*request.network, beyond), catalog);
+    if (request.always) {
+      continue;
+    }
     Readiness readiness = readiness_of(*request.network, all);
     readiness.ready = beyond.empty();
     if (!readiness.ready) {

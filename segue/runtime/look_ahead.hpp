@@ -15,6 +15,7 @@ namespace segue::runtime::detail {
 struct PrepareRequest {
   model::NetworkName name;
   std::optional<model::Network> network;  ///< nothing: there is no controller of that name
+  bool always = false;                    ///< whatever the budget is; not among the readiness
 };
 
 /// The standby network for a controller.

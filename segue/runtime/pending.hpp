@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/model/halt.hpp>
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/switch_result.hpp>
@@ -8,6 +9,7 @@
 #include <chrono>
 #include <cstdint>
 #include <future>
+#include <memory>
 #include <optional>
 #include <set>
 #include <vector>
@@ -27,6 +29,7 @@ struct Definitions {
   Controllers controllers;
   std::set<model::NetworkName> loaded;  ///< those that came from files, which the next files replace
   std::optional<model::NetworkName> fallback;
+  std::shared_ptr<const model::Halt> halt;  ///< null: the robot does not say what rest is
   std::vector<LoadedFile> files;
 };
 

@@ -64,9 +64,11 @@ void RecentMission::set_plan(Value plan) {
   plan_ = std::move(plan);
 }
 
-Value RecentMission::to_value(std::uint64_t after, bool with_plan, const Value& doing) const {
+Value RecentMission::to_value(std::uint64_t after, bool with_plan, const Value& doing,
+                              bool comes_to_rest) const {
   if (runs_ == 0) return {};
   const bool has_ended = last_.kind == MissionEntry::Kind::Ended;
+  const Value ended_state(comes_to_rest ? "stopping" : "ended");
   Value::List entries;
   auto next = std::ranges::upper_bound(kept_, after, {}, &Numbered::number);
   for (; next != kept_.end() && entries.size() < kMostAtOnce; ++next)
@@ -74,7 +76,7 @@ Value RecentMission::to_value(std::uint64_t after, bool with_plan, const Value& 
   Value value = Value::map({{"run", runs_},
                             {"mission", last_.mission},
                             {"who", last_.who},
-                            {"state", has_ended ? Value("ended") : state_in(doing)},
+                            {"state", has_ended ? ended_state : state_in(doing)},
                             {"control", has_ended ? Value() : control_in(doing)},
                             {"dropped", dropped_},
                             {"entries", std::move(entries)}});

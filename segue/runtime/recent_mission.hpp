@@ -24,8 +24,9 @@ class RecentMission {
   [[nodiscard]] bool has_plan() const { return !plan_.is_null(); }
 
   /// Null where no mission has begun yet. `doing`: what it reports (control::RobotService::report) while it
-  /// has not ended.
-  [[nodiscard]] type::Value to_value(std::uint64_t after, bool with_plan, const type::Value& doing) const;
+  /// has not ended. `comes_to_rest`: it counts as "stopping" although it has ended.
+  [[nodiscard]] type::Value to_value(std::uint64_t after, bool with_plan, const type::Value& doing,
+                                     bool comes_to_rest) const;
 
  private:
   struct Numbered {

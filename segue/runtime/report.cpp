@@ -322,10 +322,36 @@ Value to_value(const UnresolvedFault& fault) {
        {"task", fault.task ? Value(fault.task->str()) : Value()}});
 }
 
+Value to_value(const HaltResult& result) {
+  return Value::map({{"at_rest", result.at_rest},
+                     {"duration_s", seconds(result.duration)},
+                     {"stopped", list_of(result.stopped, [](const auto& task) { return Value(task.str()); })},
+                     {"trouble", result.trouble}});
+}
+
+namespace {
+
+Value halt_value(const std::optional<Halted>& halted) {
+  if (!halted) {
+    return {};
+  }
+  Value value = halted->result ? to_value(*halted->result) : Value(ValueMap{});
+  ValueMap& map = value.as_map();
+  map.set("who", halted->request.who);
+  map.set("why", halted->request.why);
+  map.set("time_s", std::chrono::duration<double>(halted->time.time_since_epoch()).count());
+  map.erase("at_rest");
+  map.set("state", !halted->result ? "halting" : halted->result->at_rest ? "at_rest" : "not_at_rest");
+  return value;
+}
+
+}  // namespace
+
 Value status_of(Runtime& runtime) {
   const auto controller = runtime.belief().name;
   const auto loaded = runtime.controller(controller);
   const auto holder = runtime.lease_holder();
+  const auto halted = runtime.halted();
   return Value::map(
       {{"robot", runtime.name()},
        {"controller", controller.str()},
@@ -334,6 +360,8 @@ Value status_of(Runtime& runtime) {
        {"state", to_string(runtime.state())},
        {"commanded_by", holder ? Value(*holder) : Value()},
        {"doing", runtime.reported()},
+       {"halt", halt_value(halted)},
+       {"stopped_by", halted && !halted->stopped_by.empty() ? Value(halted->stopped_by) : Value()},
        {"requests", list_of(runtime.open_requests(), [](const OpenRequest& one) { return to_value(one); })},
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},

@@ -38,6 +38,9 @@ type::Value to_value(const Diagnostics& diagnostics);
 type::Value to_value(const PoolReport& pool);
 type::Value to_value(const UnresolvedFault& fault);
 
+/// {"at_rest", "duration_s", "stopped", "trouble"}
+type::Value to_value(const HaltResult& result);
+
 /// {"controller", "ready", "prepared", "tasks", "reason"}
 type::Value to_value(const Readiness& readiness);
 

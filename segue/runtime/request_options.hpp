@@ -37,6 +37,16 @@ struct RequestOptions {
   bool take_over = false;
   /// Process pools end, too, and are not started again before the next request.
   bool end_pools = false;
+  bool although_halted = false;  ///< accepted although the robot is halted
+  /// What is on computers that cannot be reached is left as it is, in place of a refusal.
+  bool leaves_lost_hosts = false;
+};
+
+/// Who does something with tasks other than by a request (Runtime::allow).
+struct TaskSender {
+  std::string who;
+  std::uint64_t lease = 0;      ///< 0: none
+  bool beside_mission = false;  ///< although somebody else holds a lease
 };
 
 /// A request that has not ended.

@@ -15,6 +15,8 @@ namespace segue::runtime {
 namespace {
 
 constexpr auto kJournalPatience = std::chrono::seconds(2);
+/// How long whoever wants to command a robot waits until it is at rest.
+constexpr auto kRestPatience = std::chrono::seconds(5);
 
 /// Samples of an output port for a client in another process.
 class ReaderStream final : public control::SampleStream {
@@ -69,6 +71,17 @@ Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view
     return fail(ErrorCode::DeadlineExceeded,
                 "the switch to " + quote(target) + " is still in progress; watch it with 'segue events'",
                 std::string(target));
+  }
+  return to_value(future.get());
+}
+
+Result<type::Value> answer_of(const std::shared_future<HaltResult>& future, TimePoint deadline) {
+  if (!future.valid()) {
+    return type::Value();
+  }
+  if (future.wait_until(deadline) != std::future_status::ready) {
+    return fail(ErrorCode::DeadlineExceeded,
+                "the robot is being halted, but is not at rest yet; watch it with 'segue events'");
   }
   return to_value(future.get());
 }
@@ -128,6 +141,7 @@ Result<type::Value> RuntimeService::switch_to(std::string_view controller,
   }
   const model::NetworkName name(controller);
   if (!asked.dry_run) {
+    let_rest(deadline);
     return answer_of(runtime_.request(name, *options), controller, deadline);
   }
   auto transition = runtime_.plan(name, *options);
@@ -163,6 +177,7 @@ Result<type::Value> RuntimeService::switch_to_network(std::string_view text, std
     return transition ? Result<type::Value>(model::to_value(*transition)) : std::move(transition.error());
   }
   const std::string name = network->name.str();
+  let_rest(deadline);
   return answer_of(runtime_.request(known ? *known : std::move(*network), *options), name, deadline);
 }
 
@@ -233,6 +248,7 @@ Result<type::Value> RuntimeService::apply(const control::SwitchOptions& asked, T
   }
   Diagnostics diagnostics;
   std::future<ApplyResult> future;
+  let_rest(deadline);
   {
     const std::lock_guard lock(applying_);
     auto set = files_->read(diagnostics);
@@ -284,6 +300,7 @@ Result<type::Value> RuntimeService::conflicts(const std::vector<std::string>& co
 }
 
 Result<std::unique_ptr<control::RobotLease>> RuntimeService::lease(std::string_view holder) {
+  let_rest(RealClock::instance().now() + kRestPatience);
   const auto number = runtime_.take_lease(std::string(holder));
   if (!number) {
     return number.error();
@@ -301,6 +318,18 @@ Result<type::Value> RuntimeService::mission(std::uint64_t after, bool with_plan)
 
 Result<std::uint64_t> RuntimeService::ask_holder(std::string_view what, const type::Value& arguments) {
   return runtime_.ask_holder(what, arguments);
+}
+
+Result<type::Value> RuntimeService::give_back(std::uint64_t lease, bool keep, TimePoint deadline) {
+  return answer_of(runtime_.end_lease(lease, keep), deadline);
+}
+
+Result<type::Value> RuntimeService::stop(std::string_view who, TimePoint deadline) {
+  return answer_of(runtime_.halt({.who = std::string(who), .latch = true}), deadline);
+}
+
+Result<void> RuntimeService::release_stop(std::string_view who) {
+  return runtime_.release(std::string(who));
 }
 
 Result<type::Value> RuntimeService::cancel(std::uint64_t request, std::string_view who, TimePoint deadline) {
@@ -332,18 +361,41 @@ Result<void> RuntimeService::reset_belief() {
 }
 
 Result<void> RuntimeService::set_property(std::string_view task, std::string_view property,
-                                          const type::Value& value, TimePoint deadline) {
+                                          const type::Value& value, const control::Sender& sender,
+                                          TimePoint deadline) {
+  if (auto allowed = allow(sender, "sets", task, property); !allowed) {
+    return allowed;
+  }
   return runtime_.host().set_property(model::TaskId(task), property, value, deadline);
 }
 
 Result<type::Value> RuntimeService::call(std::string_view task, std::string_view operation,
-                                         const type::Value& arguments, TimePoint deadline) {
+                                         const type::Value& arguments, const control::Sender& sender,
+                                         TimePoint deadline) {
+  if (auto allowed = allow(sender, "calls", task, operation); !allowed) {
+    return std::move(allowed.error());
+  }
   return runtime_.host().call(model::TaskId(task), operation, arguments, deadline);
 }
 
 Result<void> RuntimeService::write(std::string_view task, std::string_view port, const type::Value& value,
-                                   TimePoint deadline) {
+                                   const control::Sender& sender, TimePoint deadline) {
+  if (auto allowed = allow(sender, "writes to", task, port); !allowed) {
+    return allowed;
+  }
   return runtime_.host().write({model::TaskId(task), std::string(port)}, value, deadline);
+}
+
+void RuntimeService::let_rest(TimePoint deadline) const {
+  if (const auto halt = runtime_.halt_on_its_way(); halt.valid()) {
+    halt.wait_until(deadline);
+  }
+}
+
+Result<void> RuntimeService::allow(const control::Sender& sender, std::string_view verb,
+                                   std::string_view task, std::string_view member) {
+  return runtime_.allow({sender.who, sender.lease, sender.beside_mission},
+                        std::string(verb) + " " + std::string(task) + "." + std::string(member));
 }
 
 Result<std::unique_ptr<control::SampleStream>> RuntimeService::open_port(std::string_view task,

@@ -32,16 +32,19 @@ class RuntimeService final : public control::RobotService {
   Result<void> report(std::uint64_t lease, const type::Value& doing) override;
   Result<type::Value> mission(std::uint64_t after, bool with_plan) override;
   Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments) override;
+  Result<type::Value> give_back(std::uint64_t lease, bool keep, TimePoint deadline) override;
+  Result<type::Value> stop(std::string_view who, TimePoint deadline) override;
+  Result<void> release_stop(std::string_view who) override;
   Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) override;
   Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                        TimePoint deadline) override;
   Result<void> reset_belief() override;
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
-                            TimePoint deadline) override;
+                            const control::Sender& sender, TimePoint deadline) override;
   Result<type::Value> call(std::string_view task, std::string_view operation, const type::Value& arguments,
-                           TimePoint deadline) override;
+                           const control::Sender& sender, TimePoint deadline) override;
   Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
-                     TimePoint deadline) override;
+                     const control::Sender& sender, TimePoint deadline) override;
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
                                                            std::size_t buffer) override;
   Result<type::Value> events(std::uint64_t after, Duration wait) override;
@@ -50,6 +53,11 @@ class RuntimeService final : public control::RobotService {
   Result<void> shut_down() override;
 
  private:
+  /// Whoever wants the robot while it comes to rest waits until it has, rather than be refused for a moment.
+  void let_rest(TimePoint deadline) const;
+  /// Whether that sender may do this with a member of a task ("sets", "wheels", "speed").
+  Result<void> allow(const control::Sender& sender, std::string_view verb, std::string_view task,
+                     std::string_view member);
   [[nodiscard]] Result<type::Value> plan_for(const ControllerSet& set,
                                              const std::vector<ControllerChange>& changes,
                                              std::string_view controller, const RequestOptions& options,

@@ -19,7 +19,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 23> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 24> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -41,7 +41,8 @@ std::string_view to_string(EventKind kind) {
                                                               "host_found",
                                                               "files",
                                                               "lease",
-                                                              "request_cancelled"};
+                                                              "request_cancelled",
+                                                              "halt"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
@@ -106,11 +107,31 @@ Result<std::vector<ControllerConflict>> Runtime::conflicts(
 }
 
 Result<std::uint64_t> Runtime::take_lease(std::string holder) {
-  return implementation_->leases.take(std::move(holder));
+  return implementation_->take_lease(std::move(holder));
 }
 
-void Runtime::end_lease(std::uint64_t lease) {
-  implementation_->leases.end(lease);
+std::shared_future<HaltResult> Runtime::end_lease(std::uint64_t lease, bool keep) {
+  return implementation_->end_lease(lease, keep);
+}
+
+Result<void> Runtime::allow(const TaskSender& sender, const std::string& what) {
+  return implementation_->leases.allow(sender, what);
+}
+
+std::shared_future<HaltResult> Runtime::halt(HaltRequest request) {
+  return implementation_->halts.begin(std::move(request));
+}
+
+std::shared_future<HaltResult> Runtime::halt_on_its_way() const {
+  return implementation_->halts.on_its_way();
+}
+
+Result<void> Runtime::release(std::string who) {
+  return implementation_->halts.release(who);
+}
+
+std::optional<Halted> Runtime::halted() const {
+  return implementation_->halts.halted();
 }
 
 std::optional<std::string> Runtime::lease_lost_to(std::uint64_t lease) const {
@@ -216,7 +237,7 @@ type::Value Runtime::reported() const {
 }
 
 type::Value Runtime::mission(std::uint64_t after, bool with_plan) {
-  return implementation_->leases.mission(after, with_plan);
+  return implementation_->mission(after, with_plan);
 }
 
 Result<std::uint64_t> Runtime::ask_holder(std::string_view what, const type::Value& arguments) {

@@ -12,8 +12,10 @@
 #include <segue/model/transition.hpp>
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
+#include <segue/runtime/halt.hpp>
 #include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/request_options.hpp>
+#include <segue/runtime/runtime_options.hpp>
 #include <segue/runtime/switch_result.hpp>
 #include <segue/runtime/unresolved_fault.hpp>
 #include <segue/solve/combine.hpp>
@@ -48,15 +50,6 @@ struct ControllerConflict {
   model::NetworkName b;
   solve::Conflict conflict;
   bool influence = false;
-};
-
-struct RuntimeOptions {
-  /// The controller to switch to if a failed transition cannot be undone; nothing: keep what then runs.
-  std::optional<model::NetworkName> fallback;
-  model::Policies policies;          ///< for faults of the running controller
-  model::LookAhead look_ahead;       ///< resource limits of standby controllers
-  std::filesystem::path journal;     ///< the journal file (journal/journal.hpp); empty: none is kept
-  std::vector<model::Pool> pools{};  ///< run beside every controller
 };
 
 /// How far a standby controller is prepared.
@@ -112,10 +105,16 @@ class Runtime {
   /// until somebody takes the robot over. InvalidState while another one holds it. What the runtime does by
   /// itself (repair, fallback) needs none.
   Result<std::uint64_t> take_lease(std::string holder);
-  void end_lease(std::uint64_t lease);
+  /// Unless it is to `keep` running what it runs, or that is nothing, a robot that says what rest is
+  /// (ControllerSet::halt) halts: the result; otherwise no future.
+  std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep = false);
   /// Who took the robot over from that lease; nothing: it is still held.
   [[nodiscard]] std::optional<std::string> lease_lost_to(std::uint64_t lease) const;
   [[nodiscard]] std::optional<std::string> lease_holder() const;
+  /// Whether something other than a request may be done with tasks: by the holder of the lease, by anybody
+  /// where there is none, and by others beside what the holder is doing, which is an event: "ann sets
+  /// 'wheels.speed'". InvalidState. Nothing is changed by this.
+  Result<void> allow(const TaskSender& sender, const std::string& what);
   /// What the holder of that lease says that it is doing, for status; InvalidState where it lost it.
   Result<void> report(std::uint64_t lease, type::Value doing);
   [[nodiscard]] type::Value reported() const;  ///< null: nothing
@@ -124,6 +123,20 @@ class Runtime {
   /// As of control::RobotService::ask_holder. The holder learns it by take_asked().
   Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments = {});
   [[nodiscard]] std::vector<control::HolderRequest> take_asked(std::uint64_t lease);
+
+  /// Brings the robot to rest, for anybody, whoever commands it: the lease ends, what waits is cancelled,
+  /// what is prepared or undone gives way, and only a commit in progress is finished first. Then the
+  /// controller of ControllerSet::halt is requested. The result comes once its conditions of rest hold. If
+  /// they do not in time, or the robot does not say what rest is, tasks that hold devices are stopped.
+  /// Meanwhile, and with `latch` until release(), what is requested or applied is refused; so it is while a
+  /// condition of model::Halt::when holds, which halts the robot by itself.
+  std::shared_future<HaltResult> halt(HaltRequest request);
+  /// The result of a halt on its way; no future: there is none.
+  [[nodiscard]] std::shared_future<HaltResult> halt_on_its_way() const;
+  /// InvalidState where nobody has stopped the robot with `latch`.
+  Result<void> release(std::string who);
+  /// The last halt, until something has been requested; nothing: there was none.
+  [[nodiscard]] std::optional<Halted> halted() const;
 
   /// Requests a network; the future gets the result. Validation and solving precede any action.
   std::future<SwitchResult> request(Request request, RequestOptions options = {});

@@ -32,6 +32,15 @@ std::string summary(const std::vector<ControllerChange>& changes) {
   return text.empty() ? "no controller has changed" : text;
 }
 
+/// The same as before where it is equal, so that nobody begins to watch anew.
+std::shared_ptr<const model::Halt> halt_of(const ControllerSet& set,
+                                           const std::shared_ptr<const model::Halt>& before) {
+  if (!set.halt) {
+    return nullptr;
+  }
+  return before && *before == *set.halt ? before : std::make_shared<const model::Halt>(*set.halt);
+}
+
 /// Whether what happened leaves the robot without its new version.
 bool is_failure(const SwitchResult& result) {
   return result.outcome == Outcome::Failed || result.outcome == Outcome::Refused ||
@@ -67,7 +76,7 @@ Diagnostics Runtime::Implementation::check(const ControllerSet& set) const {
 }
 
 Definitions Runtime::Implementation::definitions_with(const ControllerSet& set) const {
-  Definitions all{definitions.controllers, {}, set.fallback, set.files};
+  Definitions all{definitions.controllers, {}, set.fallback, halt_of(set, definitions.halt), set.files};
   std::erase_if(all.controllers, [&](const auto& entry) { return definitions.loaded.contains(entry.first); });
   for (const auto& network : set.controllers) {
     all.loaded.insert(network.name);
@@ -92,6 +101,7 @@ Diagnostics Runtime::Implementation::load(ControllerSet set) {
   }
   const std::lock_guard lock(mutex);
   definitions = definitions_with(set);
+  halts.use(definitions.halt);
   return findings;
 }
 
@@ -100,15 +110,13 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
   job.options = std::move(request_options);
   job.options.action_deadline = std::min(job.options.action_deadline, detail::kLongestDeadline);
   auto future = job.promise.get_future();
-  if (auto refusal = leases.refusal_of(job.options)) {
-    log.add(EventKind::RequestRefused, "", "the files are not applied: " + refusal->message);
-    job.promise.set_value({Outcome::Refused, compare(set), {}, std::move(*refusal), {}});
-    return future;
-  }
+  const auto refuse = [&](Error why, Diagnostics findings) {
+    log.add(EventKind::RequestRefused, "", "the files are not applied: " + why.message);
+    job.promise.set_value({Outcome::Refused, compare(set), {}, std::move(why), std::move(findings)});
+  };
   if (Diagnostics findings = check(set); findings.has_errors()) {
-    ApplyResult refused{Outcome::Refused, compare(set), {}, findings.to_error(), std::move(findings)};
-    log.add(EventKind::RequestRefused, "", "the files are not applied: " + to_string(*refused.error));
-    job.promise.set_value(std::move(refused));
+    Error why = findings.to_error();
+    refuse(std::move(why), std::move(findings));
     return future;
   }
   for (const auto& network : set.controllers) {
@@ -116,20 +124,18 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
   }
   const auto runs = belief.controller().name;
   std::optional<PendingApply> older;
+  std::optional<Error> refusal;
   {
     const std::lock_guard lock(mutex);
-    job.number = ++requests;
-    job.before = std::exchange(definitions, definitions_with(set));
-    older.swap(waiting_apply);
-    if (older) {
-      job.before = std::move(older->before);
+    refusal = refusal_of(job.options);
+    if (!refusal) {
+      leases.take_over(job.options);
+      older = take_files(std::move(job), set, runs);
     }
-    job.changes = runtime::compare(job.before.controllers, definitions.controllers, runs);
-    log.add(EventKind::Files, "", summary(job.changes));
-    waiting_apply = std::move(job);
-    if (transaction && transaction_yields) {
-      transaction->supersede();
-    }
+  }
+  if (refusal) {
+    refuse(std::move(*refusal), {});
+    return future;
   }
   wake.notify_all();
   if (older) {
@@ -137,6 +143,25 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
            fail(ErrorCode::Superseded, "newer files were applied before these took effect"));
   }
   return future;
+}
+
+std::optional<PendingApply> Runtime::Implementation::take_files(PendingApply job, const ControllerSet& set,
+                                                                const model::NetworkName& runs) {
+  std::optional<PendingApply> older;
+  job.number = ++requests;
+  job.before = std::exchange(definitions, definitions_with(set));
+  older.swap(waiting_apply);
+  if (older) {
+    job.before = std::move(older->before);
+  }
+  job.changes = runtime::compare(job.before.controllers, definitions.controllers, runs);
+  log.add(EventKind::Files, "", summary(job.changes));
+  waiting_apply = std::move(job);
+  halts.use(definitions.halt);
+  if (transaction && transaction_yields) {
+    transaction->supersede();
+  }
+  return older;
 }
 
 RuntimeState Runtime::Implementation::serve(PendingApply job, RuntimeState before) {

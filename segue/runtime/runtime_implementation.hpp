@@ -3,15 +3,16 @@
 
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/event_log.hpp>
+#include <segue/runtime/halts.hpp>
 #include <segue/runtime/journaling.hpp>
 #include <segue/runtime/leases.hpp>
 #include <segue/runtime/look_ahead.hpp>
-#include <segue/runtime/look_ahead_savings.hpp>
 #include <segue/runtime/pending.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
-#include <segue/runtime/supervision.hpp>
+#include <segue/runtime/shared_state.hpp>
 #include <segue/runtime/transaction.hpp>
+#include <segue/runtime/worker_memory.hpp>
 #include <segue/solve/repair.hpp>
 
 #include <atomic>
@@ -27,13 +28,15 @@
 
 namespace segue::runtime {
 
-struct Runtime::Implementation {
+struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemory {
   Implementation(std::string robot, host::TaskHost& task_host, const model::ComponentCatalog& components,
                  RuntimeOptions runtime_options);
   ~Implementation();
 
   // Requests (runtime_requests.cpp)
   std::future<SwitchResult> accept(Request request, RequestOptions options);
+  /// Its turn comes next; returns the one whose place it takes. With the mutex held.
+  std::optional<detail::PendingRequest> enqueue(detail::PendingRequest job);
   /// The controller of that name; the empty name is the empty network.
   Result<model::Network> resolve(const model::NetworkName& wanted) const;
   tl::expected<detail::SwitchPlan, detail::Refusal> plan(const model::Network& current,
@@ -42,6 +45,12 @@ struct Runtime::Implementation {
   /// A snapshot and a plan that starts from it; both leave out the same computers.
   std::pair<detail::Observation, tl::expected<detail::SwitchPlan, detail::Refusal>> plan_from_now(
       const Request& request, const RequestOptions& options) const;
+  Result<std::uint64_t> take_lease(std::string holder);
+  type::Value mission(std::uint64_t after, bool with_plan);
+  /// Why a request with these options cannot be accepted. With the mutex held.
+  [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options) const;
+  [[nodiscard]] std::optional<detail::Refusal> refusal_of_take_over(const Request& request,
+                                                                    const RequestOptions& options) const;
   Result<std::vector<ControllerConflict>> conflicts(const std::vector<model::NetworkName>& names) const;
   SwitchResult serve(const detail::PendingRequest& job);
   void answer(detail::PendingRequest& job, SwitchResult result);
@@ -55,10 +64,21 @@ struct Runtime::Implementation {
   /// With the mutex held.
   Result<std::future<SwitchResult>> cancel_served(const std::string& who);
 
+  // Halts (runtime_halt.cpp)
+  std::future<SwitchResult> request_rest(const std::string& by, Request request, Duration action_deadline);
+  void drop(const std::string& by, std::optional<detail::PendingRequest> request,
+            std::optional<detail::PendingApply> files);
+  [[nodiscard]] detail::DevicesStopped with_devices_stopped() const;
+  std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep);
+
   // Controllers and their files (runtime_apply.cpp)
   Diagnostics add(model::Network network);
   Diagnostics load(ControllerSet set);
   std::future<ApplyResult> apply(ControllerSet set, RequestOptions options);
+  /// The definitions are those of the set from now on; returns the files whose place `job` takes. With the
+  /// mutex held. `runs` is the running controller.
+  std::optional<detail::PendingApply> take_files(detail::PendingApply job, const ControllerSet& set,
+                                                 const model::NetworkName& runs);
   Diagnostics check(const ControllerSet& set) const;
   std::vector<ControllerChange> compare(const ControllerSet& set) const;
   /// The definitions with those of the set. With the mutex held.
@@ -132,11 +152,16 @@ struct Runtime::Implementation {
   void report_given_up(const std::vector<detail::DetectedFault>& faults);
   void fall_back(const detail::Observation& seen);
   void look_ahead();
+  /// Whether there is anything to prepare, or to answer. With the mutex held.
+  [[nodiscard]] bool looks_ahead() const {
+    return !requests_to_prepare.empty() || prepare_waiting || definitions.halt;
+  }
   /// Executes the part of the transition to the desired network, beside which `pools_part` runs, that
   /// concerns `scope`.
   void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope,
               const model::Network& pools_part);
-  [[nodiscard]] std::vector<detail::PrepareRequest> known_prepare_requests() const;
+  [[nodiscard]] std::vector<detail::PrepareRequest> known_prepare_requests(
+      const model::Network& controller) const;
   [[nodiscard]] detail::LookAheadPlan plan_ahead(const model::Network& controller) const;
   [[nodiscard]] TimePoint next_supervision() const;
   std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> wanted);
@@ -153,46 +178,13 @@ struct Runtime::Implementation {
   detail::Belief belief{host};
   const detail::TransitionContext context{host, catalog, log};
 
-  /// Protects the members from here to `ended`. Never held while the host is called, since the host
-  /// may call on_event(), which takes it. The belief and the log have locks of their own.
-  mutable std::mutex mutex;
-  std::condition_variable wake;
-  bool stopping = false;
-  std::uint64_t requests = 0;
-  detail::Definitions definitions;
-  std::optional<detail::PendingRequest> waiting;
-  std::optional<detail::ServedRequest> served;
-  std::optional<detail::PendingApply> waiting_apply;  ///< served when no request waits
-  RuntimeState state = RuntimeState::Idle;
-  std::optional<std::optional<model::Network>>
-      pending_reset;  ///< a reset requested during a transition; done after it
-  std::deque<SwitchResult> history;
-  std::shared_ptr<detail::Transaction> transaction;
-  bool transaction_yields = false;  ///< it only prepares or collects, so files that are applied supersede it
-  bool wake_requested = false;      ///< the worker has to supervise now (an event, or the end of a request)
-  std::vector<model::NetworkName> requests_to_prepare;
-  std::optional<std::promise<std::vector<Readiness>>> prepare_waiting;
-  std::vector<Readiness> readiness;
-  bool look_ahead_due = false;
-  std::vector<UnresolvedFault> unresolved;
-  std::set<model::HostName> returned_hosts;  ///< reachable again, not yet brought to what they should run
-  std::map<model::DeploymentKey, std::string> ended;  ///< processes that ended and are still missing, and why
-  std::map<model::TaskId, PoolInstance> pool_faults;  ///< instances of pools that do not run
-  std::atomic<bool> pools_run = true;                 ///< since the last request; until the next one
-
-  // Used by the worker thread only.
-  detail::RepairScheduler repairs{options.policies.restart, detail::AfterLimit::GiveUp};
-  detail::RepairScheduler leftover_repairs{options.policies.restart, detail::AfterLimit::GoOn};
-  detail::RepairScheduler pool_repairs{options.policies.restart, detail::AfterLimit::GoOn};
-  std::set<model::TaskId> pool_instances_seen;  ///< those that have run
-  /// Not reachable since the start, while nothing has been requested: what they hold is not known.
-  std::set<model::HostName> unseen_hosts;
-  std::set<std::string> reported_differences;  ///< differences that last and were reported
-  detail::LookAheadSavings savings;
-  model::Network standby;  ///< the part of `extra` that is kept on standby on purpose; the rest are leftovers
-  TimePoint next_observation = RealClock::instance().now();
-
   std::thread worker;
+  detail::Halts halts{host,
+                      log,
+                      {[this](const std::string& by, Request request, Duration action_deadline) {
+                         return request_rest(by, std::move(request), action_deadline);
+                       },
+                       [this] { return with_devices_stopped(); }}};
 };
 
 }  // namespace segue::runtime

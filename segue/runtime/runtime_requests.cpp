@@ -48,30 +48,26 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
     journal.loaded(*network);
   }
   request_options.action_deadline = std::min(request_options.action_deadline, detail::kLongestDeadline);
+  auto invalid = refusal_of_take_over(request, request_options);
   PendingRequest job{0, std::move(request), std::move(request_options), {}};
   std::future<SwitchResult> future = job.promise.get_future();
   std::optional<PendingRequest> older;
-  std::optional<Error> refusal;
   {
     const std::lock_guard lock(mutex);
     job.number = ++requests;
     journal.accepted(job.number, job.options.who, name_of(job.request));
-    refusal = leases.refusal_of(job.options);
-    if (!refusal) {
-      log.add(EventKind::RequestAccepted, name_of(job.request).str(),
-              "request " + std::to_string(job.number));
-      older.swap(waiting);
-      waiting = std::move(job);
+    if (auto refusal = refusal_of(job.options)) {
+      invalid = detail::Refusal{std::move(*refusal), {}};
     }
-    if (!refusal && transaction) {
-      transaction->supersede();
+    if (!invalid) {
+      older = enqueue(std::move(job));
     }
   }
-  if (refusal) {
+  if (invalid) {
     SwitchResult result = new_result(job);
     result.from = result.runs = belief.controller().name;
     result.from_version = result.runs_version = belief.version();
-    answer(job, refused(std::move(result), {std::move(*refusal), {}}));
+    answer(job, refused(std::move(result), std::move(*invalid)));
     return future;
   }
   wake.notify_all();
@@ -83,6 +79,49 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
     answer(*older, std::move(result));
   }
   return future;
+}
+
+std::optional<PendingRequest> Runtime::Implementation::enqueue(PendingRequest job) {
+  leases.take_over(job.options);
+  if (!job.options.although_halted) {
+    halts.forget();
+  }
+  log.add(EventKind::RequestAccepted, name_of(job.request).str(), "request " + std::to_string(job.number));
+  auto older = std::exchange(waiting, std::move(job));
+  if (transaction) {
+    transaction->supersede();
+  }
+  return older;
+}
+
+/// A request that would take the robot over, and could not be carried out, takes it from nobody.
+std::optional<detail::Refusal> Runtime::Implementation::refusal_of_take_over(
+    const Request& request, const RequestOptions& request_options) const {
+  if (!leases.would_take_over(request_options)) {
+    return std::nullopt;
+  }
+  const auto plan = this->plan(belief.starting_point().network, request, request_options);
+  return plan ? std::nullopt : std::optional(plan.error());
+}
+
+std::optional<Error> Runtime::Implementation::refusal_of(const RequestOptions& request_options) const {
+  if (auto refusal = request_options.although_halted ? std::nullopt : halts.refusal()) {
+    return refusal;
+  }
+  return leases.refusal_of(request_options);
+}
+
+Result<std::uint64_t> Runtime::Implementation::take_lease(std::string holder) {
+  const std::lock_guard lock(mutex);
+  if (auto refusal = halts.refusal()) {
+    return std::move(*refusal);
+  }
+  return leases.take(std::move(holder));
+}
+
+type::Value Runtime::Implementation::mission(std::uint64_t after, bool with_plan) {
+  const std::lock_guard lock(mutex);
+  return leases.mission(after, with_plan, halts.on_its_way().valid(), definitions.halt != nullptr);
 }
 
 SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
@@ -135,8 +174,10 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
     }
     return plan;
   }
-  if (auto refusal = detail::refusal_for_unknown(belief.held().desired(), "the running controller", host)) {
-    return tl::unexpected(std::move(*refusal));
+  if (!request_options.leaves_lost_hosts) {
+    if (auto refusal = detail::refusal_for_unknown(belief.held().desired(), "the running controller", host)) {
+      return tl::unexpected(std::move(*refusal));
+    }
   }
   auto how = detail::solve_options(host, request_options.order, request_options.force);
   how.idle = detail::idle_tasks(current, belief.controller());
@@ -148,6 +189,9 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
   }
   if (!network) {
     return tl::unexpected(detail::Refusal{std::move(network.error()), {}});
+  }
+  if (request_options.leaves_lost_hosts) {
+    network = detail::reachable_part(*std::move(network), host);
   }
   if (auto refusal = refusal_for_pools(*network)) {
     return tl::unexpected(std::move(*refusal));

@@ -274,7 +274,7 @@ void Runtime::Implementation::report_given_up(const std::vector<DetectedFault>& 
 void Runtime::Implementation::fall_back(const Observation& seen) {
   const auto held = belief.held();
   const auto fallback = this->fallback();
-  if (!fallback || fallback->name == held.controller.name) {
+  if (!fallback || fallback->name == held.controller.name || halts.refusal()) {
     return;  // its differences have been reported
   }
   const auto plan = detail::plan_network(seen.network, *fallback, {{}, pool_part(seen.network)}, host,
@@ -344,13 +344,19 @@ void Runtime::Implementation::repair(Cause cause, const Observation& seen, const
   });
 }
 
-std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_requests() const {
+std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_requests(
+    const model::Network& controller) const {
   std::vector<model::NetworkName> names;
+  std::shared_ptr<const model::Halt> halt;
   {
     const std::lock_guard lock(mutex);
     names = requests_to_prepare;
+    halt = controller.empty() ? nullptr : definitions.halt;  // what runs nothing is at rest
   }
   std::vector<detail::PrepareRequest> all;
+  if (auto rest = halt ? expanded(known(halt->controller)) : std::nullopt) {
+    all.push_back({halt->controller, std::move(rest), true});
+  }
   for (auto& wanted : names) {
     all.push_back({wanted, expanded(known(wanted))});
   }
@@ -358,7 +364,7 @@ std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_reque
 }
 
 detail::LookAheadPlan Runtime::Implementation::plan_ahead(const model::Network& controller) const {
-  const auto all = known_prepare_requests();
+  const auto all = known_prepare_requests(controller);
   if (all.empty()) {
     return {};
   }

@@ -23,8 +23,14 @@ bool detail::is_unrecovered(const SwitchResult& result) {
 Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_host,
                                         const model::ComponentCatalog& components,
                                         RuntimeOptions runtime_options)
-    : name(std::move(robot)), host(task_host), catalog(components), options(std::move(runtime_options)) {
+    : WorkerMemory(runtime_options.policies.restart),
+      name(std::move(robot)),
+      host(task_host),
+      catalog(components),
+      options(std::move(runtime_options)) {
   definitions.fallback = options.fallback;
+  definitions.halt = options.halt ? std::make_shared<const model::Halt>(*options.halt) : nullptr;
+  halts.use(definitions.halt);
   host.set_listener([this](const host::HostEvent& event) {
     std::visit([this](const auto& what) { on_event(what); }, event);
   });
@@ -60,6 +66,7 @@ Runtime::Implementation::~Implementation() {
            fail(ErrorCode::Cancelled, "the runtime ended before the files took effect"));
   }
   worker.join();
+  halts.end();
   journal.stopped();
   if (prepare_waiting) {
     std::vector<Readiness> none;
@@ -85,7 +92,7 @@ void Runtime::Implementation::work() {
       lock.unlock();
       settle(serve(std::move(job), before));
       lock.lock();
-      look_ahead_due = !requests_to_prepare.empty() || prepare_waiting;
+      look_ahead_due = looks_ahead();
       wake_requested = true;
       continue;
     }
@@ -107,7 +114,7 @@ void Runtime::Implementation::work() {
                                               : RuntimeState::Idle);
     answer(job, std::move(result));
     lock.lock();
-    look_ahead_due = !requests_to_prepare.empty() || prepare_waiting;
+    look_ahead_due = looks_ahead();
     wake_requested = true;  // supervise whatever the request left
   }
 }

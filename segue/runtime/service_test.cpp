@@ -90,9 +90,9 @@ TEST_F(Service, gives_access_to_single_tasks) {
     EXPECT_TRUE(histograms.find(what)->find("bins")->is_list()) << what;
   }
   EXPECT_EQ(task->find("ports")->as_list().size(), 2U) << "state and out";
-  EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, soon()));
-  EXPECT_FALSE(service_.set_property("a", "stand_in.rate", -5, soon()));
-  EXPECT_FALSE(service_.call("a", "nothing", {}, soon()));
+  EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, {}, soon()));
+  EXPECT_FALSE(service_.set_property("a", "stand_in.rate", -5, {}, soon()));
+  EXPECT_FALSE(service_.call("a", "nothing", {}, {}, soon()));
   const auto stream = service_.open_port("a", "state", 5);
   ASSERT_TRUE(stream);
   EXPECT_EQ((*stream)->type_name(), "/int32_t");

@@ -124,6 +124,15 @@ void Transaction::supersede() {
   }
 }
 
+void Transaction::make_way() {
+  const std::lock_guard lock(mutex_);
+  superseded_ = true;
+  makes_way_ = true;
+  if (execution_ && stage_ != Stage::Commit && stage_ != Stage::Committed) {
+    execution_->cancel();
+  }
+}
+
 void Transaction::abandon() {
   const std::lock_guard lock(mutex_);
   abandoned_ = true;
@@ -201,7 +210,7 @@ std::shared_ptr<Execution> Transaction::begin(const model::Transition& transitio
                                              [this](const ActionRecord& record) { on_action(record); });
   const std::lock_guard lock(mutex_);
   execution_ = created;
-  if (abandoned_ || (cancelled_by_ && stage_ != Stage::Undo)) {
+  if (abandoned_ || (makes_way_ && stage_ == Stage::Undo) || (cancelled_by_ && stage_ != Stage::Undo)) {
     created->cancel();
   }
   return created;
@@ -318,11 +327,11 @@ void Transaction::end_early(SwitchResult& result) {
 }
 
 bool Transaction::replan(const Failure& failed, SwitchResult& result) {
-  const bool is_cancelled = [&] {
+  const bool ends = [&] {
     const std::lock_guard lock(mutex_);
-    return cancelled_by_.has_value();
+    return cancelled_by_.has_value() || makes_way_;
   }();
-  if (!failed.took_down || is_cancelled) {
+  if (!failed.took_down || ends) {
     return false;
   }
   context_.host.withdraw();
@@ -411,7 +420,9 @@ std::optional<Error> Transaction::bring_to(const model::Network& whole, std::vec
   if (const auto failed = failure_of(*execution, armed, stored)) {
     error = failed->error;
   } else if (!done) {
-    error = fail(ErrorCode::Cancelled, "the runtime ended", target.name.str());
+    const std::lock_guard lock(mutex_);
+    error = fail(ErrorCode::Cancelled, abandoned_ ? "the runtime ended" : "the robot was halted",
+                 target.name.str());
   }
   auto records = execution->take_records();
   actions.insert(actions.end(), std::make_move_iterator(records.begin()),

@@ -49,6 +49,9 @@ class Transaction {
   /// A newer request waits: prepare ends early as superseded and leaves what it has created, retire ends
   /// early and leaves the rest, commit is finished. From any thread; does not block.
   void supersede();
+  /// The robot is to come to rest: as supersede(), and an undo, too, ends early and leaves the rest. From any
+  /// thread; does not block.
+  void make_way();
   /// The runtime ends: no further action begins and nothing is undone. From any thread; does not block.
   void abandon();
   /// Before the point of commit: no further action begins, and what was done is undone as after a failure.
@@ -112,6 +115,7 @@ class Transaction {
   std::shared_ptr<Execution> execution_;
   Stage stage_ = Stage::Prepare;
   bool superseded_ = false;
+  bool makes_way_ = false;
   bool abandoned_ = false;
   std::optional<std::string> cancelled_by_;
 };

@@ -85,6 +85,18 @@ Result<Value> do_cancel(const Request& request) {
   return request.robot.cancel(*number, request.who, *deadline);
 }
 
+/// Whoever commands it.
+Result<Value> do_stop(const Request& request) {
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.stop(request.who, *deadline);
+}
+
+Result<Value> do_release(const Request& request) {
+  const auto released = request.robot.release_stop(request.who);
+  return released ? Result<Value>(Value()) : Result<Value>(released.error());
+}
+
 Result<Value> do_prepare(const Request& request) {
   const auto controllers = request.command.texts("controllers");
   if (!controllers) return controllers.error();
@@ -96,6 +108,9 @@ Result<Value> do_prepare(const Request& request) {
 /// The two names and the value that set, call and write have in common.
 template <class Use>
 Result<Value> with_member(const Request& request, std::string_view member, Use use) {
+  const auto beside = request.command.flag("beside_mission");
+  if (!beside) return beside.error();
+  const control::Sender sender{.who = request.who, .beside_mission = *beside};
   const auto task = request.command.text("task");
   if (!task) return task.error();
   const auto name = request.command.text(member);
@@ -104,7 +119,7 @@ Result<Value> with_member(const Request& request, std::string_view member, Use u
   if (!value) return value.error();
   const auto deadline = request.command.deadline(kCallTime);
   if (!deadline) return deadline.error();
-  return use(*task, *name, *value, *deadline);
+  return use(*task, *name, *value, sender, *deadline);
 }
 
 Result<Value> nothing_or_error(const Result<void>& done) {
@@ -112,24 +127,25 @@ Result<Value> nothing_or_error(const Result<void>& done) {
 }
 
 Result<Value> do_set(const Request& request) {
-  return with_member(request, "property",
-                     [&](const auto& task, const auto& name, const Value& value, TimePoint until) {
-                       return nothing_or_error(request.robot.set_property(task, name, value, until));
-                     });
+  return with_member(
+      request, "property",
+      [&](const auto& task, const auto& name, const Value& value, const auto& sender, TimePoint until) {
+        return nothing_or_error(request.robot.set_property(task, name, value, sender, until));
+      });
 }
 
 Result<Value> do_call(const Request& request) {
   return with_member(request, "operation",
-                     [&](const auto& task, const auto& name, const Value& value, TimePoint until) {
-                       return request.robot.call(task, name, value, until);
-                     });
+                     [&](const auto& task, const auto& name, const Value& value, const auto& sender,
+                         TimePoint until) { return request.robot.call(task, name, value, sender, until); });
 }
 
 Result<Value> do_write(const Request& request) {
-  return with_member(request, "port",
-                     [&](const auto& task, const auto& name, const Value& value, TimePoint until) {
-                       return nothing_or_error(request.robot.write(task, name, value, until));
-                     });
+  return with_member(
+      request, "port",
+      [&](const auto& task, const auto& name, const Value& value, const auto& sender, TimePoint until) {
+        return nothing_or_error(request.robot.write(task, name, value, sender, until));
+      });
 }
 
 /// What control::RobotService::ask_holder has, its arguments beside "what"; the mission may take its time.
@@ -198,11 +214,13 @@ const std::vector<VerbEntry>& verb_entries() {
       {"diff", Role::Observe, ask_diff, {"controller", "force", "order", "take_over", "timeout_s"}},
       {"switch", Role::Operate, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
       {"cancel", Role::Operate, do_cancel, {"request", "timeout_s"}},
+      {"stop", Role::Operate, do_stop, {"timeout_s"}},
+      {"release", Role::Operate, do_release, {}},
       {"mission", Role::Operate, ask_of_mission, {"what", "how", "at", "of"}},
       {"prepare", Role::Operate, do_prepare, {"controllers", "timeout_s"}},
-      {"set", Role::Operate, do_set, {"task", "property", "value", "yaml", "timeout_s"}},
-      {"call", Role::Operate, do_call, {"task", "operation", "value", "yaml", "timeout_s"}},
-      {"write", Role::Operate, do_write, {"task", "port", "value", "yaml", "timeout_s"}},
+      {"set", Role::Operate, do_set, {"task", "property", "value", "yaml", "beside_mission", "timeout_s"}},
+      {"call", Role::Operate, do_call, {"task", "operation", "value", "yaml", "beside_mission", "timeout_s"}},
+      {"write", Role::Operate, do_write, {"task", "port", "value", "yaml", "beside_mission", "timeout_s"}},
       {"files", Role::Observe, nullptr, {}, &FileVerbs::list},
       {"read_file", Role::Observe, nullptr, {"path"}, &FileVerbs::read},
       {"check_file", Role::Observe, nullptr, {"path", "text"}, &FileVerbs::check},

@@ -4,6 +4,7 @@
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
 #include <segue/host/action_pool.hpp>
+#include <support/eventually.hpp>
 #include <support/fake_robot.hpp>
 
 #include <sys/mman.h>
@@ -42,16 +43,7 @@ inline std::size_t open_descriptors() {
   return count;
 }
 
-/// Waits for a condition that another thread fulfils.
-template <class Condition>
-bool eventually(Condition condition) {
-  const TimePoint limit = soon() + kLong;
-  while (!condition()) {
-    if (RealClock::instance().now() > limit) return false;
-    std::this_thread::yield();
-  }
-  return true;
-}
+using testing::eventually;
 
 inline model::Action action_of(model::ActionKind kind, const std::string& task) {
   return {1, kind, model::TaskAction{model::TaskId(task)}, model::Phase::Commit, {}};
@@ -87,6 +79,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   std::vector<model::Action> performed{};
   model::ComponentModel component{};
   host::TaskDetails task_details{};
+  std::string state_name{};
   type::Value value{};
   std::optional<task::SavedState> state{};
   std::string written{};
@@ -158,6 +151,15 @@ class FakeDeployment final : public deploy::DeploymentService {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
     const std::lock_guard lock(fields_);
     return value;
+  }
+  Result<host::TaskReport> report(const model::TaskId& task, TimePoint /*deadline*/) override {
+    if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
+    const std::lock_guard lock(fields_);
+    host::TaskReport one;
+    one.id = task;
+    one.state = TaskState::Running;
+    one.state_name = state_name;
+    return one;
   }
   Result<host::TaskDetails> details(const model::TaskId& task) override {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");

@@ -208,8 +208,8 @@ class WiredRobot final : public HostedRobot {
       robot_->begin_in_order(std::move(actions), action_deadline, std::move(report));
     });
   }
-  void halt() override {
-    if (!wire_.broken()) robot_->halt();
+  void begin_no_more() override {
+    if (!wire_.broken()) robot_->begin_no_more();
   }
   Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
                          TimePoint deadline) override {
@@ -256,6 +256,9 @@ class WiredRobot final : public HostedRobot {
   }
   Result<type::Value> properties(const model::TaskId& task) override {
     return wire_.pass("properties", [&] { return robot_->properties(task); });
+  }
+  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
+    return wire_.pass("report", [&] { return robot_->report(task, deadline); });
   }
   Result<host::TaskDetails> details(const model::TaskId& task) override {
     return wire_.pass("details", [&] { return robot_->details(task); });

@@ -107,7 +107,7 @@ class FakeRobot : public RobotService {
     return std::make_unique<Lease>(*this);
   }
   Result<void> report(std::uint64_t lease, const type::Value& doing) override {
-    return set_property("lease " + std::to_string(lease), "doing", doing, {});
+    return set_property("lease " + std::to_string(lease), "doing", doing, {}, {});
   }
   Result<type::Value> mission(std::uint64_t after, bool with_plan) override {
     return type::Value::map({{"after", after}, {"with_plan", with_plan}});
@@ -116,6 +116,18 @@ class FakeRobot : public RobotService {
     const std::lock_guard lock(mutex_);
     asked_.push_back({++asked_so_far_, std::string(what), arguments});
     return asked_so_far_;
+  }
+  Result<type::Value> give_back(std::uint64_t lease, bool keep, TimePoint deadline) override {
+    return type::Value::map({{"lease", lease},
+                             {"keep", keep},
+                             {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
+  }
+  Result<type::Value> stop(std::string_view who, TimePoint deadline) override {
+    return type::Value::map(
+        {{"who", who}, {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
+  }
+  Result<void> release_stop(std::string_view who) override {
+    return set_property("stop", "released", who, {}, {});
   }
   Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) override {
     return type::Value::map({{"request", request},
@@ -132,18 +144,19 @@ class FakeRobot : public RobotService {
         .because_of(std::move(middle));
   }
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
-                            TimePoint) override {
+                            const Sender& sender, TimePoint) override {
     const std::lock_guard lock(mutex_);
     set_ = type::Value::map({{"task", task}, {"property", property}, {"value", value}});
+    sender_ = sender;
     set_text_ = value.source_text();
     return {};
   }
   Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
-                     TimePoint deadline) override {
-    return set_property(task, "port " + std::string(port), value, deadline);
+                     const Sender& sender, TimePoint deadline) override {
+    return set_property(task, "port " + std::string(port), value, sender, deadline);
   }
   Result<type::Value> call(std::string_view, std::string_view operation, const type::Value& arguments,
-                           TimePoint deadline) override {
+                           const Sender&, TimePoint deadline) override {
     if (operation == "echo") return arguments;
     entered.open();
     if (!release.wait_until(deadline)) return fail(ErrorCode::DeadlineExceeded, "nobody let me go");
@@ -170,6 +183,10 @@ class FakeRobot : public RobotService {
   type::Value last_set() {
     const std::lock_guard lock(mutex_);
     return set_;
+  }
+  Sender last_sender() {
+    const std::lock_guard lock(mutex_);
+    return sender_;
   }
   std::string last_set_text() {
     const std::lock_guard lock(mutex_);
@@ -225,6 +242,7 @@ class FakeRobot : public RobotService {
   std::uint64_t asked_so_far_ = 0;
   std::vector<HolderRequest> asked_;
   type::Value set_;
+  Sender sender_;
   std::string set_text_;
 };
 

@@ -273,6 +273,15 @@ Result<type::Value> FakeService::properties(const model::TaskId& task) {
   return answer<type::Value>("properties", [&]() -> Result<type::Value> { return type::Value(task.str()); });
 }
 
+Result<host::TaskReport> FakeService::report(const model::TaskId& task, TimePoint /*deadline*/) {
+  return answer<host::TaskReport>("report", [&]() -> Result<host::TaskReport> {
+    host::TaskReport report;
+    report.id = task;
+    report.state_name = process_->info.key.process.str() + '/' + task.str();
+    return report;
+  });
+}
+
 Result<host::TaskDetails> FakeService::details(const model::TaskId& task) {
   return answer<host::TaskDetails>("details", [&]() -> Result<host::TaskDetails> {
     host::TaskDetails details;

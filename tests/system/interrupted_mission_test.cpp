@@ -20,6 +20,7 @@ using ::testing::HasSubstr;
 
 /// Drives to two goals, one after the other.
 constexpr const char* kTwoGoals = R"(mission: drive
+at_end: keep
 actions:
   drive_to:
     inputs: {goal: map}

@@ -115,7 +115,7 @@ TEST_F(JournalOfARobot, OutlivesItAndPredictsItsNextSwitch) {
   EXPECT_TRUE(contains(segue({"history"}).output, "; expected ")) << segue({"history"}).output;
   (void)stop();
   const auto entries = json({"history"});
-  ASSERT_EQ(entries.as_list().size(), 4U);  // the last one is the shut-down
+  ASSERT_EQ(entries.as_list().size(), 5U);  // the last two bring it to rest and shut it down
   const auto& switched = entries.as_list()[1];
   EXPECT_EQ(switched.find("to")->as_string(), "manual");
   EXPECT_EQ(switched.find("outcome")->as_string(), "done");
@@ -132,7 +132,7 @@ TEST_F(JournalOfARobot, IsKeptOnRequestOnly) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "state"));
   start({"--controller", "explore", "--journal", "here.sqlite"});
   (void)stop();
-  EXPECT_EQ(json({"history", "--journal", "here.sqlite"}).as_list().size(), 2U);
+  EXPECT_EQ(json({"history", "--journal", "here.sqlite"}).as_list().size(), 3U);
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ TEST_F(MissionHistory, SaysWhatLookAheadSaved) {
   write("work.yaml", kWork);
   auto working = begin("work.yaml", folder_);
   ASSERT_NO_FATAL_FAILURE(wait_until_ready("work"));
-  EXPECT_EQ(segue({"write", "drive.command={forward: 0.3, turn: 0.0}"}).status, 0);
+  EXPECT_EQ(segue({"write", "drive.command={forward: 0.3, turn: 0.0}", "--beside-mission"}).status, 0);
   const auto ended = working->wait();
   EXPECT_EQ(ended.status, 0) << ended.output << ended.errors;
   EXPECT_THAT(ended.output, ContainsRegex("Look-ahead saved [0-9.]+ m?s of 1 transition\\."));

@@ -331,7 +331,9 @@ TEST_F(RobotMission, IsSeenPausedResumedAndStoppedFromElsewhere) {
     EXPECT_EQ(segue({"mission", "pause"}).output, "mission patrol: paused\n");
     EXPECT_EQ(json({"mission", "status"}).find("state")->as_string(), "paused");
     EXPECT_EQ(segue({"mission", "resume"}).output, "mission patrol: running\n");
-    EXPECT_EQ(segue({"mission", "stop"}).output, "mission patrol: stopped\n");
+    EXPECT_THAT(segue({"mission", "stop"}).output,
+                ::testing::StartsWith("mission patrol: stopped; the robot is at rest after "));
+    EXPECT_EQ(json({"status"}).find("controller")->as_string(), "hold");
     const auto finished = mission.wait();
     EXPECT_EQ(finished.status, 1);
     EXPECT_THAT(finished.output, HasSubstr("patrol: preempted"));

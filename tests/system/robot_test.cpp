@@ -460,7 +460,7 @@ TEST_F(StubbornRobot, AClientKilledInACallLeavesTheRobotWhole) {
 TEST_F(RunningRobot, CompletionKnowsItsNames) {
   start({"--controller", "manual"});
   ASSERT_EQ(segue({"switch", "manual"}).status, 0);
-  EXPECT_EQ(segue({"complete-names", "controllers"}).output, "explore\ngo_to\nmanual\n");
+  EXPECT_EQ(segue({"complete-names", "controllers"}).output, "explore\ngo_to\nhold\nmanual\n");
   EXPECT_TRUE(contains(segue({"complete-names", "ports"}).output, "odometry.pose\n"));
   EXPECT_TRUE(contains(segue({"complete-names", "operations"}).output, "joystick.push\n"));
 }

@@ -109,7 +109,7 @@ TEST_F(RoverAtTable, SetsATableForTwo) {
 TEST_F(RoverAtTable, AStopButtonEndsAMissionWithTheRobotAtRest) {
   for (const std::string mode : {"sequential", "concurrent"}) {
     ASSERT_NO_FATAL_FAILURE(start_robot("table_robot.yaml"));
-    ASSERT_NO_FATAL_FAILURE(expect_halt(mode, {"call", "stop_button.press"}, "stopped"));
+    ASSERT_NO_FATAL_FAILURE(expect_halt(mode, {"call", "stop_button.press", "--beside-mission"}, "stopped"));
     const auto refused = json({"mission", "run", "example/clear_table.yaml", "--mode", mode});
     EXPECT_EQ(refused.find("outcome")->as_string(), "stopped") << "the button is still pressed";
     const auto switched = segue({"switch", "carry"});
@@ -121,7 +121,8 @@ TEST_F(RoverAtTable, AStopButtonEndsAMissionWithTheRobotAtRest) {
 TEST_F(RoverAtTable, ALowBatteryEndsAMissionWithTheRobotAtRest) {
   for (const std::string mode : {"sequential", "concurrent"}) {
     ASSERT_NO_FATAL_FAILURE(start_robot("table_robot.yaml"));
-    ASSERT_NO_FATAL_FAILURE(expect_halt(mode, {"call", "battery.recharge", "charge=0.1"}, "battery_low"));
+    ASSERT_NO_FATAL_FAILURE(
+        expect_halt(mode, {"call", "battery.recharge", "charge=0.1", "--beside-mission"}, "battery_low"));
     EXPECT_EQ(stop().status, 0);
   }
 }

@@ -195,7 +195,7 @@ async function runOn(page, other) {
   await page.emulateMedia({ colorScheme: 'dark' });
   await stage.look(page, 'steps_dark');
   await page.emulateMedia({ colorScheme: 'light' });
-  await page.getByRole('button', { name: 'Stop' }).click();
+  await page.getByRole('button', { name: 'Stop', exact: true }).click();
   for (const one of [page, other]) await seen(partsOf(one).badge('ended: preempted'));
   await gone(page.getByRole('group', { name: 'Steer the mission' }));
   await gone(state('both/right/lift').locator('.box-mark'));

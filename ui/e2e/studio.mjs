@@ -167,7 +167,7 @@ async function driveMission(page) {
   const second = await startMission();
   const ended = new Promise((resolve) => second.child.on('exit', resolve));
   await seen(state('outward/far').locator('.life-running'));
-  await page.getByRole('button', { name: 'Stop' }).click();
+  await page.getByRole('button', { name: 'Stop', exact: true }).click();
   await seen(badge('ended: preempted'));
   await ended;
 
@@ -183,6 +183,19 @@ async function driveMission(page) {
   await seen(badge('ended: preempted'));
 }
 
+/** The red button, whatever view is shown; and that the robot is held until it is released. */
+async function stopAndRelease(page) {
+  await page.getByRole('button', { name: 'Stop the robot' }).click();
+  const banner = page.getByRole('alert').filter({ hasText: 'Halted by' });
+  await banner.filter({ hasText: 'at rest' }).filter({ hasText: 'refused until it is released' }).waitFor({ timeout: 30000 });
+  assert.equal(JSON.parse(run(['status', '--format', 'json'])).controller, 'hold');
+  await look(page, 'stopped');
+  await page.getByRole('button', { name: 'Release' }).click();
+  await page.getByRole('button', { name: 'Release' }).waitFor({ state: 'detached' });
+  run(['switch', 'explore']);
+  await banner.waitFor({ state: 'detached' });
+}
+
 await stage.play(async () => {
   run(['init', 'rover']);
   addFailingController();
@@ -190,10 +203,13 @@ await stage.play(async () => {
   const page = await stage.enter();
   await drive(page);
   await driveMission(page);
+  await stopAndRelease(page);
   await driveEdit(page, { folder, look, run });
   const observing = await stage.startStudio('--observe');
   const observer = await stage.browser.newPage();
   await observer.goto(observing.found);
+  await observer.getByText('observe only').waitFor();
+  assert.equal(await observer.getByRole('button', { name: 'Stop the robot' }).count(), 0);
   await observeEdit(observer);
   await observer.close();
   assert.equal(await end(observing.child), 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { lazy, Suspense, useEffect, useState } from 'react';
 import { EventsView } from './events/EventsView';
+import { HaltBanner, StopButton } from './halt/StopButton';
 import { isTyping } from './keys';
 import { MissionsView } from './missions/MissionsView';
 import { NetworkView } from './network/NetworkView';
@@ -65,7 +66,9 @@ export function App() {
             {connection.role === 'observe' && <span className="badge">observe only</span>}
           </p>
         )}
+        {status && <StopButton status={status} />}
       </header>
+      {status && <HaltBanner status={status} />}
       {link === 'refused' && (
         <p className="banner" role="alert">The studio does not know this browser (any more). Open the address that it has printed last.</p>
       )}

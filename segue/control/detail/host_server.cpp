@@ -21,7 +21,7 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
       : TaskAccessServer(caller, robot), caller_(caller), robot_(std::move(robot)) {}
   /// The client is gone: what it has asked for and has not begun is not wanted any more.
   ~HostedRobotServer() noexcept {
-    robot_->halt();
+    robot_->begin_no_more();
     robot_->set_listener({});
     // What the loop has been given to do with them comes first.
     caller_.core().loop.post([events = events_](kj::AsyncIoContext&) {});
@@ -75,9 +75,9 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
                           });
     });
   }
-  kj::Promise<void> halt(HaltContext /*context*/) override {
+  kj::Promise<void> beginNoMore(BeginNoMoreContext /*context*/) override {
     return in_turn([this]() -> kj::Promise<void> {
-      robot_->halt();
+      robot_->begin_no_more();
       return kj::READY_NOW;
     });
   }

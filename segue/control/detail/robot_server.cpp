@@ -52,6 +52,10 @@ Result<std::vector<PropertyOf>> properties_from(const Result<Value>& list) {
   return properties;
 }
 
+Sender sender_of(wire::Sender::Reader sender, const Peer& peer) {
+  return {who_asks(sender, peer), sender.getLease(), sender.getBesideMission()};
+}
+
 /// Of requests that may be dry runs.
 template <class Params>
 Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
@@ -232,6 +236,30 @@ class RobotServer final : public wire::Robot::Server {
          deadline = deadline_after(params.getTimeout())] { return service.cancel(request, who, deadline); });
   }
 
+  kj::Promise<void> giveBack(GiveBackContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(Role::Operate, context,
+                                [&service = service(), lease = params.getLease(), keep = params.getKeep(),
+                                 deadline = deadline_after(params.getTimeout())] {
+                                  return service.give_back(lease, keep, deadline);
+                                });
+  }
+
+  kj::Promise<void> stop(StopContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        Role::Operate, context,
+        [&service = service(), who = who_asks(params, peer()),
+         deadline = deadline_after(params.getTimeout())] { return service.stop(who, deadline); });
+  }
+
+  kj::Promise<void> release(ReleaseContext context) override {
+    return caller_.answer_value(Role::Operate, context,
+                                [&service = service(), who = who_asks(context.getParams(), peer())] {
+                                  return as_value(service.release_stop(who));
+                                });
+  }
+
   kj::Promise<void> applyTransition(ApplyTransitionContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
@@ -252,10 +280,10 @@ class RobotServer final : public wire::Robot::Server {
     return caller_.answer_value(
         Role::Operate, context,
         [&service = service(), task = as_string(params.getTask()), property = as_string(params.getProperty()),
-         value = decode(params.getValue(), kMaxNodes),
+         value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
           if (!value) return value.error();
-          return as_value(service.set_property(task, property, *value, deadline));
+          return as_value(service.set_property(task, property, *value, sender, deadline));
         });
   }
 
@@ -264,10 +292,10 @@ class RobotServer final : public wire::Robot::Server {
     return caller_.answer_value(
         Role::Operate, context,
         [&service = service(), task = as_string(params.getTask()), port = as_string(params.getPort()),
-         value = decode(params.getValue(), kMaxNodes),
+         value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
           if (!value) return value.error();
-          return as_value(service.write(task, port, *value, deadline));
+          return as_value(service.write(task, port, *value, sender, deadline));
         });
   }
 
@@ -277,9 +305,10 @@ class RobotServer final : public wire::Robot::Server {
         Role::Operate, context,
         [&service = service(), task = as_string(params.getTask()),
          operation = as_string(params.getOperation()), arguments = decode(params.getArguments(), kMaxNodes),
+         sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
           if (!arguments) return arguments.error();
-          return service.call(task, operation, *arguments, deadline);
+          return service.call(task, operation, *arguments, sender, deadline);
         });
   }
 

@@ -83,6 +83,17 @@ class TaskAccessClient : public Service {
     });
   }
 
+  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return ask<host::TaskReport>(left, [&](wire::TaskAccess::Client tasks) {
+      auto request = tasks.reportRequest();
+      request.setTask(as_text(task.str()));
+      request.setTimeout(left.count());
+      return RpcChannel::send<host::TaskReport>(request,
+                                                [](auto& results) { return decode(results.getReport()); });
+    });
+  }
+
   Result<host::TaskDetails> details(const model::TaskId& task) override {
     return ask<host::TaskDetails>(kLookTimeout, [&](wire::TaskAccess::Client tasks) {
       auto request = tasks.detailsRequest();

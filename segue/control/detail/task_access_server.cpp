@@ -79,6 +79,15 @@ kj::Promise<void> TaskAccessServer::properties(PropertiesContext context) {
       });
 }
 
+kj::Promise<void> TaskAccessServer::report(ReportContext context) {
+  const auto params = context.getParams();
+  return caller_.answer(
+      context,
+      [tasks = tasks_, task = model::TaskId(as_string(params.getTask())),
+       deadline = deadline_after(params.getTimeout())] { return tasks->report(task, deadline); },
+      [](host::TaskReport& report, auto results) { encode(report, results.initReport()); });
+}
+
 kj::Promise<void> TaskAccessServer::details(DetailsContext context) {
   return caller_.answer(
       context,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useState, type FormEvent } from 'react';
+import { createContext, useContext, useState, type FormEvent } from 'react';
 import { isMap, type Json } from '../robot/change';
 import { useConnection, useDocument } from '../robot/hooks';
 import { Skipped } from '../robot/Skipped';
@@ -10,6 +10,9 @@ import { Plot } from './Plot';
 import { TaskLog } from './TaskLog';
 import { Timing } from './Timing';
 
+/** Whether what is set, written and called is meant beside what a mission is doing. */
+const BesideMission = createContext(false);
+
 function reason(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
 }
@@ -17,6 +20,7 @@ function reason(error: unknown): string {
 /** One property: its value as text, which is sent on Enter. What the robot says in between wins unless it is edited. */
 function Property({ task, name, value, fixed }: { task: string; name: string; value: Json; fixed: boolean }) {
   const connection = useConnection();
+  const beside = useContext(BesideMission);
   const [edited, setEdited] = useState<string | null>(null);
   const [note, setNote] = useState<{ text: string; bad: boolean } | null>(null);
   const shown = typeof value === 'string' ? value : JSON.stringify(value);
@@ -24,7 +28,7 @@ function Property({ task, name, value, fixed }: { task: string; name: string; va
     event.preventDefault();
     if (edited === null) return;
     try {
-      await connection.call('set', { task, property: name, yaml: edited });
+      await connection.call('set', { task, property: name, yaml: edited, beside_mission: beside });
       setEdited(null);
       setNote({ text: 'set', bad: false });
     } catch (error) {
@@ -77,12 +81,13 @@ function PortSamples({ task, port }: { task: string; port: PortModel }) {
 
 function WriteSample({ task, port }: { task: string; port: PortModel }) {
   const connection = useConnection();
+  const beside = useContext(BesideMission);
   const [text, setText] = useState('');
   const [note, setNote] = useState<{ text: string; bad: boolean } | null>(null);
   const submit = async (event: FormEvent) => {
     event.preventDefault();
     try {
-      await connection.call('write', { task, port: port.name, yaml: text });
+      await connection.call('write', { task, port: port.name, yaml: text, beside_mission: beside });
       setNote({ text: 'written', bad: false });
     } catch (error) {
       setNote({ text: reason(error), bad: true });
@@ -115,6 +120,7 @@ function Port({ task, port, fixed }: { task: string; port: PortModel; fixed: boo
 
 function Operation({ task, operation, fixed }: { task: string; operation: OperationModel; fixed: boolean }) {
   const connection = useConnection();
+  const beside = useContext(BesideMission);
   const [texts, setTexts] = useState<string[]>(operation.arguments.map(() => ''));
   const [note, setNote] = useState<{ text: string; bad: boolean } | null>(null);
   const submit = async (event: FormEvent) => {
@@ -123,7 +129,7 @@ function Operation({ task, operation, fixed }: { task: string; operation: Operat
     try {
       // Each argument is YAML in itself; the server reads the list of them.
       const yaml = '[' + texts.join('\n, ') + '\n]';
-      const result = await connection.call('call', { task, operation: operation.name, yaml });
+      const result = await connection.call('call', { task, operation: operation.name, yaml, beside_mission: beside });
       setNote({ text: result === null ? 'done' : JSON.stringify(result), bad: false });
     } catch (error) {
       setNote({ text: reason(error), bad: true });
@@ -154,6 +160,7 @@ function Operation({ task, operation, fixed }: { task: string; operation: Operat
 export function TaskPanel({ id, status, flows, onClose }: { id: string; status: Status; flows: Flows; onClose: () => void }) {
   const connection = useConnection();
   const shown = useDocument('task/' + id);
+  const [beside, setBeside] = useState(false);
   const fixed = connection.role !== 'operate';
   const report = isMap(shown?.value) ? (shown.value as unknown as TaskReport) : null;
   const task = status.tasks[id];
@@ -172,7 +179,12 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
       )}
       {task?.error && <p className="bad">{task.error}</p>}
       {report && (
-        <>
+        <BesideMission.Provider value={beside}>
+          {status.commanded_by && !fixed && (
+            <label>
+              <input type="checkbox" checked={beside} onChange={(event) => setBeside(event.target.checked)} /> beside what {status.commanded_by} is doing
+            </label>
+          )}
           {report.doc && <p>{report.doc}</p>}
           <h3>Properties</h3>
           {Object.keys(report.properties).length === 0 && <p className="quiet">none</p>}
@@ -191,7 +203,7 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
           ))}
           <Timing report={report} />
           <TaskLog report={report} />
-        </>
+        </BesideMission.Provider>
       )}
     </aside>
   );

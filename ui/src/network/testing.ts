@@ -15,7 +15,7 @@ export function connection(from: string, to: string, written = 0): ConnectionSta
 
 export function status(tasks: TaskStatus[], connections: ConnectionStatus[] = []): Status {
   return {
-    robot: 'r', controller: 'c', state: 'idle', commanded_by: null, controllers: [], ready: [],
+    robot: 'r', controller: 'c', state: 'idle', commanded_by: null, halt: null, stopped_by: null, controllers: [], ready: [],
     tasks: Object.fromEntries(tasks.map((one) => [one.id, one])),
     connections: Object.fromEntries(connections.map((one) => [one.from + ' ' + one.to, one])),
     requests: [], differences: [], uptime_s: 1,

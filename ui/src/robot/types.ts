@@ -37,6 +37,10 @@ export interface Status {
   controller: string;
   state: string;
   commanded_by: string | null;
+  /** The last halt, until something has been requested. */
+  halt: Halt | null;
+  /** Who has stopped the robot until it is released. */
+  stopped_by: string | null;
   controllers: string[];
   ready: { controller: string; ready: boolean; reason: string }[];
   tasks: Record<string, TaskStatus>;
@@ -44,6 +48,17 @@ export interface Status {
   requests: OpenRequest[];
   differences: string[];
   uptime_s: number;
+}
+
+export interface Halt {
+  who: string;
+  why: string;
+  time_s: number;
+  /** "halting", "at_rest", "not_at_rest". */
+  state: string;
+  /** Tasks with devices that had to be stopped. */
+  stopped?: string[];
+  trouble?: string;
 }
 
 /** A request that has not ended. */

@@ -121,6 +121,7 @@ export function SwitchView({ status }: { status: Status }) {
     };
     setAttempt(begun);
     try {
+      setTakeOver(false); // who commands the robot next is asked about anew
       const outcome = await connection.call('switch', { controller: chosen, force, take_over: takeOver });
       setAttempt({ ...begun, outcome: outcome as unknown as SwitchOutcome });
     } catch (error) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/mission/condition.hpp>
+#include <segue/model/condition.hpp>
 #include <segue/type/value.hpp>
 
 #include <string>
 #include <string_view>
 #include <variant>
 
-namespace segue::mission {
+namespace segue::model {
 
 /// A port, a property or an operation of a task: "planner.speed.max" is `speed.max` of `planner`.
 struct Member {
@@ -38,7 +38,13 @@ struct OperationAnswers {
   friend bool operator==(const OperationAnswers&, const OperationAnswers&) = default;
 };
 
-/// What can be seen of a robot: what ends an action, and what facts are bound to (ObservedFact).
+/// What can be seen of a robot: what ends an action of a mission, what facts are bound to, when the robot is
+/// at rest.
 using RobotCondition = std::variant<TaskReaches, SampleShows, OperationAnswers>;
 
-}  // namespace segue::mission
+/// The task that it is about.
+const std::string& task_of(const RobotCondition& condition);
+/// That it holds: "task 'arm' is holding".
+std::string sentence(const RobotCondition& condition);
+
+}  // namespace segue::model

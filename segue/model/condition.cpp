@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/mission/condition.hpp>
+#include <segue/model/condition.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/mission/trimmed.hpp>
+#include <segue/base/trimmed.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
 
-namespace segue::mission {
+namespace segue::model {
 
-using detail::trimmed;
 using type::Value;
 
 namespace {
@@ -102,4 +101,4 @@ bool holds(const Condition& condition, const Value& sample) {
                              [&](const Comparison& comparison) { return holds(comparison, sample); });
 }
 
-}  // namespace segue::mission
+}  // namespace segue::model

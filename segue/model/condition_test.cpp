@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/mission/condition.hpp>
+#include <segue/model/condition.hpp>
 
 #include <gtest/gtest.h>
 
-namespace segue::mission {
+namespace segue::model {
 namespace {
 
 using type::Value;
@@ -50,4 +50,4 @@ TEST(Condition, MustBeAComparison) {
 }
 
 }  // namespace
-}  // namespace segue::mission
+}  // namespace segue::model

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace segue::mission::detail {
+namespace segue {
 
 /// Without blanks and tabs around it.
 inline std::string_view trimmed(std::string_view text) {
@@ -12,4 +12,4 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-}  // namespace segue::mission::detail
+}  // namespace segue

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace segue::mission {
+namespace segue::model {
 
 enum class Comparator : std::uint8_t { Equal, NotEqual, AtMost, AtLeast, Less, More };
 /// Longer signs before those that they begin with.
@@ -38,4 +38,4 @@ Result<Condition> parse_condition(std::string_view text);
 /// False too where the sample has no such field, or an order is asked of what has none.
 bool holds(const Condition& condition, const type::Value& sample);
 
-}  // namespace segue::mission
+}  // namespace segue::model

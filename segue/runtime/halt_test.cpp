@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Robots that are brought to rest: by whoever stops them, by the end of a lease, by a condition; at every
+// action of a transition.
+#include <segue/model/network_sets.hpp>
+#include <segue/runtime/test_support.hpp>
+
+#include <support/eventually.hpp>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace segue::runtime {
+namespace {
+
+using model::HaltCondition;
+using model::NetworkName;
+using model::TaskReaches;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::network_of;
+using testing::StandInRobot;
+using testing::why;
+
+const char* const kDrive =
+    "network: drive\n"
+    "tasks:\n"
+    "  wheels: {component: \"x::Wheels\", exclusive: [wheels], activity: {periodic: 1ms}}\n"
+    "  planner: {component: \"x::Planner\"}\n"
+    "  button: {component: \"x::Button\"}\n"
+    "connections: [planner.out -> wheels.command]\n";
+const char* const kWork =
+    "network: work\n"
+    "tasks:\n"
+    "  wheels: {component: \"x::Wheels\", exclusive: [wheels], activity: {periodic: 1ms}}\n"
+    "  tool: {component: \"x::Tool\", properties: {speed: 2}}\n"
+    "  button: {component: \"x::Button\"}\n"
+    "connections: [tool.out -> wheels.command]\n";
+const char* const kHold =
+    "network: hold\n"
+    "tasks:\n"
+    "  wheels: {component: \"x::Wheels\", exclusive: [wheels], activity: {periodic: 1ms}}\n"
+    "  brake: {component: \"x::Brake\"}\n"
+    "  button: {component: \"x::Button\"}\n"
+    "connections: [brake.out -> wheels.command]\n";
+
+model::Halt hold(std::vector<HaltCondition> at_rest = {{TaskReaches{"wheels", "running"}, {}}}) {
+  model::Halt halt;
+  halt.controller = NetworkName("hold");
+  halt.at_rest = std::move(at_rest);
+  halt.within = std::chrono::seconds(60);
+  return halt;
+}
+
+RuntimeOptions with(model::Halt halt) {
+  RuntimeOptions options;
+  options.halt = std::move(halt);
+  return options;
+}
+
+/// Runs "drive".
+struct Robot : StandInRobot {
+  explicit Robot(RuntimeOptions options = with(hold())) : StandInRobot(std::move(options)) {
+    for (const char* text : {kDrive, kWork, kHold})
+      EXPECT_FALSE(runtime.add_controller(network_of(text)).has_errors());
+    EXPECT_EQ(switch_to("drive").outcome, Outcome::Done);
+  }
+  SwitchResult switch_to(const char* name, RequestOptions options = {}) {
+    return runtime.switch_to(NetworkName(name), std::move(options));
+  }
+  std::string running() { return runtime.belief().name.str(); }
+};
+
+TEST(Halt, is_prepared_beside_whatever_runs_without_a_request) {
+  Robot robot;
+  EXPECT_TRUE(segue::testing::eventually([&] {
+    const auto* brake = robot.host.observe().find_task(model::TaskId("brake"));
+    return brake != nullptr && brake->state == TaskState::Stopped;
+  }));
+  EXPECT_THAT(robot.runtime.readiness(), IsEmpty()) << "nobody has asked for it";
+}
+
+TEST(Halt, brings_the_robot_to_rest_and_keeps_it_there_until_it_is_released) {
+  Robot robot;
+  const auto rest = robot.runtime.halt({.who = "ann", .latch = true}).get();
+  EXPECT_TRUE(rest.at_rest) << rest.trouble;
+  EXPECT_THAT(rest.stopped, IsEmpty());
+  EXPECT_EQ(robot.running(), "hold");
+  EXPECT_TRUE(robot.runtime.halted()->result->at_rest);
+  EXPECT_EQ(robot.runtime.halted()->stopped_by, "ann");
+  const auto refused = robot.switch_to("drive");
+  EXPECT_EQ(refused.outcome, Outcome::Refused);
+  EXPECT_THAT(why(refused), HasSubstr("stopped by ann; 'segue stop --release' lets it be commanded again"));
+  EXPECT_EQ(robot.runtime.take_lease("bob").error().code, ErrorCode::InvalidState);
+  RequestOptions forced;
+  forced.take_over = true;
+  EXPECT_EQ(robot.switch_to("drive", forced).outcome, Outcome::Refused) << "nor is it taken over";
+  EXPECT_EQ(robot.running(), "hold");
+  ASSERT_TRUE(robot.runtime.release("bob"));
+  EXPECT_EQ(robot.runtime.release("bob").error().code, ErrorCode::InvalidState);
+  EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done);
+  EXPECT_FALSE(robot.runtime.halted()) << "it has been commanded since";
+}
+
+TEST(Halt, follows_a_lease_that_ends_unless_what_runs_shall_be_kept) {
+  Robot robot;
+  const auto kept = robot.runtime.take_lease("mission a").value();
+  EXPECT_FALSE(robot.runtime.end_lease(kept, true).valid());
+  EXPECT_EQ(robot.running(), "drive");
+  const auto lost = robot.runtime.take_lease("mission b").value();
+  const auto rest = robot.runtime.end_lease(lost);
+  ASSERT_TRUE(rest.valid());
+  EXPECT_TRUE(rest.get().at_rest);
+  EXPECT_EQ(robot.running(), "hold");
+  EXPECT_EQ(robot.runtime.halted()->request.who, "mission b");
+  EXPECT_EQ(robot.switch_to("work").outcome, Outcome::Done) << "nothing holds the robot afterwards";
+}
+
+TEST(Halt, does_not_follow_a_lease_that_was_taken_over) {
+  Robot robot;
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  RequestOptions options;
+  options.take_over = true;
+  EXPECT_EQ(robot.switch_to("work", options).outcome, Outcome::Done);
+  EXPECT_FALSE(robot.runtime.end_lease(lease).valid());
+  EXPECT_EQ(robot.running(), "work");
+}
+
+TEST(Halt, takes_the_robot_from_whoever_commands_it) {
+  Robot robot;
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);
+  EXPECT_THAT(robot.runtime.lease_lost_to(lease), ::testing::Optional(HasSubstr("ann")));
+  RequestOptions theirs;
+  theirs.lease = lease;
+  EXPECT_EQ(robot.switch_to("work", theirs).outcome, Outcome::Refused);
+  EXPECT_EQ(robot.running(), "hold");
+}
+
+TEST(Halt, of_a_robot_that_does_not_say_what_rest_is_stops_its_devices) {
+  Robot robot{RuntimeOptions{}};
+  const auto rest = robot.runtime.halt({.who = "ann"}).get();
+  EXPECT_TRUE(rest.at_rest) << rest.trouble;
+  EXPECT_THAT(rest.stopped, ElementsAre(model::TaskId("wheels")));
+  EXPECT_EQ(robot.host.observe().find_task(model::TaskId("wheels"))->state, TaskState::Stopped);
+  EXPECT_EQ(robot.host.observe().find_task(model::TaskId("planner"))->state, TaskState::Running);
+}
+
+TEST(Halt, that_does_not_lead_to_rest_in_time_stops_devices_and_says_what_is_missing) {
+  auto halt = hold({{TaskReaches{"wheels", "idle"}, {}}});
+  halt.within = std::chrono::milliseconds(300);
+  Robot robot(with(std::move(halt)));
+  const auto rest = robot.runtime.halt({.who = "ann"}).get();
+  EXPECT_FALSE(rest.at_rest);
+  EXPECT_THAT(rest.trouble, HasSubstr("it does not hold that task 'wheels' is idle"));
+  EXPECT_THAT(rest.stopped, ElementsAre(model::TaskId("wheels")));
+  EXPECT_EQ(robot.host.observe().find_task(model::TaskId("wheels"))->state, TaskState::Stopped);
+}
+
+TEST(Halt, comes_when_its_condition_holds_and_holds_the_robot_as_long) {
+  auto halt = hold();
+  halt.when = {{TaskReaches{"planner", "stopped"}, {}}};
+  Robot robot(with(std::move(halt)));
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  model::Action stop{
+      1, model::ActionKind::Stop, model::TaskAction{model::TaskId("planner")}, model::Phase::Commit, {}};
+  ASSERT_TRUE(robot.host.perform(stop, RealClock::instance().now() + std::chrono::seconds(60)));
+  ASSERT_TRUE(segue::testing::eventually([&] { return robot.running() == "hold"; }));
+  EXPECT_THAT(robot.runtime.lease_lost_to(lease), ::testing::Optional(HasSubstr("halt")));
+  EXPECT_TRUE(segue::testing::eventually([&] {
+    const auto halted = robot.runtime.halted();
+    return halted && halted->result && halted->request.why == "task 'planner' is stopped";
+  }));
+  EXPECT_TRUE(segue::testing::eventually([&] { return robot.switch_to("work").outcome == Outcome::Done; }))
+      << "the task is gone, and nothing holds the robot any more";
+}
+
+bool is_same(const model::Action& one, const model::Action& other) {
+  return one.phase == other.phase && one.label() == other.label();
+}
+
+/// Whatever a transition is doing when the robot is halted: what waits for the action that is just begun is
+/// not begun any more, unless the commit needs it, and the robot comes to rest.
+TEST(Halt, at_each_action_of_a_transition_gives_way_to_nothing_but_its_commit) {
+  const auto actions_to_work = [](Robot& robot) {
+    const auto transition = robot.runtime.plan(NetworkName("work"));
+    EXPECT_TRUE(transition);
+    return transition ? transition->actions : std::vector<model::Action>{};
+  };
+  Robot planned;
+  const auto all = actions_to_work(planned);
+  for (const auto& at : all) {
+    SCOPED_TRACE(at.label());
+    std::set<std::string> waits_for_it;
+    for (const auto& other : all) {
+      const bool waits = std::ranges::find(other.after, at.id) != other.after.end();
+      if (waits && other.phase == model::Phase::Prepare) waits_for_it.insert(other.label());
+    }
+    Robot robot;
+    std::atomic<bool> halted = false;
+    std::atomic<int> begun_after = 0;
+    std::promise<std::shared_future<HaltResult>> rest;
+    robot.asking.ask([&](const model::Action& action) -> Result<void> {
+      if (halted && waits_for_it.contains(action.label())) ++begun_after;
+      if (is_same(action, at) && !halted.exchange(true)) rest.set_value(robot.runtime.halt({.who = "ann"}));
+      return {};
+    });
+    const auto result = robot.switch_to("work");
+    ASSERT_TRUE(halted);
+    const auto ended = rest.get_future().get().get();
+    robot.asking.ask({});
+    EXPECT_TRUE(ended.at_rest) << ended.trouble;
+    EXPECT_EQ(result.outcome, at.phase == model::Phase::Prepare ? Outcome::Superseded : Outcome::Done)
+        << why(result);
+    EXPECT_EQ(begun_after, 0);
+    EXPECT_EQ(robot.running(), "hold");
+  }
+}
+
+TEST(Halt, takes_the_place_of_what_is_undone) {
+  Robot robot;
+  std::atomic<bool> failed = false;
+  std::atomic<bool> halted = false;
+  std::promise<std::shared_future<HaltResult>> rest;
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    if (action.label() == "start tool" && !failed.exchange(true))
+      return fail(ErrorCode::HookFailed, "as the test wants");
+    if (failed && !halted.exchange(true)) rest.set_value(robot.runtime.halt({.who = "ann"}));
+    return {};
+  });
+  const auto result = robot.switch_to("work");
+  EXPECT_EQ(result.outcome, Outcome::Failed) << why(result);
+  ASSERT_TRUE(halted) << "something is undone";
+  ASSERT_TRUE(result.undo && result.undo->error);
+  EXPECT_THAT(to_string(*result.undo->error), HasSubstr("the robot was halted"));
+  const auto ended = rest.get_future().get().get();
+  robot.asking.ask({});
+  EXPECT_TRUE(ended.at_rest) << ended.trouble;
+  EXPECT_EQ(robot.running(), "hold");
+}
+
+TEST(Lease, keeps_others_from_setting_calling_and_writing_unless_they_mean_it) {
+  Robot robot;
+  EXPECT_TRUE(robot.runtime.allow({"ann"}, "sets x")) << "nobody commands the robot";
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  EXPECT_TRUE(robot.runtime.allow({"mission a", lease}, "sets x"));
+  EXPECT_EQ(robot.runtime.allow({"ann"}, "sets x").error().code, ErrorCode::InvalidState);
+  EXPECT_TRUE(robot.runtime.allow({"ann", 0, true}, "sets x"));
+  std::vector<std::string> events;
+  for (const auto& event : robot.runtime.events())
+    events.push_back(event.message);
+  EXPECT_THAT(events, Contains("ann sets x, beside what mission a does"));
+}
+
+TEST(Lease, that_was_lost_allows_nothing_any_more) {
+  Robot robot;
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  (void)robot.runtime.halt({.who = "ann"}).get();
+  EXPECT_EQ(robot.runtime.allow({"mission a", lease, true}, "sets x").error().code, ErrorCode::InvalidState);
+}
+
+TEST(TakeOver, by_a_request_that_cannot_be_carried_out_takes_the_robot_from_nobody) {
+  Robot robot;
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  RequestOptions options;
+  options.take_over = true;
+  options.who = "ann";
+  EXPECT_EQ(robot.switch_to("no_such_controller", options).outcome, Outcome::Refused);
+  RequestOptions wrong = options;
+  wrong.properties.push_back({model::TaskId("no_such_task"), "speed", 1});
+  EXPECT_EQ(robot.switch_to("work", wrong).outcome, Outcome::Refused);
+  ControllerSet broken;
+  broken.controllers.push_back(
+      network_of("network: x\ntasks: {a: {component: \"x::A\"}}\nconnections: [a.out -> b.in]\n"));
+  EXPECT_EQ(robot.runtime.apply(broken, options).get().outcome, Outcome::Refused);
+  EXPECT_FALSE(robot.runtime.lease_lost_to(lease));
+  EXPECT_EQ(robot.switch_to("work", options).outcome, Outcome::Done);
+  EXPECT_THAT(robot.runtime.lease_lost_to(lease), ::testing::Optional(std::string("ann")));
+}
+
+}  // namespace
+}  // namespace segue::runtime

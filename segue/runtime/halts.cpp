@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/halts.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/concurrent/thread.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::runtime::detail {
+
+namespace {
+
+/// For a robot that does not say what rest is: its devices are stopped.
+constexpr Duration kStopDevices = std::chrono::seconds(2);
+
+std::string who_of(const HaltRequest& request) {
+  return request.who.empty() ? "somebody" : request.who;
+}
+
+/// "by ann: the button was pressed"
+std::string cause_of(const HaltRequest& request) {
+  return "by " + who_of(request) + (request.why.empty() ? "" : ": " + request.why);
+}
+
+}  // namespace
+
+Halts::Halts(host::TaskHost& host, EventLog& log, Ways ways)
+    : host_(host),
+      log_(log),
+      ways_(std::move(ways)),
+      thread_(concurrent::start_thread("segue-halt", [this] { work(stop_.get_token()); })) {}
+
+void Halts::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  stop_.request_stop();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+void Halts::use(std::shared_ptr<const model::Halt> halt) {
+  const std::lock_guard lock(mutex_);
+  halt_ = std::move(halt);
+  changed_.notify_all();
+}
+
+std::shared_future<HaltResult> Halts::begin(HaltRequest request, const std::function<void()>& first) {
+  const std::string by = who_of(request) + ", who halted it";
+  std::shared_ptr<const model::Halt> how;
+  std::shared_future<HaltResult> result;
+  {
+    const std::lock_guard lock(mutex_);
+    if (request.latch) {
+      latch_ = request;
+    }
+    log_.add(EventKind::Halt, "", "the robot is halted " + cause_of(request));
+    if (under_way_ || ended_) {
+      return under_way_ ? under_way_->result : std::shared_future<HaltResult>();
+    }
+    under_way_.emplace(UnderWay{{std::move(request), std::chrono::system_clock::now(), std::nullopt, {}},
+                                RealClock::instance().now(),
+                                halt_});
+    under_way_->result = result = under_way_->promise.get_future().share();
+    how = halt_;
+  }
+  if (first) {
+    first();
+  }
+  DevicesStopped otherwise = how ? DevicesStopped{} : ways_.devices_stopped();
+  auto switched = how ? ways_.request(by, how->controller, how->within)
+                      : ways_.request(by, std::move(otherwise.network), kStopDevices);
+  const std::lock_guard lock(mutex_);
+  under_way_->stopped = std::move(otherwise.tasks);
+  under_way_->switched = std::move(switched);
+  changed_.notify_all();
+  return result;
+}
+
+std::shared_future<HaltResult> Halts::on_its_way() const {
+  const std::lock_guard lock(mutex_);
+  return under_way_ ? under_way_->result : std::shared_future<HaltResult>();
+}
+
+Result<void> Halts::release(const std::string& who) {
+  const std::lock_guard lock(mutex_);
+  if (!latch_) {
+    return fail(ErrorCode::InvalidState, "the robot is not stopped");
+  }
+  latch_.reset();
+  log_.add(EventKind::Halt, "", "released by " + (who.empty() ? "somebody" : who));
+  return {};
+}
+
+std::optional<Halted> Halts::halted() const {
+  const std::lock_guard lock(mutex_);
+  auto halted = under_way_ ? std::optional(under_way_->halted) : last_;
+  if (halted && latch_) {
+    halted->stopped_by = who_of(*latch_);
+  }
+  return halted;
+}
+
+void Halts::forget() {
+  const std::lock_guard lock(mutex_);
+  last_.reset();
+}
+
+std::optional<Error> Halts::refusal() const {
+  const std::lock_guard lock(mutex_);
+  if (latch_) {
+    return fail(ErrorCode::InvalidState, "the robot was stopped " + cause_of(*latch_) +
+                                             "; 'segue stop --release' lets it be commanded again");
+  }
+  if (under_way_) {
+    return fail(ErrorCode::InvalidState, "the robot is being halted " + cause_of(under_way_->halted.request));
+  }
+  if (!held_by_.empty()) {
+    return fail(ErrorCode::InvalidState, "the robot is halted while " + held_by_);
+  }
+  return std::nullopt;
+}
+
+void Halts::work(const std::stop_token& stop) {
+  std::shared_ptr<const model::Halt> watched;
+  Watches watches;
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    if (halt_ != watched) {
+      watched = halt_;
+      lock.unlock();
+      watches =
+          watch(watched ? watched->when : std::vector<model::HaltCondition>{}, ConditionWatch::From::Now);
+      lock.lock();
+    }
+    if (note_conditions(watches) && !under_way_) {
+      HaltRequest request{"its halt condition", held_by_};
+      lock.unlock();
+      begin(std::move(request));
+      lock.lock();
+    }
+    if (under_way_ && under_way_->switched.valid()) {
+      bring_to_rest(lock, stop);
+      continue;
+    }
+    changed_.wait(lock, stop, [&] {
+      const bool is_asked = under_way_ && under_way_->switched.valid();
+      return is_asked || halt_ != watched || sentence_of_first(watches) != held_by_;
+    });
+  }
+}
+
+bool Halts::note_conditions(const Watches& watches) {
+  const std::string before = std::exchange(held_by_, sentence_of_first(watches));
+  return before.empty() && !held_by_.empty();
+}
+
+std::string Halts::sentence_of_first(const Watches& watches) {
+  const auto found = std::ranges::find_if(watches, [](const auto& one) { return one->holds(); });
+  return found == watches.end() ? std::string() : model::sentence((*found)->condition());
+}
+
+Halts::Watches Halts::watch(const std::vector<model::HaltCondition>& conditions, ConditionWatch::From from) {
+  Watches watches;
+  for (const auto& one : conditions) {
+    watches.push_back(std::make_unique<ConditionWatch>(host_, one.condition, from, [this] {
+      const std::lock_guard lock(mutex_);  // so that whoever waits has looked before, or looks again
+      changed_.notify_all();
+    }));
+  }
+  return watches;
+}
+
+/// With the mutex held, which is released while this waits.
+void Halts::bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_token& stop) {
+  auto switched = std::move(under_way_->switched);
+  const auto how = under_way_->how;
+  const TimePoint deadline = under_way_->begin + (how ? how->within : kStopDevices);
+  HaltResult result;
+  result.stopped = std::move(under_way_->stopped);
+  lock.unlock();
+  auto trouble = trouble_of(switched, deadline);
+  if (!trouble && how) {
+    trouble = wait_for_rest(*how, deadline, stop);
+  }
+  if (trouble && how && !stop.stop_requested()) {
+    auto otherwise = ways_.devices_stopped();
+    auto again = ways_.request("the halt", std::move(otherwise.network), kStopDevices);
+    result.stopped = std::move(otherwise.tasks);
+    if (const auto more = trouble_of(again, RealClock::instance().now() + 2 * kStopDevices)) {
+      *trouble += "; and its devices could not be stopped: " + *more;
+    }
+  }
+  lock.lock();
+  result.at_rest = !trouble;
+  result.trouble = trouble.value_or("");
+  result.duration = RealClock::instance().now() - under_way_->begin;
+  log_.add(EventKind::Halt, "",
+           result.at_rest ? "the robot is at rest after " + format_duration(result.duration)
+                          : "the robot was not at rest in time: " + result.trouble);
+  last_ = under_way_->halted;
+  last_->result = result;
+  under_way_->promise.set_value(std::move(result));
+  under_way_.reset();
+}
+
+std::optional<std::string> Halts::trouble_of(std::future<SwitchResult>& switched, TimePoint deadline) {
+  if (switched.wait_until(deadline) != std::future_status::ready) {
+    return "the transition has not ended in time";
+  }
+  const SwitchResult result = switched.get();
+  if (result.outcome == Outcome::Done) {
+    return std::nullopt;
+  }
+  return result.error ? to_string(*result.error) : "it was " + std::string(to_string(result.outcome));
+}
+
+std::optional<std::string> Halts::wait_for_rest(const model::Halt& halt, TimePoint deadline,
+                                                const std::stop_token& stop) {
+  const auto watches = watch(halt.at_rest, ConditionWatch::From::Update);
+  const auto holds = [](const auto& one) { return one->holds(); };
+  {
+    std::unique_lock lock(mutex_);
+    if (changed_.wait_until(lock, stop, deadline, [&] { return std::ranges::all_of(watches, holds); })) {
+      return std::nullopt;
+    }
+  }
+  std::vector<std::string> missing;
+  for (const auto& one : watches) {
+    if (!one->holds()) {
+      missing.push_back(model::sentence(one->condition()));
+    }
+  }
+  return "it does not hold that " + listed(missing);
+}
+
+}  // namespace segue::runtime::detail

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/model/halt.hpp>
+#include <segue/model/network.hpp>
+#include <segue/runtime/condition_watch.hpp>
+#include <segue/runtime/event_log.hpp>
+#include <segue/runtime/halt.hpp>
+#include <segue/runtime/runtime.hpp>
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace segue::runtime::detail {
+
+/// A network in place of a controller that brings the robot to rest.
+struct DevicesStopped {
+  model::Network network;
+  std::vector<model::TaskId> tasks;  ///< that are stopped
+};
+
+/// Brings the robot to rest where somebody asks for it, or a condition of its halt holds, and knows until
+/// when it is to stay there. Has a thread of its own. Thread safe; nothing but the destructor blocks.
+class Halts {
+ public:
+  /// What it asks of the runtime, without its own lock.
+  struct Ways {
+    /// Has the robot run that before all else, and takes it from whoever commands it; `by` says who does.
+    std::function<std::future<SwitchResult>(const std::string& by, Request request, Duration action_deadline)>
+        request;
+    /// What runs, but for tasks that hold devices.
+    std::function<DevicesStopped()> devices_stopped;
+  };
+
+  /// `host` and `log` must outlive this.
+  Halts(host::TaskHost& host, EventLog& log, Ways ways);
+  /// Waits for the halt on its way, which what it asks of the runtime must not outlive.
+  ~Halts() { end(); }
+  Halts(const Halts&) = delete;
+  Halts& operator=(const Halts&) = delete;
+  /// Nothing is watched and nothing is begun any more. Blocks as the destructor does.
+  void end();
+
+  /// What rest is from now on; null: the robot does not say it.
+  void use(std::shared_ptr<const model::Halt> halt);
+  /// As of Runtime::halt(). Requests are refused from before `first` is called, which is before the runtime
+  /// is asked for anything; it is not called where a halt is on its way already.
+  std::shared_future<HaltResult> begin(HaltRequest request, const std::function<void()>& first = {});
+  [[nodiscard]] std::shared_future<HaltResult> on_its_way() const;
+  Result<void> release(const std::string& who);
+  [[nodiscard]] std::optional<Halted> halted() const;
+  /// The robot has been commanded since it was halted.
+  void forget();
+  /// Why the robot cannot be commanded now.
+  [[nodiscard]] std::optional<Error> refusal() const;
+
+ private:
+  using Watches = std::vector<std::unique_ptr<ConditionWatch>>;
+  struct UnderWay {
+    Halted halted;
+    TimePoint begin{};
+    std::shared_ptr<const model::Halt> how{};  ///< null: its devices are stopped
+    std::future<SwitchResult> switched{};      ///< not valid until the runtime has been asked
+    std::vector<model::TaskId> stopped{};      ///< tasks with devices that the transition stops
+    std::promise<HaltResult> promise{};
+    std::shared_future<HaltResult> result{};
+  };
+
+  void work(const std::stop_token& stop);
+  /// Notes what holds the robot; true where that is new. With the mutex held.
+  bool note_conditions(const Watches& watches);
+  static std::string sentence_of_first(const Watches& watches);
+  Watches watch(const std::vector<model::HaltCondition>& conditions, ConditionWatch::From from);
+  void bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
+  /// Why the robot does not run what it was asked to by then.
+  static std::optional<std::string> trouble_of(std::future<SwitchResult>& switched, TimePoint deadline);
+  /// Which conditions of rest do not hold by then.
+  std::optional<std::string> wait_for_rest(const model::Halt& halt, TimePoint deadline,
+                                           const std::stop_token& stop);
+
+  host::TaskHost& host_;
+  EventLog& log_;
+  const Ways ways_;
+  mutable std::mutex
+      mutex_;  ///< protects all up to changed_; not held while the runtime or the host is asked
+  std::shared_ptr<const model::Halt> halt_;
+  std::optional<UnderWay> under_way_;
+  std::optional<Halted> last_;        ///< until the robot is commanded
+  std::optional<HaltRequest> latch_;  ///< until release()
+  std::string held_by_;               ///< the condition that holds, as a sentence; empty: none
+  bool ended_ = false;
+  mutable std::condition_variable_any changed_;
+  std::stop_source stop_;
+  std::thread thread_;
+};
+
+}  // namespace segue::runtime::detail

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/model/controller_names.hpp>
+#include <segue/runtime/runtime_implementation.hpp>
+
+#include <utility>
+
+namespace segue::runtime {
+
+using detail::DevicesStopped;
+using detail::PendingRequest;
+
+/// Whoever commands the robot loses it, what waits is dropped, and what is prepared, retired or undone gives
+/// way.
+std::future<SwitchResult> Runtime::Implementation::request_rest(const std::string& by, Request request,
+                                                                Duration action_deadline) {
+  PendingRequest job{0, std::move(request), {}, {}};
+  if (auto* controller = std::get_if<model::NetworkName>(&job.request)) {
+    *controller = model::joined_name(model::controllers_in(controller->str()));
+  }
+  job.options.action_deadline = action_deadline;
+  job.options.who = "halt";
+  job.options.although_halted = true;
+  job.options.leaves_lost_hosts = true;
+  auto future = job.promise.get_future();
+  std::optional<PendingRequest> dropped;
+  std::optional<detail::PendingApply> dropped_files;
+  {
+    const std::lock_guard lock(mutex);
+    leases.take_away(by);
+    dropped.swap(waiting);
+    dropped_files.swap(waiting_apply);
+    job.number = ++requests;
+    journal.accepted(job.number, job.options.who, detail::name_of(job.request));
+    log.add(EventKind::RequestAccepted, detail::name_of(job.request).str(),
+            "request " + std::to_string(job.number) + ", to halt the robot");
+    waiting = std::move(job);
+    if (transaction) {
+      transaction->make_way();
+    }
+  }
+  wake.notify_all();
+  drop(by, std::move(dropped), std::move(dropped_files));
+  return future;
+}
+
+void Runtime::Implementation::drop(const std::string& by, std::optional<PendingRequest> request,
+                                   std::optional<detail::PendingApply> files) {
+  const std::string why = "the robot was taken from it by " + by;
+  if (request) {
+    SwitchResult result = cancelled(*request);
+    result.outcome = Outcome::Cancelled;
+    result.cancelled_by = by;
+    result.error = fail(ErrorCode::Cancelled, why, result.to.str());
+    journal.ended(std::as_const(result));
+    answer(*request, std::move(result));
+  }
+  if (files) {
+    take_back(*files);
+    answer(*files, Outcome::Refused, std::nullopt, fail(ErrorCode::Cancelled, why));
+  }
+}
+
+DevicesStopped Runtime::Implementation::with_devices_stopped() const {
+  DevicesStopped all{host.condensed(belief.controller()), {}};
+  model::Network& network = all.network;
+  network.name = model::NetworkName("stopped");
+  network.version.clear();
+  for (auto& task : network.tasks) {
+    const auto* component = catalog.find(task.component);
+    const bool has_device =
+        !task.exclusive.empty() || (component != nullptr && !component->exclusive.empty());
+    if (has_device && task.state != TaskState::PreOperational) {
+      task.state = TaskState::Stopped;
+      all.tasks.push_back(task.id);
+    }
+  }
+  return all;
+}
+
+std::shared_future<HaltResult> Runtime::Implementation::end_lease(std::uint64_t lease, bool keep) {
+  const auto holder = leases.holder_of(lease);
+  bool halts_after = holder && !keep && !holder->keeps && !belief.controller().empty();
+  {
+    const std::lock_guard lock(mutex);
+    halts_after = halts_after && definitions.halt && !stopping;
+  }
+  if (!halts_after) {
+    leases.end(lease);
+    return {};
+  }
+  return halts.begin({holder->name, "it commands the robot no longer"}, [&] { leases.end(lease); });
+}
+
+}  // namespace segue::runtime

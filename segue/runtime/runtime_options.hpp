@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/model/halt.hpp>
+#include <segue/model/ids.hpp>
+#include <segue/model/robot.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace segue::runtime {
+
+struct RuntimeOptions {
+  /// The controller to switch to if a failed transition cannot be undone; nothing: keep what then runs.
+  std::optional<model::NetworkName> fallback;
+  std::optional<model::Halt> halt{};  ///< what rest is; until load() or apply()
+  model::Policies policies;           ///< for faults of the running controller
+  model::LookAhead look_ahead;        ///< resource limits of standby controllers
+  std::filesystem::path journal;      ///< the journal file (journal/journal.hpp); empty: none is kept
+  std::vector<model::Pool> pools{};   ///< run beside every controller
+};
+
+}  // namespace segue::runtime
