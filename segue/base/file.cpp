@@ -58,12 +58,24 @@ Result<void> replace_file(const fs::path& path, std::string_view content, mode_t
   return {};
 }
 
+/// What a shell gives a program to read (`<(...)`, /dev/stdin), or what is always empty. Any other pipe or
+/// device may keep its reader waiting for ever.
+bool is_given_stream(const fs::path& path) {
+  const std::string name = path.string();
+  return name.starts_with("/dev/fd/") || name.starts_with("/proc/self/fd/") || name == "/dev/stdin" ||
+         name == "/dev/null";
+}
+
 }  // namespace
 
 Result<std::string> read_file(const fs::path& path, std::size_t limit) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
+  const auto status = fs::status(path, ignored);
+  if (fs::is_directory(status)) {
     return fail(ErrorCode::IoError, quote(path.string()) + " is a directory, expected a file");
+  }
+  if (fs::exists(status) && !fs::is_regular_file(status) && !is_given_stream(path)) {
+    return fail(ErrorCode::IoError, quote(path.string()) + " is a pipe or a device, expected a file");
   }
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return system_failure(path, "read");

@@ -38,18 +38,26 @@ constexpr std::array<SizeUnit, 9> kSizeUnits = {{{"TiB", std::uint64_t{1} << 40}
                                                  {"kB", 1000},
                                                  {"B", 1}}};
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
+/// Of more, only the first are looked at: a file may have thousands of names, and as many mistakes.
+constexpr std::size_t kMostCandidates = 1000;
+
+/// `limit` where it is that large or larger.
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t diagonal = std::exchange(row[0], i + 1);
+    std::size_t least = row[0];
     for (std::size_t j = 0; j < b.size(); ++j) {
       const std::size_t substitution = diagonal + (a[i] == b[j] ? 0 : 1);
       diagonal = row[j + 1];
       row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substitution});
+      least = std::min(least, row[j + 1]);
     }
+    if (least >= limit) return limit;
   }
-  return row.back();
+  return std::min(row.back(), limit);
 }
 
 bool is_word_character(char c) {
@@ -102,9 +110,9 @@ std::string did_you_mean(std::string_view word, std::span<const std::string> can
   const std::string* best = nullptr;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   if (word.size() > 200) return {};
-  for (const std::string& candidate : candidates) {
+  for (const std::string& candidate : candidates.first(std::min(candidates.size(), kMostCandidates))) {
     if (candidate.size() > 200) continue;
-    const std::size_t distance = edit_distance(word, candidate);
+    const std::size_t distance = edit_distance(word, candidate, best_distance);
     if (distance >= best_distance || distance >= word.size()) continue;
     best_distance = distance;
     best = &candidate;

@@ -19,7 +19,7 @@ std::string quote(std::string_view text);
 /// line feeds become spaces.
 std::string escape_markup(std::string_view text);
 
-/// ", did you mean 'x'?" with the most similar of `candidates`, or "" if none is similar.
+/// ", did you mean 'x'?" with the most similar of the first thousand `candidates`, or "" if none is similar.
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
 
 /// "a, b and c"

@@ -5,6 +5,7 @@
 #include <segue/mission/mission.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,12 +21,15 @@ std::optional<Mission> read_mission(std::string_view text, const std::string& fi
 /// The exact inverse of read_mission.
 std::string write_mission(const Mission& mission);
 
+/// Whether a file that a mission names may be looked at; null: any. What may not counts as missing.
+using MayUse = std::function<bool(const std::filesystem::path& file)>;
+
 /// Reads the library files that the mission names but does not contain, and those that they name in turn:
 /// `NAME.yaml` in the folder of the file that names it, then in `folders`. Missing libraries are left for
 /// validate() to report. An action of a library whose name is taken gets the library's name as a prefix.
 /// Blocks on files.
 void add_libraries(Mission& mission, const std::vector<std::filesystem::path>& folders,
-                   Diagnostics& diagnostics);
+                   Diagnostics& diagnostics, const MayUse& may_use = {});
 
 /// Finds every problem of a mission whose libraries have been added: unknown names, outcomes without a
 /// transition, unreachable states, types that do not match, inputs that are read before they can have been
@@ -47,7 +51,7 @@ std::optional<Mission> load_mission(const std::filesystem::path& file,
 /// The same of a text that takes the place of the file's.
 std::optional<Mission> load_mission_text(std::string_view text, const std::filesystem::path& file,
                                          const std::vector<std::filesystem::path>& library_folders,
-                                         Diagnostics& diagnostics);
+                                         Diagnostics& diagnostics, const MayUse& may_use = {});
 
 /// Whether a port of that type accepts the value. Null is always accepted.
 bool accepts(std::string_view type, const type::Value& value);

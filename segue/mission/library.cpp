@@ -23,8 +23,9 @@ bool scripts_are_one(const Action& a, const Action& b) {
 /// Adds the state machines of other files to a mission.
 class Collector {
  public:
-  Collector(Mission& mission, const std::vector<path>& folders, Diagnostics& diagnostics)
-      : mission_(mission), folders_(folders), diagnostics_(diagnostics) {}
+  Collector(Mission& mission, const std::vector<path>& folders, Diagnostics& diagnostics,
+            const MayUse& may_use)
+      : mission_(mission), folders_(folders), diagnostics_(diagnostics), may_use_(may_use) {}
 
   void run() {
     for (const Library& library : mission_.libraries)
@@ -52,7 +53,7 @@ class Collector {
     for (const path& folder : folders) {
       path file = folder / (name + ".yaml");
       std::error_code ignored;
-      if (std::filesystem::is_regular_file(file, ignored)) return file;
+      if (std::filesystem::is_regular_file(file, ignored) && (!may_use_ || may_use_(file))) return file;
     }
     return {};
   }
@@ -119,13 +120,15 @@ class Collector {
   Mission& mission_;
   const std::vector<path>& folders_;
   Diagnostics& diagnostics_;
+  const MayUse& may_use_;
   std::unordered_set<std::string> known_;
 };
 
 }  // namespace
 
-void add_libraries(Mission& mission, const std::vector<path>& folders, Diagnostics& diagnostics) {
-  Collector(mission, folders, diagnostics).run();
+void add_libraries(Mission& mission, const std::vector<path>& folders, Diagnostics& diagnostics,
+                   const MayUse& may_use) {
+  Collector(mission, folders, diagnostics, may_use).run();
 }
 
 path script_file(const Mission& mission, const Action& action) {
@@ -141,11 +144,12 @@ path script_file(const Mission& mission, const Script& script, const SourcePlace
 
 namespace {
 
-void check_scripts(const Mission& mission, Diagnostics& diagnostics) {
+void check_scripts(const Mission& mission, Diagnostics& diagnostics, const MayUse& may_use) {
   const auto check = [&](const Script& script, const std::string& what, const SourcePlace& where) {
     std::error_code ignored;
-    if (script.file.empty() || std::filesystem::is_regular_file(script_file(mission, script, where), ignored))
-      return;
+    if (script.file.empty()) return;
+    const path file = script_file(mission, script, where);
+    if ((!may_use || may_use(file)) && std::filesystem::is_regular_file(file, ignored)) return;
     diagnostics.warning("missing-script", what + ": there is no script " + quote(script.file), where);
   };
   for (const Action& action : mission.actions) {
@@ -159,13 +163,14 @@ void check_scripts(const Mission& mission, Diagnostics& diagnostics) {
 }  // namespace
 
 std::optional<Mission> load_mission_text(std::string_view text, const path& file,
-                                         const std::vector<path>& library_folders, Diagnostics& diagnostics) {
+                                         const std::vector<path>& library_folders, Diagnostics& diagnostics,
+                                         const MayUse& may_use) {
   const std::size_t errors_before = diagnostics.error_count();
   auto mission = read_mission(text, file.string(), diagnostics);
   if (!mission) return std::nullopt;
-  add_libraries(*mission, library_folders, diagnostics);
+  add_libraries(*mission, library_folders, diagnostics, may_use);
   diagnostics.append(validate(*mission));
-  check_scripts(*mission, diagnostics);
+  check_scripts(*mission, diagnostics, may_use);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return mission;
 }

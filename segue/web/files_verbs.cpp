@@ -35,6 +35,36 @@ std::vector<model::Network> other_networks(const model::Robot& robot, const std:
   return networks;
 }
 
+/// Whether whoever may only look may have this pattern looked at.
+bool stays_within(const std::string& pattern, const fs::path& root, const FileFolder& folder) {
+  const fs::path path(pattern);
+  const bool leaves = path.is_absolute() || std::ranges::find(path, fs::path("..")) != path.end();
+  if (leaves) return false;
+  return std::ranges::all_of(glob_files(root / path), [&](const fs::path& file) {
+    std::error_code ignored;
+    const std::string name = file.lexically_relative(root).generic_string();
+    return !fs::exists(fs::symlink_status(file, ignored)) || folder.look(name).has_value();
+  });
+}
+
+/// Takes from a robot that a text describes what names other files than `saved`, the robot's file, and those
+/// in the folder; and libraries whose names could be paths, which have been reported.
+void confine(model::Robot& robot, const model::Robot* saved, const FileFolder& folder, Diagnostics& found) {
+  std::erase_if(robot.libraries, [](const std::string& name) { return !is_identifier(name); });
+  using Patterns = std::vector<std::string>;
+  for (Patterns model::Robot::*list :
+       {&model::Robot::models, &model::Robot::controllers, &model::Robot::missions}) {
+    std::erase_if(robot.*list, [&](const std::string& pattern) {
+      const bool is_known =
+          saved != nullptr && std::ranges::find(saved->*list, pattern) != (saved->*list).end();
+      if (is_known || stays_within(pattern, robot.folder, folder)) return false;
+      found.error("outside", quote(pattern) + " leads out of the robot's folder, so it is not looked at here",
+                  robot.where);
+      return true;
+    });
+  }
+}
+
 void add_those_of(const std::string& file, const Diagnostics& from, Diagnostics& to) {
   for (const Diagnostic& item : from.items()) {
     if (item.where.file == file) to.add(item);
@@ -305,15 +335,18 @@ Result<Value> FileVerbs::check(const Command& command) {
   if (!robot) return robot.error();
   const auto file = find_file(*robot, texts->at(0));
   if (!file) return file.error();
+  const auto folder = FileFolder::open(robot->parent_path());
+  if (!folder) return folder.error();
   const auto parts = robot_in(*robot);
   const std::string place = file->place.string();
   Diagnostics found;
   if (file->kind == RobotFileKind::Robot) {
-    found = check_robot(place, texts->at(1));
+    found = check_robot(place, texts->at(1), parts ? &*parts : nullptr, *folder);
   } else if (file->kind == RobotFileKind::Network) {
     found = check_network(parts ? &*parts : nullptr, place, texts->at(1));
   } else {
-    found = check_mission(parts ? &*parts : nullptr, *file, texts->at(1));
+    found =
+        check_mission(parts ? &*parts : nullptr, *file, texts->at(1), within(*folder, robot->parent_path()));
   }
   found.sort();
   Value::List problems;
@@ -343,11 +376,11 @@ Diagnostics FileVerbs::check_network(const model::Robot* robot, const std::strin
 
 /// What a mission asks of the robot counts where the robot file names it.
 Diagnostics FileVerbs::check_mission(const model::Robot* robot, const RobotFile& file,
-                                     const std::string& text) {
-  Diagnostics found = web::check_mission(file.place, text);
+                                     const std::string& text, const mission::MayUse& may_use) {
+  Diagnostics found = web::check_mission(file.place, text, may_use);
   if (robot == nullptr || !file.is_named || found.has_errors()) return found;
   Diagnostics ignored;
-  auto mission = mission::load_mission_text(text, file.place, {}, ignored);
+  auto mission = mission::load_mission_text(text, file.place, {}, ignored, may_use);
   if (!mission || !mission::needs_robot(*mission)) return found;
   const auto known = catalog(*robot, false, ignored);
   Diagnostics asked;
@@ -357,19 +390,32 @@ Diagnostics FileVerbs::check_mission(const model::Robot* robot, const RobotFile&
   return found;
 }
 
-Diagnostics FileVerbs::check_robot(const std::string& file, const std::string& text) {
+/// The text comes from a browser, so it names no other files than the robot's file does already, and those in
+/// the robot's folder; and its models are nobody else's.
+Diagnostics FileVerbs::check_robot(const std::string& file, const std::string& text,
+                                   const model::Robot* saved, const FileFolder& folder) {
   Diagnostics found;
-  const auto robot = model::read_robot_parts(text, file, found);
+  auto robot = model::read_robot_parts(text, file, found);
   if (!robot) return found;
   const bool complete = !found.has_errors();
-  const auto known = catalog(*robot, true, found);
+  confine(*robot, saved, folder, found);
+  Diagnostics of_models;
+  const auto known = std::make_shared<const model::ComponentCatalog>(
+      models_of_ ? models_of_(*robot, of_models) : model::ComponentCatalog());
+  add_those_of(file, of_models, found);
   for (const std::string& pattern : robot->controllers) {
     if (glob_files(robot->folder / pattern).empty())
       found.warning("no-such-file", "no file matches " + quote(pattern), robot->where);
   }
   // Where something could not be read, that a host or controller is missing may follow from it.
   if (!complete) return found;
-  add_those_of(file, model::validate(*robot, other_networks(*robot, {})), found);
+  const auto networks = other_networks(*robot, {});
+  add_those_of(file, model::validate(*robot, networks), found);
+  if (robot->halt) {
+    Diagnostics members;
+    model::check_halt_members(*robot->halt, networks, *known, members);
+    add_those_of(file, members, found);
+  }
   add_those_of(file, model::validate(model::pool_network(robot->pools), *known, model::Depth::Full), found);
   return found;
 }

@@ -3,6 +3,7 @@
 
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
+#include <segue/mission/files.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/type/value.hpp>
@@ -66,8 +67,10 @@ class FileVerbs {
   std::shared_ptr<const model::ComponentCatalog> catalog(const model::Robot& robot, bool anew,
                                                          Diagnostics& diagnostics);
   Diagnostics check_network(const model::Robot* robot, const std::string& file, const std::string& text);
-  Diagnostics check_robot(const std::string& file, const std::string& text);
-  Diagnostics check_mission(const model::Robot* robot, const RobotFile& file, const std::string& text);
+  Diagnostics check_robot(const std::string& file, const std::string& text, const model::Robot* saved,
+                          const FileFolder& folder);
+  Diagnostics check_mission(const model::Robot* robot, const RobotFile& file, const std::string& text,
+                            const mission::MayUse& may_use);
 
   RobotLink& link_;
   const ModelsOf models_of_;

@@ -2,6 +2,9 @@
 #include <segue/model/files.hpp>
 #include <segue/web/file_verbs_test_support.hpp>
 
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
 namespace segue::web {
 namespace {
 
@@ -24,8 +27,16 @@ connections:
   - source.out -> sink.in
 )";
 
-model::ComponentCatalog test_models(const model::Robot& /*robot*/, Diagnostics& diagnostics) {
+/// The model files and libraries of the robot whose models were wanted last.
+std::vector<std::string> wanted;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+
+model::ComponentCatalog test_models(const model::Robot& robot, Diagnostics& diagnostics) {
+  wanted = robot.models;
+  wanted.insert(wanted.end(), robot.libraries.begin(), robot.libraries.end());
   model::ComponentCatalog catalog;
+  // What a file says that could not be read would be quoted.
+  for (const std::string& file : robot.models)
+    diagnostics.error("bad", "content of " + file, {(robot.folder / file).string(), 1, 1});
   model::read_components(kComponents, "components.yaml", catalog, diagnostics);
   return catalog;
 }
@@ -56,6 +67,40 @@ class FileVerbsTest : public RobotFilesTest {
 
   const Value nothing_{type::ValueMap{}};
 };
+
+TEST_F(FileVerbsTest, ATextOfABrowserHasOnlyTheRobotsOwnFilesLookedAt) {
+  write("own.yaml", "components: {}\n");
+  ASSERT_EQ(::mkfifo((home_ / "pipe.yaml").c_str(), 0600), 0);
+  const std::string before = "robot: fake\ncontrollers: [networks/*.yaml, ../*.yaml]\n";
+  for (const std::string named : {"/etc/passwd", "../outside.yaml", "pipe.yaml", "networks/link.yaml",
+                                  "/etc/*", "networks/../../outside.yaml"}) {
+    EXPECT_EQ(problems("robot.yaml", before + "models: ['" + named + "']\n"),
+              (std::vector<std::string>{"error outside 1:1"}))
+        << named;
+    EXPECT_EQ(wanted, std::vector<std::string>{}) << named;
+  }
+  EXPECT_EQ(problems("robot.yaml", before + "libraries: [../../evil]\n").size(), 1U);
+  EXPECT_EQ(wanted, std::vector<std::string>{});
+  EXPECT_EQ(problems("robot.yaml", before + "models: [own.yaml]\n"), std::vector<std::string>{})
+      << "what other files say is not shown";
+  EXPECT_EQ(wanted, std::vector<std::string>{"own.yaml"});
+}
+
+TEST_F(FileVerbsTest, AMissionOfABrowserNamesOnlyFilesOfTheRobot) {
+  write("networks/fetch.yaml", "mission: fetch\nstart: return success\nstates: {}\n");
+  write("../secret.yaml", "mission: secret\nstart: return success\nstates: {}\n");
+  ASSERT_EQ(::mkfifo((home_ / "pipe.yaml").c_str(), 0600), 0);
+  const auto with = [](const std::string& library) {
+    return "mission: m\nstart: a\nstates: {a: {library: '" + library + "', on: {success: return success}}}\n";
+  };
+  write("m.yaml", with("networks/fetch"));
+  EXPECT_EQ(problems("m.yaml", with("networks/fetch")), std::vector<std::string>{});
+  for (const std::string outside : {"pipe", "networks/link"})
+    EXPECT_EQ(problems("m.yaml", with(outside)), std::vector<std::string>{"error missing-library 3:13"})
+        << outside;
+  for (const std::string path : {"../secret", "/etc/passwd"})
+    EXPECT_EQ(problems("m.yaml", with(path)), std::vector<std::string>{"error bad-name 3:23"}) << path;
+}
 
 TEST_F(FileVerbsTest, ListsTheFilesOfTheRobotAndWhyOthersAreClosed) {
   const Value answer = result("files", nothing_, Role::Observe);

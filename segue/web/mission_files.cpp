@@ -37,9 +37,15 @@ std::string library_name(const std::string& file, const std::string& user) {
 
 }  // namespace
 
-Diagnostics check_mission(const fs::path& file, const std::string& text) {
+mission::MayUse within(const FileFolder& folder, const fs::path& root) {
+  return [&folder, root](const fs::path& file) {
+    return folder.look(file.lexically_normal().lexically_relative(root).generic_string()).has_value();
+  };
+}
+
+Diagnostics check_mission(const fs::path& file, const std::string& text, const mission::MayUse& may_use) {
   Diagnostics all;
-  (void)mission::load_mission_text(text, file, {}, all);
+  (void)mission::load_mission_text(text, file, {}, all, may_use);
   Diagnostics found;
   for (const Diagnostic& item : all.items()) {
     if (item.where.file == file.string() || item.where.file.empty()) {
