@@ -285,11 +285,12 @@ class RoverExampleWherePossible : public ::testing::Test {
   std::unique_ptr<segue::runtime::EmbeddedRobot> robot;
 };
 
+/// Others are prepared at most, as those of the halt are always.
 std::set<std::string> running_tasks(segue::runtime::EmbeddedRobot& robot) {
   std::set<std::string> names;
-  for (const auto& task : robot.host().observe().tasks) {
-    EXPECT_EQ(task.state, segue::TaskState::Running) << task.id.str();
-    names.insert(task.id.str());
+  const auto observed = robot.host().observe();
+  for (const auto& task : observed.tasks) {
+    if (task.state == segue::TaskState::Running) names.insert(task.id.str());
   }
   return names;
 }

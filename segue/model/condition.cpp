@@ -6,6 +6,7 @@
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
+#include <optional>
 
 namespace segue::model {
 

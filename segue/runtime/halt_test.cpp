@@ -83,7 +83,8 @@ struct Robot : StandInRobot {
 TEST(Halt, is_prepared_beside_whatever_runs_without_a_request) {
   Robot robot;
   EXPECT_TRUE(segue::testing::eventually([&] {
-    const auto* brake = robot.host.observe().find_task(model::TaskId("brake"));
+    const auto observed = robot.host.observe();
+    const auto* brake = observed.find_task(model::TaskId("brake"));
     return brake != nullptr && brake->state == TaskState::Stopped;
   }));
   EXPECT_THAT(robot.runtime.readiness(), IsEmpty()) << "nobody has asked for it";
