@@ -92,18 +92,18 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
   };
   const auto credentials = credentials_of(options);
   if (!credentials) return failed(context, credentials.error());
-  const web::ServerOptions serving = {.port = static_cast<std::uint16_t>(options.port),
-                                      .listen = options.listen.empty() ? "127.0.0.1" : options.listen,
-                                      .credentials = *credentials,
-                                      .role = options.observe ? web::Role::Observe : web::Role::Operate,
-                                      .robot = robot,
-                                      .browsers = known_browsers(robot, options),
-                                      .models = models_for_editing,
-                                      .entered = [&context](const std::string& address) {
-                                        if (!context.json())
-                                          print_line("a browser has come in; for another one:");
-                                        print_address(address, context);
-                                      }};
+  const web::ServerOptions serving = {
+      .port = static_cast<std::uint16_t>(options.port),
+      .listen = options.listen.empty() ? "127.0.0.1" : options.listen,
+      .credentials = *credentials,
+      .role = options.observe ? control::Role::Observe : control::Role::Administer,
+      .robot = robot,
+      .browsers = known_browsers(robot, options),
+      .models = models_for_editing,
+      .entered = [&context](const std::string& address) {
+        if (!context.json()) print_line("a browser has come in; for another one:");
+        print_address(address, context);
+      }};
   const auto server = web::Server::start(std::move(*page), connect, serving);
   if (!server) return failed(context, server.error());
   if (!context.json()) print_line(introduction(robot, options, credentials->has_value()));

@@ -16,7 +16,9 @@ interface Host {
   clock @1 () -> (error :Wire.Error, time :Int64);  # nanoseconds since 1970, UTC
   robots @2 () -> (error :Wire.Error, robots :List(Lease));
   # `launch` as in Processes.start. The robot is given up when it is not renewed, not when the connection ends.
-  acquire @3 (holder :Text, launch :Wire.Value, models :List(ModelFile), takeOver :Bool, timeout :Int64)
+  # Whose `secret` and certificate are those of the present lease gets it anew.
+  acquire @3 (holder :Text, launch :Wire.Value, models :List(ModelFile), takeOver :Bool, timeout :Int64,
+      secret :Text, heldBefore :Bool)
       -> (error :Wire.Error, robot :HostedRobot);
   # `after` instead of `lines` where it is there.
   log @4 (robot :Text, process :Text, lines :UInt64, after :LogPosition)

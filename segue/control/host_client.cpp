@@ -287,6 +287,8 @@ class HostClient final : public hosts::HostService {
     const auto done = channel_->ask<void>(left + kGrace, [&, id](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Host>().acquireRequest();
       request.setHolder(as_text(what.holder));
+      request.setSecret(as_text(what.secret));
+      request.setHeldBefore(what.held_before);
       process::Launch launch = what.launch;
       launch.deployment.process = kAnyProcess;
       detail::put(process::to_value(launch), request.initLaunch());

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
+#include <segue/control/host_client.hpp>
+#include <segue/control/verbs.hpp>
 #include <support/fake_deployment.hpp>
+#include <support/fake_hosts.hpp>
 #include <support/secure_server.hpp>
 
 #include <fstream>
 #include <functional>
+#include <set>
 
 namespace segue::control {
 namespace {
@@ -50,10 +55,10 @@ TEST_F(SecureTest, LargeAnswersAndManyOfThemArriveWhole) {
     ASSERT_EQ(robot->call("t", "echo", Value(i), {}, soon()).value(), Value(i));
 }
 
-struct Verb {
-  const char* name;
-  Role needed;
-  std::function<Result<void>(RobotService&)> use;
+struct Question {
+  Verb verb;
+  std::function<Result<void>(RobotService&)> ask;
+  bool takes_over = false;
 };
 
 template <class T>
@@ -62,49 +67,103 @@ Result<void> outcome(const Result<T>& result) {
   return {};
 }
 
-std::vector<Verb> all_verbs() {
+/// Each function of a robot's server at least once.
+std::vector<Question> all_questions() {
+  const SwitchOptions taking{.take_over = true};
   return {
-      {"status", Role::Observe, [](auto& robot) { return outcome(robot.status()); }},
-      {"task", Role::Observe, [](auto& robot) { return outcome(robot.task("slam")); }},
-      {"plan", Role::Observe, [](auto& robot) { return outcome(robot.plan("explore", {}, soon())); }},
-      {"events", Role::Observe, [](auto& robot) { return outcome(robot.events(3, {})); }},
-      {"history", Role::Observe, [](auto& robot) { return outcome(robot.history()); }},
-      {"open_port", Role::Observe, [](auto& robot) { return outcome(robot.open_port("a", "out", 1)); }},
-      {"switch_to", Role::Operate,
-       [](auto& robot) { return outcome(robot.switch_to("explore", {}, soon())); }},
-      {"switch_to_network", Role::Operate,
+      {Verb::Status, [](auto& robot) { return outcome(robot.status()); }},
+      {Verb::Task, [](auto& robot) { return outcome(robot.task("slam")); }},
+      {Verb::Events, [](auto& robot) { return outcome(robot.events(3, {})); }},
+      {Verb::History, [](auto& robot) { return outcome(robot.history()); }},
+      {Verb::Past, [](auto& robot) { return outcome(robot.past(Value("ask"))); }},
+      {Verb::Mission, [](auto& robot) { return outcome(robot.mission(0, false)); }},
+      {Verb::Conflicts, [](auto& robot) { return outcome(robot.conflicts({"drive"})); }},
+      {Verb::OpenPort, [](auto& robot) { return outcome(robot.open_port("a", "out", 1)); }},
+      {Verb::Plan, [](auto& robot) { return outcome(robot.plan("explore", {}, soon())); }},
+      {Verb::Switch, [](auto& robot) { return outcome(robot.switch_to("explore", {}, soon())); }},
+      {Verb::Switch,
        [](auto& robot) { return outcome(robot.switch_to_network("tasks: {}", "n.yaml", {}, soon())); }},
-      {"apply", Role::Operate, [](auto& robot) { return outcome(robot.apply({}, soon())); }},
-      {"prepare", Role::Operate, [](auto& robot) { return outcome(robot.prepare({"drive"}, soon())); }},
-      {"apply_transition", Role::Operate,
+      {Verb::Switch, [taking](auto& robot) { return outcome(robot.switch_to("explore", taking, soon())); },
+       true},
+      {Verb::Switch,
+       [taking](auto& robot) {
+         return outcome(robot.switch_to_network("tasks: {}", "n.yaml", taking, soon()));
+       },
+       true},
+      {Verb::Apply, [](auto& robot) { return outcome(robot.apply({}, soon())); }},
+      {Verb::Apply, [taking](auto& robot) { return outcome(robot.apply(taking, soon())); }, true},
+      {Verb::Prepare, [](auto& robot) { return outcome(robot.prepare({"drive"}, soon())); }},
+      {Verb::Cancel, [](auto& robot) { return outcome(robot.cancel(1, "a test", soon())); }},
+      {Verb::ApplyTransition,
        [](auto& robot) { return outcome(robot.apply_transition("transition: {}", "a.yaml", soon())); }},
-      {"reset_belief", Role::Operate, [](auto& robot) { return outcome(robot.reset_belief()); }},
-      {"set_property", Role::Operate,
-       [](auto& robot) { return outcome(robot.set_property("a", "b", Value(1), {}, soon())); }},
-      {"call", Role::Operate,
-       [](auto& robot) { return outcome(robot.call("t", "echo", Value(), {}, soon())); }},
-      {"shut_down", Role::Operate, [](auto& robot) { return outcome(robot.shut_down()); }},
+      {Verb::ResetBelief, [](auto& robot) { return outcome(robot.reset_belief()); }},
+      {Verb::Lease, [](auto& robot) { return outcome(robot.lease("a test")); }},
+      {Verb::GiveBack, [](auto& robot) { return outcome(robot.give_back(7, false, soon())); }},
+      {Verb::Report, [](auto& robot) { return outcome(robot.report(7, Value())); }},
+      {Verb::AskHolder, [](auto& robot) { return outcome(robot.ask_holder("stop", Value())); }},
+      {Verb::Stop, [](auto& robot) { return outcome(robot.stop("a test", soon())); }},
+      {Verb::ReleaseStop, [](auto& robot) { return outcome(robot.release_stop("a test")); }},
+      {Verb::Set, [](auto& robot) { return outcome(robot.set_property("a", "b", Value(1), {}, soon())); }},
+      {Verb::Call, [](auto& robot) { return outcome(robot.call("t", "echo", Value(), {}, soon())); }},
+      {Verb::Write, [](auto& robot) { return outcome(robot.write("t", "in", Value(1), {}, soon())); }},
+      {Verb::ShutDown, [](auto& robot) { return outcome(robot.shut_down()); }},
   };
 }
 
 TEST_F(SecureTest, EachVerbNeedsItsRole) {
-  enrol({.name = "olga", .role = Role::Observe});
+  const std::vector<std::pair<std::string, Role>> people = {
+      {"olga", Role::Observe}, {"otto", Role::Operate}, {"root", Role::Administer}};
+  for (const auto& [name, role] : people)
+    enrol({.name = name, .role = role});
   serve_tcp();
-  const auto observer = client_of("olga");
-  const auto operator_ = client_of("ann");
-  for (const Verb& verb : all_verbs()) {
-    const auto seen = verb.use(*observer);
-    const bool refused = !seen && seen.error().code == ErrorCode::PermissionDenied;
-    EXPECT_EQ(refused, verb.needed > Role::Observe) << verb.name;
-    if (refused) {
-      EXPECT_NE(seen.error().message.find("'olga' may only observe the robot; this needs the role operate"),
-                std::string::npos)
-          << seen.error().message;
+  std::set<Verb> asked;
+  for (const Question& question : all_questions()) {
+    const Role needed = role_for(question.verb, question.takes_over);
+    for (const auto& [name, role] : people) {
+      const auto answer = question.ask(*client_of(name));
+      const bool refused = !answer && answer.error().code == ErrorCode::PermissionDenied;
+      const std::string what = name + " asks " + std::string(rule_of(question.verb).name);
+      EXPECT_EQ(refused, role < needed) << what;
+      if (refused) {
+        const std::string expected = quote(name) + " may only " + std::string(to_string(role)) +
+                                     " the robot; this needs the role " + std::string(to_string(needed));
+        EXPECT_NE(answer.error().message.find(expected), std::string::npos) << answer.error().message;
+      }
     }
-    const auto done = verb.use(*operator_);
-    EXPECT_FALSE(!done && done.error().code == ErrorCode::PermissionDenied) << verb.name;
+    asked.insert(question.verb);
   }
+  for (const VerbRule& rule : kVerbRules)
+    EXPECT_TRUE(asked.contains(rule.verb) || rule.verb == Verb::LookAtFiles || rule.verb == Verb::ChangeFiles)
+        << rule.name << " is asked by nobody";
   EXPECT_TRUE(log_->has({"refused 'olga' (observe) at 127.0.0.1:", "needs the role operate"}));
+}
+
+TEST_F(SecureTest, OnlyAdministratorsSetTheEnvironmentOfProcesses) {
+  enrol({.name = "root", .role = Role::Administer});
+  hosts::testing::Computer left("left");
+  serve_tcp(left.local.get());
+  for (const std::string name : {"ann", "root"}) {
+    const auto host = connect_host(endpoint(name), soon(), nullptr).value();
+    const auto robot = host->acquire(hosts::testing::request_of(name, name == "root"), soon()).value();
+    model::Deployment plain;
+    plain.host = model::HostName("left");
+    plain.process = model::ProcessName(name + "_plain");
+    model::Deployment with_environment = plain;
+    with_environment.process = model::ProcessName(name + "_with_environment");
+    with_environment.environment = {{"LD_PRELOAD", "mine.so"}};
+    const auto refusal = [&](const model::Deployment& deployment) {
+      model::Action deploy;
+      deploy.kind = model::ActionKind::Deploy;
+      deploy.what = model::DeploymentAction{deployment};
+      const auto outcome = robot->perform(std::vector{deploy}, soon()).at(0);
+      return outcome ? std::nullopt : std::optional(outcome.error().code);
+    };
+    EXPECT_EQ(refusal(plain), std::nullopt) << name;
+    EXPECT_EQ(refusal(with_environment),
+              name == "ann" ? std::optional(ErrorCode::PermissionDenied) : std::nullopt);
+    EXPECT_EQ(left.world.find(with_environment.process.str()) == nullptr, name == "ann");
+  }
+  server_.reset();
 }
 
 TEST_F(SecureTest, OnlyAdministratorsStartAndEndProcesses) {

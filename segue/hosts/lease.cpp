@@ -2,24 +2,17 @@
 #include <segue/hosts/lease.hpp>
 
 #include <segue/base/file.hpp>
+#include <segue/base/printable.hpp>
+#include <segue/base/secret.hpp>
 #include <segue/base/text.hpp>
 
 #include <algorithm>
 #include <charconv>
+#include <sstream>
 
 namespace segue::hosts {
 
 namespace {
-
-/// The epoch that a file keeps; 0 where there is none.
-std::uint64_t read_epoch(const std::filesystem::path& file) {
-  const auto text = read_file(file, 64);
-  std::uint64_t epoch = 0;
-  if (text) {
-    std::from_chars(text->data(), text->data() + text->size(), epoch);
-  }
-  return epoch;
-}
 
 Error closed(const std::string& robot) {
   return fail(ErrorCode::Unavailable, "the daemon of this host has ended", robot);
@@ -28,36 +21,83 @@ Error closed(const std::string& robot) {
 }  // namespace
 
 Lease::Lease(std::string robot, std::filesystem::path file, const Clock& clock)
-    : robot_(std::move(robot)), file_(std::move(file)), clock_(clock), epoch_(read_epoch(file_)) {}
+    : robot_(std::move(robot)), file_(std::move(file)), clock_(clock), last_(read(file_)) {
+  epoch_ = last_.epoch;
+  if (last_.is_held) {
+    until_ = clock_.now() + kValidity;
+  }
+}
 
 Duration Lease::left() const {
   return holder_.empty() ? Duration(0) : std::max(Duration(0), until_ - clock_.now());
 }
 
-Result<void> Lease::keep(std::uint64_t epoch) const {
-  if (auto written = write_file(file_, std::to_string(epoch) + "\n"); !written) {
+/// Lines: the epoch, who had it last ("held" or "released"), the key, the name.
+Lease::Kept Lease::read(const std::filesystem::path& file) {
+  Kept kept;
+  const auto text = read_file(file, 4096);
+  if (!text) {
+    return kept;
+  }
+  std::istringstream lines(*text);
+  std::string epoch;
+  std::string state;
+  std::getline(lines, epoch);
+  std::getline(lines, state);
+  std::getline(lines, kept.key);
+  std::getline(lines, kept.holder);
+  std::from_chars(epoch.data(), epoch.data() + epoch.size(), kept.epoch);
+  kept.is_held = state == "held";
+  return kept;
+}
+
+Result<void> Lease::keep(const Kept& kept) const {
+  const std::string text = std::to_string(kept.epoch) + (kept.is_held ? "\nheld\n" : "\nreleased\n") +
+                           kept.key + "\n" + printable(kept.holder.substr(0, 256)) + "\n";
+  if (auto written = write_private_file(file_, text); !written) {
     return fail(ErrorCode::IoError, "cannot keep the epoch of its lease", robot_).because_of(written.error());
   }
   return {};
 }
 
-Result<std::uint64_t> Lease::acquire(const std::string& holder, bool take_over, TimePoint deadline) {
+std::optional<Error> Lease::refusal_of(const Claim& claim) const {
+  const bool is_same = !claim.key.empty() && equal_secrets(claim.key, last_.key);
+  if (is_same || claim.take_over) {
+    return std::nullopt;
+  }
+  if (claim.held_before && !last_.key.empty()) {
+    return fail(
+        ErrorCode::Superseded,
+        "runtime " + quote(last_.holder) + " has got the robot since, so this one does not ask for it again",
+        robot_);
+  }
+  const Duration remaining = until_ - clock_.now();
+  if (remaining <= Duration(0)) {
+    return std::nullopt;
+  }
+  return fail(ErrorCode::AlreadyExists,
+              "runtime " + quote(last_.holder) + " commands this robot, for another " +
+                  format_duration(remaining) + " at least; wait until it has ended, or take it over",
+              robot_);
+}
+
+Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
   std::unique_lock lock(mutex_);
   if (closed_) {
     return closed(robot_);
   }
-  if (const Duration remaining = left(); holder != holder_ && remaining > Duration(0) && !take_over) {
-    return fail(ErrorCode::AlreadyExists,
-                "runtime " + quote(holder_) + " commands this robot, for another " +
-                    format_duration(remaining) + " at least; wait until it has ended, or take it over",
-                robot_);
+  if (auto refusal = refusal_of(claim)) {
+    return std::move(*refusal);
   }
   // Whatever was begun under the former epoch ends before anything begins under the new one.
-  if (auto kept = keep(epoch_ + 1); !kept) {
-    return kept.error();
+  const Kept kept{epoch_ + 1, claim.key, claim.holder, true};
+  if (auto written = keep(kept); !written) {
+    return written.error();
   }
   const std::uint64_t mine = ++epoch_;
+  last_ = kept;
   holder_.clear();
+  until_ = {};
   const Duration limit = std::max(Duration(0), deadline - RealClock::instance().now());
   if (!idle_.wait_for(lock, limit, [&] { return working_ == 0; })) {
     return fail(ErrorCode::DeadlineExceeded, "actions that the former runtime had begun have not ended",
@@ -69,7 +109,7 @@ Result<std::uint64_t> Lease::acquire(const std::string& holder, bool take_over, 
   if (mine != epoch_) {
     return fail(ErrorCode::Superseded, "another runtime has got the robot meanwhile", robot_);
   }
-  holder_ = holder;
+  holder_ = claim.holder;
   until_ = clock_.now() + kValidity;
   return mine;
 }
@@ -94,7 +134,11 @@ Result<void> Lease::release(std::uint64_t epoch) {
   if (epoch != epoch_) {
     return fail(ErrorCode::Superseded, "another runtime commands this robot", robot_);
   }
-  holder_.clear();
+  if (!std::exchange(holder_, {}).empty()) {
+    until_ = {};
+    last_.is_held = false;
+    (void)keep(last_);  // otherwise others wait a little after a restart
+  }
   return {};
 }
 

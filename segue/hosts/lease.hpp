@@ -10,14 +10,25 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace segue::hosts {
 
+/// Who wants a lease.
+struct Claim {
+  std::string holder;        ///< for people
+  std::string key{};         ///< nobody else can know it; empty: never the same as who has it
+  bool held_before = false;  ///< it has had the lease
+  bool take_over = false;    ///< although somebody else has it
+};
+
 /// Who may command a robot on this host. Every runtime that gets the lease has a higher epoch than the ones
-/// before, also those before a restart of the daemon (the last epoch is kept in a file), and what comes with
-/// a lower epoch than the present one is refused. So a runtime that was cut off, and whose messages arrive
-/// late, does no harm (fencing). Thread safe.
+/// before, also those before a restart of the daemon (the last epoch is kept in a file, with who had it), and
+/// what comes with a lower epoch than the present one is refused. So a runtime that was cut off, and whose
+/// messages arrive late, does no harm (fencing). After a restart, whoever had it gets it before all others,
+/// and who had it before that one is refused for good. Thread safe.
 class Lease {
  public:
   /// How long a lease lasts that is not renewed. Runtimes renew it once a second.
@@ -26,10 +37,11 @@ class Lease {
   /// `file` keeps the epoch; its folder exists. `clock` must outlive this.
   Lease(std::string robot, std::filesystem::path file, const Clock& clock);
 
-  /// Gives the lease to `holder` and returns the new epoch. AlreadyExists while somebody else has it, unless
-  /// `take_over`. IoError where the epoch cannot be kept: then nobody gets it. DeadlineExceeded where work
-  /// under the former epoch has not ended; nobody has the lease then.
-  Result<std::uint64_t> acquire(const std::string& holder, bool take_over, TimePoint deadline);
+  /// Returns the new epoch. AlreadyExists while somebody else has it, and Superseded where somebody else has
+  /// got it since the claimant had it, unless it takes the lease over. IoError where the epoch cannot be
+  /// kept: then nobody gets it. DeadlineExceeded where work under the former epoch has not ended; nobody has
+  /// the lease then.
+  Result<std::uint64_t> acquire(const Claim& claim, TimePoint deadline);
   Result<void> renew(std::uint64_t epoch);
   /// Superseded where the epoch is not the present one.
   Result<void> release(std::uint64_t epoch);
@@ -56,7 +68,16 @@ class Lease {
 
  private:
   [[nodiscard]] Duration left() const;
-  Result<void> keep(std::uint64_t epoch) const;
+  /// What the file has.
+  struct Kept {
+    std::uint64_t epoch = 0;
+    std::string key{};  ///< of who had it last
+    std::string holder{};
+    bool is_held = false;
+  };
+  static Kept read(const std::filesystem::path& file);
+  Result<void> keep(const Kept& kept) const;
+  [[nodiscard]] std::optional<Error> refusal_of(const Claim& claim) const;
 
   const std::string robot_;
   const std::filesystem::path file_;
@@ -64,8 +85,10 @@ class Lease {
   mutable std::mutex mutex_;  ///< protects everything below
   std::condition_variable idle_;
   std::uint64_t epoch_ = 0;
-  std::string holder_;
-  TimePoint until_{};
+  std::string holder_;  ///< empty: nobody commands the robot
+  Kept last_;           ///< who has it, or had it last
+  TimePoint until_{};   ///< nobody but that one gets it before
+
   std::size_t working_ = 0;
   bool closed_ = false;
 };

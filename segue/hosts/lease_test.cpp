@@ -53,12 +53,18 @@ class LeaseTest : public ::testing::Test {
   }
   [[nodiscard]] fs::path file() const { return folder_ / "spot.epoch"; }
 
+  static Claim claim(const std::string& holder, bool take_over = false) {
+    return {holder, "key of " + holder, false, take_over};
+  }
+  /// The daemon is started again.
+  void restart() { lease_.emplace("spot", file(), clock_); }
+
   /// The epoch that the holder got; 0 where it was refused.
   std::uint64_t acquire(const std::string& holder, bool take_over = false) {
-    return lease_->acquire(holder, take_over, before_long()).value_or(0);
+    return lease_->acquire(claim(holder, take_over), before_long()).value_or(0);
   }
   ErrorCode refusal_of(const std::string& holder, bool take_over = false, TimePoint deadline = at_once()) {
-    const auto got = lease_->acquire(holder, take_over, deadline);
+    const auto got = lease_->acquire(claim(holder, take_over), deadline);
     EXPECT_FALSE(got);
     return got ? ErrorCode::Internal : got.error().code;
   }
@@ -75,11 +81,62 @@ TEST_F(LeaseTest, EpochsGrowAlsoOverARestart) {
   ASSERT_TRUE(lease_->release(first));
   const auto second = acquire("b");
   EXPECT_GT(second, first);
-  lease_.emplace("spot", file(), clock_);
+  restart();
   EXPECT_EQ(lease_->info().holder, "");
   EXPECT_EQ(lease_->info().epoch, second);
   EXPECT_FALSE(lease_->renew(second)) << "a restart of the daemon ends all leases";
+  clock_.pass(Lease::kValidity);
   EXPECT_GT(acquire("c"), second);
+}
+
+TEST_F(LeaseTest, AfterARestartWhoHadItGetsItBeforeAllOthers) {
+  const auto first = acquire("a");
+  restart();
+  EXPECT_EQ(refusal_of("b"), ErrorCode::AlreadyExists);
+  EXPECT_GT(acquire("a"), first);
+  restart();
+  clock_.pass(Lease::kValidity);
+  EXPECT_GT(acquire("b"), first) << "but not for ever";
+  restart();
+  EXPECT_GT(acquire("c", true), first) << "and who takes it over waits for nobody";
+}
+
+TEST_F(LeaseTest, AfterAReleaseARestartKeepsNobodyWaiting) {
+  ASSERT_TRUE(lease_->release(acquire("a")));
+  restart();
+  EXPECT_GT(acquire("b"), 0U);
+}
+
+TEST_F(LeaseTest, WhoWasSupersededGetsItNoMoreAlsoOverARestart) {
+  ASSERT_GT(acquire("a"), 0U);
+  const auto epoch = acquire("b", true);
+  Claim evicted = claim("a");
+  evicted.held_before = true;
+  const auto refused = [&] {
+    const auto got = lease_->acquire(evicted, before_long());
+    return got ? ErrorCode::Internal : got.error().code;
+  };
+  EXPECT_EQ(refused(), ErrorCode::Superseded);
+  restart();
+  EXPECT_EQ(refused(), ErrorCode::Superseded);
+  clock_.pass(1h);
+  EXPECT_EQ(refused(), ErrorCode::Superseded) << "also once that lease has run out";
+  ASSERT_GT(acquire("b"), epoch);
+  ASSERT_TRUE(lease_->release(lease_->info().epoch));
+  EXPECT_EQ(refused(), ErrorCode::Superseded) << "or was released";
+  evicted.take_over = true;
+  EXPECT_GT(lease_->acquire(evicted, before_long()).value_or(0), epoch)
+      << "unless it is told to take it over";
+}
+
+TEST_F(LeaseTest, TheNameOfWhoHasItIsNoKey) {
+  ASSERT_GT(acquire("a"), 0U);
+  for (const std::string key : {"", "a", "key of b"}) {
+    const auto stolen = lease_->acquire({"a", key, false, false}, before_long());
+    EXPECT_FALSE(stolen) << key;
+  }
+  restart();
+  EXPECT_FALSE(lease_->acquire({"a", "", false, false}, before_long()));
 }
 
 TEST_F(LeaseTest, NobodyElseGetsItBeforeItHasRunOut) {
@@ -87,7 +144,7 @@ TEST_F(LeaseTest, NobodyElseGetsItBeforeItHasRunOut) {
   EXPECT_EQ(lease_->info().holder, "a");
   EXPECT_EQ(lease_->info().left, Lease::kValidity);
   clock_.pass(Lease::kValidity - 1ms);
-  const auto refused = lease_->acquire("b", false, before_long());
+  const auto refused = lease_->acquire(claim("b"), before_long());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::AlreadyExists);
   EXPECT_NE(refused.error().message.find("'a'"), std::string::npos) << refused.error().message;
@@ -179,9 +236,10 @@ TEST_F(LeaseTest, NobodyHasItWhereWorkDoesNotEnd) {
 TEST_F(LeaseTest, WhoWaitsIsSupersededByWhoComesLater) {
   const auto first = acquire("a");
   std::optional<Lease::Work> work(std::in_place, *lease_, first);
-  auto early = std::async(std::launch::async, [&] { return lease_->acquire("b", true, before_long()); });
+  auto early =
+      std::async(std::launch::async, [&] { return lease_->acquire(claim("b", true), before_long()); });
   ASSERT_TRUE(eventually([&] { return lease_->info().epoch != first; }));
-  auto late = std::async(std::launch::async, [&] { return lease_->acquire("c", false, before_long()); });
+  auto late = std::async(std::launch::async, [&] { return lease_->acquire(claim("c"), before_long()); });
   ASSERT_TRUE(eventually([&] { return lease_->info().epoch != first + 1; }));
   work.reset();
   const auto b = early.get();
@@ -217,7 +275,7 @@ TEST_F(LeaseTest, NoTwoHoldersWorkAtTheSameTime) {
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&, holder = "h" + std::to_string(i)] {
       for (int round = 0; round < 20; ++round) {
-        const auto epoch = lease_->acquire(holder, true, before_long());
+        const auto epoch = lease_->acquire(claim(holder, true), before_long());
         for (int call = 0; epoch && call < 20; ++call) {
           const Lease::Work work(*lease_, *epoch);
           if (!work) {

@@ -4,6 +4,7 @@
 #include <segue/base/file.hpp>
 #include <segue/base/folders.hpp>
 #include <segue/base/log.hpp>
+#include <segue/base/sha256.hpp>
 #include <segue/base/text.hpp>
 #include <segue/hosts/library_inventory.hpp>
 #include <segue/hosts/robot_here.hpp>
@@ -224,7 +225,10 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
   if (!one) {
     return fail(ErrorCode::DeadlineExceeded, "another runtime is getting the robot still", name);
   }
-  const auto epoch = robot->lease.acquire(request.holder, request.take_over, deadline);
+  // Bound to who asks, so that a secret that was found out serves nobody else.
+  const std::string key = request.secret.empty() ? "" : sha256(request.secret + '\n' + request.identity);
+  const auto epoch =
+      robot->lease.acquire({request.holder, key, request.held_before, request.take_over}, deadline);
   if (!epoch) {
     return epoch.error();
   }

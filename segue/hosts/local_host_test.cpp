@@ -182,7 +182,9 @@ TEST(LocalHost, AdoptsWhatRunsAfterARestart) {
   ASSERT_EQ(before.size(), 1U) << "it has processes here";
   EXPECT_EQ(before.front().robot, "robot");
   EXPECT_EQ(before.front().holder, "");
-  const auto other = acquired(computer, request_of("b"));
+  EXPECT_EQ(code_of(computer.local->acquire(request_of("b"), in_time())), ErrorCode::AlreadyExists)
+      << "whoever had the robot gets it first";
+  const auto other = acquired(computer, request_of("b", true));
   const auto leases = computer.local->robots().value();
   ASSERT_EQ(leases.size(), 1U);
   EXPECT_EQ(leases.front().robot, "robot");

@@ -3,6 +3,7 @@
 
 #include <segue/base/file.hpp>
 #include <segue/base/input_file.hpp>
+#include <segue/base/secret.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
@@ -136,6 +137,7 @@ std::string holder_name() {
 Result<hosts::RobotRequest> robot_request(const process::Launch& launch, const EmbeddedOptions& options) {
   hosts::RobotRequest request;
   request.holder = holder_name();
+  request.secret = random_secret();
   request.launch = launch;
   request.launch.models.clear();
   request.take_over = options.take_over;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/web/gate.hpp>
 
+#include <segue/base/secret.hpp>
+
 #include <segue/base/text.hpp>
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/control/peer.hpp>
 #include <segue/web/known_browsers.hpp>
-#include <segue/web/role.hpp>
 
 #include <cstdint>
 #include <mutex>
@@ -13,6 +13,8 @@
 #include <vector>
 
 namespace segue::web {
+
+using control::Role;
 
 /// What a browser sent, as far as it matters for who may enter. Empty: it has no such header.
 struct Entrance {

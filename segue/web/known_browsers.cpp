@@ -2,9 +2,8 @@
 #include <segue/web/known_browsers.hpp>
 
 #include <segue/base/file.hpp>
+#include <segue/base/secret.hpp>
 #include <segue/base/sha256.hpp>
-
-#include <sys/random.h>
 
 #include <array>
 #include <cerrno>
@@ -21,32 +20,11 @@ constexpr std::size_t kDigits = 64;  // of 256 bits
 constexpr std::size_t kLongestFile = 100 * KnownBrowsers::kMost;
 
 std::optional<Role> role_named(std::string_view name) {
-  for (const Role role : {Role::Observe, Role::Operate})
-    if (name == to_string(role)) return role;
-  return std::nullopt;
+  const auto role = control::role_from(name);
+  return role ? std::optional(*role) : std::nullopt;
 }
 
 }  // namespace
-
-std::string random_secret() {
-  std::array<unsigned char, kDigits / 2> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::system_error(errno, std::generic_category(), "getrandom");
-  std::string text;
-  for (const unsigned char byte : bytes) {
-    text += kHexadecimal[byte >> 4U];
-    text += kHexadecimal[byte & 15U];
-  }
-  return text;
-}
-
-bool equal_secrets(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned difference = 0;
-  for (std::size_t at = 0; at < a.size(); ++at)
-    difference |= static_cast<unsigned char>(a[at]) ^ static_cast<unsigned char>(b[at]);
-  return difference == 0;
-}
 
 KnownBrowsers::KnownBrowsers(std::filesystem::path file) : file_(std::move(file)) {
   if (file_.empty()) return;

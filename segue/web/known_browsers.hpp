@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/web/role.hpp>
+#include <segue/control/peer.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -10,6 +10,8 @@
 #include <vector>
 
 namespace segue::web {
+
+using control::Role;
 
 /// The browsers that came in with a token: each has a secret in its cookie, of which a digest is kept here,
 /// and in a file, if there is one, so that a studio that starts again knows them. Not thread safe.
@@ -36,11 +38,5 @@ class KnownBrowsers {
   const std::filesystem::path file_;
   std::vector<Browser> browsers_;
 };
-
-/// 256 random bits of the system in hexadecimal digits. Throws std::system_error where it gives none.
-std::string random_secret();
-
-/// Compares in a time that does not depend on where the texts differ.
-bool equal_secrets(std::string_view a, std::string_view b);
 
 }  // namespace segue::web

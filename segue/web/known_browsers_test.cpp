@@ -87,13 +87,5 @@ TEST_F(KnownBrowsersTest, WhoCameToObserveOnlyObservesLater) {
   EXPECT_EQ(role(for_observers, operating), Role::Observe);
 }
 
-TEST(Secrets, AreEqualOrNot) {
-  EXPECT_TRUE(equal_secrets("abc", "abc"));
-  EXPECT_FALSE(equal_secrets("abc", "abd"));
-  EXPECT_FALSE(equal_secrets("abc", "ab"));
-  EXPECT_EQ(random_secret().size(), 64U);
-  EXPECT_NE(random_secret(), random_secret());
-}
-
 }  // namespace
 }  // namespace segue::web

@@ -136,7 +136,7 @@ struct Shared {
 using Person = std::optional<control::Identity>;
 
 Role role_of(const control::Identity& person) {
-  return person.role == control::Role::Observe ? Role::Observe : Role::Operate;
+  return person.role;
 }
 
 /// A WebSocket: carries the messages of a session.

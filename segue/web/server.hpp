@@ -3,11 +3,11 @@
 
 #include <segue/base/result.hpp>
 #include <segue/control/credentials.hpp>
+#include <segue/control/peer.hpp>
 #include <segue/web/files_verbs.hpp>
 #include <segue/web/hub.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/robot_link.hpp>
-#include <segue/web/role.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -18,14 +18,16 @@
 
 namespace segue::web {
 
+using control::Role;
+
 struct ServerOptions {
   std::uint16_t port = 0;            ///< 0: a free one
   std::string listen = "127.0.0.1";  ///< the address of this computer; "0.0.0.0" and "::": all it has
   /// With those of a host, browsers must show a person's certificate and get what it permits, over TLS;
   /// without any they bring a token, and only those of this computer reach the server.
   std::optional<control::Credentials> credentials{};
-  Role role = Role::Operate;  ///< nobody gets more
-  std::string robot{};        ///< its name, for the page
+  Role role = Role::Administer;  ///< nobody gets more
+  std::string robot{};           ///< its name, for the page
   /// Where browsers that came in are kept, to be known again later; empty: nowhere.
   std::filesystem::path browsers{};
   Hub::Periods periods{};

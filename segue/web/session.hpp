@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/control/peer.hpp>
 #include <segue/web/detail/refusals.hpp>
 #include <segue/web/hub.hpp>
-#include <segue/web/role.hpp>
 #include <segue/web/verbs.hpp>
 
 #include <cstdint>
@@ -18,6 +18,8 @@
 #include <string_view>
 
 namespace segue::web {
+
+using control::Role;
 
 /// One browser, whatever carries its messages. It gets
 ///   {"role", "robot"}                                 first,

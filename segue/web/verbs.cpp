@@ -2,6 +2,7 @@
 #include <segue/web/verbs.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/control/verbs.hpp>
 
 #include <array>
 #include <cstdint>
@@ -18,6 +19,7 @@ namespace {
 
 using control::RobotService;
 using control::SwitchOptions;
+using control::Verb;
 using type::Value;
 
 constexpr Duration kSwitchTime = std::chrono::seconds(60);
@@ -198,7 +200,7 @@ using OfFiles = Result<Value> (FileVerbs::*)(const Command&);
 
 struct VerbEntry {
   std::string_view name;
-  Role role;
+  Verb rule;  ///< who may
   Result<Value> (*execute)(const Request&);
   std::vector<std::string> arguments;
   OfFiles of_files = nullptr;  ///< in place of `execute`
@@ -206,44 +208,44 @@ struct VerbEntry {
 
 const std::vector<VerbEntry>& verb_entries() {
   static const std::vector<VerbEntry> entries = {
-      {"status", Role::Observe, ask_status, {}},
-      {"task", Role::Observe, ask_task, {"task"}},
-      {"events", Role::Observe, ask_events, {"after"}},
-      {"history", Role::Observe, ask_history, {}},
-      {"past", Role::Observe, ask_past, {"ask", "id", "before", "limit", "words", "time_s"}},
-      {"diff", Role::Observe, ask_diff, {"controller", "force", "order", "take_over", "timeout_s"}},
-      {"switch", Role::Operate, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
-      {"cancel", Role::Operate, do_cancel, {"request", "timeout_s"}},
-      {"stop", Role::Operate, do_stop, {"timeout_s"}},
-      {"release", Role::Operate, do_release, {}},
-      {"mission", Role::Operate, ask_of_mission, {"what", "how", "at", "of"}},
-      {"prepare", Role::Operate, do_prepare, {"controllers", "timeout_s"}},
-      {"set", Role::Operate, do_set, {"task", "property", "value", "yaml", "beside_mission", "timeout_s"}},
-      {"call", Role::Operate, do_call, {"task", "operation", "value", "yaml", "beside_mission", "timeout_s"}},
-      {"write", Role::Operate, do_write, {"task", "port", "value", "yaml", "beside_mission", "timeout_s"}},
-      {"files", Role::Observe, nullptr, {}, &FileVerbs::list},
-      {"read_file", Role::Observe, nullptr, {"path"}, &FileVerbs::read},
-      {"check_file", Role::Observe, nullptr, {"path", "text"}, &FileVerbs::check},
-      {"save_file", Role::Operate, nullptr, {"path", "text", "version"}, &FileVerbs::save},
+      {"status", Verb::Status, ask_status, {}},
+      {"task", Verb::Task, ask_task, {"task"}},
+      {"events", Verb::Events, ask_events, {"after"}},
+      {"history", Verb::History, ask_history, {}},
+      {"past", Verb::Past, ask_past, {"ask", "id", "before", "limit", "words", "time_s"}},
+      {"diff", Verb::Plan, ask_diff, {"controller", "force", "order", "timeout_s"}},
+      {"switch", Verb::Switch, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
+      {"cancel", Verb::Cancel, do_cancel, {"request", "timeout_s"}},
+      {"stop", Verb::Stop, do_stop, {"timeout_s"}},
+      {"release", Verb::ReleaseStop, do_release, {}},
+      {"mission", Verb::AskHolder, ask_of_mission, {"what", "how", "at", "of"}},
+      {"prepare", Verb::Prepare, do_prepare, {"controllers", "timeout_s"}},
+      {"set", Verb::Set, do_set, {"task", "property", "value", "yaml", "beside_mission", "timeout_s"}},
+      {"call", Verb::Call, do_call, {"task", "operation", "value", "yaml", "beside_mission", "timeout_s"}},
+      {"write", Verb::Write, do_write, {"task", "port", "value", "yaml", "beside_mission", "timeout_s"}},
+      {"files", Verb::LookAtFiles, nullptr, {}, &FileVerbs::list},
+      {"read_file", Verb::LookAtFiles, nullptr, {"path"}, &FileVerbs::read},
+      {"check_file", Verb::LookAtFiles, nullptr, {"path", "text"}, &FileVerbs::check},
+      {"save_file", Verb::ChangeFiles, nullptr, {"path", "text", "version"}, &FileVerbs::save},
       {"create_file",
-       Role::Operate,
+       Verb::ChangeFiles,
        nullptr,
        {"path", "text", "robot_text", "robot_version"},
        &FileVerbs::create},
       {"rename_file",
-       Role::Operate,
+       Verb::ChangeFiles,
        nullptr,
        {"path", "to", "version", "robot_text", "robot_version"},
        &FileVerbs::rename},
       {"delete_file",
-       Role::Operate,
+       Verb::ChangeFiles,
        nullptr,
        {"path", "version", "robot_text", "robot_version"},
        &FileVerbs::remove},
-      {"libraries", Role::Observe, nullptr, {"path"}, &FileVerbs::libraries},
-      {"models", Role::Observe, nullptr, {}, &FileVerbs::models},
-      {"plan_files", Role::Observe, ask_plan, {"force", "order", "timeout_s"}},
-      {"apply_files", Role::Operate, do_apply, {"force", "order", "take_over", "timeout_s"}},
+      {"libraries", Verb::LookAtFiles, nullptr, {"path"}, &FileVerbs::libraries},
+      {"models", Verb::LookAtFiles, nullptr, {}, &FileVerbs::models},
+      {"plan_files", Verb::Plan, ask_plan, {"force", "order", "timeout_s"}},
+      {"apply_files", Verb::Apply, do_apply, {"force", "order", "take_over", "timeout_s"}},
   };
   return entries;
 }
@@ -257,13 +259,24 @@ const VerbEntry* find_verb(std::string_view name) {
 
 }  // namespace
 
+std::vector<std::string> verb_names() {
+  std::vector<std::string> names;
+  for (const VerbEntry& entry : verb_entries())
+    names.emplace_back(entry.name);
+  return names;
+}
+
 Verbs::Verbs(RobotLink& link, ModelsOf models) : link_(link), files_(link, std::move(models)) {}
 
 void Verbs::begin(Command command, Role role, const std::string& who, Answer answer) {
   const VerbEntry* entry = find_verb(command.verb());
   if (entry == nullptr) return answer(fail(ErrorCode::NotFound, "there is no verb " + quote(command.verb())));
-  if (entry->role == Role::Operate && role != Role::Operate)
-    return answer(fail(ErrorCode::PermissionDenied, "this browser may only observe, not " + command.verb()));
+  const Role needed = control::role_for(entry->rule, command.flag("take_over").value_or(false));
+  if (role < needed) {
+    return answer(fail(ErrorCode::PermissionDenied,
+                       "this browser may only " + std::string(to_string(role)) + ", not " + command.verb() +
+                           ", which needs the role " + std::string(to_string(needed))));
+  }
   if (auto known = command.only(entry->arguments); !known) return answer(known.error());
   auto shared = std::make_shared<Answer>(std::move(answer));
   const bool accepted = pool_.try_submit(

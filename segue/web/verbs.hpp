@@ -3,16 +3,22 @@
 
 #include <segue/base/result.hpp>
 #include <segue/concurrent/thread_pool.hpp>
+#include <segue/control/peer.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>
 #include <segue/web/files_verbs.hpp>
 #include <segue/web/robot_link.hpp>
-#include <segue/web/role.hpp>
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace segue::web {
+
+using control::Role;
+
+/// What pages can ask.
+std::vector<std::string> verb_names();
 
 /// Executes what pages ask a robot for, each in a thread of its own, so that a call that takes long delays
 /// nobody. All functions may be called from any thread.

@@ -407,6 +407,7 @@ class Computer {
 inline RobotRequest request_of(const std::string& holder, bool take_over = false) {
   RobotRequest request;
   request.holder = holder;
+  request.secret = "secret of " + holder;
   request.launch.robot = "robot";
   request.launch.stand_in = true;
   request.take_over = take_over;

@@ -2,7 +2,9 @@
 #include <segue/control/detail/batch_server.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
 
+#include <algorithm>
 #include <utility>
+#include <variant>
 
 namespace segue::control::detail {
 
@@ -83,9 +85,23 @@ class Batch final : private kj::TaskSet::ErrorHandler {
 
 }  // namespace
 
+namespace {
+
+/// The environment of a process says what is loaded into it, so only who may start any process may set it.
+Result<void> may_begin(const Caller& caller, const std::vector<model::Action>& actions) {
+  const bool sets_environment = std::ranges::any_of(actions, [](const model::Action& action) {
+    const auto* deployment = std::get_if<model::DeploymentAction>(&action.what);
+    return deployment != nullptr && !deployment->deployment.environment.empty();
+  });
+  return sets_environment ? caller.require(Role::Administer) : Result<void>();
+}
+
+}  // namespace
+
 kj::Promise<Result<Outcomes>> perform_batch(Caller caller, std::shared_ptr<void> service, Follower follower,
                                             std::uint64_t ticket, std::vector<model::Action> actions,
                                             const BeginBatch& begin) {
+  if (auto allowed = may_begin(caller, actions); !allowed) return Result<Outcomes>(allowed.error());
   if (auto begun = caller.begin_batch(); !begun) return Result<Outcomes>(begun.error());
   if (actions.empty()) {
     caller.end_batch();

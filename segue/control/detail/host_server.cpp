@@ -216,6 +216,10 @@ class HostServer final : public wire::Host::Server {
     const auto params = context.getParams();
     hosts::RobotRequest request;
     request.holder = as_string(params.getHolder());
+    request.secret = as_string(params.getSecret());
+    request.held_before = params.getHeldBefore();
+    const Peer& peer = caller_.client()->peer;
+    request.identity = peer.local ? std::string() : peer.name;
     request.take_over = params.getTakeOver();
     request.models =
         decode_list<hosts::ModelFile>(params.getModels(), [](const auto& part) { return decode(part); });

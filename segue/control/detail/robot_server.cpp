@@ -4,6 +4,7 @@
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_server.hpp>
 #include <segue/control/robot_service.hpp>
+#include <segue/control/verbs.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -117,18 +118,19 @@ class RobotServer final : public wire::Robot::Server {
   explicit RobotServer(Caller caller) : caller_(std::move(caller)) {}
 
   kj::Promise<void> status(StatusContext context) override {
-    return caller_.answer_value(context, [&service = service()] { return service.status(); });
+    return caller_.answer_value(role_for(Verb::Status), context,
+                                [&service = service()] { return service.status(); });
   }
 
   kj::Promise<void> task(TaskContext context) override {
-    return caller_.answer_value(context, [&service = service(), id = as_string(context.getParams().getId())] {
-      return service.task(id);
-    });
+    return caller_.answer_value(
+        role_for(Verb::Task), context,
+        [&service = service(), id = as_string(context.getParams().getId())] { return service.task(id); });
   }
 
   kj::Promise<void> switchTo(SwitchToContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(Role::Operate, context,
+    return caller_.answer_value(role_for(Verb::Switch, params.getTakeOver()), context,
                                 [&service = service(), controller = as_string(params.getController()),
                                  options = options_of(params, peer()),
                                  deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
@@ -139,7 +141,7 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(Role::Operate, context,
+    return caller_.answer_value(role_for(Verb::Switch, params.getTakeOver()), context,
                                 [&service = service(), text = as_string(params.getText()),
                                  file = as_string(params.getFile()), options = options_of(params, peer()),
                                  deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
@@ -150,20 +152,20 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> plan(PlanContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        context, [&service = service(), controller = as_string(params.getController()),
-                  options =
-                      SwitchOptions{
-                          .dry_run = true, .force = params.getForce(), .order = as_string(params.getOrder())},
-                  deadline = deadline_after(params.getTimeout())] {
-          return service.plan(controller, options, deadline);
-        });
+    return caller_.answer_value(role_for(Verb::Plan), context,
+                                [&service = service(), controller = as_string(params.getController()),
+                                 options = SwitchOptions{.dry_run = true,
+                                                         .force = params.getForce(),
+                                                         .order = as_string(params.getOrder())},
+                                 deadline = deadline_after(params.getTimeout())] {
+                                  return service.plan(controller, options, deadline);
+                                });
   }
 
   kj::Promise<void> applyFiles(ApplyFilesContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        Role::Operate, context,
+        role_for(Verb::Apply, params.getTakeOver()), context,
         [&service = service(),
          options = SwitchOptions{.force = params.getForce(),
                                  .order = as_string(params.getOrder()),
@@ -176,14 +178,15 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> prepare(PrepareContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        Role::Operate, context,
+        role_for(Verb::Prepare), context,
         [&service = service(), controllers = names_in(params.getControllers()),
          deadline = deadline_after(params.getTimeout())] { return service.prepare(controllers, deadline); });
   }
 
   kj::Promise<void> conflicts(ConflictsContext context) override {
     return caller_.answer_value(
-        context, [&service = service(), controllers = names_in(context.getParams().getControllers())] {
+        role_for(Verb::Conflicts), context,
+        [&service = service(), controllers = names_in(context.getParams().getControllers())] {
           return service.conflicts(controllers);
         });
   }
@@ -191,7 +194,7 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> lease(LeaseContext context) override {
     const std::string said = as_string(context.getParams().getHolder());
     const std::string holder = peer().local ? said : to_string(peer()) + ": " + said;
-    return answer_stream(caller_, Role::Operate, context,
+    return answer_stream(caller_, role_for(Verb::Lease), context,
                          [&service = service(), holder]() -> Result<std::unique_ptr<SampleStream>> {
                            auto lease = service.lease(holder);
                            if (!lease) return lease.error();
@@ -201,7 +204,7 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> report(ReportContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(Role::Operate, context,
+    return caller_.answer_value(role_for(Verb::Report), context,
                                 [&service = service(), lease = params.getLease(),
                                  doing = decode(params.getDoing(), kMaxNodes)]() -> Result<Value> {
                                   if (!doing) return doing.error();
@@ -212,14 +215,15 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> mission(MissionContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        context, [&service = service(), after = params.getAfter(), with_plan = params.getWithPlan()] {
+        role_for(Verb::Mission), context,
+        [&service = service(), after = params.getAfter(), with_plan = params.getWithPlan()] {
           return service.mission(after, with_plan);
         });
   }
 
   kj::Promise<void> askHolder(AskHolderContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(Role::Operate, context,
+    return caller_.answer_value(role_for(Verb::AskHolder), context,
                                 [&service = service(), what = as_string(params.getWhat()),
                                  arguments = decode(params.getArguments(), kMaxNodes)]() -> Result<Value> {
                                   if (!arguments) return arguments.error();
@@ -231,14 +235,14 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> cancel(CancelContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        Role::Operate, context,
+        role_for(Verb::Cancel), context,
         [&service = service(), request = params.getRequest(), who = who_asks(params, peer()),
          deadline = deadline_after(params.getTimeout())] { return service.cancel(request, who, deadline); });
   }
 
   kj::Promise<void> giveBack(GiveBackContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(Role::Operate, context,
+    return caller_.answer_value(role_for(Verb::GiveBack), context,
                                 [&service = service(), lease = params.getLease(), keep = params.getKeep(),
                                  deadline = deadline_after(params.getTimeout())] {
                                   return service.give_back(lease, keep, deadline);
@@ -248,13 +252,13 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> stop(StopContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        Role::Operate, context,
+        role_for(Verb::Stop), context,
         [&service = service(), who = who_asks(params, peer()),
          deadline = deadline_after(params.getTimeout())] { return service.stop(who, deadline); });
   }
 
   kj::Promise<void> release(ReleaseContext context) override {
-    return caller_.answer_value(Role::Operate, context,
+    return caller_.answer_value(role_for(Verb::ReleaseStop), context,
                                 [&service = service(), who = who_asks(context.getParams(), peer())] {
                                   return as_value(service.release_stop(who));
                                 });
@@ -263,7 +267,7 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> applyTransition(ApplyTransitionContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        Role::Operate, context,
+        role_for(Verb::ApplyTransition), context,
         [&service = service(), text = as_string(params.getText()), file = as_string(params.getFile()),
          deadline = deadline_after(params.getTimeout())] {
           return service.apply_transition(text, file, deadline);
@@ -271,14 +275,14 @@ class RobotServer final : public wire::Robot::Server {
   }
 
   kj::Promise<void> resetBelief(ResetBeliefContext context) override {
-    return caller_.answer_value(Role::Operate, context,
+    return caller_.answer_value(role_for(Verb::ResetBelief), context,
                                 [&service = service()] { return as_value(service.reset_belief()); });
   }
 
   kj::Promise<void> setProperty(SetPropertyContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        Role::Operate, context,
+        role_for(Verb::Set), context,
         [&service = service(), task = as_string(params.getTask()), property = as_string(params.getProperty()),
          value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
@@ -290,7 +294,7 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> write(WriteContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        Role::Operate, context,
+        role_for(Verb::Write), context,
         [&service = service(), task = as_string(params.getTask()), port = as_string(params.getPort()),
          value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
@@ -302,7 +306,7 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> call(CallContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        Role::Operate, context,
+        role_for(Verb::Call), context,
         [&service = service(), task = as_string(params.getTask()),
          operation = as_string(params.getOperation()), arguments = decode(params.getArguments(), kMaxNodes),
          sender = sender_of(params.getSender(), peer()),
@@ -315,7 +319,7 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> openPort(OpenPortContext context) override {
     const auto params = context.getParams();
     return answer_stream(
-        caller_, context,
+        caller_, role_for(Verb::OpenPort), context,
         [&service = service(), task = as_string(params.getTask()), port = as_string(params.getPort()),
          buffer = std::clamp<std::size_t>(params.getBuffer(), 1, kMaxBuffer)] {
           return service.open_port(task, port, buffer);
@@ -324,18 +328,20 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> events(EventsContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(context, [&core = caller_.core(), after = params.getAfter(),
-                                          deadline = deadline_after(params.getWait())] {
-      return wait_for_events(core, after, deadline);
-    });
+    return caller_.answer_value(
+        role_for(Verb::Events), context,
+        [&core = caller_.core(), after = params.getAfter(), deadline = deadline_after(params.getWait())] {
+          return wait_for_events(core, after, deadline);
+        });
   }
 
   kj::Promise<void> history(HistoryContext context) override {
-    return caller_.answer_value(context, [&service = service()] { return service.history(); });
+    return caller_.answer_value(role_for(Verb::History), context,
+                                [&service = service()] { return service.history(); });
   }
 
   kj::Promise<void> past(PastContext context) override {
-    return caller_.answer_value(context,
+    return caller_.answer_value(role_for(Verb::Past), context,
                                 [&service = service(), question = decode(context.getParams().getQuestion(),
                                                                          kMaxNodes)]() -> Result<Value> {
                                   if (!question) return question.error();
@@ -344,7 +350,7 @@ class RobotServer final : public wire::Robot::Server {
   }
 
   kj::Promise<void> shutDown(ShutDownContext context) override {
-    return caller_.answer_value(Role::Operate, context,
+    return caller_.answer_value(role_for(Verb::ShutDown), context,
                                 [&service = service()] { return as_value(service.shut_down()); });
   }
 

@@ -81,7 +81,7 @@ function FileList({ files, complete, chosen, drafts, onChoose, onFiles }: FileLi
         );
       })}
       {!complete && <p className="quiet">There are more files than are looked for.</p>}
-      {connection.role === 'operate' && files.length > 0 && <NewFile files={files} drafts={drafts} onFiles={onFiles} />}
+      {connection.mayOperate && files.length > 0 && <NewFile files={files} drafts={drafts} onFiles={onFiles} />}
     </section>
   );
 }
@@ -207,7 +207,7 @@ function DraftView({ draft, drafts, models, files, anyUnsaved, onFiles }: { draf
   const text = useDeferredValue(draft.state.doc.toString()); // typing goes before drawing
   const unsaved = drafts.isUnsaved(draft);
   const file = files.find((one) => one.path === path);
-  const fixed = connection.role !== 'operate' || draft.isReadOnly;
+  const fixed = !connection.mayOperate || draft.isReadOnly;
   const isMission = useMemo(() => /^["']?mission["']?:/m.test(text), [text]);
   return (
     <section className="main" aria-label={'Edit ' + path}>
@@ -222,7 +222,7 @@ function DraftView({ draft, drafts, models, files, anyUnsaved, onFiles }: { draf
           </>
         )}
         <span role="status" className="quiet">{unsaved ? 'unsaved changes' : draft.isReadOnly ? '' : 'as in the file'}</span>
-        {connection.role === 'operate' && file && <FileActions file={file} files={files} draft={draft} drafts={drafts} onFiles={onFiles} />}
+        {connection.mayOperate && file && <FileActions file={file} files={files} draft={draft} drafts={drafts} onFiles={onFiles} />}
       </div>
       {file?.kind === 'rafcon' && (
         <p className="quiet note">A state machine of RAFCON, as the mission that it becomes. {draft.notes.length > 0 && 'What could not be kept: ' + draft.notes.join('; ')}</p>

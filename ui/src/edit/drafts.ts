@@ -159,7 +159,7 @@ export class Drafts {
 
   async save(path: string): Promise<void> {
     const draft = this.drafts.get(path);
-    if (!draft || draft.saving || draft.isReadOnly || this.connection.role !== 'operate') return;
+    if (!draft || draft.saving || draft.isReadOnly || !this.connection.mayOperate) return;
     const text = draft.state.doc.toString();
     this.patch(path, { saving: true, error: '', conflict: '' });
     try {
@@ -218,7 +218,7 @@ export class Drafts {
       Prec.highest(keymap.of([{ key: 'Mod-s', preventDefault: true, run: () => (void this.save(path), true) }])),
       basicSetup, yaml(), syntaxHighlighting(colours), look,
       linter((view) => this.check(path, view.state), { delay: 350 }), lintGutter(),
-      EditorState.readOnly.of(isReadOnly || this.connection.role !== 'operate'),
+      EditorState.readOnly.of(isReadOnly || !this.connection.mayOperate),
       EditorView.contentAttributes.of({ 'aria-label': 'Text of ' + path, tabindex: '0' }),
     ];
   }

@@ -8,7 +8,7 @@ import { haltText } from './halt';
 export function StopButton({ status }: { status: Status }) {
   const connection = useConnection();
   const [problem, setProblem] = useState<string | null>(null);
-  if (connection.role !== 'operate') return null;
+  if (!connection.mayOperate) return null;
 
   const ask = (verb: 'stop' | 'release', failure: string) => {
     setProblem(null);

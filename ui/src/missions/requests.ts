@@ -108,7 +108,7 @@ export function useRequests(mission: Mission | null, control: Control | null): R
 
   const known = Math.max(old.current.run === run ? old.current.number : 0, read.run === run ? read.number : 0);
   const refused = control?.problem && control.problem.number > known ? control.problem.text : '';
-  return { may: connection.role === 'operate', asked, problem: failure || refused, ask, dismiss };
+  return { may: connection.mayOperate, asked, problem: failure || refused, ask, dismiss };
 }
 
 let lastId = 0;

@@ -79,7 +79,7 @@ export function useValues(mission: Mission | null, control: Control | null, want
   const [, setAnswered] = useState(0);
   const position = useMemo(() => (mission && control ? positionOf(mission, control) : ''), [mission, control]);
   if (mission && control) asker.see(mission.run, control, position);
-  const may = control !== null && control.steps && connection.role === 'operate' && mission?.state !== 'stopping';
+  const may = control !== null && control.steps && connection.mayOperate && mission?.state !== 'stopping';
   const path = may && rested ? asker.next(wanted, position) : null;
 
   useEffect(() => {

@@ -161,7 +161,7 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
   const connection = useConnection();
   const shown = useDocument('task/' + id);
   const [beside, setBeside] = useState(false);
-  const fixed = connection.role !== 'operate';
+  const fixed = !connection.mayOperate;
   const report = isMap(shown?.value) ? (shown.value as unknown as TaskReport) : null;
   const task = status.tasks[id];
   return (

@@ -53,6 +53,14 @@ export class Connection {
 
   constructor(private readonly address: string) {}
 
+  /** Roles include those before them: observe, operate, administer. */
+  get mayOperate(): boolean {
+    return this.role === 'operate' || this.role === 'administer';
+  }
+  get mayAdminister(): boolean {
+    return this.role === 'administer';
+  }
+
   start(): void {
     const socket = new WebSocket(this.address);
     this.socket = socket;

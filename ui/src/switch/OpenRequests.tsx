@@ -12,7 +12,7 @@ const states: Record<string, string> = {
 export function OpenRequests({ status }: { status: Status }) {
   const connection = useConnection();
   const [problem, setProblem] = useState<string | null>(null);
-  const fixed = connection.role !== 'operate';
+  const fixed = !connection.mayOperate;
 
   const cancel = (request: OpenRequest) => {
     setProblem(null);

@@ -89,7 +89,7 @@ export function SwitchView({ status }: { status: Status }) {
   const [problem, setProblem] = useState<string | null>(null);
   const [history, setHistory] = useState<Transition[]>([]);
   const [attempt, setAttempt] = useState<Attempt | null>(null);
-  const fixed = connection.role !== 'operate';
+  const fixed = !connection.mayOperate;
 
   useEffect(() => {
     if (chosen === null) return;
@@ -227,7 +227,7 @@ export function SwitchView({ status }: { status: Status }) {
                 <label>
                   <input type="checkbox" checked={force} disabled={attempt !== null} aria-describedby="force-means" onChange={(event) => setForce(event.target.checked)} /> force
                 </label>
-                {status.commanded_by && (
+                {status.commanded_by && connection.mayAdminister && (
                   <label><input type="checkbox" checked={takeOver} onChange={(event) => setTakeOver(event.target.checked)} /> take over</label>
                 )}
                 {attempt && !busy && <button type="button" onClick={() => setAttempt(null)}>Plan again</button>}

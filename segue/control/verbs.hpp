@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/peer.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace segue::control {
+
+/// What can be asked of a robot and its files, at whichever door: its runtime's server or the studio.
+enum class Verb : std::uint8_t {
+  Status,
+  Task,
+  Events,
+  History,
+  Past,
+  Mission,
+  Conflicts,
+  OpenPort,
+  Plan,
+  Switch,
+  Apply,
+  Prepare,
+  Cancel,
+  ApplyTransition,
+  ResetBelief,
+  Lease,
+  GiveBack,
+  Report,
+  AskHolder,
+  Stop,
+  ReleaseStop,
+  Set,
+  Call,
+  Write,
+  ShutDown,
+  LookAtFiles,
+  ChangeFiles
+};
+
+struct VerbRule {
+  Verb verb = Verb::Status;
+  std::string_view name{};
+  Role role = Role::Administer;  ///< the least that may ask it
+};
+
+/// The one place that says who may do what. In the order of the verbs.
+inline constexpr std::array<VerbRule, 27> kVerbRules = {
+    {{Verb::Status, "status", Role::Observe},
+     {Verb::Task, "task", Role::Observe},
+     {Verb::Events, "events", Role::Observe},
+     {Verb::History, "history", Role::Observe},
+     {Verb::Past, "past", Role::Observe},
+     {Verb::Mission, "mission", Role::Observe},
+     {Verb::Conflicts, "conflicts", Role::Observe},
+     {Verb::OpenPort, "open_port", Role::Observe},
+     {Verb::Plan, "plan", Role::Observe},
+     {Verb::Switch, "switch", Role::Operate},
+     {Verb::Apply, "apply", Role::Operate},
+     {Verb::Prepare, "prepare", Role::Operate},
+     {Verb::Cancel, "cancel", Role::Operate},
+     {Verb::ApplyTransition, "apply_transition", Role::Operate},
+     {Verb::ResetBelief, "reset_belief", Role::Operate},
+     {Verb::Lease, "lease", Role::Operate},
+     {Verb::GiveBack, "give_back", Role::Operate},
+     {Verb::Report, "report", Role::Operate},
+     {Verb::AskHolder, "ask_holder", Role::Operate},
+     {Verb::Stop, "stop", Role::Operate},
+     {Verb::ReleaseStop, "release_stop", Role::Operate},
+     {Verb::Set, "set", Role::Operate},
+     {Verb::Call, "call", Role::Operate},
+     {Verb::Write, "write", Role::Operate},
+     {Verb::ShutDown, "shut_down", Role::Operate},
+     {Verb::LookAtFiles, "look_at_files", Role::Observe},
+     {Verb::ChangeFiles, "change_files", Role::Operate}}};
+
+constexpr const VerbRule& rule_of(Verb verb) {
+  return kVerbRules.at(static_cast<std::size_t>(verb));
+}
+
+/// Who takes the robot from whoever commands it decides more than what it does next.
+constexpr Role role_for(Verb verb, bool take_over = false) {
+  return take_over ? Role::Administer : rule_of(verb).role;
+}
+
+constexpr bool verb_rules_are_in_order() {
+  for (std::size_t i = 0; i < kVerbRules.size(); ++i)
+    if (kVerbRules.at(i).verb != static_cast<Verb>(i)) return false;
+  return kVerbRules.back().verb == Verb::ChangeFiles;
+}
+static_assert(verb_rules_are_in_order());
+
+}  // namespace segue::control
