@@ -5,6 +5,7 @@
 #include <segue/host/ordered_actions.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 namespace segue::hosts {
@@ -13,6 +14,9 @@ namespace {
 
 /// How long a link may take to answer, besides the wait itself.
 constexpr Duration kAnswering = std::chrono::seconds(2);
+/// At the same time, far fewer than the calls that a process takes from one client. Links find each other
+/// without being asked, so it makes no difference in which order they are.
+constexpr std::size_t kMostWaits = 4;
 
 }  // namespace
 
@@ -70,9 +74,14 @@ void TaskHostPart::begin_no_more() {
 Result<void> TaskHostPart::get_ready(const model::Network& target, const std::vector<LinkWait>& links,
                                      TimePoint deadline) {
   std::vector<Result<void>> found(links.size());
+  std::atomic<std::size_t> next{0};
+  const auto wait_for_some = [&] {
+    for (std::size_t i = next++; i < links.size(); i = next++)
+      found[i] = wait_for(links[i], deadline);
+  };
   std::vector<concurrent::ThreadPool::Job> jobs{[&] { tasks_.get_ready(target); }};
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    jobs.emplace_back([&, i] { found[i] = wait_for(links[i], deadline); });
+  for (std::size_t waiting = 0; waiting < std::min(links.size(), kMostWaits); ++waiting) {
+    jobs.emplace_back(wait_for_some);
   }
   pool_.run_all(std::move(jobs));
   const auto missed = std::find_if(found.begin(), found.end(), [](const auto& one) { return !one; });

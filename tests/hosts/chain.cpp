@@ -11,7 +11,7 @@ using type::Value;
 
 /// Buffers for ten seconds, so that no sample is refused on a busy computer.
 constexpr const char* kBuffer = ", policy: buffer, size: 10000}\n";
-constexpr const char* kPeriod = "{periodic: 2ms}";
+constexpr const char* kPeriodic = ", activity: {periodic: 2ms}";
 
 std::string link(const std::string& from, const std::string& to) {
   return "  - {from: " + from + ", to: " + to + kBuffer;
@@ -36,7 +36,30 @@ std::uint64_t number(const Value& value, const char* key) {
   return found == nullptr ? 0 : static_cast<std::uint64_t>(found->as_int());
 }
 
+std::string chain_ends() {
+  return task("producer", "bench::Producer", kPeriodic) + task("consumer", "bench::Consumer");
+}
+std::string processes_of_ends() {
+  return process("front", "a", "producer") + process("back", "a", "consumer");
+}
+std::string chain_tasks() {
+  return chain_ends() + task("relay", "bench::Relay");
+}
+std::string chain_processes() {
+  return processes_of_ends() + process("work", "b", "relay");
+}
+std::string chain_connections() {
+  return link("producer.out", "relay.in") + link("relay.out", "consumer.in");
+}
+
 }  // namespace
+
+void ChainTest::add_to_chain(const std::string& name, const std::string& tasks,
+                             const std::string& deployments, const std::string& connections) const {
+  write("robot/" + name + ".net",
+        testing::network(name, chain_tasks() + tasks, chain_processes() + deployments,
+                         chain_connections() + connections));
+}
 
 void ChainTest::make_chain(const std::vector<std::string>& optional_hosts, const std::string& slow) {
   make_hosts({"a", "b"});
@@ -44,28 +67,22 @@ void ChainTest::make_chain(const std::vector<std::string>& optional_hosts, const
   const std::string step = slow.empty() ? "0ms" : slow;
   write("slow.yaml", "stand_ins:\n  default: {configure: " + step + ", start: " + step + ", stop: " + step +
                          ", cleanup: " + step + "}\n");
-  const std::string activity = std::string(", activity: ") + kPeriod;
-  const std::string ends =
-      task("producer", "bench::Producer", activity) + task("consumer", "bench::Consumer");
-  const std::string relay = task("relay", "bench::Relay");
-  const std::string at_a = process("front", "a", "producer") + process("back", "a", "consumer");
-  const std::string work = process("work", "b", "relay");
-  const std::string through = link("producer.out", "relay.in") + link("relay.out", "consumer.in");
   const auto add = [this](const std::string& name, const std::string& tasks, const std::string& deployments,
                           const std::string& connections) {
     write("robot/" + name + ".net", testing::network(name, tasks, deployments, connections));
   };
-  add("plain", ends + relay, at_a + work, through);
-  add("more", ends + relay + task("arm", "x::Arm") + task("plan", "x::Plan") + task("look", "x::Look"),
-      at_a + work + process("left", "a", "arm, look") + process("right", "b", "plan"),
-      through + "  - arm.pose -> plan.pose\n  - plan.path -> arm.path\n  - look.seen -> plan.seen\n");
-  add("other", ends + task("relay2", "bench::Relay"), at_a + process("work2", "b", "relay2"),
+  add_to_chain("plain");
+  add_to_chain("more", task("arm", "x::Arm") + task("plan", "x::Plan") + task("look", "x::Look"),
+               process("left", "a", "arm, look") + process("right", "b", "plan"),
+               "  - arm.pose -> plan.pose\n  - plan.path -> arm.path\n  - look.seen -> plan.seen\n");
+  add("other", chain_ends() + task("relay2", "bench::Relay"),
+      processes_of_ends() + process("work2", "b", "relay2"),
       link("producer.out", "relay2.in") + link("relay2.out", "consumer.in"));
   add("still",
-      task("producer", "bench::Producer", activity + ", state: stopped") +
-          task("consumer", "bench::Consumer") + relay,
-      at_a + work, through);
-  add("near", ends, at_a, link("producer.out", "consumer.in"));
+      task("producer", "bench::Producer", std::string(kPeriodic) + ", state: stopped") +
+          task("consumer", "bench::Consumer") + task("relay", "bench::Relay"),
+      chain_processes(), chain_connections());
+  add("near", chain_ends(), processes_of_ends(), link("producer.out", "consumer.in"));
 }
 
 void ChainTest::start_chain(const std::string& controller, const std::vector<std::string>& more) {

@@ -21,6 +21,9 @@ class ChainTest : public HostsTest {
   ///   near     a chain without host b
   /// `slow`: all stand-ins take that long for each step, so that transitions last.
   void make_chain(const std::vector<std::string>& optional_hosts = {}, const std::string& slow = {});
+  /// A controller with the chain and more: lines of a network file.
+  void add_to_chain(const std::string& name, const std::string& tasks = {},
+                    const std::string& deployments = {}, const std::string& connections = {}) const;
   void start_chain(const std::string& controller, const std::vector<std::string>& more = {});
 
   /// What the consumer has counted since it was started.

@@ -31,6 +31,26 @@ TEST_F(SamplesBetweenHosts, arrive_in_order_while_others_come_and_go) {
   expect_all_arrived();
 }
 
+// Each connection between hosts has a sender and a receiver that find each other before the commit.
+TEST_F(SamplesBetweenHosts, arrive_beside_sixty_other_connections) {
+  make_chain();
+  std::string connections;
+  for (int i = 0; i < 60; ++i) {
+    const std::string number = std::to_string(i);
+    connections += i % 2 == 0 ? "  - here.out" + number + " -> there.in" + number + "\n"
+                              : "  - there.out" + number + " -> here.in" + number + "\n";
+  }
+  add_to_chain("many", "  here: {component: \"x::Here\"}\n  there: {component: \"x::There\"}\n",
+               "  left: {host: a, tasks: [here]}\n  right: {host: b, tasks: [there]}\n", connections);
+  start_chain("plain");
+  switch_to("many");
+  EXPECT_EQ(what_stays_wrong(HostsTest::network("many")), "");
+  expect_flow();
+  switch_to("plain");
+  EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
+  expect_all_arrived();
+}
+
 // A relay that is removed takes with it what it has not passed on yet. The consumer counts that.
 TEST_F(SamplesBetweenHosts, arrive_once_and_in_order_although_the_relay_is_exchanged) {
   make_chain();
