@@ -288,7 +288,6 @@ class HostClient final : public hosts::HostService {
       auto request = connection.as<wire::Host>().acquireRequest();
       request.setHolder(as_text(what.holder));
       request.setSecret(as_text(what.secret));
-      request.setHeldBefore(what.held_before);
       process::Launch launch = what.launch;
       launch.deployment.process = kAnyProcess;
       detail::put(process::to_value(launch), request.initLaunch());

@@ -45,7 +45,6 @@ struct DistributedTaskHost::Implementation {
   void greet(const Site& site);
   void watch();
   void look_after(const Site& site);
-  [[nodiscard]] bool superseded() const;
   void report(const Site& site, bool reachable, const std::string& message);
   [[nodiscard]] SampleType type_of(const model::Task& writer, const std::string& port) const;
   /// What all hosts say that can be reached, with the counts of connections noted; which `lock` protects.
@@ -140,18 +139,7 @@ void DistributedTaskHost::Implementation::watch() {
   }
 }
 
-/// Whoever was superseded on one host asks for the robot on none any more: with a host that is started again
-/// it would get a part of it back, and then nobody could command it.
-bool DistributedTaskHost::Implementation::superseded() const {
-  return std::ranges::any_of(
-      sites.all(), [](const auto& site) { return site->link() != nullptr && site->link()->superseded(); });
-}
-
 void DistributedTaskHost::Implementation::look_after(const Site& site) {
-  if (superseded()) {
-    site.link()->release();
-    return report(site, false, "another runtime commands the robot now");
-  }
   if (site.reachable()) {
     (void)site.link()->tend();
   }

@@ -14,7 +14,7 @@ constexpr Duration kAging = std::chrono::microseconds(50);
 
 }  // namespace
 
-Result<void> HostLink::connect(RobotRequest request, TimePoint deadline) {
+Result<void> HostLink::connect(const RobotRequest& request, TimePoint deadline) {
   const std::lock_guard one(connecting_);
   if (reachable()) {
     return {};
@@ -22,10 +22,6 @@ Result<void> HostLink::connect(RobotRequest request, TimePoint deadline) {
   auto made = open(deadline);
   HostInfo info;
   if (made) {
-    {
-      const std::lock_guard lock(mutex_);
-      request.held_before = number_ > 0;
-    }
     auto acquired = acquire(**made, request, deadline);
     if (!acquired) {
       made = acquired.error();
@@ -36,9 +32,7 @@ Result<void> HostLink::connect(RobotRequest request, TimePoint deadline) {
   if (!made) {
     lose(std::nullopt, to_string(made.error()));
     const std::lock_guard lock(mutex_);
-    const ErrorCode code = made.error().code;
-    superseded_ = superseded_ || code == ErrorCode::Superseded;
-    refusal_ = code == ErrorCode::AlreadyExists || superseded_ ? std::optional(made.error()) : std::nullopt;
+    refusal_ = made.error().code == ErrorCode::AlreadyExists ? std::optional(made.error()) : std::nullopt;
     return made.error();
   }
   std::shared_ptr<Connection> former = *made;
@@ -173,11 +167,6 @@ bool HostLink::reachable() const {
 std::optional<Error> HostLink::refusal() const {
   const std::lock_guard lock(mutex_);
   return refusal_;
-}
-
-bool HostLink::superseded() const {
-  const std::lock_guard lock(mutex_);
-  return superseded_;
 }
 
 HostInfo HostLink::info() const {

@@ -42,7 +42,7 @@ class HostLink {
   [[nodiscard]] bool optional() const { return place_.optional; }
 
   /// Connects and gets the robot. Does nothing where it has it already. Blocks until `deadline` at most.
-  Result<void> connect(RobotRequest request, TimePoint deadline);
+  Result<void> connect(const RobotRequest& request, TimePoint deadline);
   /// Extends the lease, and measures the round trip and the host's clock. An error: the connection is lost.
   Result<void> tend();
   /// What is asked of the host from now on fails, until connect() succeeds. Does nothing where the connection
@@ -61,8 +61,6 @@ class HostLink {
   [[nodiscard]] bool reachable() const;
   /// Where the host can be reached but another runtime commands the robot there.
   [[nodiscard]] std::optional<Error> refusal() const;
-  /// Another runtime has got the robot there since this one had it. It stays so.
-  [[nodiscard]] bool superseded() const;
   [[nodiscard]] HostInfo info() const;
   [[nodiscard]] host::ComputerReport report() const;
   /// What the host held when it was last seen.
@@ -90,7 +88,6 @@ class HostLink {
   std::uint64_t number_ = 0;
   std::string why_ = "not connected yet";
   std::optional<Error> refusal_;
-  bool superseded_ = false;
   TimePoint since_ = RealClock::instance().now();
   HostInfo info_;
   HostView seen_;

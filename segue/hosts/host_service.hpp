@@ -57,8 +57,7 @@ struct RobotRequest {
   std::string holder;      ///< see LeaseInfo
   std::string secret{};    ///< of that run of the runtime, by which it gets its lease anew; never shown
   std::string identity{};  ///< who asks, as the server knows it: of its certificate; empty: of this computer
-  bool held_before = false;  ///< this runtime has had the robot on this host
-  process::Launch launch;    ///< for each process; without models, which lie on another computer
+  process::Launch launch;  ///< for each process; without models, which lie on another computer
   std::vector<ModelFile> models;
   bool take_over = false;  ///< although another runtime has a lease that has not run out
 };
@@ -78,9 +77,8 @@ class HostService {
   /// 1 MiB. NotFound where there is none.
   virtual Result<process::LogPart> log(const LogRequest& request) = 0;
   /// Gives the caller the command of a robot on this host. AlreadyExists while another runtime has it (the
-  /// message says which, and for how long at least); Superseded where this runtime had it and another one has
-  /// got it since. Transitions that the former one had begun are given up. Blocks until `deadline` at most:
-  /// until actions that the former one had begun have ended.
+  /// message says which, and for how long at least). Transitions that the former one had begun are given up.
+  /// Blocks until `deadline` at most: until actions that the former one had begun have ended.
   virtual Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) = 0;
 };
 

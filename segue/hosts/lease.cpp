@@ -65,12 +65,6 @@ std::optional<Error> Lease::refusal_of(const Claim& claim) const {
   if (is_same || claim.take_over) {
     return std::nullopt;
   }
-  if (claim.held_before && !last_.key.empty()) {
-    return fail(
-        ErrorCode::Superseded,
-        "runtime " + quote(last_.holder) + " has got the robot since, so this one does not ask for it again",
-        robot_);
-  }
   const Duration remaining = until_ - clock_.now();
   if (remaining <= Duration(0)) {
     return std::nullopt;

@@ -18,17 +18,16 @@ namespace segue::hosts {
 
 /// Who wants a lease.
 struct Claim {
-  std::string holder;        ///< for people
-  std::string key{};         ///< nobody else can know it; empty: never the same as who has it
-  bool held_before = false;  ///< it has had the lease
-  bool take_over = false;    ///< although somebody else has it
+  std::string holder;      ///< for people
+  std::string key{};       ///< nobody else can know it; empty: never the same as who has it
+  bool take_over = false;  ///< although somebody else has it
 };
 
 /// Who may command a robot on this host. Every runtime that gets the lease has a higher epoch than the ones
 /// before, also those before a restart of the daemon (the last epoch is kept in a file, with who had it), and
 /// what comes with a lower epoch than the present one is refused. So a runtime that was cut off, and whose
-/// messages arrive late, does no harm (fencing). After a restart, whoever had it gets it before all others,
-/// and who had it before that one is refused for good. Thread safe.
+/// messages arrive late, does no harm (fencing). After a restart, whoever had it gets it before all others.
+/// Thread safe.
 class Lease {
  public:
   /// How long a lease lasts that is not renewed. Runtimes renew it once a second.
@@ -37,10 +36,9 @@ class Lease {
   /// `file` keeps the epoch; its folder exists. `clock` must outlive this.
   Lease(std::string robot, std::filesystem::path file, const Clock& clock);
 
-  /// Returns the new epoch. AlreadyExists while somebody else has it, and Superseded where somebody else has
-  /// got it since the claimant had it, unless it takes the lease over. IoError where the epoch cannot be
-  /// kept: then nobody gets it. DeadlineExceeded where work under the former epoch has not ended; nobody has
-  /// the lease then.
+  /// Returns the new epoch. AlreadyExists while somebody else has it, unless it takes the lease over. IoError
+  /// where the epoch cannot be kept: then nobody gets it. DeadlineExceeded where work under the former epoch
+  /// has not ended; nobody has the lease then.
   Result<std::uint64_t> acquire(const Claim& claim, TimePoint deadline);
   Result<void> renew(std::uint64_t epoch);
   /// Superseded where the epoch is not the present one.

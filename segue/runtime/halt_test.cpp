@@ -168,9 +168,14 @@ TEST(Halt, that_does_not_lead_to_rest_in_time_stops_devices_and_says_what_is_mis
 }
 
 TEST(Halt, comes_when_its_condition_holds_and_holds_the_robot_as_long) {
+  Robot robot;
   auto halt = hold();
-  halt.when = {{TaskReaches{"planner", "stopped"}, {}}};
-  Robot robot(with(std::move(halt)));
+  halt.when = {{TaskReaches{"planner", "stopped"}, {}}};  // as it is, too, before it is started first
+  ASSERT_EQ(
+      robot.runtime.apply({{network_of(kDrive), network_of(kWork), network_of(kHold)}, {}, std::move(halt)})
+          .get()
+          .outcome,
+      Outcome::Done);
   const auto lease = robot.runtime.take_lease("mission a").value();
   model::Action stop{
       1, model::ActionKind::Stop, model::TaskAction{model::TaskId("planner")}, model::Phase::Commit, {}};

@@ -217,7 +217,6 @@ class HostServer final : public wire::Host::Server {
     hosts::RobotRequest request;
     request.holder = as_string(params.getHolder());
     request.secret = as_string(params.getSecret());
-    request.held_before = params.getHeldBefore();
     const Peer& peer = caller_.client()->peer;
     request.identity = peer.local ? std::string() : peer.name;
     request.take_over = params.getTakeOver();
