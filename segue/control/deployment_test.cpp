@@ -164,6 +164,7 @@ TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
   deployment_.component.name = model::ComponentName("demo::A");
   deployment_.component.ports.push_back({"out", model::Direction::Output, "/int32_t", true, false, "doc"});
   deployment_.task_details.timing.updates.counts[3] = 7;
+  deployment_.state_name = "idle";
   serve();
   const auto process = client();
   EXPECT_EQ(process->describe(TaskId("a")).value(), deployment_.component);
@@ -176,7 +177,6 @@ TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
   EXPECT_EQ(process->properties(TaskId("a")).value(), version);
   EXPECT_EQ(process->properties(TaskId("no")).error().code, ErrorCode::NotFound);
   EXPECT_EQ(process->call(TaskId("a"), "echo", Value::list({1, "x"}), soon()).value(), Value::list({1, "x"}));
-  deployment_.state_name = "idle";
   EXPECT_EQ(process->report(TaskId("a"), soon())->state, TaskState::Running);
   EXPECT_EQ(process->report(TaskId("a"), soon())->state_name, "idle");
   EXPECT_EQ(process->report(TaskId("no"), soon()).error().code, ErrorCode::NotFound);
