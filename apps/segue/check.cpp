@@ -183,7 +183,7 @@ class Checker {
     Diagnostics found = model::validate(robot, networks);
     const auto depth = options_.structure ? Depth::Structure : Depth::Full;
     found.append(model::validate(model::pool_network(robot.pools), catalog_, depth));
-    if (robot.halt && !options_.structure) model::check_halt_members(*robot.halt, networks, catalog_, found);
+    if (!options_.structure) model::check_halt_members(robot, networks, catalog_, found);
     if (!robot.halt && !robot.missions.empty()) {
       found.warning(
           "no-halt",

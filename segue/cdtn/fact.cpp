@@ -2,6 +2,7 @@
 #include "fact.hpp"
 
 #include <segue/base/text.hpp>
+#include <segue/base/trimmed.hpp>
 
 #include <algorithm>
 
@@ -11,10 +12,8 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
 
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+std::string_view without_blanks(std::string_view text) {
+  return trimmed(text, kBlanks);
 }
 
 bool is_word(std::string_view text) {
@@ -24,7 +23,8 @@ bool is_word(std::string_view text) {
 
 /// Names of things may consist of several words.
 bool is_argument(std::string_view text) {
-  return !text.empty() && trimmed(text) == text && text.find_first_of("(),\r\n") == std::string_view::npos;
+  return !text.empty() && without_blanks(text) == text &&
+         text.find_first_of("(),\r\n") == std::string_view::npos;
 }
 
 std::string fact_text(std::string_view predicate, std::span<const std::string> arguments) {
@@ -47,17 +47,17 @@ Error malformed(std::string_view text) {
 }
 
 Result<ParsedFact> parse(std::string_view text, bool (*fits)(std::string_view) = is_word) {
-  const std::string_view whole = trimmed(text);
+  const std::string_view whole = without_blanks(text);
   const auto open = whole.find('(');
-  ParsedFact fact{std::string(trimmed(whole.substr(0, open))), {}};
+  ParsedFact fact{std::string(without_blanks(whole.substr(0, open))), {}};
   if (!is_word(fact.predicate)) return malformed(text);
   if (open == std::string_view::npos) return fact;
   if (whole.back() != ')') return malformed(text);
-  std::string_view rest = trimmed(whole.substr(open + 1, whole.size() - open - 2));
+  std::string_view rest = without_blanks(whole.substr(open + 1, whole.size() - open - 2));
   if (rest.empty()) return fact;
   for (;;) {
     const auto comma = rest.find(',');
-    const std::string_view argument = trimmed(rest.substr(0, comma));
+    const std::string_view argument = without_blanks(rest.substr(0, comma));
     if (!fits(argument)) return malformed(text);
     fact.arguments.emplace_back(argument);
     if (comma == std::string_view::npos) return fact;
@@ -186,7 +186,7 @@ Result<FactId> FactTable::intern_named(std::string_view text) {
 }
 
 Result<Literal> FactTable::intern_literal(std::string_view text) {
-  const std::string_view whole = trimmed(text);
+  const std::string_view whole = without_blanks(text);
   const bool value = !whole.starts_with('!');
   const auto fact = intern(value ? whole : whole.substr(1));
   if (!fact) return fact.error();

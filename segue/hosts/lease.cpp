@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <charconv>
 #include <sstream>
+#include <utility>
 
 namespace segue::hosts {
 
@@ -22,7 +23,6 @@ Error closed(const std::string& robot) {
 
 Lease::Lease(std::string robot, std::filesystem::path file, const Clock& clock)
     : robot_(std::move(robot)), file_(std::move(file)), clock_(clock), last_(read(file_)) {
-  epoch_ = last_.epoch;
   if (last_.is_held) {
     until_ = clock_.now() + kValidity;
   }
@@ -84,11 +84,11 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
     return std::move(*refusal);
   }
   // Whatever was begun under the former epoch ends before anything begins under the new one.
-  const Kept kept{epoch_ + 1, claim.key, claim.holder, true};
+  const std::uint64_t mine = last_.epoch + 1;
+  const Kept kept{mine, claim.key, claim.holder, true};
   if (auto written = keep(kept); !written) {
     return written.error();
   }
-  const std::uint64_t mine = ++epoch_;
   last_ = kept;
   holder_.clear();
   until_ = {};
@@ -100,7 +100,7 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
   if (closed_) {
     return closed(robot_);
   }
-  if (mine != epoch_) {
+  if (mine != last_.epoch) {
     return fail(ErrorCode::Superseded, "another runtime has got the robot meanwhile", robot_);
   }
   holder_ = claim.holder;
@@ -113,7 +113,7 @@ Result<void> Lease::renew(std::uint64_t epoch) {
   if (closed_) {
     return closed(robot_);
   }
-  if (epoch != epoch_ || holder_.empty()) {
+  if (epoch != last_.epoch || holder_.empty()) {
     return fail(ErrorCode::Superseded, "another runtime commands this robot", robot_);
   }
   until_ = clock_.now() + kValidity;
@@ -125,7 +125,7 @@ Result<void> Lease::release(std::uint64_t epoch) {
   if (closed_) {
     return closed(robot_);
   }
-  if (epoch != epoch_) {
+  if (epoch != last_.epoch) {
     return fail(ErrorCode::Superseded, "another runtime commands this robot", robot_);
   }
   if (!std::exchange(holder_, {}).empty()) {
@@ -145,7 +145,7 @@ void Lease::close() {
 
 LeaseInfo Lease::info() const {
   const std::lock_guard lock(mutex_);
-  return {robot_, holder_, epoch_, left()};
+  return {robot_, holder_, last_.epoch, left()};
 }
 
 Error Lease::refusal(std::uint64_t epoch) const {
@@ -157,13 +157,13 @@ Error Lease::refusal(std::uint64_t epoch) const {
       holder_.empty() ? "its lease was given up" : "runtime " + quote(holder_) + " commands it";
   return fail(ErrorCode::Superseded,
               "this runtime does not command the robot on this host any more: " + who + " (epoch " +
-                  std::to_string(epoch_) + ", not " + std::to_string(epoch) + ")",
+                  std::to_string(last_.epoch) + ", not " + std::to_string(epoch) + ")",
               robot_);
 }
 
 Lease::Work::Work(Lease& lease, std::uint64_t epoch) : lease_(nullptr) {
   const std::lock_guard lock(lease.mutex_);
-  if (epoch == lease.epoch_ && !lease.holder_.empty()) {
+  if (epoch == lease.last_.epoch && !lease.holder_.empty()) {
     ++lease.working_;
     lease_ = &lease;
   }

@@ -12,7 +12,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <utility>
 
 namespace segue::hosts {
 
@@ -82,9 +81,8 @@ class Lease {
   const Clock& clock_;
   mutable std::mutex mutex_;  ///< protects everything below
   std::condition_variable idle_;
-  std::uint64_t epoch_ = 0;
   std::string holder_;  ///< empty: nobody commands the robot
-  Kept last_;           ///< who has it, or had it last
+  Kept last_;           ///< who has it, or had it last, and the present epoch
   TimePoint until_{};   ///< nobody but that one gets it before
 
   std::size_t working_ = 0;

@@ -121,8 +121,10 @@ void detail::check_halt(const Robot& robot, const std::vector<Network>& networks
   check_tasks(halt.when, all_of(networks), "no controller has a task", diagnostics);
 }
 
-void check_halt_members(const Halt& halt, const std::vector<Network>& networks,
+void check_halt_members(const Robot& robot, const std::vector<Network>& networks,
                         const ComponentCatalog& catalog, Diagnostics& diagnostics) {
+  if (!robot.halt) return;
+  const Halt& halt = *robot.halt;
   const auto check = [&](const HaltCondition& one, const std::vector<const Network*>& where) {
     const Network* network = with_task(where, task_of(one.condition));
     if (network == nullptr) return;

@@ -38,7 +38,7 @@ std::vector<std::string> problems_together(const std::string& halt, const Compon
       network_of("network: hold\ntasks: {arm: {component: \"x::Arm\"}}\n"),
       network_of("network: guard\ntasks: {button: {component: \"x::Button\"}}\n")};
   diagnostics.append(validate(*robot, networks));
-  check_halt_members(*robot->halt, networks, catalog, diagnostics);
+  check_halt_members(*robot, networks, catalog, diagnostics);
   std::vector<std::string> messages;
   for (const auto& item : diagnostics.items())
     messages.push_back(item.message);

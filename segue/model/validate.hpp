@@ -29,8 +29,9 @@ Diagnostics validate_references(const Network& parts, const ComponentCatalog& ca
 /// processes that belong to a pool ...
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks);
 
-/// What the conditions of a robot's halt ask of components: states, ports and operations that there are.
-void check_halt_members(const Halt& halt, const std::vector<Network>& networks,
+/// What the conditions of a robot's halt, if it has one, ask of components: states, ports and operations that
+/// there are.
+void check_halt_members(const Robot& robot, const std::vector<Network>& networks,
                         const ComponentCatalog& catalog, Diagnostics& diagnostics);
 
 }  // namespace segue::model

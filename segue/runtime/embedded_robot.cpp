@@ -67,9 +67,7 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
     }
   }
   diagnostics.append(model::validate(robot, read->controllers.controllers));
-  if (robot.halt) {
-    model::check_halt_members(*robot.halt, read->controllers.controllers, catalog, diagnostics);
-  }
+  model::check_halt_members(robot, read->controllers.controllers, catalog, diagnostics);
   if (diagnostics.has_errors()) {
     return false;
   }

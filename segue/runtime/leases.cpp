@@ -40,14 +40,18 @@ void Leases::take_away(const std::string& by) {
     return;
   }
   log_.add(EventKind::Lease, "", by + ", took the robot from " + held_->holder);
-  missions_.end("the robot was taken from it by " + by);
-  lost_ = Lease{.number = held_->number, .holder = by};
+  lose(by, "the robot was taken from it by " + by);
+}
+
+void Leases::lose(const std::string& to, const std::string& how) {
+  missions_.end(how);
+  lost_ = Lease{.number = held_->number, .holder = to};
   held_.reset();
 }
 
 std::optional<std::string> Leases::lost_to(std::uint64_t number) const {
   const std::lock_guard lock(mutex_);
-  return held_ && held_->number == number ? std::nullopt : std::optional(who_took(number).value_or(""));
+  return is_holder(number) ? std::nullopt : std::optional(who_took(number).value_or(""));
 }
 
 std::optional<std::string> Leases::who_took(std::uint64_t number) const {
@@ -61,7 +65,7 @@ std::optional<std::string> Leases::holder() const {
 
 Result<void> Leases::report(std::uint64_t number, type::Value doing) {
   const std::lock_guard lock(mutex_);
-  if (!held_ || held_->number != number) {
+  if (!is_holder(number)) {
     return fail(ErrorCode::InvalidState, "the robot is not commanded with that lease any more");
   }
   missions_.take(doing);
@@ -91,7 +95,7 @@ Result<std::uint64_t> Leases::ask(std::string_view what, const type::Value& argu
 
 std::vector<control::HolderRequest> Leases::take_asked(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
-  if (!held_ || held_->number != number) return {};
+  if (!is_holder(number)) return {};
   auto asked = held_->inbox.take();
   if (std::exchange(held_->shall_show_plan, false)) asked.push_back({0, "plan", {}});
   return asked;
@@ -138,19 +142,17 @@ Result<void> Leases::allow(const TaskSender& sender, const std::string& what) {
 
 bool Leases::would_take_over(const RequestOptions& options) const {
   const std::lock_guard lock(mutex_);
-  return options.take_over && held_ && !is_holder(options.lease);
+  return takes_over(options);
 }
 
 void Leases::take_over(const RequestOptions& options) {
   const std::lock_guard lock(mutex_);
-  if (!options.take_over || !held_ || is_holder(options.lease)) {
+  if (!takes_over(options)) {
     return;
   }
   const std::string who = options.who.empty() ? "a request" : options.who;
   log_.add(EventKind::Lease, "", who + " took the robot over from " + held_->holder);
-  missions_.end("the robot was taken over by " + who);
-  lost_ = Lease{.number = held_->number, .holder = options.who};
-  held_.reset();
+  lose(options.who, "the robot was taken over by " + who);
 }
 
 }  // namespace segue::runtime::detail

@@ -62,6 +62,11 @@ class Leases {
   };
   [[nodiscard]] std::optional<std::string> who_took(std::uint64_t number) const;
   [[nodiscard]] bool is_holder(std::uint64_t lease) const { return held_ && held_->number == lease; }
+  [[nodiscard]] bool takes_over(const RequestOptions& options) const {
+    return options.take_over && held_ && !is_holder(options.lease);
+  }
+  /// Whoever holds it holds it no longer; `how` ends the mission that it ran.
+  void lose(const std::string& to, const std::string& how);
   /// Nothing where nobody has lost it.
   [[nodiscard]] std::optional<Error> loss_of(std::uint64_t lease) const;
 

@@ -410,13 +410,10 @@ Diagnostics FileVerbs::check_robot(const std::string& file, const std::string& t
   // Where something could not be read, that a host or controller is missing may follow from it.
   if (!complete) return found;
   const auto networks = other_networks(*robot, {});
-  add_those_of(file, model::validate(*robot, networks), found);
-  if (robot->halt) {
-    Diagnostics members;
-    model::check_halt_members(*robot->halt, networks, *known, members);
-    add_those_of(file, members, found);
-  }
-  add_those_of(file, model::validate(model::pool_network(robot->pools), *known, model::Depth::Full), found);
+  Diagnostics of_robot = model::validate(*robot, networks);
+  model::check_halt_members(*robot, networks, *known, of_robot);
+  of_robot.append(model::validate(model::pool_network(robot->pools), *known, model::Depth::Full));
+  add_those_of(file, of_robot, found);
   return found;
 }
 

@@ -2,7 +2,6 @@
 #include <segue/web/gate.hpp>
 
 #include <segue/base/secret.hpp>
-
 #include <segue/base/text.hpp>
 
 #include <algorithm>

@@ -5,10 +5,7 @@
 #include <segue/base/secret.hpp>
 #include <segue/base/sha256.hpp>
 
-#include <array>
-#include <cerrno>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 namespace segue::web {
@@ -19,11 +16,6 @@ constexpr std::string_view kHexadecimal = "0123456789abcdef";
 constexpr std::size_t kDigits = 64;  // of 256 bits
 constexpr std::size_t kLongestFile = 100 * KnownBrowsers::kMost;
 
-std::optional<Role> role_named(std::string_view name) {
-  const auto role = control::role_from(name);
-  return role ? std::optional(*role) : std::nullopt;
-}
-
 }  // namespace
 
 KnownBrowsers::KnownBrowsers(std::filesystem::path file) : file_(std::move(file)) {
@@ -31,7 +23,7 @@ KnownBrowsers::KnownBrowsers(std::filesystem::path file) : file_(std::move(file)
   const auto text = read_file(file_, kLongestFile);
   std::istringstream words(text ? *text : "");
   for (std::string role, digest; words >> role >> digest && browsers_.size() < kMost;) {
-    const auto known = role_named(role);
+    const auto known = control::role_from(role);
     const bool is_digest =
         digest.size() == kDigits && digest.find_first_not_of(kHexadecimal) == std::string::npos;
     if (known && is_digest) browsers_.push_back({*known, digest});

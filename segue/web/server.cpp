@@ -135,10 +135,6 @@ struct Shared {
 /// The browser at the other end, as far as its certificate says; nothing without TLS.
 using Person = std::optional<control::Identity>;
 
-Role role_of(const control::Identity& person) {
-  return person.role;
-}
-
 /// A WebSocket: carries the messages of a session.
 class Socket final : public Open, public std::enable_shared_from_this<Socket> {
  public:
@@ -314,7 +310,7 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
   }
   [[nodiscard]] std::optional<Role> certified() const {
     if (!person_) return std::nullopt;
-    return role_of(*person_);
+    return person_->role;
   }
 
   void refuse(const Error& error) {

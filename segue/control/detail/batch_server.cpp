@@ -83,10 +83,6 @@ class Batch final : private kj::TaskSet::ErrorHandler {
   kj::Own<kj::PromiseFulfiller<Result<Outcomes>>> done_;
 };
 
-}  // namespace
-
-namespace {
-
 /// The environment of a process says what is loaded into it, so only who may start any process may set it.
 Result<void> may_begin(const Caller& caller, const std::vector<model::Action>& actions) {
   const bool sets_environment = std::ranges::any_of(actions, [](const model::Action& action) {
