@@ -270,6 +270,29 @@ TEST_F(ControlTest, ADeadlineThatPassesIsAnAnswer) {
   EXPECT_EQ(late.error().message, "nobody let me go");
 }
 
+TEST_F(ControlTest, WhoeverWaitsNoLongerIsNotAnsweredAndTheServiceLearnsIt) {
+  serve();
+  const auto robot = client();
+  std::stop_source stop;
+  auto waiting = std::async(std::launch::async, [&] {
+    return robot->call("t", "wait", Value(), {}, {soon(), stop.get_token()});
+  });
+  ASSERT_TRUE(robot_.entered.wait());
+  stop.request_stop();
+  EXPECT_EQ(waiting.get().error().code, ErrorCode::Cancelled);
+  EXPECT_TRUE(robot_.dropped.wait());
+  robot_.release.open();
+}
+
+TEST_F(ControlTest, WhatIsWantedNoLongerIsNotSent) {
+  serve();
+  std::stop_source stop;
+  stop.request_stop();
+  const auto set = client()->set_property("t", "p", Value(1), {}, {soon(), stop.get_token()});
+  EXPECT_EQ(set.error().code, ErrorCode::Cancelled);
+  EXPECT_TRUE(robot_.last_set().is_null());
+}
+
 TEST_F(ControlTest, AClientWithTooManyCallsIsToldSo) {
   serve();
   const auto robot = client();

@@ -71,7 +71,7 @@ class ClientLease final : public RobotLease {
       : channel_(std::move(channel)), id_(id), stream_(std::move(stream)), number_(number) {}
   /// Waits, so that who asks for the lease next gets it. Where that fails, it ends with the connection.
   ~ClientLease() override {
-    static_cast<void>(channel_->ask(kLookTimeout, [id = id_](RpcChannel::Connection& connection) {
+    static_cast<void>(channel_->ask(kGrace, [id = id_](RpcChannel::Connection& connection) {
       auto request = connection.held<wire::SampleStream>(id).closeRequest();
       return RpcChannel::send(request);
     }));
@@ -143,18 +143,16 @@ class Client final : public RobotService {
   }
 
   Result<Value> switch_to(std::string_view controller, const SwitchOptions& options,
-                          TimePoint deadline) override {
-    const Duration left = time_left(deadline);
-    return channel_->ask(left + kGrace,
-                         [left, options, controller = std::string(controller)](
-                             RpcChannel::Connection& connection) -> RpcChannel::Answer {
-                           auto request = connection.as<wire::Robot>().switchToRequest();
-                           request.setController(as_text(controller));
-                           if (auto set = set_options(request, options); !set)
-                             return Result<Value>(set.error());
-                           request.setTimeout(left.count());
-                           return RpcChannel::send(request);
-                         });
+                          const Wait& wait) override {
+    return ask(wait,
+               [&, controller = std::string(controller)](RpcChannel::Connection& connection,
+                                                         Duration left) -> RpcChannel::Answer {
+                 auto request = connection.as<wire::Robot>().switchToRequest();
+                 request.setController(as_text(controller));
+                 if (auto set = set_options(request, options); !set) return Result<Value>(set.error());
+                 request.setTimeout(left.count());
+                 return RpcChannel::send(request);
+               });
   }
 
   Result<Value> switch_to_network(std::string_view network, std::string_view file,
@@ -305,9 +303,8 @@ class Client final : public RobotService {
         }));
   }
 
-  Result<Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
-    const Duration left = time_left(deadline);
-    return channel_->ask(left + kGrace, [left, controllers](RpcChannel::Connection& connection) {
+  Result<Value> prepare(const std::vector<std::string>& controllers, const Wait& wait) override {
+    return ask(wait, [&](RpcChannel::Connection& connection, Duration left) {
       auto request = connection.as<wire::Robot>().prepareRequest();
       auto names = request.initControllers(static_cast<unsigned>(controllers.size()));
       for (unsigned i = 0; i < names.size(); ++i)
@@ -338,11 +335,10 @@ class Client final : public RobotService {
   }
 
   Result<void> set_property(std::string_view task, std::string_view property, const Value& value,
-                            const Sender& sender, TimePoint deadline) override {
+                            const Sender& sender, const Wait& wait) override {
     if (auto fits = detail::check_size(value, detail::kServerMessageWords); !fits) return fits;
-    const Duration left = time_left(deadline);
     return without_value(
-        channel_->ask(left + kGrace, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+        ask(wait, [&](RpcChannel::Connection& connection, Duration left) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().setPropertyRequest();
           set_sender(request.initSender(), sender);
           request.setTask(as_text(std::string(task)));
@@ -355,11 +351,10 @@ class Client final : public RobotService {
   }
 
   Result<void> write(std::string_view task, std::string_view port, const Value& value, const Sender& sender,
-                     TimePoint deadline) override {
+                     const Wait& wait) override {
     if (auto fits = detail::check_size(value, detail::kServerMessageWords); !fits) return fits;
-    const Duration left = time_left(deadline);
     return without_value(
-        channel_->ask(left + kGrace, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+        ask(wait, [&](RpcChannel::Connection& connection, Duration left) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().writeRequest();
           set_sender(request.initSender(), sender);
           request.setTask(as_text(std::string(task)));
@@ -372,10 +367,9 @@ class Client final : public RobotService {
   }
 
   Result<Value> call(std::string_view task, std::string_view operation, const Value& arguments,
-                     const Sender& sender, TimePoint deadline) override {
+                     const Sender& sender, const Wait& wait) override {
     if (auto fits = detail::check_size(arguments, detail::kServerMessageWords); !fits) return fits.error();
-    const Duration left = time_left(deadline);
-    return channel_->ask(left + kGrace, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+    return ask(wait, [&](RpcChannel::Connection& connection, Duration left) -> RpcChannel::Answer {
       auto request = connection.as<wire::Robot>().callRequest();
       set_sender(request.initSender(), sender);
       request.setTask(as_text(std::string(task)));
@@ -436,6 +430,16 @@ class Client final : public RobotService {
   }
 
  private:
+  /// `build(connection, left)`: the call, which the robot is to answer within that time.
+  template <class Build>
+  Result<Value> ask(const Wait& wait, const Build& build) {
+    const Duration left = time_left(wait.deadline);
+    const auto begin = [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+      return build(connection, left);
+    };
+    return channel_->ask(left + kGrace, begin, wait.stop);
+  }
+
   std::shared_ptr<RpcChannel> channel_;
 };
 

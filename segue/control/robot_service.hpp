@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
+#include <segue/base/wait.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -74,6 +75,8 @@ struct Sender {
 /// What a running robot offers. The same interface on both sides: the runtime implements it, the server
 /// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
 /// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
+/// Where a Wait is stopped, what has not begun does not begin any more; of what has, only a request for a
+/// controller is given up, as by cancel().
 class RobotService {
  public:
   virtual ~RobotService() = default;
@@ -91,7 +94,7 @@ class RobotService {
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
   /// dry_run: the JSON of `diff`.
   virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,
-                                        TimePoint deadline) = 0;
+                                        const Wait& wait) = 0;
   /// Requests a network that is none of the robot's controllers: the text of a network file, of 4 MiB at
   /// most; `file` for messages. Answers as switch_to(). AlreadyExists where the robot has another controller
   /// of its name.
@@ -109,7 +112,7 @@ class RobotService {
   virtual Result<type::Value> apply(const SwitchOptions& options, TimePoint deadline) = 0;
   /// Sets which controllers are kept ready, the likeliest first, in place of those set before. Returns when
   /// it is done: a list of {"controller", "ready", "prepared", "tasks", "reason"}.
-  virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;
+  virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, const Wait& wait) = 0;
   /// What keeps each two of these controllers (none: of all that the robot has) from running at once: a list
   /// of {"a", "b", "what", "reason", "influence"}; where "influence" is true they can, but "a" changes what
   /// tasks of "b" get.
@@ -163,13 +166,12 @@ class RobotService {
                                                TimePoint deadline) = 0;
   virtual Result<void> reset_belief() = 0;
   virtual Result<void> set_property(std::string_view task, std::string_view property,
-                                    const type::Value& value, const Sender& sender, TimePoint deadline) = 0;
+                                    const type::Value& value, const Sender& sender, const Wait& wait) = 0;
   virtual Result<type::Value> call(std::string_view task, std::string_view operation,
-                                   const type::Value& arguments, const Sender& sender,
-                                   TimePoint deadline) = 0;
+                                   const type::Value& arguments, const Sender& sender, const Wait& wait) = 0;
   /// Writes a sample to an input port of a task that runs, and waits until that has taken it.
   virtual Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
-                             const Sender& sender, TimePoint deadline) = 0;
+                             const Sender& sender, const Wait& wait) = 0;
   virtual Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
                                                           std::size_t buffer) = 0;
   /// A list of {"number", "time", "kind", "subject", "message"}.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
+#include <segue/base/wait.hpp>
 #include <segue/mission/controller_use.hpp>
 #include <segue/type/value.hpp>
 
@@ -84,8 +84,8 @@ struct PoolView {
 };
 
 /// The robot as missions command it: it runs in this process or in another one, or is simulated. Functions
-/// may be called from any thread; they block until the robot has answered, until their deadline at most where
-/// they have one.
+/// may be called from any thread; they block until the robot has answered, as long as their Wait says where
+/// they have one. Whoever is stopped while it waits commands nothing afterwards, and gets Cancelled at once.
 class CommandedRobot {
  public:
   virtual ~CommandedRobot() = default;
@@ -94,7 +94,8 @@ class CommandedRobot {
   /// what the robot runs then is as before. The first request takes the robot's lease, which ends with this:
   /// meanwhile it refuses requests of others unless they take it over. InvalidState then, for good, which
   /// says who has it.
-  virtual Result<void> request(const ControllerRequest& what, TimePoint deadline) = 0;
+  /// Where the wait is stopped, a transition that is not past its commit is undone, which is not waited for.
+  virtual Result<void> request(const ControllerRequest& what, const Wait& wait) = 0;
   /// Whether the robot runs that controller, alone or beside others, without faults that could not be
   /// repaired.
   virtual Result<ControllerTrouble> trouble(std::string_view controller) = 0;
@@ -104,13 +105,13 @@ class CommandedRobot {
   virtual Result<std::vector<PoolView>> pools() { return std::vector<PoolView>{}; }
   /// Keeps these prepared beside what runs, the likeliest first, in place of those named before, as far as
   /// the robot's budget permits. Returns when that is done; a request comes first.
-  virtual Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;
+  virtual Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) = 0;
   virtual Result<type::Value> call(const Member& operation, const type::Value& arguments,
-                                   TimePoint deadline) = 0;
+                                   const Wait& wait) = 0;
   /// Sets a property of a task that is live, until the next transition configures the task.
-  virtual Result<void> set(const Member& property, const type::Value& value, TimePoint deadline) = 0;
+  virtual Result<void> set(const Member& property, const type::Value& value, const Wait& wait) = 0;
   /// Writes a sample to an input port of a task that runs; returns once that has taken it.
-  virtual Result<void> write(const Member& port, const type::Value& value, TimePoint deadline) = 0;
+  virtual Result<void> write(const Member& port, const type::Value& value, const Wait& wait) = 0;
   virtual Result<TaskView> task(std::string_view id) = 0;
   /// The latest samples of an output port from now on.
   virtual Result<std::unique_ptr<PortSamples>> open(const Member& port) = 0;

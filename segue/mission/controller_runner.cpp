@@ -145,10 +145,9 @@ class ControlledRun {
 
   /// Blocks until the action has ended.
   Ending run(const std::stop_token& stop, std::vector<Value>& outputs) {
-    if (!is_told() && stop.stop_requested()) return {kPreempted, {}};
     if (!is_told()) {
-      if (auto runs = shared_.controllers->begin(use_.controller, use_.set, task_.user); !runs)
-        return failed(runs.error(), stop);
+      const auto runs = shared_.controllers->begin(use_.controller, use_.set, {task_.user, stop, !use_.stop});
+      if (!runs) return stop.stop_requested() ? preempted() : failed(runs.error(), stop);
     }
     shared_.prepared.began(task_.number, use_.controller, std::move(task_.ahead));
     Ending ending = carry_out(stop, outputs);
@@ -161,7 +160,7 @@ class ControlledRun {
  private:
   Ending carry_out(const std::stop_token& stop, std::vector<Value>& outputs) {
     if (!is_told()) {
-      if (auto told = tell(); !told) return aborted_by(told.error(), stop);
+      if (auto told = tell(stop); !told) return aborted_by(told.error(), stop);
     }
     if (auto opened = open_ports(); !opened) return aborted_by(opened.error(), stop);
     begin_ = now();
@@ -173,8 +172,11 @@ class ControlledRun {
 
   [[nodiscard]] bool is_told() const { return task_.progress.stage == Progress::Stage::Told; }
 
+  static Ending preempted() { return {kPreempted, {}}; }
+
   /// Where the controller is gone, that is why.
   Ending aborted_by(const Error& error, const std::stop_token& stop) {
+    if (stop.stop_requested()) return preempted();
     if (auto lost = loss(stop)) return *lost;
     return aborted(error);
   }
@@ -185,7 +187,7 @@ class ControlledRun {
     options_.unreachable(error);
     while (!stop.stop_requested())
       wait(stop);
-    return {kPreempted, {}};
+    return preempted();
   }
 
   void record(Progress::Stage stage) {
@@ -193,14 +195,17 @@ class ControlledRun {
     if (task_.record) task_.record(task_.progress.to_value());
   }
 
-  /// Says what to do, and from when on tasks count.
-  Result<void> tell() {
+  /// Says what to do, and from when on tasks count. An action that is preempted meanwhile says nothing more.
+  Result<void> tell(const std::stop_token& stop) {
     if (!use_.call.empty() || !use_.write.empty()) record(Progress::Stage::Tells);
     for (const MemberValue& one : use_.call) {
-      if (auto called = robot_.call(one.member, one.value, answer_by()); !called) return called.error();
+      if (stop.stop_requested()) return no_longer_wanted();
+      if (auto called = robot_.call(one.member, one.value, {answer_by(), stop}); !called)
+        return called.error();
     }
     for (const MemberValue& one : use_.write) {
-      if (auto written = robot_.write(one.member, one.value, answer_by()); !written) return written;
+      if (stop.stop_requested()) return no_longer_wanted();
+      if (auto written = robot_.write(one.member, one.value, {answer_by(), stop}); !written) return written;
     }
     for (const EndCondition& condition : use_.until) {
       if (const auto* reaches = condition_of<TaskReaches>(condition)) {
@@ -248,19 +253,19 @@ class ControlledRun {
         if (auto lost = loss(stop)) return *lost;
         look_at_controller = now() + options_.watch;
       }
-      const auto met = first_that_holds();
+      const auto met = first_that_holds(stop);
       if (!met) return aborted_by(met.error(), stop);
       if (*met < use_.until.size()) return ended_by(*met, stop);
       wait(stop);
     }
-    return {kPreempted, {}};
+    return preempted();
   }
 
   /// The position of the first condition that holds; their number if none does.
-  Result<std::size_t> first_that_holds() {
+  Result<std::size_t> first_that_holds(const std::stop_token& stop) {
     if (auto looked = look_at_samples(); !looked) return looked.error();
     for (std::size_t i = 0; i < use_.until.size(); ++i) {
-      const auto met = std::visit([this](const auto& when) { return is_met(when); }, use_.until[i].when);
+      const auto met = std::visit([&](const auto& when) { return is_met(when, stop); }, use_.until[i].when);
       if (!met) return met.error();
       if (*met) return i;
     }
@@ -289,20 +294,24 @@ class ControlledRun {
     });
   }
 
-  Result<bool> is_met(const TimeIsUp& when) const { return now() - begin_ >= when.after; }
-  Result<bool> is_met(const RobotCondition& when) {
-    return std::visit([this](const auto& one) { return is_met(one); }, when);
+  Result<bool> is_met(const TimeIsUp& when, const std::stop_token& /*stop*/) const {
+    return now() - begin_ >= when.after;
   }
-  Result<bool> is_met(const TaskReaches& when) {
+  Result<bool> is_met(const RobotCondition& when, const std::stop_token& stop) {
+    return std::visit([&](const auto& one) { return is_met(one, stop); }, when);
+  }
+  Result<bool> is_met(const TaskReaches& when, const std::stop_token& /*stop*/) {
     const auto task = robot_.task(when.task);
     if (!task) return task.error();
     return is_in(*task, when) && (task->updates > told_[when.task] || task->state != "running");
   }
-  Result<bool> is_met(const SampleShows& when) {
+  Result<bool> is_met(const SampleShows& when, const std::stop_token& /*stop*/) {
     return std::ranges::any_of(feed(when.port)->fresh,
                                [&](const Value& sample) { return holds(when.what, sample); });
   }
-  Result<bool> is_met(const OperationAnswers& when) { return holds(robot_, when, answer_by()); }
+  Result<bool> is_met(const OperationAnswers& when, const std::stop_token& stop) {
+    return holds(robot_, when, {answer_by(), stop});
+  }
 
   static std::string sentence(const TimeIsUp& when) {
     return "it had not ended after " + format_duration(when.after);

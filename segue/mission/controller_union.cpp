@@ -2,14 +2,25 @@
 #include <segue/mission/controller_union.hpp>
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 namespace segue::mission {
 
+ControllerUnion::ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options options)
+    : robot_(std::move(robot)),
+      options_(options),
+      thread_([this](const std::stop_token& end) { work(end); }) {}
+
+ControllerUnion::~ControllerUnion() {
+  const std::lock_guard lock(mutex_);
+  ends_ = true;
+  unwanted_.request_stop();
+  thread_.request_stop();
+}
+
 Result<void> ControllerUnion::begin(const std::string& controller, std::vector<MemberValue> properties,
-                                    std::optional<ControllerUser> user) {
-  return carry_out({{controller, std::move(properties), 1}, false, std::move(user)});
+                                    ControllerWish wish) {
+  return carry_out({{controller, std::move(properties), 1}, false, std::move(wish)});
 }
 
 void ControllerUnion::take_over(const std::string& controller, std::vector<MemberValue> properties) {
@@ -30,67 +41,93 @@ Result<void> ControllerUnion::end(const std::string& controller, bool keep,
     if (found->users > 0) --found->users;
     if (keep || found->users > 0) return {};
   }
-  return carry_out({{controller, {}, 0}, true, std::move(user)});
+  return carry_out({{controller, {}, 0}, true, {.user = std::move(user)}});
 }
 
-/// One of the threads that wait asks for all.
 Result<void> ControllerUnion::carry_out(Change change) {
-  std::unique_lock lock(mutex_);
-  waiting_.push_back(&change);
-  while (!change.outcome) {
-    if (busy_) {
-      changed_.wait(lock);
-      continue;
-    }
-    busy_ = true;
+  const auto mine = std::make_shared<Change>(std::move(change));
+  Lock lock(mutex_);
+  if (mine->wish.stop.stop_requested()) return no_longer_wanted();
+  waiting_.push_back(mine);
+  changed_.notify_all();
+  changed_.wait(lock, mine->wish.stop, [&] { return mine->outcome.has_value(); });
+  if (mine->outcome) return *mine->outcome;
+  withdraw(mine);
+  return no_longer_wanted();
+}
+
+/// Requires the lock.
+void ControllerUnion::withdraw(const std::shared_ptr<Change>& change) {
+  std::erase(waiting_, change);
+  const bool is_served = std::ranges::find(served_, change) != served_.end();
+  if (is_served && std::ranges::none_of(served_, [](const auto& one) { return one->is_wanted(); }))
+    unwanted_.request_stop();
+}
+
+void ControllerUnion::work(const std::stop_token& end) {
+  Lock lock(mutex_);
+  while (changed_.wait(lock, end, [this] { return !waiting_.empty(); })) {
+    // Others may join.
+    changed_.wait_for(lock, end, options_.gather, [] { return false; });
+    if (end.stop_requested()) return;
+    learn_conflicts(lock);
     serve_waiting(lock);
-    busy_ = false;
+  }
+}
+
+void ControllerUnion::serve_waiting(Lock& lock) {
+  Changes changes = std::exchange(waiting_, {});
+  std::erase_if(changes, [](const auto& change) { return !change->is_wanted(); });
+  if (changes.empty()) return;
+  const auto together = serve(changes, lock);
+  for (const auto& change : changes) {
+    // One that cannot be carried out must not keep the others from what they need.
+    const bool again = !together && changes.size() > 1 && change->is_wanted();
+    const auto outcome = again ? serve({change}, lock) : together;
+    change->outcome = change->given_up ? no_longer_wanted() : outcome;
     changed_.notify_all();
   }
-  return std::move(*change.outcome);
 }
 
-void ControllerUnion::serve_waiting(std::unique_lock<std::mutex>& lock) {
-  lock.unlock();
-  std::this_thread::sleep_for(options_.gather);
-  lock.lock();
-  learn_conflicts(lock);
-  const std::vector<Change*> changes = std::exchange(waiting_, {});
-  serve(changes, lock);
-  const bool failed = !*changes.front()->outcome;
-  if (!failed || changes.size() == 1) return;
-  // One that cannot be carried out must not keep the others from what they need.
-  for (Change* change : changes)
-    serve({change}, lock);
-}
-
-void ControllerUnion::serve(const std::vector<Change*>& changes, std::unique_lock<std::mutex>& lock) {
+Result<void> ControllerUnion::serve(const Changes& changes, Lock& lock) {
   Members wanted = with(changes);
-  const auto outcome = request(wanted, changes, lock);
-  for (Change* change : changes)
-    change->outcome = outcome;
-  if (!outcome) return;
-  // Actions may have ended while the robot was asked.
-  for (Member& member : wanted) {
-    const auto before = std::ranges::find(members_, member.controller, &Member::controller);
-    if (before != members_.end()) member.users = before->users;
+  auto outcome = request(wanted, changes, lock);
+  for (const auto& change : changes)
+    change->given_up = !change->is_wanted();
+  if (outcome) {
+    // Actions may have ended while the robot was asked.
+    for (Member& member : wanted) {
+      const auto before = std::ranges::find(members_, member.controller, &Member::controller);
+      if (before != members_.end()) member.users = before->users;
+    }
+    for (const auto& change : changes) {
+      const auto found = std::ranges::find(wanted, change->member.controller, &Member::controller);
+      if (!change->stop && !change->given_up && found != wanted.end()) ++found->users;
+    }
+    members_ = std::move(wanted);
   }
-  for (const Change* change : changes) {
-    const auto found = std::ranges::find(wanted, change->member.controller, &Member::controller);
-    if (!change->stop && found != wanted.end()) ++found->users;
+  if (outcome || outcome.error().code == ErrorCode::Cancelled) stop_unwanted(changes);
+  return outcome;
+}
+
+/// The robot may run what was wanted no longer when it was asked for it already.
+void ControllerUnion::stop_unwanted(const Changes& changes) {
+  for (const auto& change : changes) {
+    if (change->stop || !change->given_up || change->wish.keep) continue;
+    waiting_.push_back(std::make_shared<Change>(
+        Change{{change->member.controller, {}, 0}, true, {.user = change->wish.user}}));
   }
-  members_ = std::move(wanted);
 }
 
 /// What is in use and what the changes want, and of what is kept all that fits, the latest first.
-ControllerUnion::Members ControllerUnion::with(const std::vector<Change*>& changes) const {
+ControllerUnion::Members ControllerUnion::with(const Changes& changes) const {
   Members wanted;
   const auto is_changed = [&](const Member& member) {
-    return std::ranges::any_of(changes, [&](const Change* change) {
+    return std::ranges::any_of(changes, [&](const auto& change) {
       return change->member.controller == member.controller && (!change->stop || member.users == 0);
     });
   };
-  for (const Change* change : changes) {
+  for (const auto& change : changes) {
     const auto same = std::ranges::find(wanted, change->member.controller, &Member::controller);
     if (!change->stop && same == wanted.end())
       wanted.push_back({change->member.controller, change->member.properties, 0});
@@ -113,24 +150,28 @@ bool ControllerUnion::fits(const std::string& controller, const Members& members
   });
 }
 
-Result<void> ControllerUnion::request(const Members& members, const std::vector<Change*>& changes,
-                                      std::unique_lock<std::mutex>& lock) {
+Result<void> ControllerUnion::request(const Members& members, const Changes& changes, Lock& lock) {
   ControllerRequest what;
   for (const Member& member : members) {
     what.controllers.push_back(member.controller);
     what.properties.insert(what.properties.end(), member.properties.begin(), member.properties.end());
   }
-  for (const Change* change : changes) {
-    if (const auto& user = change->user)
+  for (const auto& change : changes) {
+    if (const auto& user = change->wish.user)
       what.causes.push_back({user->action, user->iteration, change->stop ? "" : change->member.controller});
   }
+  served_ = changes;
+  unwanted_ = {};
+  if (ends_) unwanted_.request_stop();
+  const Wait wait(RealClock::instance().now() + options_.deadline, unwanted_.get_token());
   lock.unlock();
-  auto outcome = robot_->request(what, RealClock::instance().now() + options_.deadline);
+  auto outcome = robot_->request(what, wait);
   lock.lock();
+  served_.clear();
   return outcome;
 }
 
-void ControllerUnion::learn_conflicts(std::unique_lock<std::mutex>& lock) {
+void ControllerUnion::learn_conflicts(Lock& lock) {
   if (conflicts_) return;
   lock.unlock();
   auto conflicts = robot_->conflicts();

@@ -11,7 +11,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace segue::mission {
@@ -22,24 +24,37 @@ struct ControllerUser {
   std::uint64_t iteration = 0;
 };
 
+/// How long whoever asks for a controller wants it.
+struct ControllerWish {
+  std::optional<ControllerUser> user{};  ///< for the record
+  std::stop_token stop{};                ///< requested: no longer
+  /// What becomes of a controller that the robot runs although it is wanted no longer: as of
+  /// ControllerUnion::end().
+  bool keep = true;
+};
+
 /// What the actions of a mission have a robot run: the union of the controllers that they use now and of
 /// those that are kept from earlier ones, as long as nothing needs the robot otherwise and they do not write
 /// to tasks of what is in use. One transition at a time; what is asked meanwhile, or at about the same time,
-/// is one transition. Thread safe.
+/// is one transition. What nobody wants any more is not requested, and a transition that nobody wants any
+/// more is undone where it has not committed. Thread safe.
 class ControllerUnion {
  public:
   struct Options {
     Duration gather = std::chrono::milliseconds(3);  ///< how long a transition waits for others to join it
     Duration deadline = std::chrono::seconds(60);    ///< of a request
   };
-  ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options options)
-      : robot_(std::move(robot)), options_(options) {}
+  ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options options);
+  /// Gives up what is asked of the robot. Nobody may wait here any more.
+  ~ControllerUnion();
+  ControllerUnion(const ControllerUnion&) = delete;
+  ControllerUnion& operator=(const ControllerUnion&) = delete;
 
   /// Has the robot run that controller, with these properties in place of its own, beside those that others
-  /// use. Blocks until it does; the error says why it does not, and what others use runs on.
-  /// `user`: the action, for the record.
+  /// use. Blocks until it does; the error says why it does not, and what others use runs on. Cancelled, at
+  /// once, where it is wanted no longer: then it is not in use.
   Result<void> begin(const std::string& controller, std::vector<MemberValue> properties,
-                     std::optional<ControllerUser> user = {});
+                     ControllerWish wish = {});
   /// The robot runs it already, with these properties, for an action of an earlier run that goes on. As
   /// begin(), but asks the robot for nothing.
   void take_over(const std::string& controller, std::vector<MemberValue> properties);
@@ -57,28 +72,37 @@ class ControllerUnion {
   struct Change {
     Member member;
     bool stop = false;
-    std::optional<ControllerUser> user{};
+    ControllerWish wish{};
+    bool given_up = false;  ///< it was wanted no longer when the robot had answered
     std::optional<Result<void>> outcome{};
+    [[nodiscard]] bool is_wanted() const { return !wish.stop.stop_requested(); }
   };
+  using Changes = std::vector<std::shared_ptr<Change>>;
   using Members = std::list<Member>;  ///< the latest first
+  using Lock = std::unique_lock<std::mutex>;
 
   Result<void> carry_out(Change change);
-  void serve_waiting(std::unique_lock<std::mutex>& lock);
-  void serve(const std::vector<Change*>& changes, std::unique_lock<std::mutex>& lock);
-  [[nodiscard]] Members with(const std::vector<Change*>& changes) const;
+  void withdraw(const std::shared_ptr<Change>& change);
+  void work(const std::stop_token& end);
+  void serve_waiting(Lock& lock);
+  Result<void> serve(const Changes& changes, Lock& lock);
+  void stop_unwanted(const Changes& changes);
+  [[nodiscard]] Members with(const Changes& changes) const;
   [[nodiscard]] bool fits(const std::string& controller, const Members& members) const;
-  Result<void> request(const Members& members, const std::vector<Change*>& changes,
-                       std::unique_lock<std::mutex>& lock);
-  void learn_conflicts(std::unique_lock<std::mutex>& lock);
+  Result<void> request(const Members& members, const Changes& changes, Lock& lock);
+  void learn_conflicts(Lock& lock);
 
   const std::shared_ptr<CommandedRobot> robot_;
   const Options options_;
   std::mutex mutex_;  ///< protects all below; not held while the robot is asked
-  std::condition_variable changed_;
-  bool busy_ = false;  ///< a thread asks the robot for what all wait for
+  std::condition_variable_any changed_;
   std::optional<ControllerConflicts> conflicts_;
   Members members_;
-  std::vector<Change*> waiting_;
+  Changes waiting_;
+  Changes served_;             ///< that the robot is asked for now
+  std::stop_source unwanted_;  ///< stops that request
+  bool ends_ = false;
+  std::jthread thread_;  ///< asks the robot
 };
 
 }  // namespace segue::mission

@@ -16,19 +16,22 @@ namespace segue::mission {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
 
 /// Runs what it is asked to, unless a controller is broken.
 class RequestedRobot final : public CommandedRobot {
  public:
-  Result<void> request(const ControllerRequest& what, TimePoint /*deadline*/) override {
+  Result<void> request(const ControllerRequest& what, const Wait& wait) override {
     std::unique_lock lock(mutex_);
     requests_.push_back(what);
     asked_.notify_all();
-    asked_.wait_for(lock, 60s, [&] { return !held_; });
+    asked_.wait_for(lock, wait.stop, 60s, [&] { return !held_; });
+    if (wait.is_stopped() && !is_late_) return no_longer_wanted();
     for (const std::string& controller : what.controllers) {
       if (broken_.contains(controller)) return fail(ErrorCode::InvalidState, controller + " is broken");
     }
@@ -40,18 +43,17 @@ class RequestedRobot final : public CommandedRobot {
     return ControllerConflicts{
         {}, {{"drive", "stick", "input base.command"}}, {{"explore", "drive", "input planner.goal"}}};
   }
-  Result<void> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
+  Result<void> prepare(const std::vector<std::string>& /*controllers*/, const Wait& /*wait*/) override {
     return {};
   }
   Result<type::Value> call(const Member& /*operation*/, const type::Value& /*arguments*/,
-                           TimePoint /*deadline*/) override {
+                           const Wait& /*wait*/) override {
     return type::Value();
   }
-  Result<void> set(const Member& /*property*/, const type::Value& /*value*/,
-                   TimePoint /*deadline*/) override {
+  Result<void> set(const Member& /*property*/, const type::Value& /*value*/, const Wait& /*wait*/) override {
     return {};
   }
-  Result<void> write(const Member& /*port*/, const type::Value& /*value*/, TimePoint /*deadline*/) override {
+  Result<void> write(const Member& /*port*/, const type::Value& /*value*/, const Wait& /*wait*/) override {
     return {};
   }
   Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }
@@ -63,6 +65,11 @@ class RequestedRobot final : public CommandedRobot {
   void hold() {
     const std::lock_guard lock(mutex_);
     held_ = true;
+  }
+  /// Whoever wants a request no longer is too late: the robot runs it.
+  void be_late() {
+    const std::lock_guard lock(mutex_);
+    is_late_ = true;
   }
   void let_go() {
     const std::lock_guard lock(mutex_);
@@ -88,17 +95,19 @@ class RequestedRobot final : public CommandedRobot {
 
  private:
   std::mutex mutex_;
-  std::condition_variable asked_;
+  std::condition_variable_any asked_;
   std::vector<ControllerRequest> requests_;
   ControllerRequest runs_;
   std::set<std::string> broken_;
   bool held_ = false;
+  bool is_late_ = false;
 };
 
 class UnionOfControllers : public ::testing::Test {
  protected:
-  std::future<Result<void>> begin(const std::string& controller) {
-    return std::async(std::launch::async, [this, controller] { return union_.begin(controller, {}); });
+  std::future<Result<void>> begin(const std::string& controller, const ControllerWish& wish = {}) {
+    return std::async(std::launch::async,
+                      [this, controller, wish] { return union_.begin(controller, {}, wish); });
   }
 
   std::shared_ptr<RequestedRobot> robot_ = std::make_shared<RequestedRobot>();
@@ -116,7 +125,7 @@ TEST_F(UnionOfControllers, HoldsWhatIsInUseAndWhatIsKept) {
 }
 
 TEST_F(UnionOfControllers, SaysWhichActionsAskForIt) {
-  EXPECT_TRUE(union_.begin("drive", {}, ControllerUser{"there", 2}));
+  EXPECT_TRUE(union_.begin("drive", {}, {.user = ControllerUser{"there", 2}}));
   EXPECT_TRUE(union_.end("drive", false, ControllerUser{"there", 2}));
   EXPECT_TRUE(union_.begin("arm", {}));
   const auto requests = robot_->requests();
@@ -189,6 +198,63 @@ TEST_F(UnionOfControllers, GathersWhatIsAskedWhileATransitionIsUnderWay) {
   EXPECT_TRUE(camera.get());
   EXPECT_THAT(robot_->runs().controllers, UnorderedElementsAre("drive", "arm", "camera"));
   EXPECT_LE(robot_->requests().size(), 3U);
+}
+
+TEST_F(UnionOfControllers, GivesUpATransitionThatNobodyWantsAnyMore) {
+  robot_->hold();
+  std::stop_source stop;
+  auto drive = begin("drive", {.stop = stop.get_token()});
+  robot_->wait_for_requests(1);
+  stop.request_stop();
+  EXPECT_EQ(drive.get().error().code, ErrorCode::Cancelled);
+  robot_->let_go();
+  EXPECT_TRUE(union_.begin("arm", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("arm")) << "drive was not in use";
+}
+
+TEST_F(UnionOfControllers, DoesNotAskForWhatIsWantedNoLonger) {
+  robot_->hold();
+  std::stop_source stop;
+  auto drive = begin("drive");
+  robot_->wait_for_requests(1);
+  auto arm = begin("arm", {.stop = stop.get_token()});
+  stop.request_stop();
+  EXPECT_EQ(arm.get().error().code, ErrorCode::Cancelled);
+  robot_->let_go();
+  EXPECT_TRUE(drive.get());
+  EXPECT_TRUE(union_.begin("camera", {}));
+  for (const auto& request : robot_->requests())
+    EXPECT_THAT(request.controllers, Not(Contains("arm")));
+}
+
+TEST_F(UnionOfControllers, CarriesOutATransitionThatAnotherActionStillWants) {
+  ControllerUnion gathering(robot_, {.gather = 200ms});
+  robot_->hold();
+  std::stop_source stop;
+  auto arm =
+      std::async(std::launch::async, [&] { return gathering.begin("arm", {}, {.stop = stop.get_token()}); });
+  auto drive = std::async(std::launch::async, [&] { return gathering.begin("drive", {}); });
+  robot_->wait_for_requests(1);
+  stop.request_stop();
+  EXPECT_EQ(arm.get().error().code, ErrorCode::Cancelled);
+  robot_->let_go();
+  EXPECT_TRUE(drive.get());
+  EXPECT_THAT(robot_->runs().controllers, Contains("drive"));
+}
+
+TEST_F(UnionOfControllers, StopsWhatItWasTooLateToGiveUp) {
+  robot_->be_late();
+  robot_->hold();
+  std::stop_source stop;
+  auto drive = begin("drive", {.stop = stop.get_token(), .keep = false});
+  robot_->wait_for_requests(1);
+  stop.request_stop();
+  EXPECT_EQ(drive.get().error().code, ErrorCode::Cancelled);
+  robot_->wait_for_requests(2);
+  robot_->let_go();
+  EXPECT_TRUE(union_.begin("arm", {}));
+  EXPECT_THAT(robot_->requests()[1].controllers, IsEmpty());
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("arm"));
 }
 
 TEST_F(UnionOfControllers, StartsOneThatCannotRunWithoutHarmToTheOthers) {

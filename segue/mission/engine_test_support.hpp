@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <thread>
@@ -25,7 +26,11 @@ class RunningMission : public ::testing::Test {
     auto engine = Engine::create(*program, runners);
     ASSERT_TRUE(engine) << to_string(engine.error());
     engine_ = std::move(*engine);
-    thread_ = std::jthread([this] { engine_->run(); });
+    is_over_ = false;
+    thread_ = std::jthread([this] {
+      engine_->run();
+      is_over_ = true;
+    });
   }
   const MissionResult& ended() {
     thread_.join();
@@ -33,6 +38,7 @@ class RunningMission : public ::testing::Test {
   }
 
   std::unique_ptr<Engine> engine_;
+  std::atomic<bool> is_over_ = false;
   std::jthread thread_;
 };
 

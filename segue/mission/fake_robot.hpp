@@ -20,7 +20,7 @@ namespace segue::mission {
 /// Notes what it is asked, and is as the test says.
 class FakeRobot final : public CommandedRobot {
  public:
-  Result<void> request(const ControllerRequest& what, TimePoint /*deadline*/) override {
+  Result<void> request(const ControllerRequest& what, const Wait& /*wait*/) override {
     std::string text = "request";
     for (const std::string& controller : what.controllers)
       text += " " + controller;
@@ -37,11 +37,11 @@ class FakeRobot final : public CommandedRobot {
     return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_, broken_};
   }
   Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
-  Result<void> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
+  Result<void> prepare(const std::vector<std::string>& /*controllers*/, const Wait& /*wait*/) override {
     return {};
   }
   Result<type::Value> call(const Member& operation, const type::Value& arguments,
-                           TimePoint /*deadline*/) override {
+                           const Wait& /*wait*/) override {
     if (operation.name == "failed") {
       const std::lock_guard lock(mutex_);
       return type::Value(failed_);
@@ -50,11 +50,11 @@ class FakeRobot final : public CommandedRobot {
     note("call " + to_string(operation) + (goal == nullptr ? "" : " " + goal->as_string()));
     return type::Value();
   }
-  Result<void> set(const Member& property, const type::Value& value, TimePoint /*deadline*/) override {
+  Result<void> set(const Member& property, const type::Value& value, const Wait& /*wait*/) override {
     note("set " + to_string(property) + " " + std::to_string(value.as_double()));
     return {};
   }
-  Result<void> write(const Member& port, const type::Value& value, TimePoint /*deadline*/) override {
+  Result<void> write(const Member& port, const type::Value& value, const Wait& /*wait*/) override {
     note("write " + to_string(port) + " " + value.as_string());
     return {};
   }

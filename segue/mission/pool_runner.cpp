@@ -5,11 +5,14 @@
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/pool_call.hpp>
+#include <segue/mission/robot_look.hpp>
 
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <set>
+#include <system_error>
 #include <utility>
 
 namespace segue::mission {
@@ -72,8 +75,11 @@ class Instances {
   }
 
   /// Whether that is why it did not answer. The robot may need a moment to notice.
-  bool is_lost(const std::string& pool, const PoolInstanceView& instance, const Error& error) const {
-    if (error.code == ErrorCode::DeadlineExceeded || error.code == ErrorCode::HookFailed) return false;
+  bool is_lost(const std::string& pool, const PoolInstanceView& instance, const Error& error,
+               const std::stop_token& stop) const {
+    const bool has_answered =
+        error.code == ErrorCode::DeadlineExceeded || error.code == ErrorCode::HookFailed;
+    if (has_answered || stop.stop_requested()) return false;
     const TimePoint give_up = RealClock::instance().now() + options_.notice;
     while (true) {
       const auto view = look(pool);
@@ -81,7 +87,8 @@ class Instances {
       const auto now = std::ranges::find(view->instances, instance.task, &PoolInstanceView::task);
       if (now == view->instances.end() || !now->ready || now->pid != instance.pid) return true;
       if (error.code != ErrorCode::Unavailable || RealClock::instance().now() > give_up) return false;
-      RealClock::instance().sleep_until(RealClock::instance().now() + options_.period);
+      wait_for_next_look(options_.period, stop);
+      if (stop.stop_requested()) return false;
     }
   }
 
@@ -91,6 +98,56 @@ class Instances {
   std::mutex mutex_;  ///< protects the members below; not held while the robot is asked
   std::condition_variable_any freed_;
   std::set<std::string> busy_;
+};
+
+/// A call of an instance in a thread of its own, since it may outlast the action that made it: nobody else
+/// gets the instance before it has answered.
+class InstanceCall {
+ public:
+  struct Outcome {
+    Result<Value> answer;
+    bool lost = false;  ///< the instance was
+  };
+  struct Job {
+    std::string pool;
+    PoolInstanceView instance;
+    std::string operation;
+    Value arguments;
+    Duration timeout{};
+  };
+
+  /// Std::system_error where there can be no thread.
+  static std::shared_ptr<InstanceCall> begin(std::shared_ptr<CommandedRobot> robot, Instances& instances,
+                                             ExecutionThreads& threads, Job job) {
+    auto call = std::make_shared<InstanceCall>();
+    threads.start(
+        {}, [call, robot = std::move(robot), &instances, job = std::move(job)](const std::stop_token& stop) {
+          const Wait wait(RealClock::instance().now() + job.timeout, stop);
+          auto answer = robot->call({job.instance.task, job.operation}, job.arguments, wait);
+          const bool lost = !answer && instances.is_lost(job.pool, job.instance, answer.error(), stop);
+          instances.give_back(job.instance);
+          call->set({std::move(answer), lost});
+        });
+    return call;
+  }
+
+  /// Nothing where a stop is requested before it has answered.
+  std::optional<Outcome> wait(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    answered_.wait(lock, stop, [this] { return outcome_.has_value(); });
+    return outcome_;
+  }
+
+ private:
+  void set(Outcome outcome) {
+    const std::lock_guard lock(mutex_);
+    outcome_ = std::move(outcome);
+    answered_.notify_all();
+  }
+
+  std::mutex mutex_;  ///< protects the outcome
+  std::condition_variable_any answered_;
+  std::optional<Outcome> outcome_;
 };
 
 /// One execution of an action.
@@ -105,29 +162,41 @@ class PoolExecution {
       output_places_.push_back(position(call.action().outputs, one.output).value_or(0));
   }
 
-  /// Blocks until the action has ended.
-  Ending run(CommandedRobot& robot, Instances& instances, const std::stop_token& stop,
-             std::vector<Value>& outputs) const {
+  /// Blocks until the action has ended. One that is preempted does not wait for its instance.
+  Ending run(const std::shared_ptr<CommandedRobot>& robot, Instances& instances, ExecutionThreads& threads,
+             const std::stop_token& stop, std::vector<Value>& outputs) const {
     std::string last;
     for (std::size_t attempt = 1;; ++attempt) {
       const auto instance = instances.take(call_.pool, last, stop);
       if (!instance) return stop.stop_requested() ? Ending{kPreempted, {}} : aborted_by(instance.error());
-      const auto answer = robot.call({instance->task, call_.operation}, arguments_,
-                                     RealClock::instance().now() + call_.timeout);
-      const bool lost = !answer && instances.is_lost(call_.pool, *instance, answer.error());
-      instances.give_back(*instance);
+      const auto outcome = ask(robot, instances, threads, *instance, stop);
+      if (!outcome || stop.stop_requested()) return {kPreempted, {}};
       last = instance->task;
-      if (stop.stop_requested()) return {kPreempted, {}};
-      if (answer) return ended_with(*answer, outputs);
-      if (!lost) return aborted_by(answer.error());
+      if (outcome->answer) return ended_with(*outcome->answer, outputs);
+      if (!outcome->lost) return aborted_by(outcome->answer.error());
       const auto pool = instances.look(call_.pool);
       if (!pool || !may_repeat_ || attempt > pool->instances.size())
         return aborted_by(
-            fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(answer.error()));
+            fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(outcome->answer.error()));
     }
   }
 
  private:
+  [[nodiscard]] std::optional<InstanceCall::Outcome> ask(const std::shared_ptr<CommandedRobot>& robot,
+                                                         Instances& instances, ExecutionThreads& threads,
+                                                         const PoolInstanceView& instance,
+                                                         const std::stop_token& stop) const {
+    try {
+      return InstanceCall::begin(robot, instances, threads,
+                                 {call_.pool, instance, call_.operation, arguments_, call_.timeout})
+          ->wait(stop);
+    } catch (const std::system_error& failed) {
+      instances.give_back(instance);
+      return InstanceCall::Outcome{
+          fail(ErrorCode::ResourceExhausted, std::string("no thread: ") + failed.what())};
+    }
+  }
+
   static Ending aborted_by(const Error& error) { return {kAborted, to_string(error)}; }
 
   [[nodiscard]] std::string lost_text(const PoolInstanceView& instance, std::size_t attempts) const {
@@ -174,7 +243,7 @@ class PoolRunner::Implementation {
   void start(ActionCall& call) {
     threads_.start(call, [this, execution = PoolExecution(call)](const std::stop_token& stop,
                                                                  std::vector<Value>& outputs) {
-      return execution.run(*robot_, instances_, stop, outputs);
+      return execution.run(robot_, instances_, threads_, stop, outputs);
     });
   }
 

@@ -21,12 +21,12 @@ struct PoolOptions {
 
 /// Carries out actions that are calls of a pool of processes (PoolCall), each in a thread of its own and on
 /// an instance of its own. Where an instance is lost while it works for a pure action, another one takes its
-/// place: as often as there are instances, and once more. An action that is preempted ends when its instance
-/// has answered, since that is not free before; the answer is dropped.
+/// place: as often as there are instances, and once more. An action that is preempted ends at once; its
+/// instance is free again when it has answered, which is dropped.
 class PoolRunner final : public ActionRunner {
  public:
   explicit PoolRunner(std::shared_ptr<CommandedRobot> robot, PoolOptions options = {});
-  /// Ends what is under way as preempted; blocks until the instances have answered.
+  /// Ends what is under way as preempted; waits for no instance.
   ~PoolRunner() override;
   PoolRunner(const PoolRunner&) = delete;
   PoolRunner& operator=(const PoolRunner&) = delete;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <future>
 #include <map>
 #include <mutex>
 
@@ -25,27 +26,27 @@ class PlanningRobot final : public CommandedRobot {
 
   explicit PlanningRobot(Answer answer) : answer_(std::move(answer)) {}
 
-  Result<void> request(const ControllerRequest& /*what*/, TimePoint /*deadline*/) override { return {}; }
+  Result<void> request(const ControllerRequest& /*what*/, const Wait& /*wait*/) override { return {}; }
   Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return ControllerTrouble{}; }
   Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
-  Result<void> prepare(const std::vector<std::string>& /*names*/, TimePoint /*deadline*/) override {
+  Result<void> prepare(const std::vector<std::string>& /*names*/, const Wait& /*wait*/) override {
     return {};
   }
   Result<std::vector<PoolView>> pools() override {
     const std::lock_guard lock(mutex_);
     return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}}};
   }
-  Result<Value> call(const Member& operation, const Value& arguments, TimePoint /*deadline*/) override {
+  Result<Value> call(const Member& operation, const Value& arguments, const Wait& /*wait*/) override {
     {
       const std::lock_guard lock(mutex_);
       called_.push_back(operation.task);
     }
     return answer_(operation.task, arguments);
   }
-  Result<void> set(const Member& /*property*/, const Value& /*value*/, TimePoint /*deadline*/) override {
+  Result<void> set(const Member& /*property*/, const Value& /*value*/, const Wait& /*wait*/) override {
     return {};
   }
-  Result<void> write(const Member& /*port*/, const Value& /*value*/, TimePoint /*deadline*/) override {
+  Result<void> write(const Member& /*port*/, const Value& /*value*/, const Wait& /*wait*/) override {
     return {};
   }
   Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }
@@ -206,29 +207,34 @@ TEST_F(PoolCalls, AbortAtOnceWhereNoInstanceComesBack) {
       HasSubstr("no instance of pool 'planner' is ready: planner_1: its process is gone; planner_2: "));
 }
 
-TEST_F(PoolCalls, ArePreemptedWhenTheirInstanceHasAnswered) {
-  std::mutex mutex;
-  std::condition_variable stopped;
-  bool is_stopped = false;
-  bool is_called = false;
-  begin([&](const std::string&, const Value&) {
-    std::unique_lock lock(mutex);
-    is_called = true;
-    stopped.notify_all();
-    EXPECT_TRUE(stopped.wait_for(lock, 60s, [&] { return is_stopped; }));
+TEST_F(PoolCalls, LeaveTheirInstanceToNobodyElseBeforeItHasAnswered) {
+  std::promise<void> ended_meanwhile;
+  auto has_ended = ended_meanwhile.get_future().share();
+  robot_ = std::make_shared<PlanningRobot>([has_ended](const std::string& instance, const Value&) {
+    const bool first = instance == "planner_1";
+    EXPECT_TRUE(!first || has_ended.wait_for(60s) == std::future_status::ready);
     return route("found");
   });
-  {
-    std::unique_lock lock(mutex);
-    ASSERT_TRUE(stopped.wait_for(lock, 60s, [&] { return is_called; }));
-  }
-  engine_->stop();
-  {
-    const std::lock_guard lock(mutex);
-    is_stopped = true;
-  }
-  stopped.notify_all();
-  EXPECT_EQ(ended().outcome_name, "preempted");
+  Runners runners;
+  runners.set_pools(std::make_shared<PoolRunner>(robot_, PoolOptions{1ms, 60s, 60s}));
+  begin_mission(
+      "mission: m\n"
+      "actions:\n"
+      "  plan: {pure: true, run: {pool: planner, call: {plan: {}}}}\n"
+      "  short: {run: {simulated: {duration: 20ms}}}\n"
+      "start: race\n"
+      "states:\n"
+      "  race:\n"
+      "    kind: preemptive\n"
+      "    on: {success: plan}\n"
+      "    states:\n"
+      "      long: {action: plan, on: {success: return success}}\n"
+      "      short: {on: {success: return success}}\n"
+      "  plan: {on: {success: return success}}\n",
+      runners);
+  EXPECT_EQ(ended().outcome_name, "success") << engine_->result().error;
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2"));
+  ended_meanwhile.set_value();
 }
 
 }  // namespace

@@ -58,12 +58,14 @@ void PreparedControllers::work(const std::stop_token& stop) {
     if (stop.stop_requested()) break;
     prepared_ = likeliest();
     lock.unlock();
-    [[maybe_unused]] const auto done = robot_->prepare(prepared_, RealClock::instance().now() + deadline_);
+    [[maybe_unused]] const auto done =
+        robot_->prepare(prepared_, {RealClock::instance().now() + deadline_, stop});
     lock.lock();
   }
   lock.unlock();
+  // That the robot has released them is not waited for.
   if (!prepared_.empty()) [[maybe_unused]]
-    const auto released = robot_->prepare({}, RealClock::instance().now() + deadline_);
+    const auto told = robot_->prepare({}, RealClock::instance().now());
 }
 
 }  // namespace segue::mission

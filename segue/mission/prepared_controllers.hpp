@@ -18,7 +18,7 @@
 namespace segue::mission {
 
 /// Has a robot prepare the controllers that lie ahead of the actions that run now. Thread safe; nothing here
-/// blocks but the destructor, which waits until the robot keeps none of them any more.
+/// blocks but the destructor, until the robot has heard that none of them is to be kept any more.
 class PreparedControllers {
  public:
   /// `most`: how many at once; 0: never any.

@@ -25,8 +25,8 @@ bool is_in(const TaskView& task, const TaskReaches& state) {
   return task.state == state.state || task.state_name == state.state;
 }
 
-Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, TimePoint deadline) {
-  const auto answer = robot.call(when.operation, type::ValueMap{}, deadline);
+Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, const Wait& wait) {
+  const auto answer = robot.call(when.operation, type::ValueMap{}, wait);
   if (!answer) return answer.error();
   return *answer == when.is;
 }

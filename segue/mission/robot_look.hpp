@@ -30,8 +30,8 @@ struct PortFeed {
 };
 
 [[nodiscard]] bool is_in(const TaskView& task, const TaskReaches& state);
-/// Blocks until the operation has answered, until `deadline` at most.
-[[nodiscard]] Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, TimePoint deadline);
+/// Blocks until the operation has answered.
+[[nodiscard]] Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, const Wait& wait);
 
 /// How an action ends whose controller is in this trouble; nothing where it is in none. `awaits`: whether the
 /// action waits for that task to fail; empty: it waits for none.

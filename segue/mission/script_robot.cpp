@@ -108,6 +108,7 @@ class RobotUse final : public ScriptRobot::Use {
     std::vector<std::stop_source> asked;
     {
       const std::lock_guard lock(mutex_);
+      preempted_ = true;
       asked = asked_;
     }
     for (std::stop_source& one : asked)
@@ -183,16 +184,25 @@ class RobotUse final : public ScriptRobot::Use {
       if (!rights_.may_command)
         return fail(ErrorCode::PermissionDenied, "a sensing action can only look at the robot");
     }
-    if (call == "request") return this->request(request);
+    const bool only_looks = call == "read" || call == "release";
+    if (!only_looks && is_preempted())
+      return fail(ErrorCode::Cancelled, "the action was preempted and commands nothing any more");
+    if (call == "request") return this->request(request, stop);
     if (call == "release") return release(request);
     const auto member = member_of(request);
     if (!member) return member.error();
     if (call == "read") return read(*member, deadline_of(request), stop);
     const Value value = value_at(request, "value");
-    if (call == "call") return robot_->call(*member, value, deadline_of(request));
-    if (call == "set") return nothing_of(robot_->set(*member, value, deadline_of(request)));
-    if (call == "write") return nothing_of(robot_->write(*member, value, deadline_of(request)));
+    const Wait wait(deadline_of(request), stop);
+    if (call == "call") return robot_->call(*member, value, wait);
+    if (call == "set") return nothing_of(robot_->set(*member, value, wait));
+    if (call == "write") return nothing_of(robot_->write(*member, value, wait));
     return fail(ErrorCode::Unsupported, "a robot has no operation " + quote(call));
+  }
+
+  bool is_preempted() {
+    const std::lock_guard lock(mutex_);
+    return preempted_;
   }
 
   Result<Value> task(const Value& request) {
@@ -236,7 +246,7 @@ class RobotUse final : public ScriptRobot::Use {
     return feed;
   }
 
-  Result<Value> request(const Value& request) {
+  Result<Value> request(const Value& request, const std::stop_token& stop) {
     const std::string controller = detail::message_text(request, "name");
     if (std::ranges::find(rights_.controllers, controller) == rights_.controllers.end()) {
       return fail(ErrorCode::PermissionDenied, "the action does not declare that it uses the controller " +
@@ -244,9 +254,10 @@ class RobotUse final : public ScriptRobot::Use {
     }
     auto properties = properties_of(request);
     if (!properties) return properties.error();
-    if (auto runs = controllers_->begin(controller, std::move(*properties), rights_.user); !runs)
-      return runs.error();
     const bool keep = detail::message_text(request, "afterwards") != "stop";
+    if (auto runs = controllers_->begin(controller, std::move(*properties), {rights_.user, stop, keep});
+        !runs)
+      return runs.error();
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(used_, controller, &Used::controller);
     if (found == used_.end()) {
@@ -257,7 +268,7 @@ class RobotUse final : public ScriptRobot::Use {
     }
     if (std::exchange(is_watched_, true)) return Value();
     try {
-      threads_.start(watch_, [self = shared()](const std::stop_token& stop) { self->watch(stop); });
+      threads_.start(watch_, [self = shared()](const std::stop_token& end) { self->watch(end); });
     } catch (const std::system_error& failed) {
       return fail(ErrorCode::ResourceExhausted, std::string("no thread: ") + failed.what());
     }
@@ -351,6 +362,7 @@ class RobotUse final : public ScriptRobot::Use {
   std::map<std::string, std::shared_ptr<Feed>> feeds_;
   std::stop_source watch_;
   bool is_watched_ = false;
+  bool preempted_ = false;
   bool has_ended_ = false;
   std::optional<Ending> lost_;
 };

@@ -15,7 +15,6 @@ namespace segue::mission {
 namespace {
 
 using namespace std::chrono_literals;
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using type::Value;
@@ -143,17 +142,23 @@ TEST_F(RobotScripts, ArePreemptedAtOnceWhereTheyWait) {
   }
 }
 
-TEST_F(RobotScripts, CanLeaveTheRobotInOrderWhenTheyArePreempted) {
-  begin(
-      "try:\n"
-      "  self.robot.read('planner.status', timeout=3600)\n"
-      "except self.robot.Preempted:\n"
-      "  self.robot.call('planner.halt')\n"
-      "return 0");
-  robot_->wait_until_asked("open planner.status");
-  engine_->stop();
-  EXPECT_EQ(ended().outcome_name, "preempted");
-  EXPECT_THAT(robot_->asked(), Contains("call planner.halt"));
+TEST_F(RobotScripts, CommandNothingOnceTheyArePreempted) {
+  for (const std::string command : {"call('planner.halt')", "set('planner.speed', 1)",
+                                    "write('planner.goal', 'x')", "request('go_home')"}) {
+    SCOPED_TRACE(command);
+    robot_ = std::make_shared<FakeRobot>();
+    begin(
+        "try:\n"
+        "  self.robot.read('planner.status', timeout=3600)\n"
+        "except self.robot.Preempted:\n"
+        "  self.robot.task('planner')\n"
+        "  self.robot." +
+        command + "\nreturn 0");
+    robot_->wait_until_asked("open planner.status");
+    engine_->stop();
+    EXPECT_EQ(ended().outcome_name, "preempted");
+    EXPECT_THAT(robot_->asked(), ElementsAre("open planner.status"));
+  }
 }
 
 TEST_F(RobotScripts, AbortWhereTheirControllerIsLost) {

@@ -240,7 +240,8 @@ class Task:
 class Robot:
     """`self.robot`. Functions block until the robot has answered, and raise RobotError (`self.robot.Error`); any thread
     of the script may call them. Whoever waits when the script is preempted gets Preempted at once; if nobody does, the
-    next call raises it. What is called after that is carried out, so that a script can leave the robot in order."""
+    next call raises it. After that a script can look at the robot and release controllers; whatever else it calls raises
+    Preempted again."""
 
     Error = RobotError
     Timeout = RobotTimeout
@@ -285,6 +286,8 @@ class Robot:
             raise Preempted
         if "error" not in answer:
             return answer.get("value")
+        if answer["code"] == "cancelled":
+            raise Preempted
         kind = RobotTimeout if answer["code"] == "deadline-exceeded" else RobotError
         raise kind(f"{call} {name}: {answer['error']}", answer["code"])
 

@@ -124,24 +124,23 @@ states:
 /// Notes what it is asked to prepare.
 class PreparingRobot final : public CommandedRobot {
  public:
-  Result<void> request(const ControllerRequest& /*what*/, TimePoint /*deadline*/) override { return {}; }
+  Result<void> request(const ControllerRequest& /*what*/, const Wait& /*wait*/) override { return {}; }
   Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return ControllerTrouble{}; }
   Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
-  Result<void> prepare(const std::vector<std::string>& controllers, TimePoint /*deadline*/) override {
+  Result<void> prepare(const std::vector<std::string>& controllers, const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
     prepared_.push_back(controllers);
     changed_.notify_all();
     return fail(ErrorCode::Unsupported, "which harms nobody");
   }
   Result<type::Value> call(const Member& /*operation*/, const type::Value& /*arguments*/,
-                           TimePoint /*deadline*/) override {
+                           const Wait& /*wait*/) override {
     return type::Value();
   }
-  Result<void> set(const Member& /*property*/, const type::Value& /*value*/,
-                   TimePoint /*deadline*/) override {
+  Result<void> set(const Member& /*property*/, const type::Value& /*value*/, const Wait& /*wait*/) override {
     return {};
   }
-  Result<void> write(const Member& /*port*/, const type::Value& /*value*/, TimePoint /*deadline*/) override {
+  Result<void> write(const Member& /*port*/, const type::Value& /*value*/, const Wait& /*wait*/) override {
     return {};
   }
   Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }

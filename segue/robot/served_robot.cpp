@@ -73,10 +73,60 @@ class StreamSamples final : public mission::PortSamples {
   const std::unique_ptr<control::SampleStream> stream_;
 };
 
+/// Is stopped when any of two is.
+class EitherStop {
+ public:
+  EitherStop(const std::stop_token& one, const std::stop_token& other)
+      : one_(one, Stopping{source_}), other_(other, Stopping{source_}) {}
+  [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  struct Stopping {
+    std::stop_source source;
+    void operator()() { source.request_stop(); }
+  };
+  std::stop_source source_;
+  std::stop_callback<Stopping> one_;
+  std::stop_callback<Stopping> other_;
+};
+
 }  // namespace
+
+std::optional<Error> ServedRobot::loss() const {
+  const std::lock_guard lock(mutex_);
+  return why_lost_;
+}
+
+std::optional<Error> ServedRobot::refusal() const {
+  const std::lock_guard lock(mutex_);
+  if (given_back_) return fail(ErrorCode::InvalidState, "the robot was given back");
+  return why_lost_;
+}
+
+template <class T>
+Result<T> ServedRobot::heard(Result<T> answer) {
+  if (answer || answer.error().code != ErrorCode::DeadlineExceeded) return answer;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!why_lost_) why_lost_ = fail(ErrorCode::Unavailable, answer.error().message + ", and counts as lost");
+  }
+  lost_.request_stop();
+  return *loss();
+}
+
+template <class Ask>
+auto ServedRobot::command(const Wait& wait, Ask ask) -> decltype(ask(wait)) {
+  if (auto refused = refusal()) return std::move(*refused);
+  const EitherStop either(wait.stop, lost_.get_token());
+  auto answer = ask(Wait(wait.deadline, either.token()));
+  if (answer) return answer;
+  if (auto lost = loss()) return std::move(*lost);
+  return answer;
+}
 
 Result<std::uint64_t> ServedRobot::lease() {
   const std::lock_guard lock(mutex_);
+  if (why_lost_) return *why_lost_;
   if (given_back_) return fail(ErrorCode::InvalidState, "the robot was given back");
   if (!lease_) {
     auto lease = service_.lease(who_);
@@ -87,9 +137,14 @@ Result<std::uint64_t> ServedRobot::lease() {
 }
 
 Result<std::optional<std::string>> ServedRobot::taken_over() {
-  const std::lock_guard lock(mutex_);
-  if (!lease_) return std::optional<std::string>();
-  const auto lost_to = lease_->lost_to();
+  std::shared_ptr<control::RobotLease> lease;
+  {
+    const std::lock_guard lock(mutex_);
+    if (why_lost_) return *why_lost_;
+    lease = lease_;
+  }
+  if (!lease) return std::optional<std::string>();
+  const auto lost_to = heard(lease->lost_to());
   if (!lost_to) return lost_to.error();
   if (!*lost_to) return std::optional<std::string>();
   return std::optional("the robot was taken over by " + ((*lost_to)->empty() ? "somebody" : **lost_to));
@@ -102,8 +157,13 @@ Result<void> ServedRobot::take() {
 
 Result<std::vector<control::HolderRequest>> ServedRobot::asked() {
   if (auto taken = take(); !taken) return taken.error();
-  const std::lock_guard lock(mutex_);
-  return lease_->asked();
+  std::shared_ptr<control::RobotLease> lease;
+  {
+    const std::lock_guard lock(mutex_);
+    lease = lease_;
+  }
+  if (!lease) return fail(ErrorCode::InvalidState, "the robot was given back");
+  return heard(lease->asked());
 }
 
 Result<void> ServedRobot::report(Value doing) {
@@ -111,17 +171,18 @@ Result<void> ServedRobot::report(Value doing) {
   if (!number) return number.error();
   auto [happened, last] = record_.waiting();
   if (last > 0) doing.as_map().set("happened", std::move(happened));
-  auto done = service_.report(*number, doing);
+  auto done = heard(service_.report(*number, doing));
   if (done) record_.taken(last);
   return done;
 }
 
 Result<Value> ServedRobot::give_back(bool keep, TimePoint deadline) {
-  std::unique_ptr<control::RobotLease> lease;
+  std::shared_ptr<control::RobotLease> lease;
   {
     const std::lock_guard lock(mutex_);
     given_back_ = true;
     lease = std::move(lease_);
+    if (why_lost_) return *why_lost_;
   }
   if (!lease) return Value();
   return service_.give_back(lease->number(), keep, deadline);
@@ -155,7 +216,8 @@ LookAheadSaving ServedRobot::saved() const {
   return saved_;
 }
 
-Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePoint deadline) {
+Result<void> ServedRobot::request(const mission::ControllerRequest& what, const Wait& wait) {
+  if (wait.is_stopped()) return no_longer_wanted();
   const auto lease = this->lease();
   if (!lease) return lease.error();
   for (const auto& cause : what.causes)
@@ -166,7 +228,8 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePo
   for (const auto& one : what.properties)
     options.properties.push_back({one.member.task, one.member.name, one.value});
   const std::string controller = model::joined_name({what.controllers.begin(), what.controllers.end()}).str();
-  const auto answer = service_.switch_to(controller, options, deadline);
+  const auto answer =
+      command(wait, [&](const Wait& both) { return service_.switch_to(controller, options, both); });
   if (!answer) return answer.error();
   count_saving(*answer);
   const std::string outcome = text_at(*answer, "outcome");
@@ -197,6 +260,7 @@ Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view control
 }
 
 Result<mission::ControllerConflicts> ServedRobot::conflicts() {
+  if (auto lost = loss()) return std::move(*lost);
   const auto status = service_.status();
   if (!status) return status.error();
   const auto pairs = service_.conflicts({});
@@ -215,6 +279,7 @@ Result<mission::ControllerConflicts> ServedRobot::conflicts() {
 }
 
 Result<std::vector<mission::PoolView>> ServedRobot::pools() {
+  if (auto lost = loss()) return std::move(*lost);
   const auto status = service_.status();
   if (!status) return status.error();
   std::vector<mission::PoolView> pools;
@@ -230,25 +295,30 @@ Result<std::vector<mission::PoolView>> ServedRobot::pools() {
   return pools;
 }
 
-Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, TimePoint deadline) {
-  const auto prepared = service_.prepare(controllers, deadline);
+Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, const Wait& wait) {
+  const auto prepared = command(wait, [&](const Wait& both) { return service_.prepare(controllers, both); });
   return prepared ? Result<void>() : prepared.error();
 }
 
-Result<Value> ServedRobot::call(const mission::Member& operation, const Value& arguments,
-                                TimePoint deadline) {
-  return service_.call(operation.task, operation.name, arguments, sender(), deadline);
+Result<Value> ServedRobot::call(const mission::Member& operation, const Value& arguments, const Wait& wait) {
+  return command(wait, [&](const Wait& both) {
+    return service_.call(operation.task, operation.name, arguments, sender(), both);
+  });
 }
 
-Result<void> ServedRobot::set(const mission::Member& property, const Value& value, TimePoint deadline) {
-  return service_.set_property(property.task, property.name, value, sender(), deadline);
+Result<void> ServedRobot::set(const mission::Member& property, const Value& value, const Wait& wait) {
+  return command(wait, [&](const Wait& both) {
+    return service_.set_property(property.task, property.name, value, sender(), both);
+  });
 }
 
-Result<void> ServedRobot::write(const mission::Member& port, const Value& value, TimePoint deadline) {
-  return service_.write(port.task, port.name, value, sender(), deadline);
+Result<void> ServedRobot::write(const mission::Member& port, const Value& value, const Wait& wait) {
+  return command(
+      wait, [&](const Wait& both) { return service_.write(port.task, port.name, value, sender(), both); });
 }
 
 Result<mission::TaskView> ServedRobot::task(std::string_view id) {
+  if (auto lost = loss()) return std::move(*lost);
   const auto report = service_.task(id);
   if (!report) return report.error();
   const Value* cycles = report->find("cycles");
@@ -257,6 +327,7 @@ Result<mission::TaskView> ServedRobot::task(std::string_view id) {
 }
 
 Result<std::unique_ptr<mission::PortSamples>> ServedRobot::open(const mission::Member& port) {
+  if (auto lost = loss()) return std::move(*lost);
   auto stream = service_.open_port(port.task, port.name, kBuffer);
   if (!stream) return stream.error();
   return std::make_unique<StreamSamples>(std::move(*stream));

@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct LookAheadSaving {
 };
 
 /// A robot that offers a RobotService: one in another process (control::connect), or in this one
-/// (runtime::RuntimeService). Thread safe.
+/// (runtime::RuntimeService). One that does not say in time what became of its lease is lost, for good:
+/// whoever waits for it, and whatever it is asked later, fails at once with Unavailable. Thread safe.
 class ServedRobot final : public mission::CommandedRobot {
  public:
   /// `service` must outlive this; `who` requests controllers, for the robot's journal.
@@ -45,20 +47,29 @@ class ServedRobot final : public mission::CommandedRobot {
 
   [[nodiscard]] LookAheadSaving saved() const;
 
-  Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
+  Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
   Result<mission::ControllerConflicts> conflicts() override;
   Result<std::vector<mission::PoolView>> pools() override;
-  Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override;
+  Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) override;
   Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
-                           TimePoint deadline) override;
-  Result<void> set(const mission::Member& property, const type::Value& value, TimePoint deadline) override;
-  Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override;
+                           const Wait& wait) override;
+  Result<void> set(const mission::Member& property, const type::Value& value, const Wait& wait) override;
+  Result<void> write(const mission::Member& port, const type::Value& value, const Wait& wait) override;
   Result<mission::TaskView> task(std::string_view id) override;
   Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override;
 
  private:
   Result<std::uint64_t> lease();
+  /// What the robot says of its lease, which it does at once. DeadlineExceeded: it is lost.
+  template <class T>
+  Result<T> heard(Result<T> answer);
+  /// `ask(wait)`, which ends, too, where the robot is lost.
+  template <class Ask>
+  auto command(const Wait& wait, Ask ask) -> decltype(ask(wait));
+  [[nodiscard]] std::optional<Error> loss() const;
+  /// Why nothing may be commanded any more.
+  [[nodiscard]] std::optional<Error> refusal() const;
   /// By whom, as a sentence; nothing: the lease was not lost.
   Result<std::optional<std::string>> taken_over();
   [[nodiscard]] control::Sender sender() const;
@@ -69,9 +80,11 @@ class ServedRobot final : public mission::CommandedRobot {
   const std::string who_;
   MissionRecord record_;
   mutable std::mutex mutex_;                    ///< protects all below
-  std::unique_ptr<control::RobotLease> lease_;  ///< taken by the first request
+  std::shared_ptr<control::RobotLease> lease_;  ///< taken by the first request
   bool given_back_ = false;
   LookAheadSaving saved_;
+  std::optional<Error> why_lost_;
+  std::stop_source lost_;  ///< stopped after that is set
 };
 
 }  // namespace segue::robot

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
+#include <stop_token>
+
 namespace segue::robot {
 namespace {
 
@@ -10,15 +13,21 @@ using type::Value;
 
 class FakeLease final : public control::RobotLease {
  public:
-  explicit FakeLease(const std::optional<std::string>& lost_to) : lost_to_(lost_to) {}
+  FakeLease(const std::optional<std::string>& lost_to, const Result<void>& answer)
+      : lost_to_(lost_to), answer_(answer) {}
   [[nodiscard]] std::uint64_t number() const override { return 7; }
-  Result<std::optional<std::string>> lost_to() override { return lost_to_; }
+  Result<std::optional<std::string>> lost_to() override {
+    if (!answer_) return answer_.error();
+    return lost_to_;
+  }
   Result<std::vector<control::HolderRequest>> asked() override {
+    if (!answer_) return answer_.error();
     return std::vector<control::HolderRequest>{{1, "pause", {}}};
   }
 
  private:
   const std::optional<std::string>& lost_to_;
+  const Result<void>& answer_;
 };
 
 /// Answers what it is told to.
@@ -37,14 +46,22 @@ class FakeService final : public control::RobotService {
   Value reported;
   Value given_back;
   Result<void> report_answer;
+  Result<void> lease_answer;    ///< an error: what the lease says of itself
+  bool switch_waits = false;    ///< until it is wanted no longer
+  std::promise<void> switches;  ///< it waits
 
   Result<Value> status() override { return status_answer; }
   Result<Value> task(std::string_view /*id*/) override { return task_answer; }
   Result<Value> switch_to(std::string_view controller, const control::SwitchOptions& asked,
-                          TimePoint /*deadline*/) override {
+                          const Wait& wait) override {
     requested = controller;
     options = asked;
-    return switch_answer;
+    if (!switch_waits) return switch_answer;
+    switches.set_value();
+    std::promise<void> stopped;
+    const std::stop_callback wake(wait.stop, [&] { stopped.set_value(); });
+    EXPECT_EQ(stopped.get_future().wait_until(wait.deadline), std::future_status::ready);
+    return no_longer_wanted();
   }
   Result<Value> switch_to_network(std::string_view /*text*/, std::string_view /*file*/,
                                   const control::SwitchOptions& /*options*/,
@@ -58,7 +75,7 @@ class FakeService final : public control::RobotService {
   Result<Value> apply(const control::SwitchOptions& /*options*/, TimePoint /*deadline*/) override {
     return no();
   }
-  Result<Value> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
+  Result<Value> prepare(const std::vector<std::string>& /*controllers*/, const Wait& /*wait*/) override {
     return no();
   }
   Result<Value> conflicts(const std::vector<std::string>& /*controllers*/) override {
@@ -66,7 +83,7 @@ class FakeService final : public control::RobotService {
   }
   Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override {
     lease_holder = holder;
-    return std::make_unique<FakeLease>(lost_to);
+    return std::make_unique<FakeLease>(lost_to, lease_answer);
   }
   Result<void> report(std::uint64_t lease, const Value& doing) override {
     reported = Value::list({lease, doing});
@@ -90,17 +107,17 @@ class FakeService final : public control::RobotService {
   }
   Result<void> reset_belief() override { return no(); }
   Result<void> set_property(std::string_view /*task*/, std::string_view /*property*/, const Value& /*value*/,
-                            const control::Sender& /*sender*/, TimePoint /*deadline*/) override {
+                            const control::Sender& /*sender*/, const Wait& /*wait*/) override {
     return no();
   }
   Result<void> write(std::string_view task, std::string_view port, const Value& value,
-                     const control::Sender& sender, TimePoint /*deadline*/) override {
+                     const control::Sender& sender, const Wait& /*wait*/) override {
     written = Value::list({task, port, value});
     sent_with = sender.lease;
     return {};
   }
   Result<Value> call(std::string_view /*task*/, std::string_view /*operation*/, const Value& /*arguments*/,
-                     const control::Sender& /*sender*/, TimePoint /*deadline*/) override {
+                     const control::Sender& /*sender*/, const Wait& /*wait*/) override {
     return no();
   }
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view /*task*/,
@@ -250,7 +267,36 @@ TEST_F(ServedRobotTest, WritesToPorts) {
   EXPECT_TRUE(robot_.give_back(true, {}));
   EXPECT_EQ(service_.given_back.as_list().back(), type::Value(true));
   EXPECT_FALSE(robot_.take()) << "it has been given back";
+  EXPECT_FALSE(robot_.write({"planner", "goal"}, 8, {})) << "not as somebody without a lease either";
   EXPECT_EQ(service_.written, Value::list({"planner", "goal", 7}));
+}
+
+TEST_F(ServedRobotTest, IsLostWhereItDoesNotSayInTimeWhatBecameOfTheLease) {
+  ASSERT_TRUE(robot_.take());
+  service_.lease_answer = fail(ErrorCode::DeadlineExceeded, "robot 'spot' did not answer within 10s");
+  const auto trouble = robot_.trouble("explore");
+  ASSERT_FALSE(trouble);
+  EXPECT_EQ(trouble.error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(trouble.error().message, "robot 'spot' did not answer within 10s, and counts as lost");
+  service_.lease_answer = {};
+  EXPECT_FALSE(robot_.trouble("explore")) << "for good";
+  EXPECT_FALSE(robot_.write({"planner", "goal"}, 7, {}));
+  EXPECT_TRUE(service_.written.is_null());
+  EXPECT_FALSE(robot_.asked());
+  EXPECT_FALSE(robot_.give_back(false, {})) << "it would not be heard";
+  EXPECT_TRUE(service_.given_back.is_null());
+}
+
+TEST_F(ServedRobotTest, ThatIsLostIsWaitedForByNobody) {
+  ASSERT_TRUE(robot_.take());
+  service_.switch_waits = true;
+  auto request = std::async(std::launch::async, [&] {
+    return robot_.request({{"explore"}, {}}, RealClock::instance().now() + std::chrono::seconds(60));
+  });
+  service_.switches.get_future().wait();
+  service_.lease_answer = fail(ErrorCode::DeadlineExceeded, "it is silent");
+  EXPECT_FALSE(robot_.asked());
+  EXPECT_EQ(request.get().error().message, "it is silent, and counts as lost");
 }
 
 TEST_F(ServedRobotTest, SeesTasks) {

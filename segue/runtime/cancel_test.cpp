@@ -2,8 +2,10 @@
 //
 // Requests that are cancelled: before each action, behind the point of commit, while they are undone.
 #include <segue/model/network_sets.hpp>
+#include <segue/runtime/robot_service.hpp>
 #include <segue/runtime/test_support.hpp>
 
+#include <support/eventually.hpp>
 #include <support/faulty_host.hpp>
 
 #include <gmock/gmock.h>
@@ -13,6 +15,7 @@
 #include <future>
 #include <memory>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -144,7 +147,10 @@ TEST(Cancel, of_nothing_and_of_other_requests_is_refused) {
 
 /// Holds the transition to `target` at its first action.
 struct Held : Robot {
-  Held() {
+  explicit Held(const std::string& holder = "") {
+    if (!holder.empty()) {
+      lease = runtime.take_lease(holder).value();
+    }
     asking.ask([held = gate](const model::Action&) -> Result<void> {
       if (!held->entered.exchange(true)) {
         held->reached.set_value();
@@ -152,7 +158,7 @@ struct Held : Robot {
       }
       return {};
     });
-    result = runtime.request(target, {.who = "bob"});
+    result = runtime.request(target, {.who = "bob", .lease = lease});
     EXPECT_EQ(gate->reached.get_future().wait_until(in_a_while()), std::future_status::ready);
   }
   struct Gate {
@@ -161,6 +167,7 @@ struct Held : Robot {
     std::promise<void> released;
   };
   const std::shared_ptr<Gate> gate = std::make_shared<Gate>();  ///< outlives the runtime
+  std::uint64_t lease = 0;
   std::future<SwitchResult> result;
 };
 
@@ -179,6 +186,39 @@ TEST(Cancel, is_answered_when_the_action_that_hangs_has_returned) {
   EXPECT_EQ(end_of(std::move(first)).cancelled_by, "ann");
   EXPECT_EQ(end_of(std::move(second)).cancelled_by, "ann") << "who came first";
   robot.expect_restored();
+}
+
+TEST(Cancel, comes_with_the_end_of_the_lease_of_whoever_requested) {
+  Held robot("ann");
+  robot.runtime.end_lease(robot.lease);
+  robot.gate->released.set_value();
+  const auto result = robot.result.get();
+  EXPECT_EQ(result.outcome, Outcome::Cancelled);
+  EXPECT_EQ(result.cancelled_by, "the end of the lease of ann");
+  robot.expect_restored();
+}
+
+TEST(Cancel, does_not_come_with_the_end_of_the_lease_of_somebody_else) {
+  Held robot;
+  robot.runtime.end_lease(robot.runtime.take_lease("ann").value());
+  robot.gate->released.set_value();
+  EXPECT_EQ(robot.result.get().outcome, Outcome::Done);
+}
+
+TEST(Cancel, follows_whoever_waits_for_a_request_no_longer) {
+  Held robot;
+  EXPECT_FALSE(robot.runtime.add_controller(robot.before).has_errors());
+  RuntimeService service(robot.runtime, nullptr, [] {});
+  std::stop_source stop;
+  auto waits = std::async(std::launch::async, [&] {
+    return service.switch_to("before", {.who = "eve"}, {in_a_while(), stop.get_token()});
+  });
+  EXPECT_TRUE(segue::testing::eventually([&] { return robot.runtime.open_requests().size() == 2; }));
+  stop.request_stop();
+  EXPECT_EQ(waits.get().error().code, ErrorCode::Cancelled) << "while the other one is still held";
+  EXPECT_TRUE(segue::testing::eventually([&] { return robot.runtime.open_requests().size() == 1; }));
+  robot.gate->released.set_value();
+  EXPECT_EQ(robot.result.get().outcome, Outcome::Superseded) << "as it was when the newer one came";
 }
 
 TEST(Cancel, of_a_request_that_waits_leaves_the_one_in_progress) {

@@ -57,6 +57,7 @@ struct ServedRequest {
   std::uint64_t number = 0;
   model::NetworkName to;
   std::string who;
+  std::uint64_t lease = 0;  ///< of who has requested it
   std::optional<std::string> cancelled_by{};
   bool ended = false;                                   ///< its transition has
   std::vector<std::promise<SwitchResult>> cancelled{};  ///< who waits for its end

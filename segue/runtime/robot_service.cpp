@@ -66,8 +66,8 @@ Result<RequestOptions> options_for(const control::SwitchOptions& asked) {
   return options;
 }
 
-Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view target, TimePoint deadline) {
-  if (future.wait_until(deadline) != std::future_status::ready) {
+Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view target, const Wait& wait) {
+  if (!has_answered(future, wait)) {
     return fail(ErrorCode::DeadlineExceeded,
                 "the switch to " + quote(target) + " is still in progress; watch it with 'segue events'",
                 std::string(target));
@@ -134,15 +134,25 @@ Result<type::Value> RuntimeService::task(std::string_view id) {
 }
 
 Result<type::Value> RuntimeService::switch_to(std::string_view controller,
-                                              const control::SwitchOptions& asked, TimePoint deadline) {
+                                              const control::SwitchOptions& asked, const Wait& wait) {
   const auto options = options_for(asked);
   if (!options) {
     return options.error();
   }
   const model::NetworkName name(controller);
   if (!asked.dry_run) {
-    let_rest(deadline);
-    return answer_of(runtime_.request(name, *options), controller, deadline);
+    let_rest(wait);
+    if (wait.is_stopped()) {
+      return no_longer_wanted();
+    }
+    auto accepted = runtime_.accept(name, *options);
+    auto answer = answer_of(std::move(accepted.result), controller, wait);
+    if (!answer && wait.is_stopped()) {
+      // What has just ended, or is past its commit, goes on.
+      static_cast<void>(runtime_.cancel(accepted.number, asked.who));
+      return no_longer_wanted();
+    }
+    return answer;
   }
   auto transition = runtime_.plan(name, *options);
   if (!transition) {
@@ -269,9 +279,12 @@ Result<type::Value> RuntimeService::apply(const control::SwitchOptions& asked, T
   return to_value(result);
 }
 
-Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& controllers, TimePoint deadline) {
+Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& controllers, const Wait& wait) {
+  if (wait.is_stopped()) {
+    return no_longer_wanted();
+  }
   auto future = runtime_.prepare({controllers.begin(), controllers.end()});
-  if (future.wait_until(deadline) != std::future_status::ready) {
+  if (!has_answered(future, wait)) {
     return fail(ErrorCode::DeadlineExceeded,
                 "the controllers are not all prepared yet; watch it with 'segue events'");
   }
@@ -362,38 +375,41 @@ Result<void> RuntimeService::reset_belief() {
 
 Result<void> RuntimeService::set_property(std::string_view task, std::string_view property,
                                           const type::Value& value, const control::Sender& sender,
-                                          TimePoint deadline) {
-  if (auto allowed = allow(sender, "sets", task, property); !allowed) {
+                                          const Wait& wait) {
+  if (auto allowed = allow(sender, "sets", task, property, wait); !allowed) {
     return allowed;
   }
-  return runtime_.host().set_property(model::TaskId(task), property, value, deadline);
+  return runtime_.host().set_property(model::TaskId(task), property, value, wait.deadline);
 }
 
 Result<type::Value> RuntimeService::call(std::string_view task, std::string_view operation,
                                          const type::Value& arguments, const control::Sender& sender,
-                                         TimePoint deadline) {
-  if (auto allowed = allow(sender, "calls", task, operation); !allowed) {
+                                         const Wait& wait) {
+  if (auto allowed = allow(sender, "calls", task, operation, wait); !allowed) {
     return std::move(allowed.error());
   }
-  return runtime_.host().call(model::TaskId(task), operation, arguments, deadline);
+  return runtime_.host().call(model::TaskId(task), operation, arguments, wait.deadline);
 }
 
 Result<void> RuntimeService::write(std::string_view task, std::string_view port, const type::Value& value,
-                                   const control::Sender& sender, TimePoint deadline) {
-  if (auto allowed = allow(sender, "writes to", task, port); !allowed) {
+                                   const control::Sender& sender, const Wait& wait) {
+  if (auto allowed = allow(sender, "writes to", task, port, wait); !allowed) {
     return allowed;
   }
-  return runtime_.host().write({model::TaskId(task), std::string(port)}, value, deadline);
+  return runtime_.host().write({model::TaskId(task), std::string(port)}, value, wait.deadline);
 }
 
-void RuntimeService::let_rest(TimePoint deadline) const {
+void RuntimeService::let_rest(const Wait& wait) const {
   if (const auto halt = runtime_.halt_on_its_way(); halt.valid()) {
-    halt.wait_until(deadline);
+    has_answered(halt, wait);
   }
 }
 
 Result<void> RuntimeService::allow(const control::Sender& sender, std::string_view verb,
-                                   std::string_view task, std::string_view member) {
+                                   std::string_view task, std::string_view member, const Wait& wait) const {
+  if (wait.is_stopped()) {
+    return no_longer_wanted();
+  }
   return runtime_.allow({sender.who, sender.lease, sender.beside_mission},
                         std::string(verb) + " " + std::string(task) + "." + std::string(member));
 }

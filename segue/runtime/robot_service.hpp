@@ -20,13 +20,13 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> status() override;
   Result<type::Value> task(std::string_view id) override;
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
-                                TimePoint deadline) override;
+                                const Wait& wait) override;
   Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
                                         const control::SwitchOptions& options, TimePoint deadline) override;
   Result<type::Value> plan(std::string_view controller, const control::SwitchOptions& options,
                            TimePoint deadline) override;
   Result<type::Value> apply(const control::SwitchOptions& options, TimePoint deadline) override;
-  Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override;
+  Result<type::Value> prepare(const std::vector<std::string>& controllers, const Wait& wait) override;
   Result<type::Value> conflicts(const std::vector<std::string>& controllers) override;
   Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override;
   Result<void> report(std::uint64_t lease, const type::Value& doing) override;
@@ -40,11 +40,11 @@ class RuntimeService final : public control::RobotService {
                                        TimePoint deadline) override;
   Result<void> reset_belief() override;
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
-                            const control::Sender& sender, TimePoint deadline) override;
+                            const control::Sender& sender, const Wait& wait) override;
   Result<type::Value> call(std::string_view task, std::string_view operation, const type::Value& arguments,
-                           const control::Sender& sender, TimePoint deadline) override;
+                           const control::Sender& sender, const Wait& wait) override;
   Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
-                     const control::Sender& sender, TimePoint deadline) override;
+                     const control::Sender& sender, const Wait& wait) override;
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
                                                            std::size_t buffer) override;
   Result<type::Value> events(std::uint64_t after, Duration wait) override;
@@ -54,10 +54,10 @@ class RuntimeService final : public control::RobotService {
 
  private:
   /// Whoever wants the robot while it comes to rest waits until it has, rather than be refused for a moment.
-  void let_rest(TimePoint deadline) const;
-  /// Whether that sender may do this with a member of a task ("sets", "wheels", "speed").
+  void let_rest(const Wait& wait) const;
+  /// Whether that sender may do this with a member of a task ("sets", "wheels", "speed"), and still wants it.
   Result<void> allow(const control::Sender& sender, std::string_view verb, std::string_view task,
-                     std::string_view member);
+                     std::string_view member, const Wait& wait) const;
   [[nodiscard]] Result<type::Value> plan_for(const ControllerSet& set,
                                              const std::vector<ControllerChange>& changes,
                                              std::string_view controller, const RequestOptions& options,

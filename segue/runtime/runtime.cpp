@@ -142,8 +142,12 @@ std::optional<std::string> Runtime::lease_holder() const {
   return implementation_->leases.holder();
 }
 
-std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {
+AcceptedRequest Runtime::accept(Request request, RequestOptions options) {
   return implementation_->accept(std::move(request), std::move(options));
+}
+
+std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {
+  return accept(std::move(request), std::move(options)).result;
 }
 
 SwitchResult Runtime::switch_to(Request request, RequestOptions options) {

@@ -79,9 +79,8 @@ class Runtime {
   /// Adds or replaces a controller that can be requested by name. An invalid network is not added; the result
   /// lists all problems.
   Diagnostics add_controller(model::Network network);
-  /// Replaces all controllers (but those that add_controller() added), the fallback and the list of files
-  /// at once. Where a network cannot run here, nothing is replaced, and the
-  /// result lists all problems. What runs stays as it is.
+  /// Replaces all controllers (but those that add_controller() added), the fallback and the list of files at
+  /// once. Where a network cannot run here, nothing is: the result lists all problems. What runs stays.
   Diagnostics load(ControllerSet set);
   /// Like load(), and then the running controller goes to its new version by a transition like any other,
   /// once the requests before it are done. It supersedes no request; one that comes later supersedes its
@@ -106,7 +105,7 @@ class Runtime {
   /// itself (repair, fallback) needs none.
   Result<std::uint64_t> take_lease(std::string holder);
   /// Unless it is to `keep` running what it runs, or that is nothing, a robot that says what rest is
-  /// (ControllerSet::halt) halts: the result; otherwise no future.
+  /// (ControllerSet::halt) halts: the result; otherwise no future. Open requests of that lease are cancelled.
   std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep = false);
   /// Who took the robot over from that lease; nothing: it is still held.
   [[nodiscard]] std::optional<std::string> lease_lost_to(std::uint64_t lease) const;
@@ -140,6 +139,8 @@ class Runtime {
 
   /// Requests a network; the future gets the result. Validation and solving precede any action.
   std::future<SwitchResult> request(Request request, RequestOptions options = {});
+  /// The same with its number.
+  AcceptedRequest accept(Request request, RequestOptions options = {});
   /// Calls request() and waits for the result. Blocks.
   SwitchResult switch_to(Request request, RequestOptions options = {});
   /// Cancels a request, 0: the newest one. One that waits ends at once; the transition of another one is
@@ -183,8 +184,7 @@ class Runtime {
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
   [[nodiscard]] const std::filesystem::path& journal() const;  ///< its file; empty: none is kept
-  /// Blocks until the journal's file has everything so far. Fails with what keeps it from that, or
-  /// DeadlineExceeded.
+  /// Blocks until the journal's file has everything so far. DeadlineExceeded, or what keeps it from that.
   [[nodiscard]] Result<void> flush_journal(TimePoint deadline) const;
   /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
   [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;

@@ -209,7 +209,7 @@ std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& 
   }
   {
     const std::lock_guard lock(mutex);
-    served.emplace(detail::ServedRequest{job.number, controller.name, job.options.who});
+    served.emplace(detail::ServedRequest{job.number, controller.name, job.options.who, job.options.lease});
   }
   journal.accepted(job.number, job.options.who, controller.name);
   const auto held = belief.held();

@@ -79,6 +79,22 @@ Result<std::future<SwitchResult>> Runtime::Implementation::cancel_served(const s
   return served->cancelled.emplace_back().get_future();
 }
 
+void Runtime::Implementation::cancel_requests_of(std::uint64_t lease, const std::string& who) {
+  std::vector<std::uint64_t> open;
+  {
+    const std::lock_guard lock(mutex);
+    if (served && served->lease == lease) {
+      open.push_back(served->number);
+    }
+    if (waiting && waiting->options.lease == lease) {
+      open.push_back(waiting->number);
+    }
+  }
+  for (const std::uint64_t number : open) {
+    static_cast<void>(cancel(number, who));  // what is past its commit goes on to its end
+  }
+}
+
 std::vector<OpenRequest> Runtime::Implementation::open_requests() const {
   const std::lock_guard lock(mutex);
   std::vector<OpenRequest> open;

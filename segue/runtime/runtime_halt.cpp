@@ -79,13 +79,15 @@ DevicesStopped Runtime::Implementation::with_devices_stopped() const {
 
 std::shared_future<HaltResult> Runtime::Implementation::end_lease(std::uint64_t lease, bool keep) {
   const auto holder = leases.holder_of(lease);
-  bool halts_after = holder && !keep && !holder->keeps && !belief.controller().empty();
+  const bool runs = !belief.controller().empty() || !open_requests().empty();
+  bool halts_after = holder && !keep && !holder->keeps && runs;
   {
     const std::lock_guard lock(mutex);
     halts_after = halts_after && definitions.halt && !stopping;
   }
   if (!halts_after) {
     leases.end(lease);
+    cancel_requests_of(lease, holder ? "the end of the lease of " + holder->name : "the end of its lease");
     return {};
   }
   return halts.begin({holder->name, "it commands the robot no longer"}, [&] { leases.end(lease); });

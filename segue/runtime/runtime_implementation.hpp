@@ -34,7 +34,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   ~Implementation();
 
   // Requests (runtime_requests.cpp)
-  std::future<SwitchResult> accept(Request request, RequestOptions options);
+  AcceptedRequest accept(Request request, RequestOptions options);
   /// Its turn comes next; returns the one whose place it takes. With the mutex held.
   std::optional<detail::PendingRequest> enqueue(detail::PendingRequest job);
   /// The controller of that name; the empty name is the empty network.
@@ -63,6 +63,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   std::vector<OpenRequest> open_requests() const;
   /// With the mutex held.
   Result<std::future<SwitchResult>> cancel_served(const std::string& who);
+  /// Where one has not ended that was made with this lease, which is lost.
+  void cancel_requests_of(std::uint64_t lease, const std::string& who);
 
   // Halts (runtime_halt.cpp)
   std::future<SwitchResult> request_rest(const std::string& by, Request request, Duration action_deadline);

@@ -41,7 +41,7 @@ SwitchResult new_result(const PendingRequest& job) {
 
 }  // namespace
 
-std::future<SwitchResult> Runtime::Implementation::accept(Request request, RequestOptions request_options) {
+AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions request_options) {
   if (auto* controller = std::get_if<model::NetworkName>(&request)) {
     *controller = model::joined_name(model::controllers_in(controller->str()));
   } else if (const auto* network = std::get_if<model::Network>(&request)) {
@@ -52,9 +52,10 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
   PendingRequest job{0, std::move(request), std::move(request_options), {}};
   std::future<SwitchResult> future = job.promise.get_future();
   std::optional<PendingRequest> older;
+  std::uint64_t number = 0;
   {
     const std::lock_guard lock(mutex);
-    job.number = ++requests;
+    number = job.number = ++requests;
     journal.accepted(job.number, job.options.who, name_of(job.request));
     if (auto refusal = refusal_of(job.options)) {
       invalid = detail::Refusal{std::move(*refusal), {}};
@@ -68,7 +69,7 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
     result.from = result.runs = belief.controller().name;
     result.from_version = result.runs_version = belief.version();
     answer(job, refused(std::move(result), std::move(*invalid)));
-    return future;
+    return {number, std::move(future)};
   }
   wake.notify_all();
   if (older) {
@@ -78,7 +79,7 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
     journal.ended(std::as_const(result));
     answer(*older, std::move(result));
   }
-  return future;
+  return {number, std::move(future)};
 }
 
 std::optional<PendingRequest> Runtime::Implementation::enqueue(PendingRequest job) {

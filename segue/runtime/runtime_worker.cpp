@@ -105,7 +105,8 @@ void Runtime::Implementation::work() {
     }
     PendingRequest job = std::move(*waiting);
     waiting.reset();
-    served.emplace(detail::ServedRequest{job.number, detail::name_of(job.request), job.options.who});
+    served.emplace(
+        detail::ServedRequest{job.number, detail::name_of(job.request), job.options.who, job.options.lease});
     const RuntimeState before = std::exchange(state, RuntimeState::Executing);
     lock.unlock();
     SwitchResult result = serve(job);

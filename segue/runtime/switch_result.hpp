@@ -11,6 +11,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <future>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -86,6 +87,12 @@ struct SwitchResult {
   std::string cancelled_by{};     ///< Outcome::Cancelled
   std::optional<Error> leftover;  ///< Outcome::Done, but part of the old network could not be retired
   Diagnostics diagnostics;        ///< all findings of validation, if refused
+};
+
+/// A request, and what becomes of it.
+struct AcceptedRequest {
+  std::uint64_t number = 0;
+  std::future<SwitchResult> result;
 };
 
 /// The result of Runtime::apply().

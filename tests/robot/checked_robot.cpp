@@ -25,10 +25,10 @@ void CheckedRobot::blame(std::string what) {
   if (!problem_) problem_ = std::move(what);
 }
 
-Result<void> CheckedRobot::request(const mission::ControllerRequest& what, TimePoint deadline) {
+Result<void> CheckedRobot::request(const mission::ControllerRequest& what, const Wait& wait) {
   const bool was_lost = is_lost();
   const std::set<std::string> names(what.controllers.begin(), what.controllers.end());
-  auto outcome = inner_->request(what, deadline);
+  auto outcome = inner_->request(what, wait);
   if (outcome) {
     check_granted(names, was_lost);
   } else if (!may_fail_ && !may_be_lost_) {

@@ -42,7 +42,7 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   /// Nobody waits for answers any more.
   void mission_is_over() { answered(kOver); }
 
-  Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
+  Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
 
  private:

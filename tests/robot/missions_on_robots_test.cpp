@@ -35,15 +35,15 @@ class DefectiveRobot final : public ForwardingCommandedRobot {
                  Defect defect)
       : ForwardingCommandedRobot(std::move(inner)), service_(service), defect_(defect) {}
 
-  Result<void> request(const ControllerRequest& what, TimePoint deadline) override {
+  Result<void> request(const ControllerRequest& what, const Wait& wait) override {
     ControllerRequest asked = what;
     if (defect_ == Defect::LosesAController && asked.controllers.size() > 1) asked.controllers.pop_back();
-    auto outcome = inner_->request(asked, deadline);
+    auto outcome = inner_->request(asked, wait);
     if (outcome) return outcome;
     if (defect_ == Defect::HidesFailures) return {};
     if (defect_ != Defect::TakesTheRobotBack) return outcome;
     const auto taken = service_.switch_to(asked.controllers.empty() ? "" : asked.controllers.front(),
-                                          {.who = "a thief", .take_over = true}, deadline);
+                                          {.who = "a thief", .take_over = true}, wait);
     return taken ? Result<void>() : outcome;
   }
   Result<ControllerTrouble> trouble(std::string_view controller) override {

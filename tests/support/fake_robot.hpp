@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
 
 namespace segue::control {
@@ -47,6 +48,7 @@ class FakeRobot : public RobotService {
  public:
   Gate entered;  ///< a blocking call has begun
   Gate release;  ///< releases blocking calls
+  Gate dropped;  ///< the caller of a blocking call waits no longer
   std::atomic<int> open_streams{0};
   std::atomic<bool> asked_to_end{false};
   std::atomic<int> leases{0};              ///< that are held
@@ -59,7 +61,7 @@ class FakeRobot : public RobotService {
     return type::Value(std::string(std::size_t{200} << 20, 'x'));
   }
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
-                                TimePoint deadline) override {
+                                const Wait& wait) override {
     return type::Value::map({{"to", controller},
                              {"dry_run", options.dry_run},
                              {"force", options.force},
@@ -68,7 +70,7 @@ class FakeRobot : public RobotService {
                              {"lease", options.lease},
                              {"take_over", options.take_over},
                              {"properties", properties_of(options)},
-                             {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
+                             {"left_s", std::chrono::duration<double>(wait.deadline - now()).count()}});
   }
   Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
                                         const control::SwitchOptions& options, TimePoint) override {
@@ -93,7 +95,7 @@ class FakeRobot : public RobotService {
                              {"lease", options.lease},
                              {"take_over", options.take_over}});
   }
-  Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint) override {
+  Result<type::Value> prepare(const std::vector<std::string>& controllers, const Wait& /*wait*/) override {
     type::Value::List list;
     for (const auto& name : controllers)
       list.emplace_back(name);
@@ -144,7 +146,7 @@ class FakeRobot : public RobotService {
         .because_of(std::move(middle));
   }
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
-                            const Sender& sender, TimePoint) override {
+                            const Sender& sender, const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
     set_ = type::Value::map({{"task", task}, {"property", property}, {"value", value}});
     sender_ = sender;
@@ -152,14 +154,15 @@ class FakeRobot : public RobotService {
     return {};
   }
   Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
-                     const Sender& sender, TimePoint deadline) override {
-    return set_property(task, "port " + std::string(port), value, sender, deadline);
+                     const Sender& sender, const Wait& wait) override {
+    return set_property(task, "port " + std::string(port), value, sender, wait);
   }
   Result<type::Value> call(std::string_view, std::string_view operation, const type::Value& arguments,
-                           const Sender&, TimePoint deadline) override {
+                           const Sender&, const Wait& wait) override {
     if (operation == "echo") return arguments;
+    const std::stop_callback given_up(wait.stop, [this] { dropped.open(); });
     entered.open();
-    if (!release.wait_until(deadline)) return fail(ErrorCode::DeadlineExceeded, "nobody let me go");
+    if (!release.wait_until(wait.deadline)) return fail(ErrorCode::DeadlineExceeded, "nobody let me go");
     return type::Value("released");
   }
   Result<std::unique_ptr<SampleStream>> open_port(std::string_view, std::string_view port,

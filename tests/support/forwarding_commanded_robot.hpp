@@ -17,26 +17,26 @@ class ForwardingCommandedRobot : public mission::CommandedRobot {
   explicit ForwardingCommandedRobot(std::shared_ptr<mission::CommandedRobot> inner)
       : inner_(std::move(inner)) {}
 
-  Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override {
-    return inner_->request(what, deadline);
+  Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override {
+    return inner_->request(what, wait);
   }
   Result<mission::ControllerTrouble> trouble(std::string_view controller) override {
     return inner_->trouble(controller);
   }
   Result<mission::ControllerConflicts> conflicts() override { return inner_->conflicts(); }
   Result<std::vector<mission::PoolView>> pools() override { return inner_->pools(); }
-  Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
-    return inner_->prepare(controllers, deadline);
+  Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) override {
+    return inner_->prepare(controllers, wait);
   }
   Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
-                           TimePoint deadline) override {
-    return inner_->call(operation, arguments, deadline);
+                           const Wait& wait) override {
+    return inner_->call(operation, arguments, wait);
   }
-  Result<void> set(const mission::Member& property, const type::Value& value, TimePoint deadline) override {
-    return inner_->set(property, value, deadline);
+  Result<void> set(const mission::Member& property, const type::Value& value, const Wait& wait) override {
+    return inner_->set(property, value, wait);
   }
-  Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override {
-    return inner_->write(port, value, deadline);
+  Result<void> write(const mission::Member& port, const type::Value& value, const Wait& wait) override {
+    return inner_->write(port, value, wait);
   }
   Result<mission::TaskView> task(std::string_view id) override { return inner_->task(id); }
   Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override {

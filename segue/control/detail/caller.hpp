@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -43,7 +44,8 @@ class Caller {
   Result<void> begin_batch();
   void end_batch() { --client_->batches; }
 
-  /// Runs `job`, which returns a Result<T>, then `reply(T&, results)` (for T void: `reply(results)`). Errors,
+  /// Runs `job`, which returns a Result<T> and may take a std::stop_token, by which it learns that the client
+  /// has dropped the call, then `reply(T&, results)` (for T void: `reply(results)`). Errors,
   /// exceptions of the job included, become the `error` of the results; so does a role that does not include
   /// `needed` (Observe, which everybody has, where none is named). Parameters must have been read.
   template <class Context, class Job, class Reply>
@@ -100,26 +102,42 @@ auto guarded(Job& job, std::string_view noun) -> std::invoke_result_t<Job&> {
   }
 }
 
+/// With the token where the job takes one.
+template <class Job>
+auto run_job(Job& job, const std::stop_token& stop) {
+  if constexpr (std::is_invocable_v<Job&, const std::stop_token&>) {
+    return job(stop);
+  } else {
+    return job();
+  }
+}
+
 /// `finish(outcome, results)` in the loop when `job` has ended or was refused.
 template <class Context, class Job, class Finish>
 kj::Promise<void> Caller::begin_job(Role needed, Context context, Job job, Finish finish) {
-  using Outcome = std::invoke_result_t<Job&>;
+  using Outcome = decltype(run_job(job, std::stop_token()));
   struct Work {
     std::optional<Job> job;
     std::optional<Outcome> outcome;
+    std::stop_source dropped{};
   };
   context.releaseParams();
   context.allowCancellation();
   auto work = std::make_shared<Work>();
   work->job.emplace(std::move(job));
   auto done = run(needed, [work, noun = core_.noun()] {
-    work->outcome.emplace(guarded(*work->job, noun));
+    auto bound = [&] { return run_job(*work->job, work->dropped.get_token()); };
+    work->outcome.emplace(guarded(bound, noun));
     work->job.reset();
   });
-  return done.then([work, context, finish = std::move(finish)](Result<void>&& begun) mutable {
-    if (!begun) work->outcome.emplace(begun.error());
-    finish(*work->outcome, context.getResults());
-  });
+  // Where the client waits no longer, the promise is destroyed before it is resolved.
+  auto ended = kj::defer([work] { work->dropped.request_stop(); });
+  return done
+      .then([work, context, finish = std::move(finish)](Result<void>&& begun) mutable {
+        if (!begun) work->outcome.emplace(begun.error());
+        finish(*work->outcome, context.getResults());
+      })
+      .attach(kj::mv(ended));
 }
 
 /// Writes an outcome into the results: its error, or what `reply` makes of it.

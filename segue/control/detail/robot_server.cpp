@@ -7,6 +7,7 @@
 #include <segue/control/verbs.hpp>
 
 #include <algorithm>
+#include <stop_token>
 #include <utility>
 
 namespace segue::control::detail {
@@ -130,13 +131,16 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> switchTo(SwitchToContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(role_for(Verb::Switch, params.getTakeOver()), context,
-                                [&service = service(), controller = as_string(params.getController()),
-                                 options = options_of(params, peer()),
-                                 deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
-                                  if (!options) return options.error();
-                                  return service.switch_to(controller, *options, deadline);
-                                });
+    return caller_.answer_value(
+        role_for(Verb::Switch, params.getTakeOver()), context,
+        [&service = service(), controller = as_string(params.getController()),
+         options = options_of(params, peer()),
+         deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
+          if (!options) return options.error();
+          // Somebody without a lease may ask, and go.
+          const auto stop = options->lease == 0 ? std::stop_token() : dropped;
+          return service.switch_to(controller, *options, {deadline, stop});
+        });
   }
 
   kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
@@ -180,7 +184,9 @@ class RobotServer final : public wire::Robot::Server {
     return caller_.answer_value(
         role_for(Verb::Prepare), context,
         [&service = service(), controllers = names_in(params.getControllers()),
-         deadline = deadline_after(params.getTimeout())] { return service.prepare(controllers, deadline); });
+         deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) {
+          return service.prepare(controllers, {deadline, dropped});
+        });
   }
 
   kj::Promise<void> conflicts(ConflictsContext context) override {
@@ -285,9 +291,9 @@ class RobotServer final : public wire::Robot::Server {
         role_for(Verb::Set), context,
         [&service = service(), task = as_string(params.getTask()), property = as_string(params.getProperty()),
          value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
-         deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
+         deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!value) return value.error();
-          return as_value(service.set_property(task, property, *value, sender, deadline));
+          return as_value(service.set_property(task, property, *value, sender, {deadline, dropped}));
         });
   }
 
@@ -297,9 +303,9 @@ class RobotServer final : public wire::Robot::Server {
         role_for(Verb::Write), context,
         [&service = service(), task = as_string(params.getTask()), port = as_string(params.getPort()),
          value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
-         deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
+         deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!value) return value.error();
-          return as_value(service.write(task, port, *value, sender, deadline));
+          return as_value(service.write(task, port, *value, sender, {deadline, dropped}));
         });
   }
 
@@ -310,9 +316,9 @@ class RobotServer final : public wire::Robot::Server {
         [&service = service(), task = as_string(params.getTask()),
          operation = as_string(params.getOperation()), arguments = decode(params.getArguments(), kMaxNodes),
          sender = sender_of(params.getSender(), peer()),
-         deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
+         deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!arguments) return arguments.error();
-          return service.call(task, operation, *arguments, sender, deadline);
+          return service.call(task, operation, *arguments, sender, {deadline, dropped});
         });
   }
 

@@ -202,29 +202,43 @@ Result<void> RpcChannel::greet(std::string_view kind, TimePoint deadline, const 
   return {};
 }
 
-bool RpcChannel::start(Duration timeout, Begin begin, Failed failed) {
-  return loop_.post(
-      [this, begin = std::move(begin), failed = std::move(failed), timeout](kj::AsyncIoContext&) {
-        auto late = loop_.timer().afterDelay(to_kj(timeout)).then([] { return false; });
-        auto call = kj::evalNow([&]() -> kj::Promise<void> {
-                      try {
-                        return begin(*connection_);
-                      } catch (const WireError& error) {
-                        failed(error.error());
-                        return kj::READY_NOW;
-                      }
-                    })
-                        .then([] { return true; })
-                        .exclusiveJoin(kj::mv(late))
-                        .then(
-                            [this, failed, timeout](bool in_time) {
-                              if (in_time) return;
-                              failed(fail(ErrorCode::DeadlineExceeded,
-                                          who_ + " did not answer within " + format_duration(timeout)));
-                            },
-                            [this, failed](kj::Exception&& exception) { failed(translate(exception)); });
-        calls_->add(kj::mv(call));
-      });
+kj::Promise<RpcChannel::End> RpcChannel::stopped(const std::stop_token& stop) {
+  if (!stop.stop_possible()) return kj::NEVER_DONE;
+  auto pair = kj::newPromiseAndFulfiller<End>();
+  // Shared because what is posted must be copyable; the last of both is destroyed in the loop's thread.
+  auto fulfiller = std::make_shared<kj::Own<kj::PromiseFulfiller<End>>>(kj::mv(pair.fulfiller));
+  const auto tell = [this, fulfiller] {
+    loop_.post([fulfiller](kj::AsyncIoContext&) { (*fulfiller)->fulfill(End::Stop); });
+  };
+  return pair.promise.attach(kj::heap<std::stop_callback<std::function<void()>>>(stop, tell));
+}
+
+bool RpcChannel::start(Duration timeout, Begin begin, Failed failed, std::stop_token stop) {
+  return loop_.post([this, begin = std::move(begin), failed = std::move(failed), timeout,
+                     stop = std::move(stop)](kj::AsyncIoContext&) {
+    if (stop.stop_requested()) return failed(no_longer_wanted());
+    auto late = loop_.timer().afterDelay(to_kj(timeout)).then([] { return End::Timeout; });
+    auto call = kj::evalNow([&]() -> kj::Promise<void> {
+                  try {
+                    return begin(*connection_);
+                  } catch (const WireError& error) {
+                    failed(error.error());
+                    return kj::READY_NOW;
+                  }
+                })
+                    .then([] { return End::Answer; })
+                    .exclusiveJoin(kj::mv(late))
+                    .exclusiveJoin(stopped(stop))
+                    .then(
+                        [this, failed, timeout](End end) {
+                          if (end == End::Answer) return;
+                          if (end == End::Stop) return failed(no_longer_wanted());
+                          failed(fail(ErrorCode::DeadlineExceeded,
+                                      who_ + " did not answer within " + format_duration(timeout)));
+                        },
+                        [this, failed](kj::Exception&& exception) { failed(translate(exception)); });
+    calls_->add(kj::mv(call));
+  });
 }
 
 void RpcChannel::run(const std::function<void()>& work) {

@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
+#include <segue/base/wait.hpp>
 #include <segue/control/detail/encryption.hpp>
 #include <segue/control/detail/event_loop.hpp>
 #include <segue/control/detail/wire.hpp>
@@ -18,6 +19,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -104,13 +106,14 @@ class RpcChannel {
   RpcChannel& operator=(const RpcChannel&) = delete;
 
   /// Calls `build`, which returns a Reply<T>, in the loop and waits for its answer. `build` may refer to the
-  /// caller's variables. Must not be called from the loop's own thread.
+  /// caller's variables. Cancelled once a stop is requested: the other side learns that the call was dropped,
+  /// if it was sent. Must not be called from the loop's own thread.
   template <class T = type::Value, class Build>
-  Result<T> ask(Duration timeout, const Build& build);
+  Result<T> ask(Duration timeout, const Build& build, const std::stop_token& stop = {});
 
-  /// Calls `begin` in the loop and returns at once. Where its promise fails or is not resolved in time, calls
-  /// `failed` in the loop. False after the end of the loop. Neither is called after this has been destroyed.
-  bool start(Duration timeout, Begin begin, Failed failed);
+  /// Calls `begin` in the loop and returns at once. Where its promise fails, or is not resolved in time or
+  /// before a stop, calls `failed` there. False after the loop's end. Calls neither once this is destroyed.
+  bool start(Duration timeout, Begin begin, Failed failed, std::stop_token stop = {});
 
   /// Runs `work` in the loop and waits for its end. Must not be called from the loop's own thread.
   void run(const std::function<void()>& work);
@@ -141,6 +144,8 @@ class RpcChannel {
   Result<void> greet(std::string_view kind, TimePoint deadline, const Begin& first);
   [[nodiscard]] Error translate(const kj::Exception& exception) const;
 
+  enum class End : std::uint8_t { Answer, Timeout, Stop };  ///< what ends a call
+  kj::Promise<End> stopped(const std::stop_token& stop);    ///< in the loop
   struct Failures;
   const std::string who_;
   std::atomic<StreamId> next_stream_{1};
@@ -151,7 +156,7 @@ class RpcChannel {
 };
 
 template <class T, class Build>
-Result<T> RpcChannel::ask(Duration timeout, const Build& build) {
+Result<T> RpcChannel::ask(Duration timeout, const Build& build, const std::stop_token& stop) {
   // Shared, since the waiting thread may return before set_value() does.
   const auto done = std::make_shared<std::promise<Result<T>>>();
   auto answer = done->get_future();
@@ -160,7 +165,7 @@ Result<T> RpcChannel::ask(Duration timeout, const Build& build) {
       [done, &build](Connection& connection) {
         return build(connection).then([done](Result<T>&& outcome) { done->set_value(std::move(outcome)); });
       },
-      [done](Error error) { done->set_value(std::move(error)); });
+      [done](Error error) { done->set_value(std::move(error)); }, stop);
   if (!begun) return fail(ErrorCode::Unavailable, "the connection is closed");
   return answer.get();
 }

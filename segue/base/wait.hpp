@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/error.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <stop_token>
+#include <utility>
+
+namespace segue {
+
+/// How long a caller waits for an answer: until `deadline` at most, and only until a stop is requested.
+/// Whoever is asked fails with DeadlineExceeded or, at once, with Cancelled; after the stop it begins
+/// nothing.
+struct Wait {
+  Wait() = default;  ///< for nothing
+  // NOLINTNEXTLINE(google-explicit-constructor): most callers have a deadline only.
+  Wait(TimePoint until) : deadline(until) {}
+  Wait(TimePoint until, std::stop_token token) : deadline(until), stop(std::move(token)) {}
+
+  TimePoint deadline{};
+  std::stop_token stop{};
+
+  [[nodiscard]] bool is_stopped() const { return stop.stop_requested(); }
+};
+
+/// What whoever is asked answers to a caller that waits no longer.
+inline Error no_longer_wanted() {
+  return {ErrorCode::Cancelled, "whoever asked for it wants it no longer", {}, {}, {}};
+}
+
+/// Waits as long as `wait` says for the answer; false where it has not come by then. A future cannot be woken
+/// by a stop, so that is seen within 5 ms.
+template <class Future>
+bool has_answered(const Future& answer, const Wait& wait) {
+  constexpr Duration kSlice = std::chrono::milliseconds(5);
+  if (!wait.stop.stop_possible()) return answer.wait_until(wait.deadline) == std::future_status::ready;
+  while (!wait.is_stopped()) {
+    const TimePoint now = RealClock::instance().now();
+    if (answer.wait_until(std::min(wait.deadline, now + kSlice)) == std::future_status::ready) return true;
+    if (now >= wait.deadline) return false;
+  }
+  return false;
+}
+
+}  // namespace segue
