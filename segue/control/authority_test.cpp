@@ -38,6 +38,12 @@ TEST_F(SecureTest, ACertificateSaysWhoMayDoWhatAndHowLong) {
   EXPECT_EQ(left.valid_until - left.valid_from, hours(825 * 24));
 }
 
+TEST_F(SecureTest, TheCertificateOfAHostHasTheAddressesUnderWhichBrowsersReachIt) {
+  enrol({.name = "base", .host = true, .addresses = {"base.example", "10.9.8.7", "FD00:0:0::7"}});
+  EXPECT_EQ(credentials("base", Use::Host).identity().addresses,
+            (std::vector<std::string>{"base", "base.example", "10.9.8.7", "fd00::7"}));
+}
+
 TEST_F(SecureTest, TheListNamesAllThatWasIssuedAndRevoked) {
   const auto revoked = authority_->revoke("ann").value();
   ASSERT_EQ(revoked.size(), 1U);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace segue::control {
 
@@ -26,6 +27,8 @@ struct Identity {
   std::string serial;  ///< hexadecimal digits
   std::chrono::system_clock::time_point valid_from;
   std::chrono::system_clock::time_point valid_until;
+  /// Of a host: DNS names and IP addresses under which browsers may reach it; numbers as browsers write them.
+  std::vector<std::string> addresses{};
 };
 
 /// What a program shows the other side of a connection, and what it believes of it: an own certificate with

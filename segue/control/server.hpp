@@ -52,8 +52,9 @@ struct Places {
 /// Serves one service from a thread of its own: on a Unix socket (0600; the peer's uid must be ours or
 /// root's; who connects there administers), and on TCP with mutual TLS, where the client's certificate says
 /// what it may do (Role). Service calls run side by side on up to 64 threads, so a slow one delays nobody;
-/// what is beyond the limits (64 clients, 16 calls at once and 256 open ports for each, messages of 8 MiB, 5
-/// s from connecting until hello) is refused with ResourceExhausted or closed. Refusals of clients from other
+/// what is beyond the limits (those of ConnectionTable for connections, where hello is how a client comes in;
+/// 16 calls at once and 256 open ports for each client, messages of 8 MiB) is refused with ResourceExhausted
+/// or closed. Refusals of clients from other
 /// computers are logged, with who, from where and why; at most one a second where they are many. A client
 /// whose certificate is revoked (ca.crl of the credentials is watched) or expires is disconnected within a
 /// second. Events of the service are reported to the clients that listen; one that does not keep up loses the

@@ -187,6 +187,18 @@ TEST_F(SecureTest, AThousandHalfOpenConnectionsKeepNobodyOut) {
   EXPECT_LT(log_->count(), 200U) << "a flood is not logged line by line";
 }
 
+TEST_F(SecureTest, WhoHasShownACertificateGoesAfterThoseWhoHaveNot) {
+  serve_tcp();
+  RawTls known(server_->port(), enrolled_, "ann");
+  EXPECT_TRUE(client_of("ann")->status()) << "the server has the certificates of both";
+  std::vector<std::unique_ptr<Raw>> crowd;
+  while (crowd.size() < 100)
+    crowd.push_back(std::make_unique<Raw>(server_->port()));
+  EXPECT_TRUE(crowd.front()->is_closed()) << "the oldest one without";
+  EXPECT_TRUE(known.is_closed());
+  EXPECT_TRUE(log_->has({"refused 'ann' (operate) at 127.0.0.1:", "has not said hello in time"}));
+}
+
 TEST_F(SecureTest, WhoSendsAByteNowAndThenIsCutOff) {
   serve_tcp();
   Raw slow(server_->port());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/control/connection_table.hpp>
 #include <segue/control/detail/gate_server.hpp>
 #include <segue/control/detail/services.hpp>
 
@@ -22,8 +23,8 @@ capnp::Capability::Client make_service(const Caller& caller) {
 /// Accepts clients of the same protocol version that request the service which is offered.
 class GateServer final : public wire::Gate::Server {
  public:
-  GateServer(ServerCore& core, std::shared_ptr<ClientState> client, std::function<std::size_t()> clients)
-      : core_(core), client_(std::move(client)), clients_(std::move(clients)) {}
+  GateServer(ServerCore& core, std::shared_ptr<ClientState> client, std::function<bool()> enter)
+      : core_(core), client_(std::move(client)), enter_(std::move(enter)) {}
 
   kj::Promise<void> hello(HelloContext context) override {
     const auto params = context.getParams();
@@ -37,7 +38,6 @@ class GateServer final : public wire::Gate::Server {
       if (!client_->peer.local) core_.refusals.tell(to_string(client_->peer), refused->message);
       encode(*refused, results.initError());
     } else {
-      client_->greeted = true;
       results.setService(make_service(Caller(core_, client_)));
     }
     return kj::READY_NOW;
@@ -59,8 +59,9 @@ class GateServer final : public wire::Gate::Server {
                                               " was asked for where " + us + " (" + quote(core_.kind()) +
                                               ") answers; give another socket");
     }
-    if (const std::size_t open = clients_(); !client_->greeted && open >= kMaxClients) {
-      return fail(ErrorCode::ResourceExhausted, us + " refuses further connections (" + std::to_string(open) +
+    if (!enter_()) {
+      return fail(ErrorCode::ResourceExhausted, us + " refuses further connections (" +
+                                                    std::to_string(ConnectionTable::kMostClients) +
                                                     " are open); close one and try again");
     }
     return std::nullopt;
@@ -68,14 +69,14 @@ class GateServer final : public wire::Gate::Server {
 
   ServerCore& core_;
   std::shared_ptr<ClientState> client_;
-  const std::function<std::size_t()> clients_;
+  const std::function<bool()> enter_;
 };
 
 }  // namespace
 
 wire::Gate::Client make_gate(ServerCore& core, std::shared_ptr<ClientState> client,
-                             std::function<std::size_t()> clients) {
-  return kj::heap<GateServer>(core, std::move(client), std::move(clients));
+                             std::function<bool()> enter) {
+  return kj::heap<GateServer>(core, std::move(client), std::move(enter));
 }
 
 }  // namespace segue::control::detail

@@ -50,7 +50,6 @@ inline constexpr std::size_t kMaxListenersPerClient = 4;
 /// The state that all capabilities of a client share; outlives the connection while calls are in progress.
 struct ClientState {
   Peer peer;
-  bool greeted = false;
   std::size_t calls = 0;
   std::size_t batches = 0;  ///< of actions, in progress
   std::size_t streams = 0;

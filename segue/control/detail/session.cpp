@@ -13,7 +13,6 @@
 #include <fcntl.h>
 
 #include <algorithm>
-#include <map>
 #include <string>
 #include <utility>
 
@@ -21,10 +20,11 @@ namespace segue::control::detail {
 
 namespace {
 
-constexpr auto kHelloTimeout = 5 * kj::SECONDS;
 constexpr auto kAcceptPause = 100 * kj::MILLISECONDS;
-/// How often the list of revoked certificates and the certificates of clients are looked at.
-constexpr auto kWatchPause = 500 * kj::MILLISECONDS;
+
+kj::Duration in_kj(Duration duration) {
+  return duration.count() * kj::NANOSECONDS;
+}
 
 capnp::ReaderOptions reader_options() {
   capnp::ReaderOptions options;
@@ -61,7 +61,7 @@ class Session {
           std::string address)
       : owner_(owner),
         client_(std::make_shared<ClientState>()),
-        address_(std::move(address)),
+        place_(owner.table_.add(std::move(address), [this](const std::string& why) { cut_off(why); })),
         secure_(secure),
         stream_(kj::mv(stream), owner.timer_, secure != nullptr),
         cut_off_(kj::newPromiseAndFulfiller<void>()) {
@@ -75,12 +75,13 @@ class Session {
 
   /// Resolves when the client is gone or cut off, or has not said hello in time.
   kj::Promise<void> end() {
-    auto late = owner_.timer_.afterDelay(kHelloTimeout).then([this]() -> kj::Promise<void> {
-      if (client_->greeted) return kj::NEVER_DONE;
-      refuse(rpc_.get() == nullptr ? "the TLS handshake was not done in time"
-                                   : "it has not said hello in time");
-      return kj::READY_NOW;
-    });
+    auto late =
+        owner_.timer_.afterDelay(in_kj(ConnectionTable::kTimeToEnter)).then([this]() -> kj::Promise<void> {
+          if (place_.has_entered()) return kj::NEVER_DONE;
+          refuse(rpc_.get() == nullptr ? "the TLS handshake was not done in time"
+                                       : "it has not said hello in time");
+          return kj::READY_NOW;
+        });
     auto whole = secure_ == nullptr ? rpc_->network.onDisconnect() : enter();
     return whole
         .then([this] { note_fault("it has sent what is no message, or too large a one"); },
@@ -88,18 +89,6 @@ class Session {
         .exclusiveJoin(kj::mv(late))
         .exclusiveJoin(kj::mv(cut_off_.promise));
   }
-  /// Lets end() resolve; only once. `why` is logged.
-  void cut_off(const std::string& why) {
-    refuse(why);
-    is_cut_off_ = true;
-    cut_off_.fulfiller->fulfill();
-  }
-  [[nodiscard]] bool is_cut_off() const { return is_cut_off_; }
-  [[nodiscard]] bool greeted() const { return client_->greeted; }
-  [[nodiscard]] const std::string& address() const { return address_; }
-  /// Of a client that has proven who it is.
-  [[nodiscard]] const std::optional<Identity>& identity() const { return identity_; }
-
   [[nodiscard]] bool idle() const {
     return client_->calls == 0 && client_->batches == 0 &&
            (rpc_.get() == nullptr || rpc_->network.getCurrentQueueCount() == 0);
@@ -110,15 +99,22 @@ class Session {
     Rpc(Session& session, ServerCore& core)
         : network(session.stream_, takes_descriptors(core) ? kMaxDescriptors : 0,
                   capnp::rpc::twoparty::Side::SERVER, reader_options()),
-          system(capnp::makeRpcServer(network, make_gate(core, session.client_, [&owner = session.owner_] {
-                                        return owner.clients();
-                                      }))) {
+          system(capnp::makeRpcServer(
+              network, make_gate(core, session.client_, [&session] { return session.come_in(); }))) {
       session.stream_.watch(network);
       system.setFlowLimit(kServerMessageWords);
     }
     mutable capnp::TwoPartyVatNetwork network;
     capnp::RpcSystem<capnp::rpc::twoparty::VatId> system;
   };
+
+  /// Lets end() resolve; only once. `why` is logged.
+  void cut_off(const std::string& why) {
+    refuse(why);
+    cut_off_.fulfiller->fulfill();
+  }
+  /// Those on this computer, who are one user, count as one person; a certificate has a name.
+  bool come_in() { return place_.enter(client_->peer.local ? std::string() : client_->peer.name); }
 
   void serve() { rpc_ = kj::heap<Rpc>(*this, owner_.core_); }
 
@@ -131,7 +127,7 @@ class Session {
       }
       client_->peer.name = shown->name;
       client_->peer.role = shown->role;
-      identity_ = std::move(*shown);
+      place_.identify(std::move(*shown));
       serve();
       return rpc_->network.onDisconnect();
     });
@@ -156,12 +152,10 @@ class Session {
 
   Sessions& owner_;
   std::shared_ptr<ClientState> client_;
-  const std::string address_;
+  ConnectionTable::Place place_;
   SecureStream* secure_;
-  std::optional<Identity> identity_;
   GuardedStream stream_;
   kj::PromiseFulfillerPair<void> cut_off_;
-  bool is_cut_off_ = false;
   bool refused_ = false;
   kj::Own<Rpc> rpc_;
 };
@@ -201,40 +195,13 @@ bool Sessions::idle() const {
                      [](const Session* session) { return session->idle(); });
 }
 
-std::size_t Sessions::clients() const {
-  return static_cast<std::size_t>(std::ranges::count_if(sessions_, &Session::greeted));
-}
-
-/// Cuts off the oldest connection whose client was not accepted, if there are too many of them. Whoever has
-/// the most loses one, so that a flood from one computer does not keep the others out.
-void Sessions::make_room() {
-  const auto other = [](const Session* session) { return !session->greeted() && !session->is_cut_off(); };
-  std::map<std::string_view, std::size_t> counts;
-  std::size_t all = 0;
-  for (const Session* session : sessions_) {
-    if (!other(session)) continue;
-    ++counts[session->address()];
-    ++all;
-  }
-  if (all < kMaxOthers) return;
-  const auto most = std::ranges::max_element(counts, {}, [](const auto& item) { return item.second; })->first;
-  const auto victim = std::ranges::find_if(
-      sessions_, [&](const Session* session) { return other(session) && session->address() == most; });
-  (*victim)->cut_off("too many connections have not said hello, and this was the oldest");
-}
-
 void Sessions::taskFailed(kj::Exception&& exception) {
   log(LogLevel::Debug, "control", exception.getDescription().cStr());
 }
 
 kj::Promise<void> Sessions::watch() {
-  return timer_.afterDelay(kWatchPause).then([this] {
-    const Encryption& encryption = credentials_->encryption();
-    credentials_->encryption().refresh();
-    for (Session* session : sessions_) {
-      if (!session->identity() || session->is_cut_off()) continue;
-      if (const auto refused = encryption.refusal(*session->identity())) session->cut_off(refused->message);
-    }
+  return timer_.afterDelay(in_kj(ConnectionTable::kWatchPeriod)).then([this] {
+    table_.check(*credentials_);
     core_.refusals.settle();
     return watch();
   });
@@ -259,7 +226,6 @@ void Sessions::admit_local(const kj::AsyncIoStream& accepted) {
     log(LogLevel::Warning, "control", "refused a client: " + trusted.error().message);
     return;
   }
-  make_room();
   add(kj::heap<Session>(*this, io_.wrapUnixSocketFd(kj::mv(socket), kReady), nullptr,
                         Peer{user_, Role::Administer, {}, true}, std::string()));
 }
@@ -269,7 +235,6 @@ void Sessions::admit_remote(const kj::AsyncIoStream& accepted) {
   if (socket.get() < 0) return;
   tune_tcp(socket.get());
   const TcpAddress address = peer_address(socket.get());
-  make_room();
   auto stream = credentials_->encryption().accept(io_.wrapSocketFd(kj::mv(socket), kReady));
   SecureStream* secure = stream.get();
   add(kj::heap<Session>(*this, kj::mv(stream), secure, Peer{{}, Role::Observe, to_string(address), false},

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/control/connection_table.hpp>
 #include <segue/control/detail/caller.hpp>
 #include <segue/control/detail/encryption.hpp>
 #include <segue/control/detail/gate_server.hpp>
 
 #include <kj/async-io.h>
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,25 +24,18 @@ struct Doors {
   std::string user;  ///< the name of this program's user, which clients of the Unix socket get
 };
 
-/// The connections of a server: accepts them, checks the peer, limits their number, drops those that do not
-/// say hello in time (with TLS: that have not ended the handshake by then either) or whose certificate is
-/// revoked or expires meanwhile, and stops reading from those that do not read their answers. Created, used
-/// and destroyed in the event loop's thread.
+/// The connections of a server: accepts them, checks the peer, drops those that do not say hello in time
+/// (with TLS: that have not ended the handshake by then either) or that may not stay (ConnectionTable; hello
+/// is where they come in), and stops reading from those that do not read their answers. Created, used and
+/// destroyed in the event loop's thread.
 class Sessions final : private kj::TaskSet::ErrorHandler {
  public:
-  /// Connections beyond kMaxClients, of clients that have not said hello yet or are told why they are
-  /// refused. Where there are more, the oldest of them is closed, of the address that has the most, so silent
-  /// connections keep nobody out.
-  static constexpr std::size_t kMaxOthers = 64;
-
   Sessions(ServerCore& core, kj::AsyncIoContext& io, const Doors& doors);
   ~Sessions() noexcept;
 
   void stop_accepting();
   /// Whether no call is in progress and no answer waits to be sent.
   [[nodiscard]] bool idle() const;
-  /// How many clients have said hello and been accepted.
-  [[nodiscard]] std::size_t clients() const;
 
  private:
   friend class Session;
@@ -59,7 +52,6 @@ class Sessions final : private kj::TaskSet::ErrorHandler {
   void admit_local(const kj::AsyncIoStream& accepted);
   void admit_remote(const kj::AsyncIoStream& accepted);
   void add(kj::Own<Session> session);
-  void make_room();
   /// Looks after certificates now and then.
   kj::Promise<void> watch();
 
@@ -69,8 +61,9 @@ class Sessions final : private kj::TaskSet::ErrorHandler {
   const std::optional<Credentials> credentials_;
   const std::string user_;
   std::vector<kj::Own<Door>> doors_;
-  std::vector<Session*> sessions_;  ///< in the order in which they were accepted
-  kj::TaskSet tasks_;               ///< holds the sessions
+  std::vector<Session*> sessions_;
+  ConnectionTable table_;
+  kj::TaskSet tasks_;  ///< holds the sessions
   kj::Promise<void> watching_ = nullptr;
 };
 

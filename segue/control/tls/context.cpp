@@ -65,6 +65,7 @@ Context::Shared Context::current() const {
 }
 
 kj::Own<detail::SecureStream> Context::accept(kj::Own<kj::AsyncIoStream> stream) {
+  refresh();
   return kj::heap<Stream>(current().get(), kj::mv(stream), Stream::Side::Server, std::string());
 }
 

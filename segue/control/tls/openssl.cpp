@@ -9,7 +9,9 @@
 #include <openssl/pem.h>
 #include <openssl/x509v3.h>
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -71,6 +73,35 @@ std::optional<std::string> only_entry(X509* certificate, int kind) {
   std::string result(reinterpret_cast<const char*>(text), static_cast<std::size_t>(size));
   OPENSSL_free(text);
   return result;
+}
+
+std::string ip_address(const ASN1_OCTET_STRING* bytes) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  const int size = ASN1_STRING_length(bytes);
+  if (size != sizeof(in_addr) && size != sizeof(in6_addr)) return {};
+  const int family = size == sizeof(in_addr) ? AF_INET : AF_INET6;
+  ::inet_ntop(family, ASN1_STRING_get0_data(bytes), text.data(), text.size());
+  return text.data();
+}
+
+/// The DNS names and IP addresses among the certificate's subject alternative names.
+std::vector<std::string> alternative_names_of(X509* certificate) {
+  const Owned<GENERAL_NAMES, GENERAL_NAMES_free> names(
+      static_cast<GENERAL_NAMES*>(X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr)));
+  std::vector<std::string> all;
+  for (int i = 0; i < sk_GENERAL_NAME_num(names.get()); ++i) {
+    int kind = 0;
+    const void* value = GENERAL_NAME_get0_value(sk_GENERAL_NAME_value(names.get(), i), &kind);
+    std::string name;
+    if (kind == GEN_IPADD) name = ip_address(static_cast<const ASN1_OCTET_STRING*>(value));
+    if (kind == GEN_DNS) {
+      const auto* text = static_cast<const ASN1_IA5STRING*>(value);
+      name.assign(reinterpret_cast<const char*>(ASN1_STRING_get0_data(text)),
+                  static_cast<std::size_t>(ASN1_STRING_length(text)));
+    }
+    if (!name.empty()) all.push_back(std::move(name));
+  }
+  return all;
 }
 
 /// Whether only its owner, we or root, may read the file.
@@ -182,6 +213,7 @@ Result<Identity> identity_of(X509* certificate) {
   identity.serial = serial_of(certificate);
   identity.valid_from = time_from(X509_get0_notBefore(certificate));
   identity.valid_until = time_from(X509_get0_notAfter(certificate));
+  if (identity.host) identity.addresses = alternative_names_of(certificate);
   return identity;
 }
 
