@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/folders.hpp>
 #include <segue/control/credentials.hpp>
 #include <segue/model/files.hpp>
 #include <segue/web/page_files.hpp>
@@ -74,13 +73,6 @@ model::ComponentCatalog models_for_editing(const model::Robot& robot, Diagnostic
   return catalog;
 }
 
-/// At a port of its own choice a studio meets no browser again.
-std::filesystem::path known_browsers(const std::string& robot, const StudioOptions& options) {
-  const auto folder = runtime_folder();
-  if (options.port == 0 || !options.listen.empty() || !folder) return {};
-  return *folder / fmt::format("{}.studio-{}", robot, options.port);
-}
-
 int serve_studio(const std::string& robot, const StudioOptions& options, const Context& context) {
   auto page = page_of(options);
   if (!page) return failed(context, page.error());
@@ -98,7 +90,6 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
       .credentials = *credentials,
       .role = options.observe ? control::Role::Observe : control::Role::Administer,
       .robot = robot,
-      .browsers = known_browsers(robot, options),
       .models = models_for_editing,
       .entered = [&context](const std::string& address) {
         if (!context.json()) print_line("a browser has come in; for another one:");

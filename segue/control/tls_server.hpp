@@ -5,7 +5,6 @@
 #include <segue/control/credentials.hpp>
 
 #include <memory>
-#include <optional>
 
 struct ssl_ctx_st;  // OpenSSL's SSL_CTX and SSL
 struct ssl_st;
@@ -20,10 +19,7 @@ namespace segue::control {
 std::shared_ptr<ssl_ctx_st> server_context(const Credentials& credentials);
 
 /// Who is at the other end of a connection after its handshake; PermissionDenied: it has shown no
-/// certificate.
+/// certificate. ConnectionTable knows whether its owner may stay.
 Result<Identity> identity_at(const ssl_st& connection);
-
-/// Why someone whose certificate was good may not stay: it was revoked, or has expired since.
-std::optional<Error> refusal(const Credentials& credentials, const Identity& identity);
 
 }  // namespace segue::control

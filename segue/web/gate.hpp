@@ -3,7 +3,6 @@
 
 #include <segue/base/result.hpp>
 #include <segue/control/peer.hpp>
-#include <segue/web/known_browsers.hpp>
 
 #include <cstdint>
 #include <mutex>
@@ -22,31 +21,47 @@ struct Entrance {
   std::string host{};
   std::string origin{};
   std::string cookies{};
-  bool is_socket = false;  ///< asks for a WebSocket
-  std::string address{};   ///< of this computer to which the connection came, without port
-  /// What its certificate permits; nothing: it has shown none, and needs a token or a cookie.
+  std::string protocols{};  ///< that its WebSocket offers, one of them "key.KEY"
+  bool is_socket = false;   ///< asks for a WebSocket
+  std::string address{};    ///< of this computer to which the connection came, without port
+  /// What its certificate permits; nothing: it has shown none, and needs a token, or a cookie and a key.
   std::optional<Role> certified{};
 };
 
-/// Lets browsers in that have shown a certificate, or that bring a token, and knows these by a cookie
-/// afterwards. Requests for other names of this computer (DNS rebinding) and of other pages (cross-site
-/// requests) are refused. All functions may be called from any thread.
+/// Lets browsers in that have shown a certificate, or that bring a token, and knows these afterwards, until
+/// this ends. Requests for other names of this computer (DNS rebinding) and of other pages (cross-site
+/// requests) are refused.
+///
+/// A browser that brings the token gets a cookie and a key. The cookie opens the page's files. Browsers send
+/// it to every server of this computer, whatever its port and whoever runs it, so it opens nothing else: a
+/// WebSocket, through which a robot is seen and commanded, needs the key, too. That is in the part of an
+/// address that browsers do not send, and then kept by the page, where only pages of this port find it.
+///
+/// All functions may be called from any thread.
 class Gate {
  public:
+  /// Of the browsers that are known; the one that came first is forgotten.
+  static constexpr std::size_t kMostBrowsers = 64;
+  /// Of the WebSocket; a page that brings a key offers it.
+  static constexpr std::string_view kProtocol = "segue.studio";
+
   struct Admission {
     Role role = Role::Observe;
+    std::uint64_t browser = 0;  ///< its number; 0: it has shown a certificate
     /// "Set-Cookie" of a browser that has brought the token: it is spent, and another one is valid.
     std::string new_cookie{};
+    std::string new_key{};  ///< likewise; for the page alone
   };
 
   struct Place {
     std::string scheme = "http";
-    std::vector<std::string> names{};  ///< of this computer, beside the addresses of connections
+    /// Of this computer, beside the addresses of connections: DNS names and IP addresses, without brackets.
+    std::vector<std::string> names{};
     std::uint16_t port = 0;
   };
 
-  /// Nobody gets more than `role`, or than the role with which his browser came in.
-  Gate(Place place, Role role, KnownBrowsers browsers = KnownBrowsers());
+  /// Nobody gets more than `role`.
+  Gate(Place place, Role role);
 
   /// PermissionDenied, with why.
   Result<Admission> admit(const Entrance& entrance);
@@ -54,15 +69,25 @@ class Gate {
   [[nodiscard]] std::string token() const;
 
  private:
+  struct Browser {
+    std::uint64_t number = 0;
+    std::string cookie{};
+    std::string key{};
+  };
+
+  [[nodiscard]] bool is_meant(const std::string& host, const std::string& address) const;
   [[nodiscard]] Result<void> check_names(const Entrance& entrance) const;
-  [[nodiscard]] std::optional<Role> role_of(std::string_view cookies) const;
+  [[nodiscard]] Result<Admission> admit_known(const Entrance& entrance) const;
+  [[nodiscard]] const Browser* browser_with(std::string_view cookies) const;
+  Admission add_browser();
 
   const Place place_;
   const Role role_;
   const std::string cookie_name_;
   mutable std::mutex mutex_;  ///< protects all below
   std::string token_;
-  KnownBrowsers browsers_;
+  std::vector<Browser> browsers_;
+  std::uint64_t last_number_ = 0;
 };
 
 }  // namespace segue::web

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/web/gate.hpp>
 
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace segue::web {
@@ -9,11 +12,27 @@ namespace {
 const Gate::Place kPlace{.names = {"127.0.0.1", "localhost"}, .port = 8475};
 constexpr const char* kHost = "127.0.0.1:8475";
 
-std::string enter(Gate& gate) {
-  const auto admission = gate.admit({.target = "/?token=" + gate.token(), .host = kHost});
+/// What a browser has that came in.
+struct Known {
+  std::string cookie;
+  std::string protocols;
+};
+
+Known enter(Gate& gate, const std::string& host = kHost) {
+  const auto admission = gate.admit({.target = "/?token=" + gate.token(), .host = host});
   EXPECT_TRUE(admission);
-  const std::string cookie = admission ? admission->new_cookie : "";
-  return cookie.substr(0, cookie.find(';'));
+  if (!admission) return {};
+  return {admission->new_cookie.substr(0, admission->new_cookie.find(';')),
+          "segue.studio, key." + admission->new_key};
+}
+
+Entrance socket_of(const Known& known) {
+  return {.target = "/socket",
+          .host = kHost,
+          .origin = std::string("http://") + kHost,
+          .cookies = known.cookie,
+          .protocols = known.protocols,
+          .is_socket = true};
 }
 
 TEST(GateTest, ATokenOpensOnceAndGivesACookie) {
@@ -21,15 +40,56 @@ TEST(GateTest, ATokenOpensOnceAndGivesACookie) {
   const std::string token = gate.token();
   const auto first = gate.admit({.target = "/?token=" + token, .host = kHost});
   ASSERT_TRUE(first);
-  EXPECT_NE(first->new_cookie.find("; HttpOnly; SameSite=Strict"), std::string::npos) << first->new_cookie;
   EXPECT_EQ(first->new_cookie.find(token), std::string::npos);
   EXPECT_FALSE(gate.admit({.target = "/?token=" + token, .host = kHost})) << "it is spent";
   const std::string cookie = first->new_cookie.substr(0, first->new_cookie.find(';'));
   const auto again = gate.admit({.target = "/", .host = kHost, .cookies = "other=1; " + cookie});
   ASSERT_TRUE(again);
   EXPECT_EQ(again->role, Role::Operate);
+  EXPECT_EQ(again->browser, first->browser);
   EXPECT_EQ(again->new_cookie, "");
-  EXPECT_NE(enter(gate), cookie) << "the next browser has a cookie of its own";
+  EXPECT_NE(enter(gate).cookie, cookie) << "the next browser has a cookie of its own";
+}
+
+TEST(GateTest, ACookieIsForThisStudioAndEndsWithTheBrowser) {
+  Gate gate(kPlace, Role::Operate);
+  const auto admission = gate.admit({.target = "/?token=" + gate.token(), .host = kHost});
+  ASSERT_TRUE(admission);
+  const std::string& cookie = admission->new_cookie;
+  EXPECT_TRUE(cookie.starts_with("segue_studio_8475=")) << cookie;
+  EXPECT_EQ(cookie.substr(cookie.find(';')), "; Path=/; HttpOnly; SameSite=Strict") << "it has no date";
+}
+
+TEST(GateTest, ACookieAloneOpensNoSocket) {
+  Gate gate(kPlace, Role::Operate);
+  const Known known = enter(gate);
+  const Known other = enter(gate);
+  EXPECT_TRUE(gate.admit(socket_of(known)));
+  for (const std::string& protocols :
+       {std::string(), std::string("segue.studio"), std::string("key."), "key." + gate.token(),
+        other.protocols, known.protocols + "0", known.protocols + ", " + other.protocols,
+        "segue.studio, key." + known.cookie.substr(known.cookie.find('=') + 1)})
+    EXPECT_FALSE(gate.admit(socket_of({known.cookie, protocols}))) << protocols;
+  EXPECT_FALSE(gate.admit(socket_of({"", known.protocols}))) << "a key alone";
+}
+
+TEST(GateTest, AKeyIsShownOnceOnly) {
+  Gate gate(kPlace, Role::Operate);
+  const Known known = enter(gate);
+  const auto page = gate.admit({.target = "/", .host = kHost, .cookies = known.cookie});
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->new_key, "") << "who has got the cookie from a browser cannot ask for the key";
+}
+
+TEST(GateTest, WhatAStudioThatHasEndedGaveOpensNothing) {
+  Known known;
+  {
+    Gate before(kPlace, Role::Operate);
+    known = enter(before);
+  }
+  Gate after(kPlace, Role::Operate);
+  EXPECT_FALSE(after.admit(socket_of(known)));
+  EXPECT_FALSE(after.admit({.target = "/", .host = kHost, .cookies = known.cookie}));
 }
 
 TEST(GateTest, WithoutTokenAndCookieNobodyEnters) {
@@ -44,7 +104,7 @@ TEST(GateTest, WithoutTokenAndCookieNobodyEnters) {
 
 TEST(GateTest, OtherNamesOfTheHostAreRefused) {
   Gate gate(kPlace, Role::Operate);
-  const std::string cookie = enter(gate);
+  const std::string cookie = enter(gate).cookie;
   for (const std::string host :
        {"", "127.0.0.1", "127.0.0.1:80", "evil.example:8475", "127.0.0.1:8475.evil.example",
         "localhost.evil.example:8475", "0.0.0.0:8475"}) {
@@ -56,38 +116,66 @@ TEST(GateTest, OtherNamesOfTheHostAreRefused) {
 
 TEST(GateTest, OtherPagesAreRefused) {
   Gate gate(kPlace, Role::Operate);
-  const std::string cookie = enter(gate);
-  for (const bool socket : {false, true}) {
+  const Known known = enter(gate);
+  for (const bool is_socket : {false, true}) {
     for (const std::string origin : {"http://evil.example", "null", "https://127.0.0.1:8475",
-                                     "http://127.0.0.1:8476", "http://localhost:8475"})
-      EXPECT_FALSE(gate.admit(
-          {.target = "/", .host = kHost, .origin = origin, .cookies = cookie, .is_socket = socket}))
-          << origin;
+                                     "http://127.0.0.1:8476", "http://localhost:8475"}) {
+      Entrance entrance = socket_of(known);
+      entrance.origin = origin;
+      entrance.is_socket = is_socket;
+      EXPECT_FALSE(gate.admit(entrance)) << origin;
+    }
   }
-  EXPECT_FALSE(gate.admit({.target = "/socket", .host = kHost, .cookies = cookie, .is_socket = true}))
-      << "a WebSocket of no page";
-  EXPECT_TRUE(gate.admit({.target = "/socket",
-                          .host = kHost,
-                          .origin = std::string("http://") + kHost,
-                          .cookies = cookie,
-                          .is_socket = true}));
-  EXPECT_FALSE(gate.admit({.target = "/?token=" + gate.token(),
-                           .host = kHost,
-                           .origin = std::string("http://") + kHost,
-                           .is_socket = true}))
-      << "a WebSocket with the token";
+  Entrance of_no_page = socket_of(known);
+  of_no_page.origin = "";
+  EXPECT_FALSE(gate.admit(of_no_page)) << "a WebSocket of no page";
+  EXPECT_TRUE(gate.admit(socket_of(known)));
+  Entrance with_token = socket_of({});
+  with_token.target = "/?token=" + gate.token();
+  EXPECT_FALSE(gate.admit(with_token)) << "a WebSocket with the token";
 }
 
 TEST(GateTest, TheOldestOfManyBrowsersIsForgotten) {
   Gate gate(kPlace, Role::Observe);
-  const std::string oldest = enter(gate);
-  const std::string second = enter(gate);
-  for (std::size_t more = 2; more < KnownBrowsers::kMost + 1; ++more)
+  const std::string oldest = enter(gate).cookie;
+  const std::string second = enter(gate).cookie;
+  for (std::size_t more = 2; more < Gate::kMostBrowsers + 1; ++more)
     enter(gate);
   EXPECT_FALSE(gate.admit({.target = "/", .host = kHost, .cookies = oldest}));
   const auto known = gate.admit({.target = "/", .host = kHost, .cookies = second});
   ASSERT_TRUE(known);
   EXPECT_EQ(known->role, Role::Observe);
+}
+
+TEST(GateTest, AllNamesInTheCertificateAreOfTheHost) {
+  const std::vector<std::string> names = {"arm", "Arm.Example", "10.9.8.7", "fd00::7"};
+  Gate gate({.scheme = "https", .names = names, .port = 8475}, Role::Operate);
+  const auto is_admitted = [&](const std::string& host) {
+    return gate.admit({.target = "/", .host = host, .certified = Role::Operate}).has_value();
+  };
+  for (const std::string host :
+       {"arm:8475", "arm.example:8475", "ARM.EXAMPLE:8475", "10.9.8.7:8475", "[fd00::7]:8475"})
+    EXPECT_TRUE(is_admitted(host)) << host;
+  for (const std::string host : {"example:8475", "x.arm:8475", "arm.example.evil:8475", "arm.example:80",
+                                 "fd00::7:8475", "[fd00::8]:8475", "10.9.8.8:8475", "arm"})
+    EXPECT_FALSE(is_admitted(host)) << host;
+}
+
+TEST(GateTest, ThePortThatIsUsualIsLeftOut) {
+  Gate gate({.scheme = "https", .names = {"arm"}, .port = 443}, Role::Operate);
+  const auto is_admitted = [&](const std::string& host, const std::string& origin) {
+    return gate
+        .admit({.target = "/socket",
+                .host = host,
+                .origin = origin,
+                .is_socket = true,
+                .certified = Role::Operate})
+        .has_value();
+  };
+  EXPECT_TRUE(is_admitted("arm", "https://arm"));
+  EXPECT_TRUE(is_admitted("arm:443", "https://arm:443"));
+  EXPECT_FALSE(is_admitted("arm:80", "https://arm:80"));
+  EXPECT_FALSE(is_admitted("arm", "https://evil.example"));
 }
 
 TEST(GateTest, ACertificateOpensAndSaysWhatItsOwnerMayDo) {

@@ -13,8 +13,11 @@
 #include <boost/beast/websocket.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 
+#include <poll.h>
+
 #include <fstream>
 #include <optional>
+#include <vector>
 
 namespace segue::web {
 namespace {
@@ -45,6 +48,16 @@ class Browser {
     if (!problem_) layer.handshake(ssl::stream_base::client, problem_);
   }
 
+  /// Whether the server ends a WebSocket of which nothing more is asked; what it sends until then is dropped.
+  bool is_ended() {
+    while (!problem_) {
+      pollfd entry{beast::get_lowest_layer(*stream_).native_handle(), POLLIN, 0};
+      if (::poll(&entry, 1, 10'000) <= 0) return false;
+      beast::flat_buffer buffer;
+      stream_->read(buffer, problem_);
+    }
+    return true;
+  }
   /// The status of the answer, 0 where the connection has ended.
   unsigned get(const std::string& host) {
     http::request<http::empty_body> request(http::verb::get, "/", 11);
@@ -94,7 +107,8 @@ class SecureServer : public WebTest {
     WebTest::SetUp();
     authority_.emplace(Authority::create(folder_ / "ca").value());
     enrolled_ = folder_ / "enrolled";
-    enrol({.name = "left", .host = true, .addresses = {"127.0.0.1", "left.example"}});
+    enrol(
+        {.name = "left", .host = true, .addresses = {"127.0.0.1", "left.example", "10.9.8.7", "fd00:0::7"}});
     enrol({.name = "ann", .role = control::Role::Administer});
     enrol({.name = "bob", .role = control::Role::Observe});
     std::filesystem::create_directories(folder_ / "page");
@@ -164,7 +178,8 @@ TEST_F(SecureServer, NobodyGetsMoreThanTheStudioPermits) {
 
 TEST_F(SecureServer, ThePageIsServedUnderTheNamesOfTheHostOnly) {
   start();
-  for (const std::string host : {"left", "127.0.0.1"})
+  for (const std::string host :
+       {"left", "127.0.0.1", "left.example", "LEFT.example", "10.9.8.7", "[fd00::7]"})
     EXPECT_EQ(browser("bob").get(named(host)), 200U) << host;
   for (const std::string host : {"evil.example", "localhost", "0.0.0.0"})
     EXPECT_EQ(browser("bob").get(named(host)), 403U) << host;
@@ -202,6 +217,42 @@ TEST_F(SecureServer, WhoIsRevokedIsPutOut) {
   ASSERT_TRUE(ann.ask(kSet));
   revoke("ann");
   EXPECT_FALSE(ann.ask(kSet));
+}
+
+TEST_F(SecureServer, WhoIsRevokedAndOnlyWatchesIsPutOut) {
+  start();
+  Browser ann = browser("ann");
+  ASSERT_TRUE(ann.enter());
+  Browser bob = browser("bob");
+  ASSERT_TRUE(bob.enter());
+  revoke("ann");
+  EXPECT_TRUE(ann.is_ended());
+  EXPECT_TRUE(bob.ask(kSet)) << "others stay";
+}
+
+TEST_F(SecureServer, ConnectionsWithoutAHandshakeKeepNobodyOut) {
+  start();
+  asio::io_context context;
+  std::vector<Tcp::socket> crowd;
+  while (crowd.size() < 200) {
+    crowd.emplace_back(context);
+    crowd.back().connect({asio::ip::address_v4::loopback(), server_->port()});
+  }
+  EXPECT_EQ(browser("bob").get(named("left")), 200U);
+}
+
+TEST_F(SecureServer, OnePersonsConnectionsKeepNobodyElseOut) {
+  start();
+  std::vector<std::unique_ptr<Browser>> crowd;
+  while (crowd.size() < 64) {
+    crowd.push_back(std::make_unique<Browser>(server_->port(), enrolled_, "ann"));
+    ASSERT_TRUE(crowd.back()->enter());
+  }
+  Browser bob = browser("bob");
+  ASSERT_TRUE(bob.enter());
+  EXPECT_TRUE(bob.ask(kSet));
+  EXPECT_TRUE(crowd.front()->ask(kSet)) << "what was opened last has ended";
+  EXPECT_TRUE(crowd.back()->is_ended());
 }
 
 TEST_F(SecureServer, OtherComputersNeedCertificates) {

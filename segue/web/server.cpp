@@ -4,7 +4,9 @@
 #include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
 #include <segue/concurrent/thread.hpp>
+#include <segue/control/connection_table.hpp>
 #include <segue/control/tls_server.hpp>
+#include <segue/web/detail/answer.hpp>
 #include <segue/web/detail/browser_stream.hpp>
 #include <segue/web/detail/refusals.hpp>
 #include <segue/web/gate.hpp>
@@ -38,9 +40,12 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using boost::system::error_code;
+using control::ConnectionTable;
 
-using HttpRequest = http::request<http::empty_body>;
-using HttpResponse = http::response<http::string_body>;
+using detail::HttpRequest;
+using detail::HttpResponse;
+using detail::message_page;
+using detail::response_of;
 
 constexpr auto kRequestTime = std::chrono::seconds(10);
 constexpr auto kIdleTime = std::chrono::seconds(30);
@@ -52,37 +57,6 @@ std::string text_of(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
-/// Nothing but the page's own files, no frames around it, nothing about it to others.
-void add_policies(HttpResponse& response) {
-  response.set(
-      "Content-Security-Policy",
-      "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; img-src 'self' data:; "
-      "font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("X-Frame-Options", "DENY");
-  response.set("Referrer-Policy", "no-referrer");
-  response.set("Cross-Origin-Opener-Policy", "same-origin");
-  response.set("Cross-Origin-Resource-Policy", "same-origin");
-  response.set(http::field::cache_control, "no-store");
-}
-
-HttpResponse response_of(const HttpRequest& request, http::status status, beast::string_view type,
-                         std::string body) {
-  HttpResponse response(status, request.version());
-  add_policies(response);
-  response.set(http::field::content_type, type);
-  response.keep_alive(request.keep_alive());
-  response.body() = std::move(body);
-  response.prepare_payload();
-  if (request.method() == http::verb::head) response.body().clear();
-  return response;
-}
-
-std::string message_page(const std::string& head, const std::string& text) {
-  return "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Segue Studio</title>" + head +
-         "</head><body><p>" + text + "</p></body></html>\n";
-}
-
 /// As in an address of a page.
 std::string written(const asio::ip::address& address) {
   const asio::ip::address plain = address.is_v6() && address.to_v6().is_v4_mapped()
@@ -91,19 +65,7 @@ std::string written(const asio::ip::address& address) {
   return plain.is_v6() ? "[" + plain.to_string() + "]" : plain.to_string();
 }
 
-/// A connection that is open, as long as it exists.
-class Open {
- public:
-  explicit Open(std::set<Open*>& all) : all_(all) { all_.insert(this); }
-  virtual ~Open() { all_.erase(this); }
-  Open(const Open&) = delete;
-  Open& operator=(const Open&) = delete;
-  /// It ends as soon as what it is doing has noticed.
-  virtual void close() = 0;
-
- private:
-  std::set<Open*>& all_;
-};
+class Open;
 
 /// What all connections share, in an order in which what is used ends after what uses it.
 struct Shared {
@@ -113,6 +75,7 @@ struct Shared {
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
   asio::steady_timer pause{context};
+  asio::steady_timer watch{context};
   PageFiles page;
   ServerOptions options;
   std::uint16_t port = 0;    ///< from start() on
@@ -122,6 +85,7 @@ struct Shared {
   Hub hub{watching, options.periods};
   Verbs verbs{calling, options.models};
   detail::Refusals refusals;
+  ConnectionTable table;
   std::set<Open*> connections;
   std::uint64_t sockets = 0;  ///< WebSockets so far: their names in logs
 
@@ -129,6 +93,48 @@ struct Shared {
     const std::string place = ":" + std::to_string(acceptor.local_endpoint().port());
     if (options.credentials) return "https://" + options.credentials->name() + place + "/";
     return "http://" + written(acceptor.local_endpoint().address()) + place + "/?token=" + gate->token();
+  }
+  /// Puts out whose certificate was revoked or has expired.
+  void check_certificates() {
+    if (options.credentials) table.check(*options.credentials);
+  }
+};
+
+std::string address_of(const tcp::socket& socket) {
+  error_code unknown;
+  return written(socket.remote_endpoint(unknown).address());
+}
+
+/// A connection that is open, as long as it exists.
+class Open {
+ public:
+  Open(Shared& shared, const std::string& from)
+      : shared_(shared), place_(shared.table.add(from, ender())), from_(from) {
+    shared_.connections.insert(this);
+  }
+  /// What goes on with the connection of `before`.
+  explicit Open(Open& before)
+      : shared_(before.shared_), place_(std::move(before.place_)), from_(before.from_) {
+    place_.hand_on(ender());
+    shared_.connections.insert(this);
+  }
+  virtual ~Open() { shared_.connections.erase(this); }
+  Open(const Open&) = delete;
+  Open& operator=(const Open&) = delete;
+  /// It ends as soon as what it is doing has noticed.
+  virtual void close() = 0;
+
+ protected:
+  Shared& shared_;
+  ConnectionTable::Place place_;
+  const std::string from_;  ///< the address of the other computer
+
+ private:
+  ConnectionTable::CutOff ender() {
+    return [this](const std::string& why) {
+      shared_.refusals.add("a connection from " + from_ + ": " + why);
+      close();
+    };
   }
 };
 
@@ -138,18 +144,19 @@ using Person = std::optional<control::Identity>;
 /// A WebSocket: carries the messages of a session.
 class Socket final : public Open, public std::enable_shared_from_this<Socket> {
  public:
-  Socket(Shared& shared, detail::BrowserStream stream, Role role, Person person)
-      : Open(shared.connections),
-        shared_(shared),
-        stream_(std::move(stream)),
-        role_(role),
-        person_(std::move(person)) {}
+  Socket(Open& before, detail::BrowserStream stream, Role role, Person person)
+      : Open(before), stream_(std::move(stream)), role_(role), person_(std::move(person)) {}
 
   void start(const HttpRequest& request) {
     beast::get_lowest_layer(stream_).expires_never();
     stream_.set_option(websocket::stream_base::timeout{kRequestTime, kIdleTime, true});
     stream_.read_message_max(kLongestCommand);
     stream_.text(true);
+    if (!request[http::field::sec_websocket_protocol].empty()) {
+      stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+        response.set(http::field::sec_websocket_protocol, {Gate::kProtocol.data(), Gate::kProtocol.size()});
+      }));
+    }
     stream_.async_accept(request, [self = shared_from_this()](error_code problem) {
       if (!problem) self->begin();
     });
@@ -198,12 +205,8 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
   }
 
   void take() {
+    shared_.check_certificates();  // which may close this
     if (!session_) return;
-    if (const auto refusal =
-            person_ ? control::refusal(*shared_.options.credentials, *person_) : std::nullopt) {
-      shared_.refusals.add("a browser's message: " + refusal->message);
-      return close();
-    }
     const std::string text = beast::buffers_to_string(buffer_.data());
     buffer_.consume(buffer_.size());
     session_->receive(stream_.got_text() ? std::string_view(text) : "a binary message");
@@ -219,7 +222,6 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
     close();
   }
 
-  Shared& shared_;
   websocket::stream<detail::BrowserStream> stream_;
   const Role role_;
   const Person person_;
@@ -234,7 +236,7 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
 class Connection final : public Open, public std::enable_shared_from_this<Connection> {
  public:
   Connection(Shared& shared, tcp::socket socket)
-      : Open(shared.connections), shared_(shared), stream_(std::move(socket)) {}
+      : Open(shared, address_of(socket)), stream_(std::move(socket)) {}
 
   void start() {
     if (!shared_.options.credentials) return read();
@@ -242,7 +244,7 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
     SSL_CTX_up_ref(own.get());
     asio::ssl::context context(own.get());  // gives it back; the connection holds it, too
     stream_.secure(context);
-    tcp_stream().expires_after(kRequestTime);
+    tcp_stream().expires_after(ConnectionTable::kTimeToEnter);
     stream_.tls()->async_handshake(asio::ssl::stream_base::server,
                                    [self = shared_from_this()](error_code problem) {
                                      problem ? self->refuse(problem) : self->identify();
@@ -253,7 +255,7 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
     parser_.emplace();
     parser_->header_limit(kLongestHeader);
     parser_->body_limit(0);
-    tcp_stream().expires_after(kRequestTime);
+    tcp_stream().expires_after(place_.has_entered() ? kRequestTime : ConnectionTable::kTimeToEnter);
     http::async_read(
         stream_, buffer_, *parser_, [self = shared_from_this()](error_code problem, std::size_t) {
           if (!problem) return self->handle();
@@ -273,32 +275,38 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
   beast::tcp_stream& tcp_stream() { return stream_.next_layer(); }
 
   void refuse(error_code problem) {
-    error_code unknown;
-    const auto from = tcp_stream().socket().remote_endpoint(unknown).address();
-    shared_.refusals.add("a TLS handshake from " + written(from) + ": " + printable(problem.message()));
+    if (place_.is_cut_off()) return;
+    shared_.refusals.add("a TLS handshake from " + from_ + ": " + printable(problem.message()));
   }
 
   void identify() {
     auto person = control::identity_at(*stream_.tls()->native_handle());
     if (!person) return shared_.refusals.add(person.error().message);
     person_ = std::move(*person);
+    place_.identify(*person_);
     read();
   }
 
   void handle() {
     request_ = parser_->release();
+    shared_.check_certificates();
+    if (place_.is_cut_off()) return;
     const bool is_socket = websocket::is_upgrade(request_);
-    const auto admission = shared_.gate->admit({.target = text_of(request_.target()),
-                                                .host = text_of(request_[http::field::host]),
-                                                .origin = text_of(request_[http::field::origin]),
-                                                .cookies = text_of(request_[http::field::cookie]),
-                                                .is_socket = is_socket,
-                                                .address = own_address(),
-                                                .certified = certified()});
+    const auto admission =
+        shared_.gate->admit({.target = text_of(request_.target()),
+                             .host = text_of(request_[http::field::host]),
+                             .origin = text_of(request_[http::field::origin]),
+                             .cookies = text_of(request_[http::field::cookie]),
+                             .protocols = text_of(request_[http::field::sec_websocket_protocol]),
+                             .is_socket = is_socket,
+                             .address = own_address(),
+                             .certified = certified()});
     if (!admission) return refuse(admission.error());
+    if (!admission->new_cookie.empty() && shared_.options.entered) shared_.options.entered(shared_.address());
+    if (!place_.enter(person_ ? person_->name : std::to_string(admission->browser))) return have_no_place();
     if (!admission->new_cookie.empty()) return welcome(*admission);
     if (is_socket && request_.target() == "/socket") {
-      std::make_shared<Socket>(shared_, std::move(stream_), admission->role, person_)->start(request_);
+      std::make_shared<Socket>(*this, std::move(stream_), admission->role, person_)->start(request_);
       return;
     }
     serve();
@@ -315,20 +323,32 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
 
   void refuse(const Error& error) {
     shared_.refusals.add(error.message);
-    send(response_of(
-        request_, http::status::forbidden, "text/html; charset=utf-8",
-        message_page("", "You cannot enter: " + escape_markup(error.message) +
-                             ". Open the address that <code>segue studio</code> has printed last.")));
+    send_last(http::status::forbidden,
+              "You cannot enter: " + escape_markup(error.message) +
+                  ". Open the address that <code>segue studio</code> has printed last.");
+  }
+
+  void have_no_place() {
+    shared_.refusals.add("a connection from " + from_ + ", since all places are taken");
+    send_last(http::status::service_unavailable,
+              "There are too many connections already. Close some pages of the studio and try again.");
+  }
+
+  /// Who has not come in is given nothing more.
+  void send_last(http::status status, const std::string& text) {
+    auto response = response_of(request_, status, "text/html; charset=utf-8", message_page("", text));
+    response.keep_alive(false);
+    send(std::move(response));
   }
 
   /// A page of its own instead of a redirection: a browser that came from another page sends no strict cookie
-  /// with the request to which it is redirected.
+  /// with the request to which it is redirected. The page that follows finds its key behind '#'.
   void welcome(const Gate::Admission& admission) {
-    auto response =
-        response_of(request_, http::status::ok, "text/html; charset=utf-8",
-                    message_page("<meta http-equiv=\"refresh\" content=\"0;url=/\">", "Welcome."));
+    auto response = response_of(
+        request_, http::status::ok, "text/html; charset=utf-8",
+        message_page("<meta http-equiv=\"refresh\" content=\"0;url=/#key=" + admission.new_key + "\">",
+                     "Welcome."));
     response.set(http::field::set_cookie, admission.new_cookie);
-    if (shared_.options.entered) shared_.options.entered(shared_.address());
     send(std::move(response));
   }
 
@@ -354,7 +374,6 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
     });
   }
 
-  Shared& shared_;
   detail::BrowserStream stream_;
   Person person_;
   beast::flat_buffer buffer_{kLongestHeader + 1024};
@@ -371,6 +390,7 @@ struct Server::Implementation : Shared {
 
   Result<void> listen();
   void accept();
+  void watch_certificates();
   void end();
 };
 
@@ -396,11 +416,12 @@ Result<void> Server::Implementation::listen() {
   Gate::Place entrance{.port = acceptor.local_endpoint().port()};
   if (options.credentials) {
     entrance.scheme = "https";
+    entrance.names = options.credentials->identity().addresses;
     entrance.names.push_back(options.credentials->name());
   } else {
     entrance.names.push_back("localhost");
   }
-  gate.emplace(std::move(entrance), options.role, KnownBrowsers(options.browsers));
+  gate.emplace(std::move(entrance), options.role);
   return {};
 }
 
@@ -415,12 +436,17 @@ void Server::Implementation::accept() {
     }
     error_code as_it_is;
     socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer), as_it_is);
-    if (connections.size() < kMostConnections) {
-      std::make_shared<Connection>(*this, std::move(socket))->start();
-    } else {
-      refusals.add("a connection, since there are " + std::to_string(connections.size()) + " already");
-    }
+    std::make_shared<Connection>(*this, std::move(socket))->start();
     accept();
+  });
+}
+
+void Server::Implementation::watch_certificates() {
+  watch.expires_after(ConnectionTable::kWatchPeriod);
+  watch.async_wait([this](error_code stopped) {
+    if (stopped || !acceptor.is_open()) return;
+    check_certificates();
+    watch_certificates();
   });
 }
 
@@ -428,6 +454,7 @@ void Server::Implementation::end() {
   error_code ignored;
   acceptor.close(ignored);
   pause.cancel();
+  watch.cancel();
   const std::vector<Open*> open(connections.begin(), connections.end());
   for (Open* one : open)
     one->close();
@@ -439,6 +466,7 @@ Result<std::unique_ptr<Server>> Server::start(PageFiles page, const Connect& con
   auto all = std::make_unique<Implementation>(std::move(page), connect, std::move(options));
   if (auto listening = all->listen(); !listening) return listening.error();
   all->accept();
+  if (all->options.credentials) all->watch_certificates();
   all->port = all->acceptor.local_endpoint().port();
   all->thread = concurrent::start_thread("segue-studio", [shared = all.get()] { shared->context.run(); });
   return std::unique_ptr<Server>(new Server(std::move(all)));

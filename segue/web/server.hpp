@@ -10,7 +10,6 @@
 #include <segue/web/robot_link.hpp>
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -28,20 +27,18 @@ struct ServerOptions {
   std::optional<control::Credentials> credentials{};
   Role role = Role::Administer;  ///< nobody gets more
   std::string robot{};           ///< its name, for the page
-  /// Where browsers that came in are kept, to be known again later; empty: nowhere.
-  std::filesystem::path browsers{};
   Hub::Periods periods{};
   ModelsOf models{};  ///< for files that are edited; empty: no component is known
   /// A browser has come in with the token; this address is for the next one. Called by the server's thread.
   std::function<void(const std::string& address)> entered{};
 };
 
-/// Serves a page and its WebSocket (at /socket) to browsers: one port, one thread. 64 connections at most;
-/// what is beyond is closed. Requests have 10 s, 16 KiB of headers and no body, messages 1 MiB.
+/// Serves a page and its WebSocket (at /socket) to browsers: one port, one thread. control::ConnectionTable
+/// says which connections may stay; one comes in with its first request that Gate admits, and each person,
+/// without certificates each browser, counts as one. Later requests have 10 s, 16 KiB of headers and no body,
+/// messages 1 MiB. Who is revoked is put out with the next message, or within a second.
 class Server {
  public:
-  static constexpr std::size_t kMostConnections = 64;
-
   /// AlreadyExists where the port is taken; InvalidArgument where the address is none, or not of this
   /// computer alone though there are no credentials.
   static Result<std::unique_ptr<Server>> start(PageFiles page, const Connect& connect, ServerOptions options);

@@ -98,6 +98,7 @@ class ServerTest : public WebTest {
     return "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
            "dGhlIHNhbXBsZSBub25jZQ==\r\n";
   }
+  [[nodiscard]] std::string key() const { return "Sec-WebSocket-Protocol: " + protocols_ + "\r\n"; }
   [[nodiscard]] std::string upgrade_with(const std::string& headers) const {
     const RawSocket raw(server_->port());
     raw.send("GET /socket HTTP/1.1\r\nConnection: Upgrade\r\n" + upgrade() + headers + "\r\n");
@@ -112,18 +113,23 @@ class ServerTest : public WebTest {
     const auto at = answer.find(begin);
     ASSERT_NE(at, std::string::npos) << answer;
     cookie_ = answer.substr(at + begin.size(), answer.find(';', at) - at - begin.size());
+    const std::string before_key = "url=/#key=";
+    const auto key_at = answer.find(before_key);
+    ASSERT_NE(key_at, std::string::npos) << answer;
+    protocols_ = "segue.studio, key." + answer.substr(key_at + before_key.size(), 64);
   }
 
   std::unique_ptr<Server> server_;
   std::string host_;
   std::string cookie_;
+  std::string protocols_;
 };
 
 /// A browser's WebSocket.
 class Client {
  public:
   /// The system keeps about `buffer` bytes of what the client has not read, or as many as it likes.
-  Client(std::uint16_t port, const std::string& cookie, int buffer = 0) {
+  Client(std::uint16_t port, const std::string& cookie, const std::string& protocols, int buffer = 0) {
     boost::asio::ip::tcp::socket& socket = stream_.next_layer();
     socket.open(boost::asio::ip::tcp::v4());
     if (buffer > 0) socket.set_option(boost::asio::socket_base::receive_buffer_size(buffer));
@@ -132,6 +138,7 @@ class Client {
     stream_.set_option(beast::websocket::stream_base::decorator([&](beast::websocket::request_type& request) {
       request.set("Origin", "http://" + host);
       request.set("Cookie", cookie);
+      request.set("Sec-WebSocket-Protocol", protocols);
     }));
     stream_.handshake(host, "/socket", problem_);
   }
@@ -190,11 +197,27 @@ TEST_F(ServerTest, ForeignHostsAndPagesAreRefused) {
   enter();
   EXPECT_TRUE(contains(get("/", "Host: evil.example\r\n" + cookie()), "403 Forbidden"));
   EXPECT_TRUE(contains(get("/", cookie()), "403 Forbidden"));
-  EXPECT_TRUE(contains(upgrade_with(host() + cookie()), "403 Forbidden"));
-  EXPECT_TRUE(contains(upgrade_with(host() + cookie() + "Origin: http://evil.example\r\n"), "403 Forbidden"));
-  EXPECT_TRUE(contains(upgrade_with("Host: evil.example\r\nOrigin: http://evil.example\r\n" + cookie()),
-                       "403 Forbidden"));
-  EXPECT_TRUE(contains(upgrade_with(host() + cookie() + origin()), "101 Switching"));
+  EXPECT_TRUE(contains(upgrade_with(host() + cookie() + key()), "403 Forbidden"));
+  EXPECT_TRUE(
+      contains(upgrade_with(host() + cookie() + key() + "Origin: http://evil.example\r\n"), "403 Forbidden"));
+  EXPECT_TRUE(
+      contains(upgrade_with("Host: evil.example\r\nOrigin: http://evil.example\r\n" + cookie() + key()),
+               "403 Forbidden"));
+  EXPECT_TRUE(contains(upgrade_with(host() + cookie() + key() + origin()), "101 Switching"));
+}
+
+TEST_F(ServerTest, ACookieThatAnotherServerHasGotOpensNoSocket) {
+  start();
+  enter();
+  EXPECT_TRUE(contains(upgrade_with(host() + cookie() + origin()), "403 Forbidden"));
+  EXPECT_FALSE(contains(get("/", host() + cookie()), protocols_.substr(protocols_.rfind('.') + 1)));
+}
+
+TEST_F(ServerTest, ThePageHearsWhichProtocolWasChosen) {
+  start();
+  enter();
+  EXPECT_TRUE(contains(upgrade_with(host() + cookie() + key() + origin()),
+                       "Sec-WebSocket-Protocol: segue.studio\r\n"));
 }
 
 TEST_F(ServerTest, OnlyFilesOfThePageAreServed) {
@@ -216,7 +239,7 @@ TEST_F(ServerTest, OnlyFilesOfThePageAreServed) {
 TEST_F(ServerTest, GarbageAndHugeHeadersEndOnlyTheirConnection) {
   start();
   enter();
-  Client good(server_->port(), cookie_);
+  Client good(server_->port(), cookie_, protocols_);
   ASSERT_TRUE(good.works());
   good.receive();
   std::mt19937 random(1);
@@ -238,9 +261,9 @@ TEST_F(ServerTest, GarbageAndHugeHeadersEndOnlyTheirConnection) {
 TEST_F(ServerTest, OversizedAndBrokenFramesEndOnlyTheirConnection) {
   start();
   enter();
-  Client good(server_->port(), cookie_);
+  Client good(server_->port(), cookie_, protocols_);
   good.receive();
-  Client large(server_->port(), cookie_);
+  Client large(server_->port(), cookie_, protocols_);
   ASSERT_TRUE(large.works());
   large.receive();
   large.send(std::string((std::size_t{1} << 20) + 1, ' '));
@@ -248,7 +271,7 @@ TEST_F(ServerTest, OversizedAndBrokenFramesEndOnlyTheirConnection) {
   }
   const RawSocket raw(server_->port());
   raw.send("GET /socket HTTP/1.1\r\nConnection: Upgrade\r\n" + upgrade() + host() + origin() + cookie() +
-           "\r\n");
+           key() + "\r\n");
   EXPECT_TRUE(contains(raw.receive("\r\n\r\n"), "101"));
   raw.send(std::string("\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff", 16));
   EXPECT_FALSE(contains(raw.receive(), "TIMEOUT"));
@@ -258,10 +281,51 @@ TEST_F(ServerTest, OversizedAndBrokenFramesEndOnlyTheirConnection) {
   EXPECT_NE(good.ask(R"({"id": 1, "verb": "status"})").find("result"), nullptr);
 }
 
+TEST_F(ServerTest, SilentConnectionsKeepNobodyOut) {
+  start();
+  std::vector<std::unique_ptr<RawSocket>> crowd;
+  while (crowd.size() < 200)
+    crowd.push_back(std::make_unique<RawSocket>(server_->port()));
+  EXPECT_NO_FATAL_FAILURE(enter());
+  EXPECT_TRUE(contains(get("/", host() + cookie()), "200 OK"));
+  EXPECT_EQ(crowd.front()->receive(), "") << "the oldest one was closed";
+}
+
+TEST_F(ServerTest, ASilentConnectionIsClosed) {
+  start();
+  const RawSocket silent(server_->port());
+  EXPECT_EQ(silent.receive(), "");
+}
+
+TEST_F(ServerTest, OneBrowsersConnectionsKeepNoOtherOut) {
+  start();
+  enter();
+  std::vector<std::unique_ptr<Client>> crowd;
+  while (crowd.size() < 64) {
+    crowd.push_back(std::make_unique<Client>(server_->port(), cookie_, protocols_));
+    ASSERT_TRUE(crowd.back()->works());
+  }
+  EXPECT_TRUE(contains(get("/", host() + cookie()), "503 Service Unavailable")) << "it has all places";
+  enter();
+  Client other(server_->port(), cookie_, protocols_);
+  EXPECT_NE(other.ask(R"({"id": 1, "verb": "status"})").find("result"), nullptr);
+}
+
+TEST_F(ServerTest, RefusedRequestsKeepNobodyOut) {
+  start();
+  std::vector<std::unique_ptr<RawSocket>> crowd;
+  while (crowd.size() < 200) {
+    crowd.push_back(std::make_unique<RawSocket>(server_->port()));
+    crowd.back()->send("GET / HTTP/1.1\r\n" + host() + "\r\n");
+  }
+  EXPECT_NO_FATAL_FAILURE(enter());
+  EXPECT_TRUE(contains(get("/", host() + cookie()), "200 OK"));
+}
+
 TEST_F(ServerTest, AThousandConnectionsDisturbNobodyWhoIsIn) {
   start();
   enter();
-  Client good(server_->port(), cookie_);
+  Client good(server_->port(), cookie_, protocols_);
   good.receive();
   {
     std::vector<std::unique_ptr<RawSocket>> many;
@@ -280,7 +344,7 @@ TEST_F(ServerTest, AThousandConnectionsDisturbNobodyWhoIsIn) {
 TEST_F(ServerTest, AnObserverCannotOperate) {
   start(Role::Observe);
   enter();
-  Client client(server_->port(), cookie_);
+  Client client(server_->port(), cookie_, protocols_);
   const auto greeting = client.receive();
   ASSERT_TRUE(greeting);
   EXPECT_EQ(*greeting, Value::map({{"role", "observe"}, {"robot", "fake"}}));
@@ -293,8 +357,8 @@ TEST_F(ServerTest, AnObserverCannotOperate) {
 TEST_F(ServerTest, AReaderThatDoesNotReadHoldsNobodyUp) {
   start();
   enter();
-  Client slow(server_->port(), cookie_, 16384);
-  Client quick(server_->port(), cookie_);
+  Client slow(server_->port(), cookie_, protocols_, 16384);
+  Client quick(server_->port(), cookie_, protocols_);
   slow.receive();
   quick.receive();
   for (Client* client : {&slow, &quick})
@@ -329,7 +393,7 @@ TEST_F(ServerTest, AReaderThatDoesNotReadHoldsNobodyUp) {
 TEST_F(ServerTest, ItEndsWhileBrowsersAreIn) {
   start();
   enter();
-  Client client(server_->port(), cookie_);
+  Client client(server_->port(), cookie_, protocols_);
   client.receive();
   client.send(R"({"id": 1, "verb": "look", "arguments": {"document": "events"}})");
   server_.reset();

@@ -8,6 +8,7 @@ import { end, Stage } from './stage.mjs';
 
 const stage = new Stage(...process.argv.slice(2));
 const lost = (page) => page.getByText('The studio cannot be reached');
+const refused = (page) => page.getByText('The studio does not know this browser');
 const shown = (page) => page.getByText('4 tasks, 4 connections');
 
 /** A port that nobody listens at. */
@@ -23,7 +24,7 @@ function freePort() {
 const startRobot = (port) =>
   stage.start(['run', 'rover/robot.yaml', '--controller', 'explore', '--studio', '--studio-port', String(port)], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
 
-/** The studio of `segue run --studio` ends with the robot, however that ends; the next one knows the browser. */
+/** The studio of `segue run --studio` ends with the robot, however that ends; the next one knows no browser, until one of its pages has come in. */
 async function comeBack(page) {
   const port = await freePort();
   let robot = await startRobot(port);
@@ -34,8 +35,14 @@ async function comeBack(page) {
   await lost(page).waitFor();
   await stage.look(page, 'studio_lost');
   robot = await startRobot(port);
-  await lost(page).waitFor({ state: 'detached' });
+  await refused(page).waitFor();
+  const second = await stage.browser.newPage();
+  await second.goto(robot.found);
+  await shown(second).waitFor();
+  assert.equal(new URL(second.url()).hash, '', 'the key is not in the address');
+  await refused(page).waitFor({ state: 'detached' });
   await shown(page).waitFor();
+  await second.close();
 
   const stranger = await stage.browser.browser().newContext();
   const other = await stranger.newPage();

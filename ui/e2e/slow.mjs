@@ -143,7 +143,8 @@ await stage.play(async () => {
   await stage.browser.addCookies([{ ...cookie, domain: 'localhost' }]);
   const throughLink = stage.watched(await stage.browser.newPage());
   const slow = { page: throughLink, updates: follow(throughLink) };
-  await throughLink.goto(`http://localhost:${address.port}/`);
+  const key = await direct.evaluate(() => window.localStorage.getItem('segue-key'));
+  await throughLink.goto(`http://localhost:${address.port}/#key=${key}`);
   for (const one of [fast, slow]) one.samples = await showScans(one.page);
   for (const one of [fast, slow]) await one.updates.more(scans, 3);
 

@@ -40,9 +40,9 @@ async function watch(name, robot, studio) {
 }
 
 /** Connects as a page does, and looks at documents; counts what comes. */
-function connect({ address, looked }) {
+function connect({ address, key, looked }) {
   return new Promise((done, failed) => {
-    const socket = new WebSocket(address);
+    const socket = new WebSocket(address, ['segue.studio', 'key.' + key]);
     window.received = { messages: 0, bytes: 0 };
     socket.onopen = () => {
       looked.forEach((document, id) => socket.send(JSON.stringify({ id, verb: 'look', arguments: { document } })));
@@ -64,8 +64,9 @@ try {
   await first.goto(stage.studio.found);
   await first.locator('nav').waitFor();
   // A file of the page is a place from which a viewer may connect, without the page's own viewer.
-  const { file: place, address } = await first.evaluate(() => ({
+  const { file: place, address, key } = await first.evaluate(() => ({
     file: document.querySelector('link[rel=stylesheet]').href, address: window.location.origin.replace('http', 'ws') + '/socket',
+    key: window.localStorage.getItem('segue-key'),
   }));
   await first.goto('about:blank');
   const studio = stage.studio.child;
@@ -77,7 +78,7 @@ try {
   for (let i = 0; i < Number(viewers); ++i) {
     const page = await stage.browser.newPage();
     await page.goto(place);
-    await page.evaluate(connect, { address, looked: [...documents, `task/${task}`, `port/${task}/${port}`] });
+    await page.evaluate(connect, { address, key, looked: [...documents, `task/${task}`, `port/${task}/${port}`] });
     pages.push(page);
   }
   const watched = await watch(`with ${viewers} viewers`, robot, studio);

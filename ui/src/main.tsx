@@ -4,8 +4,10 @@ import { createRoot } from 'react-dom/client';
 import { App } from './App';
 import { Connection } from './robot/connection';
 import { ConnectionContext } from './robot/hooks';
+import { keepKey } from './robot/key';
 import './style.css';
 
+keepKey();
 const connection = new Connection(window.location.origin.replace(/^http/, 'ws') + '/socket');
 connection.start();
 

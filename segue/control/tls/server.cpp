@@ -17,9 +17,4 @@ Result<Identity> identity_at(const ssl_st& connection) {
   return tls::identity_of(certificate.get());
 }
 
-std::optional<Error> refusal(const Credentials& credentials, const Identity& identity) {
-  credentials.encryption().refresh();
-  return credentials.encryption().refusal(identity);
-}
-
 }  // namespace segue::control

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { applyChange, type Change, type Json } from './change';
+import { keptKey, protocolsOf } from './key';
 
 /** What is known of something that the robot shows. */
 export interface Shown {
@@ -62,14 +63,16 @@ export class Connection {
   }
 
   start(): void {
-    const socket = new WebSocket(this.address);
+    const socket = new WebSocket(this.address, protocolsOf(keptKey()));
     this.socket = socket;
+    let opened = false;
     socket.onopen = () => {
+      opened = true;
       this.pause = 250;
       for (const document of this.looking.keys()) this.send('look', { document });
     };
     socket.onmessage = (message) => this.receive(JSON.parse(String(message.data)) as Message);
-    socket.onclose = () => void this.lost();
+    socket.onclose = () => void this.lost(opened);
   }
 
   subscribe = (listener: () => void): (() => void) => {
@@ -142,13 +145,14 @@ export class Connection {
     });
   }
 
-  private async lost(): Promise<void> {
+  private async lost(opened: boolean): Promise<void> {
     for (const { reject } of this.pending.values()) reject(new RobotError('unavailable', 'the studio was lost'));
     this.pending.clear();
     this.link = 'lost';
     this.tell();
     const answer = await fetch('/', { method: 'HEAD' }).catch(() => null);
-    if (answer?.status === 403) {
+    // The page's files are there, but its socket is not: the key is another studio's.
+    if (answer?.status === 403 || (answer?.ok && !opened)) {
       this.link = 'refused';
       this.tell();
     }
