@@ -255,6 +255,18 @@ TEST_F(SecureTest, WhoIsRevokedWhileConnectedIsCutOff) {
   EXPECT_TRUE(ann->status());
 }
 
+TEST_F(SecureTest, AClientLeavesAServerThatIsRevokedWhileConnected) {
+  serve_tcp();
+  const auto ann = client_of("ann");
+  auto waiting = std::async(std::launch::async, [&] { return ann->call("t", "wait", Value(), {}, soon()); });
+  ASSERT_TRUE(robot_.entered.wait());
+  revoke("left");
+  const auto left = waiting.get();
+  ASSERT_FALSE(left);
+  EXPECT_EQ(left.error().code, ErrorCode::PermissionDenied);
+  EXPECT_EQ(left.error().message, "the certificate of 'left' has been revoked");
+}
+
 TEST_F(SecureTest, OnePersonsConnectionsKeepNobodyElseOut) {
   enrol({.name = "bob", .role = Role::Operate});
   serve_tcp();

@@ -24,7 +24,9 @@ class SecureStream : public kj::AsyncCapabilityStream {
   /// After a handshake that failed: resolves when the other side has had the time to read why, that is, has
   /// closed. Reads a little and drops it.
   virtual kj::Promise<void> drain() = 0;
-  /// Why the connection broke, where TLS or the other side says so.
+  /// Ends the connection, which is broken from now on, since the other side may not stay.
+  virtual void break_off(Error why) = 0;
+  /// Why the connection broke, where TLS, the other side or break_off() says so.
   [[nodiscard]] virtual std::optional<Error> problem() const = 0;
   /// The name in the certificate that the other side has shown, even if it was refused; else empty.
   [[nodiscard]] virtual const std::string& claimed_name() const = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/control/connection_table.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/socket.hpp>
 #include <segue/control/detail/tcp_socket.hpp>
@@ -114,6 +115,18 @@ void RpcChannel::Connection::watch(std::function<void()> gone) {
   if (gone) watch_ = network_.onDisconnect().then(std::move(gone)).eagerlyEvaluate(nullptr);
 }
 
+kj::Promise<void> RpcChannel::Connection::guard(kj::Timer& timer, Credentials credentials, Identity other) {
+  auto period = timer.afterDelay(to_kj(ConnectionTable::kWatchPeriod));
+  return period.then([this, &timer, credentials = std::move(credentials),
+                      other = std::move(other)]() mutable -> kj::Promise<void> {
+    credentials.encryption().refresh();
+    const auto refused = credentials.encryption().refusal(other);
+    if (!refused) return guard(timer, std::move(credentials), std::move(other));
+    secure_->break_off(*refused);
+    return kj::READY_NOW;
+  });
+}
+
 std::optional<Error> RpcChannel::Connection::problem() const {
   return secure_ == nullptr ? std::nullopt : secure_->problem();
 }
@@ -165,14 +178,14 @@ Result<void> RpcChannel::use(Descriptor socket, const TcpEndpoint& endpoint, Tim
     failures_ = std::make_unique<Failures>();
     calls_ = std::make_unique<kj::TaskSet>(*failures_);
     auto stream = io.lowLevelProvider->wrapSocketFd(kj::AutoCloseFd(socket.release()), kReadySocket);
-    shake_hands(endpoint.credentials.encryption().connect(kj::mv(stream), endpoint.host), time_left(deadline),
-                done);
+    shake_hands(endpoint.credentials.encryption().connect(kj::mv(stream), endpoint.host),
+                endpoint.credentials, time_left(deadline), done);
   });
   done.reset();  // so that it is broken where the loop has failed
   return outcome.get();
 }
 
-void RpcChannel::shake_hands(kj::Own<SecureStream> stream, Duration timeout,
+void RpcChannel::shake_hands(kj::Own<SecureStream> stream, const Credentials& credentials, Duration timeout,
                              const std::shared_ptr<std::promise<Result<void>>>& done) {
   auto late = loop_.timer().afterDelay(to_kj(timeout)).then([this, timeout] {
     return Result<Identity>(
@@ -181,10 +194,11 @@ void RpcChannel::shake_hands(kj::Own<SecureStream> stream, Duration timeout,
   });
   auto handshake = stream->handshake();
   calls_->add(handshake.exclusiveJoin(kj::mv(late))
-                  .then([this, done, stream = kj::mv(stream)](Result<Identity>&& shown) mutable {
+                  .then([this, done, credentials, stream = kj::mv(stream)](Result<Identity>&& shown) mutable {
                     if (!shown) return done->set_value(shown.error());
                     SecureStream* secure = stream.get();
                     connection_ = std::make_unique<Connection>(kj::mv(stream), secure, 0);
+                    calls_->add(connection_->guard(loop_.timer(), std::move(credentials), std::move(*shown)));
                     done->set_value(Result<void>());
                   }));
 }

@@ -77,6 +77,8 @@ class RpcChannel {
     Answer hello(std::string_view kind);
     /// Calls `gone`, in the loop's thread, when the connection breaks.
     void watch(std::function<void()> gone);
+    /// Breaks it within a second once the certificate of the other side is revoked or expires.
+    kj::Promise<void> guard(kj::Timer& timer, Credentials credentials, Identity other);
     /// Why the connection broke, where TLS says so.
     [[nodiscard]] std::optional<Error> problem() const;
 
@@ -139,7 +141,7 @@ class RpcChannel {
   explicit RpcChannel(std::string who);
   Result<void> use(Descriptor socket, unsigned descriptors);
   Result<void> use(Descriptor socket, const TcpEndpoint& endpoint, TimePoint deadline);
-  void shake_hands(kj::Own<SecureStream> stream, Duration timeout,
+  void shake_hands(kj::Own<SecureStream> stream, const Credentials& credentials, Duration timeout,
                    const std::shared_ptr<std::promise<Result<void>>>& done);
   Result<void> greet(std::string_view kind, TimePoint deadline, const Begin& first);
   [[nodiscard]] Error translate(const kj::Exception& exception) const;

@@ -119,11 +119,18 @@ kj::Promise<void> Stream::drain() {
   });
 }
 
+void Stream::break_off(Error why) {
+  problem_ = std::move(why);
+  inner_->abortRead();
+  inner_->shutdownWrite();
+}
+
 kj::Promise<size_t> Stream::tryRead(void* buffer, size_t minimum, size_t maximum) {
   return read_more(static_cast<kj::byte*>(buffer), minimum, maximum, 0);
 }
 
 kj::Promise<size_t> Stream::read_more(kj::byte* buffer, size_t minimum, size_t maximum, size_t done) {
+  if (problem_) return KJ_EXCEPTION(DISCONNECTED, problem_->message);
   while (done < minimum) {
     size_t got = 0;
     ERR_clear_error();

@@ -23,6 +23,7 @@ class Stream final : public detail::SecureStream {
 
   kj::Promise<Result<Identity>> handshake() override;
   kj::Promise<void> drain() override;
+  void break_off(Error why) override;
   [[nodiscard]] std::optional<Error> problem() const override { return problem_; }
   [[nodiscard]] const std::string& claimed_name() const override { return claimed_name_; }
 
