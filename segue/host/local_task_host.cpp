@@ -109,6 +109,7 @@ struct LocalTaskHost::Implementation {
   /// Of the transitions that this host commits itself.
   const std::shared_ptr<task::CommitWord> word = std::make_shared<task::CommitWord>(0);
   std::atomic<std::uint64_t> transitions{0};
+  std::atomic<std::uint64_t> armed{0};  ///< the one that can commit; 0: none
   concurrent::ThreadPool threads{"segue-actions", kActionThreads};
   ActionPool pool{threads, [this](const model::Action& action, TimePoint deadline) {
                     return actions.perform(action, deadline);
@@ -139,18 +140,23 @@ void LocalTaskHost::expect(const model::Network& target) {
 
 Result<void> LocalTaskHost::arm_commit(const model::Transition& transition, TimePoint /*deadline*/) {
   if (transition.order == model::Order::Seamless) {
-    arm_commit(implementation_->word, ++implementation_->transitions, ending_connections(transition));
+    const std::uint64_t number = ++implementation_->transitions;
+    arm_commit(implementation_->word, number, ending_connections(transition));
+    implementation_->armed = number;
   }
   return {};
 }
 
 Result<void> LocalTaskHost::commit() {
-  implementation_->word->store(implementation_->transitions);
+  if (const std::uint64_t number = implementation_->armed.exchange(0); number != 0) {
+    implementation_->word->store(number);
+  }
   settle();
   return {};
 }
 
 void LocalTaskHost::withdraw() {
+  implementation_->armed = 0;
   settle();
 }
 

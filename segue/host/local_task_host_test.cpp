@@ -146,6 +146,23 @@ TEST_F(LocalHost, connects_once_and_disconnects_what_is_connected) {
 }
 
 /// Of a process that is killed while actions on its tasks are carried out, nothing remains.
+TEST_F(LocalHost, ends_no_connection_at_the_commit_of_a_transition_that_was_given_up) {
+  bring_to_running("a");
+  bring_to_running("b");
+  expect_done(on_connection(ActionKind::Connect, wire("a", "out", "b", "in")));
+  auto ending = on_connection(ActionKind::Disconnect, wire("a", "out", "b", "in"));
+  ending.phase = model::Phase::Retire;
+  model::Transition given_up;
+  given_up.order = model::Order::Seamless;
+  given_up.actions.push_back(ending);
+  ASSERT_TRUE(host_.arm_commit(given_up, soon()));
+  host_.withdraw();
+  // One where nothing waits for the commit.
+  ASSERT_TRUE(host_.arm_commit({}, soon()));
+  ASSERT_TRUE(host_.commit());
+  EXPECT_EQ(host_.observe().connections.size(), 1U);
+}
+
 TEST_F(LocalHost, forgets_the_tasks_and_connections_of_a_process_that_dies_during_actions) {
   auto kill = on_process(ActionKind::Undeploy, "p");
   std::get<model::DeploymentAction>(kill.what).kill = true;
