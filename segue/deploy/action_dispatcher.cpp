@@ -57,26 +57,67 @@ Result<void> check_link(const model::Connection& connection, const model::Deploy
   return {};
 }
 
-void ActionDispatcher::Batch::report(std::vector<host::Completed> ended) const {
+std::map<RecordPtr, ActionDispatcher::Indices> ActionDispatcher::Plan::by_process() const {
+  std::map<RecordPtr, Indices> indices = at_process;
+  const auto add_connections = [&](const auto& connections, const Indices& of) {
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      for (const RecordPtr& end : {connections[i].writer, connections[i].reader}) {
+        if (end != nullptr) {
+          indices[end].push_back(of[i]);
+        }
+      }
+    }
+  };
+  add_connections(connect, connect_indices);
+  add_connections(disconnect, disconnect_indices);
+  for (const HandOver& what : hand_overs) {
+    indices[what.from.record].push_back(what.index);
+    indices[what.to.record].push_back(what.index);
+  }
+  return indices;
+}
+
+void ActionDispatcher::Batch::report(std::vector<host::Completed> ended) {
   for (auto& one : ended) {
     if (!one.outcome) {
       one.outcome = with_subject(std::move(one.outcome.error()), actions[one.index].label());
     }
   }
-  completed(std::move(ended));
+  outcomes.add(std::move(ended));
 }
 
 void ActionDispatcher::begin(std::vector<model::Action> actions, TimePoint deadline,
                              host::Completion completed) {
   Plan placed = plan(actions);
-  const auto batch = std::make_shared<const Batch>(
-      Batch{std::move(actions), deadline, std::move(completed), std::move(placed)});
+  const auto batch =
+      std::make_shared<Batch>(std::move(actions), deadline, std::move(completed), std::move(placed));
+  watch_silence(batch);
   for (const auto& [record, indices] : batch->plan.at_process) {
     begin_at(record, indices, batch);
   }
   begin_blocking(batch);
   if (!batch->plan.refused.empty()) {
     batch->report(batch->plan.refused);
+  }
+}
+
+void ActionDispatcher::watch_silence(const BatchPtr& batch) {
+  for (const auto& [process, indices] : batch->plan.by_process()) {
+    if (process->key().is_runtime()) {
+      continue;
+    }
+    batch->watches.push_back(std::make_shared<const std::function<void()>>(
+        [weak = std::weak_ptr(batch), process = process, indices = indices] {
+          const std::string why = silence_text(process->key(), process->process().pid);
+          std::vector<host::Completed> ended;
+          for (const std::size_t index : indices) {
+            ended.push_back({index, fail(ErrorCode::DeadlineExceeded, why)});
+          }
+          if (const auto there = weak.lock()) {
+            there->report(std::move(ended));
+          }
+        }));
+    process->add(batch->watches.back());
   }
 }
 
@@ -282,12 +323,18 @@ void ActionDispatcher::note_placement(const model::Action& action, const RecordP
     return;
   }
   const PlacementTable::Place place = PlacementTable::place_of(config->definition.id, record->key());
+  if (record->ended()) {
+    return;
+  }
   if (outcome) {
     record->note_created(std::get<model::ConfigAction>(plain(action).what));
     fleet_.placements().put(place);
   } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||
              outcome.error().code == ErrorCode::Unavailable) {
     fleet_.placements().put_unconfirmed(place);
+  }
+  if (record->ended()) {
+    fleet_.placements().drop(place);  // it ended meanwhile, after its tasks were dropped or before
   }
 }
 

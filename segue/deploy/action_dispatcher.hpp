@@ -4,6 +4,7 @@
 #include <segue/deploy/commit_coordinator.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/remote_connector.hpp>
+#include <segue/host/batch_outcomes.hpp>
 #include <segue/model/transition.hpp>
 
 #include <map>
@@ -25,7 +26,9 @@ class ActionDispatcher {
       : fleet_(fleet), connector_(connector), commits_(commits) {}
 
   /// Begins actions that do not depend on each other: one message for each process, all processes at the same
-  /// time; `completed` as TaskHost::begin_all says.
+  /// time; `completed` as TaskHost::begin_all says. Those that need a process which stops answering fail then
+  /// as DeadlineExceeded, since a transition replaces it; not those of the runtime's own process, which
+  /// none can replace.
   void begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed);
   void conclude(const model::Transition& transition);
   void withdraw();
@@ -50,17 +53,26 @@ class ActionDispatcher {
     Indices disconnect_indices;
     std::vector<HandOver> hand_overs;
     std::vector<host::Completed> refused;
+
+    /// The actions that need an answer of a process, other than to begin or to end.
+    [[nodiscard]] std::map<RecordPtr, Indices> by_process() const;
   };
   /// Kept by all that works on it.
   struct Batch {
-    std::vector<model::Action> actions;
-    TimePoint deadline;
-    host::Completion completed;
-    Plan plan{};
+    Batch(std::vector<model::Action> all, TimePoint until, host::Completion completed, Plan placed)
+        : actions(std::move(all)),
+          deadline(until),
+          plan(std::move(placed)),
+          outcomes(actions.size(), std::move(completed)) {}
+    void report(std::vector<host::Completed> ended);
 
-    void report(std::vector<host::Completed> ended) const;
+    const std::vector<model::Action> actions;
+    const TimePoint deadline;
+    const Plan plan;
+    host::BatchOutcomes outcomes;  ///< an action at a silent process may end twice
+    std::vector<SilenceWatch> watches;
   };
-  using BatchPtr = std::shared_ptr<const Batch>;
+  using BatchPtr = std::shared_ptr<Batch>;
 
   Plan plan(const std::vector<model::Action>& actions) const;
   Result<void> place(std::size_t index, const model::Action& action, Plan& plan) const;
@@ -68,6 +80,7 @@ class ActionDispatcher {
   Result<void> place_hand_over(std::size_t index, const model::HandOverAction& what, Plan& plan) const;
   static Result<void> hand_over(const HandOver& what, TimePoint deadline);
   Result<void> place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const;
+  static void watch_silence(const BatchPtr& batch);
   void begin_at(const RecordPtr& record, const Indices& indices, const BatchPtr& batch);
   /// What blocks, on threads of the fleet: processes that begin or end, hand-overs and connections between
   /// processes.

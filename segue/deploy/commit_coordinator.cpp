@@ -14,6 +14,8 @@ namespace {
 
 /// How long a process may take to settle, which no task waits for.
 constexpr Duration kSettling = std::chrono::seconds(2);
+/// How much later than its connection breaks a process may be known to have ended.
+constexpr Duration kEndLag = std::chrono::milliseconds(300);
 
 /// Calls work(item, outcome) for each item, all in parallel; the outcomes in the order of the items.
 template <class Items, class Work>
@@ -51,10 +53,7 @@ Result<void> CommitCoordinator::arm(const model::Transition& transition, TimePoi
     note_waiting({record});
   }
   const auto outcomes = in_parallel(fleet_.pool(), parts, [deadline](const auto& item) -> Result<void> {
-    const auto& [record, part] = item;
-    const auto service = record->service();
-    auto armed = service ? service->arm_commit(part.what, deadline) : Result<void>(record->unreachable());
-    return armed || part.begins ? std::move(armed) : Result<void>();
+    return arm(*item.first, item.second, deadline);
   });
   for (const auto& outcome : outcomes) {
     if (!outcome) {
@@ -64,6 +63,14 @@ Result<void> CommitCoordinator::arm(const model::Transition& transition, TimePoi
   const std::lock_guard lock(mutex_);
   armed_ = number;
   return {};
+}
+
+Result<void> CommitCoordinator::arm(ProcessRecord& process, const Part& part, TimePoint deadline) {
+  const auto service = process.service();
+  auto armed = service ? service->arm_commit(part.what, deadline) : Result<void>(process.unreachable());
+  const bool may_have_ended = !armed && !part.begins && armed.error().code == ErrorCode::Unavailable;
+  const bool has_ended = may_have_ended && process.wait_for_end(monotonic_now() + kEndLag);
+  return has_ended ? Result<void>() : std::move(armed);
 }
 
 CommitCoordinator::Parts CommitCoordinator::parts_of(const model::Transition& transition) const {
@@ -143,7 +150,7 @@ void CommitCoordinator::settle() {
   const TimePoint deadline = RealClock::instance().now() + kSettling;
   const auto outcomes =
       in_parallel(fleet_.pool(), records, [deadline](const RecordPtr& record) -> Result<void> {
-        const auto service = record->service();
+        const auto service = record->answers() ? record->service() : nullptr;  // silence is not waited for
         return service ? service->settle(deadline) : Result<void>(record->unreachable());
       });
   auto outcome = outcomes.begin();

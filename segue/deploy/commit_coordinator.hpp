@@ -26,8 +26,8 @@ class CommitCoordinator {
   /// Connections of these processes wait for the commit.
   void note_waiting(std::initializer_list<RecordPtr> records);
 
-  /// Before the first action of Commit. A process that cannot be reached is an error where a connection is to
-  /// begin there; one that only has connections to end keeps them until they are closed.
+  /// Before the first action of Commit. A process that was not told which of its connections begin and end is
+  /// an error, unless it has ended and none begins there: the others ended with it.
   Result<void> arm(const model::Transition& transition, TimePoint deadline);
   /// The store.
   void commit();
@@ -43,6 +43,7 @@ class CommitCoordinator {
   };
   using Parts = std::map<RecordPtr, Part>;
 
+  static Result<void> arm(ProcessRecord& process, const Part& part, TimePoint deadline);
   [[nodiscard]] Parts parts_of(const model::Transition& transition) const;
   void add_ending(const model::Connection& connection, Parts& parts) const;
   Result<std::shared_ptr<link::CommitPage>> page();

@@ -473,6 +473,36 @@ TEST(DeployedTaskHost, ShowsNewConnectionsFromTheCommitOn) {
   EXPECT_TRUE(has(robot.host.observe(), "a", "c"));
 }
 
+/// A connection between two processes that a transition is about to end.
+class EndingConnection : public ::testing::Test {
+ protected:
+  EndingConnection() {
+    const std::string tasks =
+        "network: pair\ntasks: {a: {component: \"t::A\"}, b: {component: \"t::B\"}}\n"
+        "deployments: {one: {process: p1, tasks: [a]}, two: {process: p2, tasks: [b]}}\n";
+    robot_.order = model::Order::Seamless;
+    EXPECT_EQ(text(robot_.switch_to((tasks + "connections: [a.out -> b.in]\n").c_str())), "done");
+    const model::Network before = robot_.host.observe();
+    const auto without = network_of(tasks);
+    way_ = solve::diff(before, without, robot_.catalog, {robot_.order}).value();
+    robot_.host.begin_transition(before, without);
+  }
+  FakeWorld world_;
+  Robot robot_{world_};
+  model::Transition way_;
+};
+
+TEST_F(EndingConnection, CannotEndWhereAProcessWasNotToldOfIt) {
+  world_.set_fault({1, FaultKind::Fail});
+  EXPECT_THAT(text(robot_.host.arm_commit(way_, soon())), ::testing::HasSubstr("injected"));
+}
+
+TEST_F(EndingConnection, NeedsNoAnswerOfAProcessThatEnds) {
+  world_.set_fault({1, FaultKind::Die});
+  EXPECT_EQ(text(robot_.host.arm_commit(way_, soon())), "done");
+  EXPECT_TRUE(world_.fault_happened());
+}
+
 /// The transition commits, but is not completed: what it ended is still there, and in the way.
 TEST(DeployedTaskHost, MakesConnectionsAgainThatEndedWithACommit) {
   const std::string tasks =
@@ -529,6 +559,54 @@ TEST(DeployedTaskHost, ShowsAHungProcessAsFatalAndReplacesIt) {
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   EXPECT_NE(world.find("p2"), hung);
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+}
+
+/// Actions that a process does not end: what it was asked for is held up, and then it stops answering.
+class SilentDuringActions : public ::testing::Test {
+ protected:
+  SilentDuringActions() { EXPECT_EQ(text(robot_.switch_to(kOne)), "done"); }
+  /// How the action ends, although p2 never answers to `call`.
+  Result<void> outcome_of(const model::Action& what, const std::string& call) {
+    std::latch asked(1);
+    const auto p2 = world_.find("p2");
+    world_.on_call([&asked, call, p2, this](const std::string& made, const FakePtr& process) {
+      if (made == call && process == p2 && !held_.exchange(true)) {
+        asked.count_down();
+        over_.wait();
+      }
+    });
+    std::promise<Result<void>> ended;
+    auto outcome = ended.get_future();
+    std::thread begin([&] {
+      robot_.host.begin_all({what}, soon(), [&](std::vector<host::Completed> all) {
+        ended.set_value(std::move(all.front().outcome));
+      });
+    });
+    asked.wait();
+    world_.change([&] { p2->hangs = true; });
+    EXPECT_EQ(text(robot_.wrong()), "");
+    const bool in_time = outcome.wait_for(30s) == std::future_status::ready;
+    EXPECT_TRUE(in_time) << "before the process was heard of again";
+    over_.count_down();
+    begin.join();
+    return outcome.get();
+  }
+
+  std::atomic<bool> held_{false};
+  std::latch over_{1};  ///< the call goes on after its action has been reported
+  FakeWorld world_;
+  Robot robot_{world_};
+};
+
+TEST_F(SilentDuringActions, FailsWhatAProcessDoesThatStopsAnswering) {
+  EXPECT_THAT(text(outcome_of(on_task(ActionKind::Stop, "c"), "perform")),
+              ::testing::HasSubstr("process 'localhost/p2' (pid 102) does not answer"));
+}
+
+TEST_F(SilentDuringActions, FailsConnectionsOfAProcessThatStopsAnswering) {
+  const auto to_c = network_of(kOne).connections.at(1);
+  EXPECT_THAT(text(outcome_of(on_wire(ActionKind::Disconnect, to_c), "close_endpoints")),
+              ::testing::HasSubstr("does not answer"));
 }
 
 TEST(DeployedTaskHost, TakesAProcessBackThatAnswersAgain) {

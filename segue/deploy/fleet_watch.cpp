@@ -239,6 +239,11 @@ void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& cha
     events_.post(host::ProcessEvent{record.key(), why, false});
     report_all_tasks(view, TaskState::Fatal, why);
   }
+  for (const SilenceWatch& watch : change.watches) {
+    if (!pool_.submit([watch] { (*watch)(); })) {
+      (*watch)();
+    }
+  }
   if (change.answers_again) {
     events_.post(host::ProcessEvent{record.key(), "answers again", false});
     report_all_tasks(view, std::nullopt, "");

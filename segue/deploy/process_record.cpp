@@ -170,7 +170,32 @@ ProcessRecord::Change ProcessRecord::silent_now() {
   Change change;
   const bool before = std::exchange(answers_, false);
   change.silent = before && !end_expected_ && !ended_;
+  if (change.silent) {
+    change.watches = take_watches();
+  }
   return change;
+}
+
+std::vector<SilenceWatch> ProcessRecord::take_watches() {
+  std::vector<SilenceWatch> kept;
+  for (const auto& one : std::exchange(watches_, {})) {
+    if (auto watch = one.lock()) {
+      kept.push_back(std::move(watch));
+    }
+  }
+  return kept;
+}
+
+void ProcessRecord::add(const SilenceWatch& watch) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (answers_) {
+      std::erase_if(watches_, [](const auto& one) { return one.expired(); });
+      watches_.push_back(watch);
+      return;
+    }
+  }
+  (*watch)();
 }
 
 ProcessRecord::Change ProcessRecord::answering_now() {

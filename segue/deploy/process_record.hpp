@@ -9,6 +9,7 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -44,6 +45,9 @@ class ConnectionTurn {
   const bool given_;
 };
 
+/// What has to be told once a process stops answering; forgotten when the last copy goes.
+using SilenceWatch = std::shared_ptr<const std::function<void()>>;
+
 /// What the runtime knows of one deployment process: its connection, its latest snapshot, the polls that are
 /// under way and whether it has ended. Thread safe: one mutex protects everything that changes, and nobody is
 /// called with it held.
@@ -74,6 +78,7 @@ class ProcessRecord {
     bool answers_again = false;
     std::vector<model::TaskId> hanging;          ///< from now on
     std::vector<model::TaskId> hanging_no_more;  ///< from now on
+    std::vector<SilenceWatch> watches;           ///< to be told that it is silent
   };
 
   /// Requests a poll that begins from now on. `start`: nobody polls this process, so the caller has to see to
@@ -98,6 +103,9 @@ class ProcessRecord {
   /// The poll of that number took too long: the process counts as not answering, unless it just did.
   Change give_up_poll(std::uint64_t number);
   [[nodiscard]] bool answers() const;
+  /// From now on, `watch` is among those that are told when the process stops answering; at once, by the
+  /// caller's thread, where it does not answer now.
+  void add(const SilenceWatch& watch);
 
   /// It is being ended by request, so its silence and its end are not reported.
   void expect_end(bool expected);
@@ -121,6 +129,7 @@ class ProcessRecord {
  private:
   friend class ConnectionTurn;
   Change silent_now();
+  std::vector<SilenceWatch> take_watches();
   Change answering_now();
   [[nodiscard]] std::shared_ptr<const Snapshot> last_known() const;
 
@@ -141,6 +150,7 @@ class ProcessRecord {
   bool end_expected_ = false;
   bool ended_ = false;
   std::vector<model::TaskId> hanging_;
+  std::vector<std::weak_ptr<const std::function<void()>>> watches_;
   std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_;  ///< with requested_ at that time
   std::set<link::Incarnation> peers_;
 };

@@ -140,11 +140,14 @@ void RemoteConnector::give_up(TimePoint deadline) {
   conclude();
   std::vector<RemoteConnection> connections;
   for (auto& [key, remote] : take_waiting()) {
-    connections.push_back(std::move(remote));
+    if (remote.writer->answers() && remote.reader->answers()) {
+      connections.push_back(std::move(remote));
+    }
   }
   if (!connections.empty()) {
-    disconnect(connections, deadline);  // what cannot be reached now is an orphan later
+    disconnect(connections, deadline);
   }
+  // What cannot be reached now is an orphan later.
 }
 
 void RemoteConnector::remove_orphaned(TimePoint deadline) {

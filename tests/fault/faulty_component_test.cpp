@@ -87,6 +87,24 @@ INSTANTIATE_TEST_SUITE_P(All, Hang,
                                            Fault{"update", "freeze"}, Fault{"stop", "freeze"}),
                          name_of);
 
+/// A process that stops answering in the middle of a transition, whose actions may take a minute.
+class Silence : public FaultyComponent {};
+
+TEST_P(Silence, ends_the_transition_long_before_its_deadline) {
+  switch_to(plain_);
+  const auto there = try_switch(with(GetParam().hook, GetParam().how), std::chrono::minutes(1));
+  EXPECT_EQ(there.outcome, Outcome::Failed);
+  ASSERT_TRUE(there.error);
+  EXPECT_NE(to_string(*there.error).find("does not answer"), std::string::npos) << to_string(*there.error);
+  EXPECT_LT(there.duration, std::chrono::seconds(20));
+  EXPECT_TRUE(there.undo && there.undo->restored);
+  EXPECT_EQ(pid_of("bad"), -1);
+  expect_undisturbed();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Silence,
+                         ::testing::Values(Fault{"configure", "freeze"}, Fault{"start", "freeze"}), name_of);
+
 /// Exceptions and refusals: the process stays.
 class Failure : public FaultyComponent {};
 
