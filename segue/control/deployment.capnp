@@ -65,7 +65,7 @@ struct EndpointReport {
   dropped @6 :UInt64;
   overwritten @7 :UInt64;
   corrupt @8 :UInt64;
-  damaged @9 :Bool;
+  damage @9 :UInt8;  # link::Damage
   carries @10 :Bool = true;
   latency @11 :Tasks.Latency;
 }

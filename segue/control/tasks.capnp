@@ -117,4 +117,5 @@ struct ConnectionReport {
   read @2 :UInt64;
   dropped @3 :UInt64;
   latency @4 :Latency;
+  error @5 :Text;
 }

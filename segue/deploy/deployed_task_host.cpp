@@ -183,11 +183,14 @@ std::vector<host::TaskReport> DeployedTaskHost::tasks() const {
 }
 
 std::vector<host::ConnectionReport> DeployedTaskHost::connections() const {
-  return implementation_->fleet->poll_merged().connections;
+  return look().connections;
 }
 
 DeployedTaskHost::View DeployedTaskHost::look() const {
   auto merged = implementation_->fleet->poll_merged();
+  for (auto& damaged : implementation_->remote_connector.note_damage(merged)) {
+    merged.connections.push_back(std::move(damaged));
+  }
   return {std::move(merged.network), std::move(merged.tasks), std::move(merged.connections)};
 }
 

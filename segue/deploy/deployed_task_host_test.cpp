@@ -957,7 +957,7 @@ TEST(DeployedTaskHost, MakesADamagedConnectionAgain) {
     world.change([&] {
       const auto found = std::find_if(damage->endpoints.begin(), damage->endpoints.end(), between);
       ASSERT_NE(found, damage->endpoints.end());
-      found->damaged = true;
+      found->damage = link::Damage::Ring;
       found->corrupt = 3;
     });
     auto broken = whole;
@@ -967,6 +967,83 @@ TEST(DeployedTaskHost, MakesADamagedConnectionAgain) {
     EXPECT_TRUE(equivalent(robot.host.observe(), whole)) << "with an endpoint damaged in " << process;
     EXPECT_EQ(world.orphaned_endpoints(), 0U);
   }
+}
+
+/// An endpoint of process `process` on the way from p1 to p2 (b.out -> c.in) finds damage.
+class Overwritten : public ::testing::Test {
+ protected:
+  Overwritten() { EXPECT_EQ(text(robot_.switch_to(kOne)), "done"); }
+  void damage(const char* process, link::Damage what) {
+    const auto found = world_.find(process);
+    world_.change([&] {
+      for (auto& endpoint : found->endpoints) {
+        if (endpoint.connection == to_c_) endpoint.damage = what;
+      }
+    });
+  }
+  std::string error() {
+    for (const auto& report : robot_.host.connections()) {
+      if (report.connection == to_c_) return report.error;
+    }
+    return "there is no such connection";
+  }
+  TaskState state_of(const char* task) { return robot_.host.observe().find_task(model::TaskId(task))->state; }
+
+  const model::Connection to_c_ = network_of(kOne).connections.at(1);
+  FakeWorld world_;
+  Robot robot_{world_};
+};
+
+TEST_F(Overwritten, ASampleIsLaidToItsWriter) {
+  damage("p2", link::Damage::Payload);
+  EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten by process 'localhost/p1';"));
+}
+
+TEST_F(Overwritten, ARingIsLaidToAllThatSharedIt) {
+  damage("p1", link::Damage::Ring);
+  EXPECT_THAT(error(), ::testing::HasSubstr("one of the processes 'localhost/p1', 'localhost/p2' and "
+                                            "the runtime's own;"));
+}
+
+TEST_F(Overwritten, IsToldUntilTheConnectionIsMadeAgain) {
+  damage("p1", link::Damage::Ring);
+  EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten"));
+  for (const char* process : {"p1", "p2"}) {
+    const auto found = world_.find(process);
+    world_.change([&] {
+      std::erase_if(found->endpoints, [&](const auto& endpoint) { return endpoint.connection == to_c_; });
+    });
+  }
+  EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten"));
+  ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
+  EXPECT_EQ(error(), "");
+}
+
+TEST_F(Overwritten, AgainAndAgainByOneProcessHasThatReplaced) {
+  const auto before = world_.find("p1");
+  for (int time = 1; time <= 3; ++time) {
+    EXPECT_EQ(state_of("b"), TaskState::Running) << time;
+    damage("p2", link::Damage::Payload);
+    EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten"));
+    if (time < 3) {
+      ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
+    }
+  }
+  EXPECT_EQ(state_of("b"), TaskState::Fatal);
+  EXPECT_TRUE(robot_.recorded.process("p1", "has overwritten shared memory of 3 connections", false));
+  ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
+  EXPECT_NE(world_.find("p1"), before);
+  EXPECT_TRUE(equivalent(robot_.host.observe(), network_of(kOne))) << text(robot_.wrong());
+}
+
+TEST_F(Overwritten, AgainAndAgainByOneOfSeveralProcessesHasNoneReplaced) {
+  for (int time = 1; time <= 4; ++time) {
+    damage("p2", link::Damage::Ring);
+    EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten"));
+    ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
+  }
+  EXPECT_EQ(state_of("b"), TaskState::Running);
+  EXPECT_EQ(state_of("c"), TaskState::Running);
 }
 
 TEST(DeployedTaskHost, ConnectsOthersWhileAProcessDoesNotAnswer) {

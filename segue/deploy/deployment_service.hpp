@@ -39,10 +39,10 @@ struct EndpointReport {
   link::Incarnation peer = 0;
   link::InputPlace place;  ///< identifies the connection: both of its endpoints name the same place
   link::Counters counters;
-  std::uint64_t corrupt = 0;  ///< invalid entries and claims of the peer; see SharedEndpoint
-  bool damaged = false;       ///< the connection must be made again
-  bool carries = true;        ///< false: it waits for the commit of a transition, or has ended with one
-  link::Latency latency{};    ///< known by the input only
+  std::uint64_t corrupt = 0;                 ///< invalid entries and claims of the peer; see SharedEndpoint
+  link::Damage damage = link::Damage::None;  ///< other than None: the connection must be made again
+  bool carries = true;      ///< false: it waits for the commit of a transition, or has ended with one
+  link::Latency latency{};  ///< known by the input only
 };
 
 /// Everything that a process holds at one moment.

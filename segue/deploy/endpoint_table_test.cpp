@@ -25,7 +25,7 @@ class FakeEndpoint final : public link::SharedEndpoint {
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] link::Incarnation peer() const override { return 0; }
   [[nodiscard]] std::uint64_t corrupt() const override { return 0; }
-  [[nodiscard]] bool damaged() override { return false; }
+  [[nodiscard]] link::Damage damage(TimePoint /*now*/) override { return link::Damage::None; }
   void end_at(task::CommitGatePtr /*gate*/) override {}
   void settle() override {}
   [[nodiscard]] bool dormant() const override { return false; }

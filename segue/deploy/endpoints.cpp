@@ -166,10 +166,11 @@ void Endpoints::close_all() {
 
 std::vector<EndpointReport> Endpoints::reports() {
   std::vector<EndpointReport> reports;
+  const TimePoint now = RealClock::instance().now();
   for (auto& endpoint : table_.connected()) {
     reports.push_back({std::move(endpoint.connection), endpoint.side, endpoint.peer,
                        std::move(endpoint.place), endpoint.shared->counters(), endpoint.shared->corrupt(),
-                       endpoint.shared->damaged(), endpoint.shared->carries(), endpoint.shared->latency()});
+                       endpoint.shared->damage(now), endpoint.shared->carries(), endpoint.shared->latency()});
   }
   return reports;
 }

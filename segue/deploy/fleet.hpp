@@ -52,6 +52,9 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   MergedView poll_merged();
 
   [[nodiscard]] RecordPtr find(const model::DeploymentKey& key) const;
+  /// The process is at fault: it counts as one that a transition replaces. Not the runtime's own, which none
+  /// can replace.
+  void blame(const Suspect& process, const std::string& why);
   /// The process of that incarnation.
   [[nodiscard]] RecordPtr find(link::Incarnation incarnation) const;
   [[nodiscard]] std::vector<RecordPtr> all() const;

@@ -202,7 +202,8 @@ Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline
   if (auto empty = check_empty(view); !empty) {
     return empty;
   }
-  const bool orderly = view.answers && view.snapshot != nullptr && view.snapshot->hanging.empty();
+  const bool orderly =
+      view.answers && view.fault.empty() && view.snapshot != nullptr && view.snapshot->hanging.empty();
   return end_by(*record, [&] {
     auto reason = processes_.stop(launch_.robot, key, part_until(deadline, orderly ? kOrderly : kDisorderly));
     if (reason) {
@@ -249,7 +250,7 @@ void Fleet::end_all(TimePoint deadline) {
 }
 
 Result<void> Fleet::check_empty(const ProcessView& view) {
-  if (!view.answers || view.snapshot == nullptr) {
+  if (!view.answers || !view.fault.empty() || view.snapshot == nullptr) {
     return {};
   }
   const auto& hanging = view.snapshot->hanging;

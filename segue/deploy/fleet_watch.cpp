@@ -258,6 +258,16 @@ void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& cha
   }
 }
 
+void Fleet::blame(const Suspect& process, const std::string& why) {
+  const auto record = find(process.incarnation);
+  if (record == nullptr || record == own_ || !record->blame(why + "; a transition replaces it")) {
+    return;
+  }
+  const ProcessView view = record->view();
+  events_.post(host::ProcessEvent{record->key(), view.fault, false});
+  report_all_tasks(view, TaskState::Fatal, view.fault);
+}
+
 void Fleet::report_all_tasks(const ProcessView& view, std::optional<TaskState> state,
                              const std::string& message) {
   if (view.snapshot == nullptr) {

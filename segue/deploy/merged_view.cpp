@@ -51,7 +51,7 @@ class Merger {
     const bool own = process.deployment.key().is_runtime();
     model::Deployment deployment = process.deployment;
     deployment.tasks.clear();
-    if (!process.answers) {
+    if (!process.answers || !process.fault.empty()) {
       deployment.deployer = "unknown";
     }
     if (process.snapshot != nullptr) {
@@ -71,7 +71,7 @@ class Merger {
       deployment.tasks.push_back({id, name == names.end() ? task.id.str() : name->second});
       merged_.network.tasks.push_back(task);
       merged_.network.tasks.back().id = id;
-      if (!process.answers) {
+      if (!process.answers || !process.fault.empty()) {
         merged_.network.tasks.back().state = TaskState::Fatal;
       }
     }
@@ -106,6 +106,9 @@ class Merger {
   static std::string trouble(const ProcessView& process, const model::TaskId& task) {
     if (!process.answers) {
       return silence_text(process.deployment.key(), process.pid);
+    }
+    if (!process.fault.empty()) {
+      return process.fault;
     }
     const auto& hanging = process.snapshot->hanging;
     const bool hangs = std::find(hanging.begin(), hanging.end(), task) != hanging.end();
@@ -168,8 +171,10 @@ class Merger {
         return;
       }
       const model::Connection connection = called(output.connection, process, *input->second.process);
-      if (output.damaged || input->second.report->damaged) {
-        merged_.damaged.push_back({connection, output.corrupt + input->second.report->corrupt});
+      const EndpointReport& read = *input->second.report;
+      if (output.damage != link::Damage::None || read.damage != link::Damage::None) {
+        merged_.damaged.push_back({connection, output.corrupt + read.corrupt,
+                                   suspects_of(process, output, *input->second.process, read)});
       } else if (whole.insert(key).second) {
         add_connection(output, connection, input->second.report->latency);
       }
@@ -182,6 +187,24 @@ class Merger {
         add_orphaned(process, endpoint);
       }
     });
+  }
+
+  [[nodiscard]] std::vector<Suspect> suspects_of(const ProcessView& writer, const EndpointReport& output,
+                                                 const ProcessView& reader,
+                                                 const EndpointReport& input) const {
+    std::vector<Suspect> suspects{{writer.deployment.key(), writer.incarnation}};
+    if (output.damage == link::Damage::None && input.damage == link::Damage::Payload) {
+      return suspects;
+    }
+    suspects.push_back({reader.deployment.key(), reader.incarnation});
+    for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
+      const Suspect peer{process.deployment.key(), process.incarnation};
+      const bool known = std::find(suspects.begin(), suspects.end(), peer) != suspects.end();
+      if (endpoint.peer == reader.incarnation && !known) {
+        suspects.push_back(peer);
+      }
+    });
+    return suspects;
   }
 
   template <class See>
@@ -229,6 +252,21 @@ class Merger {
 
 MergedView merge(const std::vector<ProcessView>& processes, const FindName& name_of) {
   return Merger(processes, name_of).merge();
+}
+
+std::string suspect_text(const std::vector<Suspect>& suspects) {
+  std::vector<std::string> names;
+  for (const Suspect& one : suspects) {
+    names.push_back(one.process.is_runtime() ? "the runtime's own" : quote(to_string(one.process)));
+  }
+  return names.size() == 1 ? "process " + names.front() : "one of the processes " + listed(names);
+}
+
+std::string damage_text(const DamagedConnection& damaged) {
+  const std::string found =
+      damaged.corrupt > 0 ? " (" + std::to_string(damaged.corrupt) + " invalid entries)" : std::string();
+  return "its shared memory was overwritten by " + suspect_text(damaged.suspects) + found +
+         "; a transition makes it again";
 }
 
 std::string silence_text(const model::DeploymentKey& process, int pid) {

@@ -20,6 +20,7 @@ struct ProcessView {
   std::shared_ptr<const Snapshot>
       snapshot;  ///< the latest one; may be null where the process does not answer
   bool answers = true;
+  std::string fault{};  ///< why a transition replaces it although it answers; "" where none does
 };
 
 /// An endpoint whose counterpart in the other process is missing, or that carries nothing: before the
@@ -32,11 +33,21 @@ struct OrphanedEndpoint {
   bool peer_gone = false;  ///< the other process has ended
 };
 
+/// A process that can have written to some shared memory.
+struct Suspect {
+  model::DeploymentKey process;
+  link::Incarnation incarnation = 0;
+  friend bool operator==(const Suspect&, const Suspect&) = default;
+};
+
 /// A connection whose memory was overwritten. Its endpoints are among the orphaned ones, and it is not part
 /// of the network.
 struct DamagedConnection {
   model::Connection connection;
   std::uint64_t corrupt = 0;  ///< invalid entries that both endpoints have found
+  /// Those that can have overwritten it: the writer's where a sample itself is invalid; else the reader's,
+  /// whose memory it is, and all with connections to that.
+  std::vector<Suspect> suspects;
 };
 
 /// The tasks and connections of all processes together.
@@ -55,10 +66,15 @@ using FindName = std::function<model::TaskId(const model::TaskId& task, const mo
 /// Merges the processes into one view; tasks are named by `name_of`.
 ///
 /// A task that hangs is Fatal in its process's snapshot already; here, its error gets what helps. A process
-/// that does not answer keeps its last known tasks, in state Fatal, and loses its connections. Its deployer
-/// becomes "unknown", which makes it differ from every wanted deployment, so that a transition replaces it.
+/// that does not answer keeps its last known tasks, in state Fatal, and loses its connections. Tasks of one
+/// with a fault are Fatal, too. The deployer of both becomes "unknown", which makes it differ from every
+/// wanted deployment, so that a transition replaces it.
 MergedView merge(const std::vector<ProcessView>& processes, const FindName& name_of);
 
+/// "process 'a'", "one of the processes 'a' and 'b'".
+std::string suspect_text(const std::vector<Suspect>& suspects);
+/// Why a connection is missing.
+std::string damage_text(const DamagedConnection& damaged);
 /// Why tasks of a process that does not answer are Fatal.
 std::string silence_text(const model::DeploymentKey& process, int pid);
 /// Why a task that hangs is Fatal: what the process reports about it, and what helps.

@@ -69,7 +69,16 @@ ProcessRecord::ProcessRecord(model::Deployment deployment, process::ProcessInfo 
 
 ProcessView ProcessRecord::view() const {
   const std::lock_guard lock(mutex_);
-  return {deployment_, process_.pid, incarnation_, last_known(), answers_};
+  return {deployment_, process_.pid, incarnation_, last_known(), answers_, fault_};
+}
+
+bool ProcessRecord::blame(std::string why) {
+  const std::lock_guard lock(mutex_);
+  if (!fault_.empty()) {
+    return false;
+  }
+  fault_ = std::move(why);
+  return true;
 }
 
 std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {

@@ -107,6 +107,9 @@ class ProcessRecord {
   /// caller's thread, where it does not answer now.
   void add(const SilenceWatch& watch);
 
+  /// It answers, but a transition has to replace it. False where it was known before.
+  bool blame(std::string why);
+
   /// It is being ended by request, so its silence and its end are not reported.
   void expect_end(bool expected);
   [[nodiscard]] bool end_expected() const;
@@ -147,6 +150,7 @@ class ProcessRecord {
   std::uint64_t answered_ = 0;   ///< the latest poll that gave a snapshot
   bool polling_ = false;
   bool answers_ = true;
+  std::string fault_;
   bool end_expected_ = false;
   bool ended_ = false;
   std::vector<model::TaskId> hanging_;

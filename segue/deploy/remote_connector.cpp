@@ -123,6 +123,11 @@ void RemoteConnector::will_end(const model::Connection& connection) {
 }
 
 void RemoteConnector::conclude() {
+  damage_.clear();
+  forget_ending();
+}
+
+void RemoteConnector::forget_ending() {
   const std::lock_guard lock(mutex_);
   ending_.clear();
 }
@@ -137,7 +142,7 @@ void RemoteConnector::settle() {
 }
 
 void RemoteConnector::give_up(TimePoint deadline) {
-  conclude();
+  forget_ending();
   std::vector<RemoteConnection> connections;
   for (auto& [key, remote] : take_waiting()) {
     if (remote.writer->answers() && remote.reader->answers()) {
@@ -155,11 +160,7 @@ void RemoteConnector::remove_orphaned(TimePoint deadline) {
   const auto kept = in_transition();  // what is added after this is claimed, or carries samples
   MergedView merged = fleet_.poll_merged();
   auto& orphaned = merged.orphaned;
-  for (const auto& damaged : merged.damaged) {
-    log(LogLevel::Error, "deploy",
-        to_string(damaged.connection) + " is ended: its shared memory was overwritten (" +
-            std::to_string(damaged.corrupt) + " invalid entries)");
-  }
+  note_damage(merged);
   std::vector<ConnectionClaims::Key> keys;
   for (const auto& endpoint : orphaned) {
     keys.push_back(key_of(endpoint.connection));
@@ -172,6 +173,17 @@ void RemoteConnector::remove_orphaned(TimePoint deadline) {
     return !claim.has(key) || kept.contains(key);
   });
   close_orphaned(orphaned, deadline);
+}
+
+std::vector<host::ConnectionReport> RemoteConnector::note_damage(const MergedView& seen) {
+  const auto found = damage_.note(seen, RealClock::instance().now());
+  for (const auto& damaged : found.damaged) {
+    log(LogLevel::Error, "deploy", to_string(damaged.connection) + " is ended: " + damage_text(damaged));
+  }
+  for (const auto& [process, why] : found.culprits) {
+    fleet_.blame(process, why);
+  }
+  return damage_.reports();
 }
 
 void RemoteConnector::close_orphaned(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline) {

@@ -3,6 +3,7 @@
 
 #include <segue/deploy/connection_batch.hpp>
 #include <segue/deploy/connection_claims.hpp>
+#include <segue/deploy/damage_log.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/peer_mapping.hpp>
 #include <segue/model/network.hpp>
@@ -33,6 +34,8 @@ class RemoteConnector {
   /// Closes endpoints whose counterparts are gone and dormant ones, but none of a connection that is just
   /// being worked on or that waits for the commit of the present transition.
   void remove_orphaned(TimePoint deadline);
+  /// What was ended because its memory was overwritten, and is missing since, `seen` included.
+  std::vector<host::ConnectionReport> note_damage(const MergedView& seen);
   /// The connection ends with the commit of the present transition, which disconnects it afterwards.
   void will_end(const model::Connection& connection);
   /// The transition has committed, so no connection waits for it any more; it was given up, so those that
@@ -46,6 +49,7 @@ class RemoteConnector {
   void remove_blocking_endpoints(std::span<const RemoteConnection> connections,
                                  const std::vector<Result<void>>& outcomes, TimePoint deadline);
 
+  void forget_ending();
   using Waiting = std::map<ConnectionClaims::Key, RemoteConnection>;
   void add_waiting(std::span<const RemoteConnection> connections);
   [[nodiscard]] std::set<ConnectionClaims::Key> in_transition() const;
@@ -53,6 +57,7 @@ class RemoteConnector {
 
   Fleet& fleet_;
   ConnectionClaims claims_;
+  DamageLog damage_;
   mutable std::mutex mutex_;
   Waiting waiting_;                         ///< connections that begin with the commit; protected by mutex_
   std::set<ConnectionClaims::Key> ending_;  ///< those that end with it; likewise

@@ -47,6 +47,8 @@ struct ConnectionReport {
   std::uint64_t dropped = 0;
   /// From the write to the read. Between hosts without the way over the network: their clocks differ.
   link::Latency latency{};
+  /// Not empty: it has been ended and is missing, and this is why.
+  std::string error{};
 };
 
 /// A task changed its state other than by an action.

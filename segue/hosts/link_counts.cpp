@@ -74,6 +74,7 @@ Reports LinkCounts::condense(Reports reports) const {
       const std::int64_t not_owed = known == seen_.end() ? 0 : known->second.not_owed;
       const auto& sent = first->second;
       report.connection.from = sent.connection.from;
+      report.error = report.error.empty() ? sent.error : report.error;
       report.latency = in_series(sent.latency, report.latency);
       report.dropped +=
           sent.dropped + difference(sent.read, not_owed + static_cast<std::int64_t>(report.written));

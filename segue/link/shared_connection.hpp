@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/base/policy.hpp>
 #include <segue/base/result.hpp>
 #include <segue/link/port_connection.hpp>
@@ -38,6 +39,13 @@ struct OutputOrigin {
 /// Describes an output port for the process of the reader.
 OutputOrigin describe_output(const SharedMemory& memory, const task::OutputPortBase& port);
 
+/// What was found of the memory of a connection.
+enum class Damage : std::uint8_t {
+  None,
+  Ring,    ///< what the reader's process, the writer's, and other peers of the reader can write
+  Payload  ///< a sample that is none of its type, in memory that only the writer's process can write
+};
+
 /// One endpoint of a connection between processes. disconnect() ends this endpoint alone. Both endpoints see
 /// all counters, of which the writer keeps written, dropped and overwritten and the reader keeps read.
 class SharedEndpoint : public PortConnection {
@@ -47,9 +55,10 @@ class SharedEndpoint : public PortConnection {
   /// broken or hostile.
   [[nodiscard]] virtual std::uint64_t corrupt() const = 0;
   /// Whether somebody overwrote what only the endpoints may write, so that samples are lost or do not flow
-  /// any more: the connection must be made again. Detected by invalid data, by a header that is not as the
-  /// reader left it, and by samples that wait for seconds although the reader finds none.
-  [[nodiscard]] virtual bool damaged() = 0;
+  /// any more: the connection must be made again. To be called about once a second, since what another thread
+  /// or process may be changing just then counts only where it is wrong for two seconds. Where the reader was
+  /// merely not woken, this wakes it.
+  [[nodiscard]] virtual Damage damage(TimePoint now) = 0;
 };
 
 struct InputEndpoint {

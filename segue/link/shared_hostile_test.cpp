@@ -63,6 +63,22 @@ struct Attacked {
   SharedRing ring;
 };
 
+/// As a writer does that lies on purpose.
+void seal(const SharedRing& ring, std::size_t index) {
+  RingEntry& entry = ring.entries()[index];
+  entry.seal = ring.seal_of(index, entry.offset, entry.size, entry.sequence);
+}
+
+/// The damage that an endpoint finds in the course of some seconds, during which nothing is written.
+template <class Endpoint>
+Damage damage_of(Endpoint& endpoint) {
+  TimePoint now(std::chrono::hours(1));
+  for (int look = 0; look < 4; ++look, now += std::chrono::seconds(1)) {
+    if (const Damage found = endpoint.damage(now); found != Damage::None) return found;
+  }
+  return Damage::None;
+}
+
 TEST(SharedHostile, WordsThatMakeNoSenseAreCountedAndDropped) {
   for (const Policy policy :
        {Policy{}, Policy{BufferKind::Buffer, 4}, Policy{BufferKind::CircularBuffer, 4}}) {
@@ -108,7 +124,7 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
     entry.offset = lie.offset;
     entry.size = lie.size;
     entry.sequence = 1;
-    entry.generation = link.place.generation;
+    seal(ring, 0);
     std::uint64_t before = 0;
     ASSERT_EQ(ring.words().push(ring.token_of(0), before), WordRing::Push::Taken);
     EXPECT_FALSE(sink.in.take());
@@ -124,7 +140,7 @@ TEST(SharedHostile, EntriesThatAreHeldOrOfAnEarlierConnectionAreCountedAndDroppe
   entry.offset = 64;
   entry.size = sizeof(Pose);
   entry.sequence = 1;
-  entry.generation = link.place.generation;
+  seal(ring, 0);
   std::uint64_t before = 0;
   ring.words().push(ring.token_of(0), before);
   ring.words().push(ring.token_of(0), before);
@@ -133,10 +149,13 @@ TEST(SharedHostile, EntriesThatAreHeldOrOfAnEarlierConnectionAreCountedAndDroppe
   EXPECT_FALSE(sink.in.take());
   EXPECT_EQ(link.input->corrupt(), 1U);
   // An entry of a connection that had this place before.
+  std::byte* pair_ring = hostile.memory->control(link.place.offset, 64);
   RingEntry& late = ring.entries()[1];
   late.offset = 128;
   late.size = sizeof(Pose);
-  late.generation = link.place.generation + 1;
+  late.sequence = 2;
+  late.seal = SharedRing(pair_ring, Policy{BufferKind::Buffer, 8}, link.place.generation + 1)
+                  .seal_of(1, late.offset, late.size, late.sequence);
   ring.words().push(ring.token_of(1), before);
   EXPECT_FALSE(sink.in.take());
   EXPECT_EQ(link.input->corrupt(), 2U);
@@ -151,11 +170,12 @@ TEST(SharedHostile, OlderSampleThatComesLateIsNotDelivered) {
   RingEntry& entry = ring.entries()[3];
   entry.offset = 128;
   entry.size = sizeof(Pose);
-  entry.generation = link.place.generation;
   entry.sequence = 3;
+  seal(ring, 3);
   ASSERT_TRUE(ring.words().offer(ring.token_of(3)));
   EXPECT_FALSE(sink.in.take());
   entry.sequence = 6;
+  seal(ring, 3);
   ASSERT_TRUE(ring.words().offer(ring.token_of(3)));
   EXPECT_TRUE(sink.in.take());
 }
@@ -165,8 +185,10 @@ TEST(SharedHostile, FlatBytesThatLieAreCountedAndDropped) {
   Attacked<Text> attacked(policy);
   auto& [pair, hostile, source, sink, link, ring] = attacked;
   source.out.write({"one", "two"});
-  for (RingEntry& entry : ring.entries())
-    entry.size = 12;  // truncated
+  for (std::size_t i = 0; i < ring.entries().size(); ++i) {
+    ring.entries()[i].size = 12;  // truncated
+    seal(ring, i);
+  }
   EXPECT_FALSE(sink.in.take());
   EXPECT_EQ(link.input->corrupt(), 1U);
   source.out.write({"three"});
@@ -240,7 +262,7 @@ TEST(SharedHostile, SamplesWithImpossibleBytesAreNotDelivered) {
   auto& [pair, hostile, source, sink, link, ring] = attacked;
   source.out.write(Switches{true, Mode::Fast});
   EXPECT_TRUE(sink.in.take());
-  EXPECT_FALSE(link.input->damaged());
+  EXPECT_EQ(damage_of(*link.input), Damage::None);
   for (const auto& [on, mode] : {std::pair{2, 0}, std::pair{1, 77}}) {
     auto sample = source.out.loan();
     ASSERT_TRUE(sample);
@@ -250,7 +272,7 @@ TEST(SharedHostile, SamplesWithImpossibleBytesAreNotDelivered) {
     EXPECT_FALSE(sink.in.take());
   }
   EXPECT_EQ(link.input->corrupt(), 2U);
-  EXPECT_TRUE(link.input->damaged());
+  EXPECT_EQ(damage_of(*link.input), Damage::Payload);
   source.out.write(Switches{false, Mode::Slow});
   EXPECT_TRUE(sink.in.take());
 }
@@ -260,12 +282,12 @@ TEST(SharedHostile, AHeaderThatWasOverwrittenIsNoticed) {
     Attacked<Pose> attacked(Policy{BufferKind::Buffer, 4});
     auto& [pair, hostile, source, sink, link, ring] = attacked;
     source.out.write(Pose(1));
-    EXPECT_FALSE(link.input->damaged());
+    EXPECT_EQ(damage_of(*link.input), Damage::None);
     auto& header = ring.header();
     const std::array<std::atomic<std::uint64_t>*, 5> words = {&header.generation, &header.closed,
                                                               &header.size, &header.kind, &header.init};
     words.at(static_cast<std::size_t>(word))->fetch_xor(1);
-    EXPECT_TRUE(link.input->damaged()) << word;
+    EXPECT_EQ(link.input->damage({}), Damage::Ring) << word;
   }
 }
 
@@ -275,11 +297,95 @@ TEST(SharedHostile, ASampleThatWasErasedIsNoticed) {
     Attacked<Pose> attacked(policy);
     auto& [pair, hostile, source, sink, link, ring] = attacked;
     source.out.write(Pose(1));
-    EXPECT_FALSE(link.input->damaged());
+    EXPECT_EQ(damage_of(*link.output), Damage::None);
     EXPECT_NE(ring.words().remove(0), 0U);
     EXPECT_FALSE(sink.in.take());
-    EXPECT_TRUE(eventually([&link = link] { return link.input->damaged(); }));
+    EXPECT_EQ(damage_of(*link.output), Damage::Ring);
   }
+}
+
+TEST(SharedHostile, ASampleThatWasErasedIsNoticedAlthoughOthersFlow) {
+  Attacked<Pose> attacked{Policy()};
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
+  TimePoint now;
+  Damage found = Damage::None;
+  for (int i = 1; i <= 5; ++i, now += std::chrono::seconds(1)) {
+    source.out.write(Pose(i));
+    if (i == 1) {
+      EXPECT_NE(ring.words().remove(0), 0U);
+    }
+    EXPECT_EQ(sink.in.take().get() != nullptr, i != 1);
+    found = link.output->damage(now);
+  }
+  EXPECT_EQ(found, Damage::Ring);
+}
+
+TEST(SharedHostile, AnEntryThatWasNotTakenBackIsNoticed) {
+  Attacked<Pose> attacked(Policy{BufferKind::Buffer, 4});
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
+  for (int i = 1; i <= 2; ++i) {
+    source.out.write(Pose(i));
+    EXPECT_TRUE(sink.in.take());
+  }
+  EXPECT_EQ(damage_of(*link.input), Damage::None);
+  EXPECT_NE(ring.returned()[0].exchange(0), 0U);
+  EXPECT_EQ(damage_of(*link.input), Damage::Ring);
+}
+
+TEST(SharedHostile, CountsOfTheOtherSideAreNotBelieved) {
+  Attacked<Pose> attacked(Policy{BufferKind::Buffer, 4});
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
+  source.out.write(Pose(1));
+  sink.in.take();
+  auto& header = ring.header();
+  for (auto* count : {&header.written, &header.dropped, &header.overwritten, &header.taken_back}) {
+    EXPECT_EQ(damage_of(*link.output), Damage::None);
+    *count ^= 1ULL << 40;
+    EXPECT_EQ(damage_of(*link.output), Damage::Ring);
+    *count ^= 1ULL << 40;
+  }
+  header.read ^= 1ULL << 40;
+  EXPECT_EQ(damage_of(*link.input), Damage::Ring);
+}
+
+TEST(SharedHostile, SamplesInAnotherOrderThanWrittenAreNotDelivered) {
+  Attacked<Pose> attacked(Policy{BufferKind::Buffer, 4});
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
+  for (int i = 1; i <= 4; ++i)
+    source.out.write(Pose(i));
+  EXPECT_NE(ring.words().remove(0), 0U);
+  EXPECT_FALSE(sink.in.take());
+  source.out.write(Pose(5));  // into the place of the first
+  EXPECT_FALSE(sink.in.take());
+  EXPECT_EQ(link.input->damage({}), Damage::Ring);
+}
+
+TEST(SharedHostile, APoolWhoseHeaderWasOverwrittenCanBeMappedAgain) {
+  Pair pair;
+  const Hostile hostile(*pair.reader);
+  reinterpret_cast<std::atomic<std::uint64_t>*>(hostile.memory->control(0, 64))[0] = 7;
+  const auto late = *SharedMemory::create(kSmall);
+  EXPECT_TRUE(late->admit(*pair.reader->offer()));
+}
+
+TEST(SharedHostile, AReaderWhoseDoorbellWasOverwrittenIsWoken) {
+  Pair pair;
+  const Hostile hostile(*pair.reader);
+  Source<Pose> source;
+  auto [task, counter] = running<Counter>("counter", {});
+  const Link link = pair.connect(source.out, counter->in, {});
+  ASSERT_TRUE(link.ok);
+  const auto doorbell =
+      DoorbellLine::of(hostile.ring(link.place, {}).header().doorbell.load(std::memory_order_relaxed));
+  ASSERT_TRUE(doorbell);
+  auto& words = *reinterpret_cast<task::DoorbellWords*>(
+      hostile.memory->control(doorbell->offset, sizeof(task::DoorbellWords)));
+  ASSERT_TRUE(eventually([&] { return words.sleeping % 4 != 0; }));
+  words.sleeping = 0;  // as if it were awake
+  source.out.write(Pose(1));
+  for (int look = 0; look < 2; ++look)
+    EXPECT_EQ(link.input->damage({}), Damage::None);
+  EXPECT_TRUE(eventually([counter = counter] { return counter->last == 1; }));
 }
 
 }  // namespace

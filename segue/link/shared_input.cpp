@@ -11,13 +11,6 @@ namespace segue::link {
 using task::SampleRef;
 using task::SampleSlot;
 
-namespace {
-
-/// A writer counts a sample shortly before it pushes it; one that takes longer has lost it.
-constexpr Duration kLongestPush = std::chrono::seconds(2);
-
-}  // namespace
-
 SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> writer,
                          std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy,
                          bool untyped, task::CommitGatePtr gate)
@@ -32,6 +25,7 @@ SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<con
       offset_(*state_->control()->offset_of(&(*ring)->header())),
       generation_((*ring)->generation()),
       port_name_(port.full_name()),
+      read_((*ring)->header().read),
       ring_(std::move(ring)),
       gate_(std::move(gate)) {
   if (decodes_) {
@@ -96,7 +90,7 @@ InputPlace SharedInput::place() const {
     SampleRef sample = accept(entry, spare.get());
     if (!sample) continue;
     if (sample.get() == spare.get()) spare.detach()->release();
-    count_one(ring.header().read);
+    read_.add_one();
     return sample;
   }
   return {};
@@ -109,26 +103,24 @@ InputPlace SharedInput::place() const {
   const std::uint64_t offset = found.offset.load(std::memory_order_relaxed);
   const std::uint64_t size = found.size.load(std::memory_order_relaxed);
   const std::uint64_t sequence = found.sequence.load(std::memory_order_relaxed);
-  const std::uint64_t generation = found.generation.load(std::memory_order_relaxed);
+  const std::uint64_t seal = found.seal.load(std::memory_order_relaxed);
   const TimePoint written_at(
       Duration(static_cast<std::int64_t>(found.written_at.load(std::memory_order_relaxed))));
-  if (generation != generation_ || (!decodes_ && samples_->held(entry))) {
+  if (seal != (*ring_)->seal_of(entry, offset, size, sequence) || (!decodes_ && samples_->held(entry))) {
     corrupt_.fetch_add(1, std::memory_order_relaxed);
     return {};
   }
-  // The last sample from before the connection may arrive after a newer one was read.
-  if (policy_.kind == BufferKind::Data && sequence <= newest_read_) {
-    count_one((*ring_)->header().read);
+  if (sequence <= newest_read_) {
+    // The last sample from before a connection with policy data may arrive after a newer one was read.
+    if (policy_.kind != BufferKind::Data) return reject(entry);
+    read_.add_one();
     (*ring_)->give_back(entry);
     return {};
   }
   const void* value = nullptr;
   if (form_ != SampleForm::Untyped) {
     value = find_value(offset, size);
-    if (value == nullptr) {
-      reject(entry);
-      return {};
-    }
+    if (value == nullptr) return reject_payload(entry);
   }
   const std::size_t flat_size = form_ == SampleForm::Flat ? size : 0;
   SampleRef sample = decodes_ ? decode(entry, value, size, sequence, *spare)
@@ -156,17 +148,21 @@ InputPlace SharedInput::place() const {
 
 SampleRef SharedInput::decode(std::size_t entry, const void* bytes, std::size_t size, std::uint64_t sequence,
                               SampleSlot& spare) noexcept {
-  if (!read_object({static_cast<const std::byte*>(bytes), size}, sequence, spare)) {
-    reject(entry);
-    return {};
-  }
+  if (!read_object({static_cast<const std::byte*>(bytes), size}, sequence, spare))
+    return reject_payload(entry);
   (*ring_)->give_back(entry);
   return SampleRef::share(spare);
 }
 
-void SharedInput::reject(std::size_t entry) noexcept {
+SampleRef SharedInput::reject(std::size_t entry) noexcept {
   corrupt_.fetch_add(1, std::memory_order_relaxed);
   (*ring_)->give_back(entry);
+  return {};
+}
+
+SampleRef SharedInput::reject_payload(std::size_t entry) noexcept {
+  invalid_.fetch_add(1, std::memory_order_relaxed);
+  return reject(entry);
 }
 
 void SharedInput::set_listener(task::SampleListener* listener) {
@@ -174,6 +170,7 @@ void SharedInput::set_listener(task::SampleListener* listener) {
   if (!ring_) return;
   std::atomic<std::uint64_t>& announced = (*ring_)->header().doorbell;
   if (listener == nullptr) {
+    announced_ = 0;
     announced.store(0, std::memory_order_seq_cst);
     // The port has stored its listener before, so only an answer that has begun may still notify it.
     if (doorbell_) doorbell_->wait_until_answered();
@@ -182,7 +179,8 @@ void SharedInput::set_listener(task::SampleListener* listener) {
   take_line(listener->runner());
   if (!doorbell_) return;
   const auto offset = state_->control()->offset_of(doorbell_->words().get());
-  announced.store(DoorbellLine{*offset, line_}.word(), std::memory_order_seq_cst);
+  announced_ = DoorbellLine{*offset, line_}.word();
+  announced.store(announced_, std::memory_order_seq_cst);
 }
 
 /// Gets a line of the doorbell of `runner`, which may differ from the last one. Requires mutex_.
@@ -216,7 +214,7 @@ void SharedInput::disconnect() {
     (*ring_)->header().closed.store(1, std::memory_order_seq_cst);
     (*ring_)->header().doorbell.store(0, std::memory_order_seq_cst);
     give_line_back();
-    final_ = (*ring_)->counters();
+    final_ = shown_counters();
     samples_.reset();
   }
   state_->end(*this);
@@ -229,12 +227,32 @@ bool SharedInput::connected() const {
 
 Counters SharedInput::counters() const {
   const std::lock_guard lock(mutex_);
-  return open_ ? (*ring_)->counters() : final_;
+  return open_ ? shown_counters() : final_;
 }
 
-bool SharedInput::damaged() {
+Counters SharedInput::shown_counters() const noexcept {
+  Counters counters = (*ring_)->counters();
+  counters.read = read_.get();
+  return counters;
+}
+
+std::uint64_t SharedInput::corrupt() const {
   const std::lock_guard lock(mutex_);
-  return open_ && (corrupt() > 0 || !header_is_ours() || stalls());
+  return count_corrupt();
+}
+
+std::uint64_t SharedInput::count_corrupt() const noexcept {
+  return corrupt_.load(std::memory_order_relaxed) + (ring_ ? (*ring_)->words().nonsense() : 0);
+}
+
+Damage SharedInput::damage(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  if (!open_) return Damage::None;
+  wake_if_forgotten();
+  const bool lasts = overwritten_.is(is_overwritten(), now);
+  const std::uint64_t invalid = invalid_.load(std::memory_order_relaxed);
+  if (lasts || !header_is_ours() || count_corrupt() > invalid) return Damage::Ring;
+  return invalid > 0 ? Damage::Payload : Damage::None;
 }
 
 /// Requires mutex_ and that it is open.
@@ -244,21 +262,28 @@ bool SharedInput::header_is_ours() const noexcept {
     return word.load(std::memory_order_acquire) == value;
   };
   return is(header.generation, generation_) && is(header.closed, 0) && is(header.size, policy_.size) &&
-         is(header.kind, static_cast<std::uint64_t>(policy_.kind)) && is(header.init, policy_.init ? 1 : 0);
+         is(header.kind, static_cast<std::uint64_t>(policy_.kind)) && is(header.init, policy_.init ? 1 : 0) &&
+         is(header.doorbell, announced_);
 }
 
-/// Requires mutex_ and that it is open.
-bool SharedInput::stalls() {
-  const Counters now = (*ring_)->counters();
-  const bool waits = now.written > now.read + now.dropped + now.overwritten;
-  const TimePoint time = RealClock::instance().now();
-  if (!waits || pending()) {
-    stalled_.reset();
-  } else if (!stalled_ || *stalled_ != now) {
-    stalled_ = now;
-    stalled_since_ = time;
-  }
-  return stalled_ && time - stalled_since_ > kLongestPush;
+/// Requires mutex_ and that it is open. Besides what this side has written, entries are counted: what it has
+/// read it holds, has returned, or the writer has taken back. Counted in this order, an entry on its way is
+/// counted twice rather than missed.
+bool SharedInput::is_overwritten() noexcept {
+  SharedRing& ring = **ring_;
+  const std::uint64_t read = read_.get();
+  const std::uint64_t held = samples_ ? samples_->count_held() : 0;
+  const std::uint64_t returned = ring.count_returned();
+  const std::uint64_t taken_back = ring.header().taken_back.load(std::memory_order_relaxed);
+  return read > held + returned + taken_back || read_.is_overwritten() || ring.words().has_hole();
+}
+
+/// Requires mutex_ and that it is open. Words of a doorbell may be overwritten as well.
+void SharedInput::wake_if_forgotten() noexcept {
+  const std::uint64_t read = read_.get();
+  const bool waits = pending() && read == read_at_last_look_ && !(gate_ && !gate_->open());
+  read_at_last_look_ = read;
+  if (waits) port_.notify();
 }
 
 void SharedInput::abandon() {

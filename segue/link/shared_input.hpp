@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/link/lasting.hpp>
 #include <segue/link/payload_source.hpp>
 #include <segue/link/shared_samples.hpp>
 #include <segue/link/shared_state.hpp>
@@ -38,8 +39,8 @@ class SharedInput final : public RegisteredEndpoint,
   [[nodiscard]] Latency latency() const override { return latency_.read(); }
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] Incarnation peer() const override { return writer_->incarnation(); }
-  [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
-  [[nodiscard]] bool damaged() override;
+  [[nodiscard]] std::uint64_t corrupt() const override;
+  [[nodiscard]] Damage damage(TimePoint now) override;
   void end_at(task::CommitGatePtr gate) override;
   void settle() override;
   [[nodiscard]] bool dormant() const override;
@@ -57,11 +58,15 @@ class SharedInput final : public RegisteredEndpoint,
   [[nodiscard]] const void* find_value(std::uint64_t offset, std::uint64_t size) const noexcept;
   task::SampleRef decode(std::size_t entry, const void* bytes, std::size_t size, std::uint64_t sequence,
                          task::SampleSlot& spare) noexcept;
-  void reject(std::size_t entry) noexcept;
+  task::SampleRef reject(std::size_t entry) noexcept;
+  task::SampleRef reject_payload(std::size_t entry) noexcept;
+  [[nodiscard]] Counters shown_counters() const noexcept;
+  [[nodiscard]] std::uint64_t count_corrupt() const noexcept;
   void take_line(task::Executor& runner);
   void give_line_back();
   [[nodiscard]] bool header_is_ours() const noexcept;
-  [[nodiscard]] bool stalls();
+  [[nodiscard]] bool is_overwritten() noexcept;
+  void wake_if_forgotten() noexcept;
 
   const std::shared_ptr<SharedState> state_;
   const std::shared_ptr<const PeerMemory> writer_;
@@ -79,15 +84,19 @@ class SharedInput final : public RegisteredEndpoint,
   SharedSamples::Handle samples_;     ///< for samples that are read in place
   task::SamplePool::Handle decoded_;  ///< for objects
   LatencyRecorder latency_;
-  std::uint64_t newest_read_ = 0;          ///< reader only, policy data: sequence of the newest sample
+  std::uint64_t newest_read_ = 0;          ///< reader only: sequence of the newest sample
+  KeptCount read_;                         ///< samples taken out of the ring and delivered, or too old
   std::atomic<std::uint64_t> corrupt_{0};  ///< invalid words and entries
+  std::atomic<std::uint64_t> invalid_{
+      0};  ///< among them: bytes that are no sample, which only the writer can write
 
   mutable std::mutex mutex_;         ///< guards the members below
   std::shared_ptr<OwnedRing> ring_;  ///< reset only after detach(), so the reader's thread needs no lock
   bool open_ = false;
-  bool released_ = false;            ///< the writer's endpoint is closed: the place may be reused
-  std::optional<Counters> stalled_;  ///< the counters when samples waited first that pending() did not find
-  TimePoint stalled_since_{};
+  bool released_ = false;        ///< the writer's endpoint is closed: the place may be reused
+  std::uint64_t announced_ = 0;  ///< the word `doorbell` of the header
+  Lasting overwritten_;          ///< the ring is not as this side keeps it
+  std::uint64_t read_at_last_look_ = 0;
   std::shared_ptr<task::Doorbell> doorbell_;
   unsigned line_ = 0;
   task::CommitGatePtr gate_;  ///< nullptr: samples arrive already

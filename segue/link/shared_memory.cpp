@@ -20,6 +20,8 @@ class Memory final : public SharedMemory {
 
   [[nodiscard]] Incarnation incarnation() const override { return state_->incarnation(); }
   [[nodiscard]] Result<MemoryOffer> offer() const override {
+    state_->payload()->restore_header(state_->incarnation());
+    state_->control()->restore_header(state_->incarnation());
     MemoryOffer offer{state_->incarnation(), state_->payload()->descriptor().duplicate(),
                       state_->control()->descriptor().duplicate()};
     if (offer.payload.valid() && offer.control.valid()) return offer;

@@ -7,6 +7,11 @@
 namespace segue::link {
 
 namespace {
+/// For counts with a single writing thread.
+void add_one(std::atomic<std::uint64_t>& count) noexcept {
+  count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
 /// How many words of returned bits a push checks unless it is short of entries.
 constexpr std::size_t kWordsPerPush = 4;
 }  // namespace
@@ -25,6 +30,12 @@ SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<c
       ring_(ring, policy, place.generation),
       in_flight_before_(state_->in_flight(port)),
       lent_(std::make_unique<LentEntry[]>(ring_.entries().size())),
+      placed_(ring_.words().places()),
+      written_(ring_.header().written),
+      initial_(ring_.header().initial),
+      dropped_(ring_.header().dropped),
+      overwritten_(ring_.header().overwritten),
+      taken_back_(ring_.header().taken_back),
       gate_(std::move(gate)) {
   // The last entry is reserved for offer_last().
   const std::size_t count = ring_.entries().size() - (policy.init ? 1 : 0);
@@ -102,10 +113,9 @@ bool SharedOutput::anybody_there() const noexcept {
 [[gnu::hot]] bool SharedOutput::push(task::SampleSlot& sample) noexcept {
   if (!anybody_there()) return true;
   collect(kWordsPerPush);
-  RingHeader& header = ring_.header();
-  count_one(header.written);
+  written_.add_one();
   const bool taken = deliver(sample) == Delivery::Taken;
-  if (!taken) count_one(header.dropped);
+  if (!taken) dropped_.add_one();
   // Also where it was refused, so that a reader that has not emptied its buffer gets another turn.
   ring_reader();
   return taken;
@@ -120,19 +130,32 @@ bool SharedOutput::anybody_there() const noexcept {
   const std::size_t entry = free_.back();
   free_.pop_back();
   lend(entry, *payload, sample.sequence, sample.written_at);
+  const std::uint64_t token = ring_.token_of(entry);
   std::uint64_t before = 0;
-  switch (ring_.words().push(ring_.token_of(entry), before)) {
-    case WordRing::Push::Taken:
-      return Delivery::Taken;
-    case WordRing::Push::Replaced:
-      count_one(policy_.kind == BufferKind::Data ? ring_.header().overwritten : ring_.header().dropped);
-      reclaim_token(before);
-      return Delivery::Taken;
-    case WordRing::Push::Refused:
-      reclaim_token(ring_.token_of(entry));
-      return Delivery::Refused;
+  const auto pushed = ring_.words().push(token, before);
+  if (pushed == WordRing::Push::Refused) {
+    reclaim_token(token);
+    return Delivery::Refused;
   }
-  return Delivery::Refused;
+  if (pushed == WordRing::Push::Replaced) {
+    (policy_.kind == BufferKind::Data ? overwritten_ : dropped_).add_one();
+    add_one(replaced_);
+    note_replaced(before, token);
+  }
+  placed_[ring_.words().last_place()] = token;
+  add_one(pushed_);
+  return Delivery::Taken;
+}
+
+/// What was replaced must be what was pushed there, or, with Policy::init, what offer_last() put there. Else
+/// the entry may be in use.
+[[gnu::hot]] void SharedOutput::note_replaced(std::uint64_t token, std::uint64_t by) noexcept {
+  const bool is_last = policy_.init && token == ring_.token_of(ring_.entries().size() - 1);
+  if (token != by && (is_last || token == placed_[ring_.words().last_place()])) {
+    reclaim_token(token);
+  } else {
+    corrupt_.fetch_add(1, std::memory_order_relaxed);
+  }
 }
 
 [[gnu::hot]] void SharedOutput::lend(std::size_t entry, const Payload& payload, std::uint64_t sequence,
@@ -141,7 +164,7 @@ bool SharedOutput::anybody_there() const noexcept {
   shared.offset.store(payload.offset, std::memory_order_relaxed);
   shared.size.store(payload.size, std::memory_order_relaxed);
   shared.sequence.store(sequence, std::memory_order_relaxed);
-  shared.generation.store(ring_.generation(), std::memory_order_relaxed);
+  shared.seal.store(ring_.seal_of(entry, payload.offset, payload.size, sequence), std::memory_order_relaxed);
   shared.written_at.store(static_cast<std::uint64_t>(written_at.time_since_epoch().count()),
                           std::memory_order_relaxed);
   lent_[entry].payload = payload;
@@ -174,17 +197,20 @@ bool SharedOutput::anybody_there() const noexcept {
     next_word_ = at + 1 == returned.size() ? 0 : at + 1;
     if (returned[at].load(std::memory_order_relaxed) == 0) continue;
     std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);
-    for (; bits != 0; bits &= bits - 1)
+    for (; bits != 0; bits &= bits - 1) {
+      taken_back_.add_one();
       reclaim_token(ring_.token_of(at * 64 + static_cast<std::size_t>(std::countr_zero(bits))));
+    }
   }
 }
 
 [[gnu::hot]] void SharedOutput::ring_reader() const noexcept {
   const std::uint64_t word = ring_.header().doorbell.load(std::memory_order_seq_cst);
   if (word == 0) return;
-  const DoorbellLine doorbell = DoorbellLine::of(word);
-  std::byte* words = reader_->control(doorbell.offset, sizeof(task::DoorbellWords));
-  if (words != nullptr) task::ring(*reinterpret_cast<task::DoorbellWords*>(words), doorbell.line);
+  const auto doorbell = DoorbellLine::of(word);
+  if (!doorbell) return;  // the reader finds out
+  std::byte* words = reader_->control(doorbell->offset, sizeof(task::DoorbellWords));
+  if (words != nullptr) task::ring(*reinterpret_cast<task::DoorbellWords*>(words), doorbell->line);
 }
 
 /// Runs while the writing task may already push. That is safe because the entry is reserved for this
@@ -199,7 +225,7 @@ void SharedOutput::offer_last(task::SampleSlot& last) noexcept {
     reclaim(entry);
     return;
   }
-  count_one(ring_.header().initial);
+  initial_.add_one();
   ring_reader();
 }
 
@@ -209,7 +235,7 @@ void SharedOutput::disconnect() {
     if (!attached_) return;
     port_.detach(*this);
     attached_ = false;
-    final_ = ring_.counters();
+    final_ = shown_counters();
   }
   state_->end(*this);
 }
@@ -221,7 +247,29 @@ bool SharedOutput::connected() const {
 
 Counters SharedOutput::counters() const {
   const std::lock_guard lock(mutex_);
-  return attached_ ? ring_.counters() : final_;
+  return attached_ ? shown_counters() : final_;
+}
+
+Counters SharedOutput::shown_counters() const noexcept {
+  return {written_.get() + initial_.get(), ring_.counters().read, dropped_.get(), overwritten_.get()};
+}
+
+Damage SharedOutput::damage(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  if (!attached_) return Damage::None;
+  return wrong_.is(is_overwritten(), now) || corrupt() > 0 ? Damage::Ring : Damage::None;
+}
+
+/// Besides what this side has written, samples are counted: each that went into the words was replaced, waits
+/// there, or was read. Counted in this order, one on its way is counted twice rather than missed.
+bool SharedOutput::is_overwritten() const noexcept {
+  const std::uint64_t pushed = pushed_.load(std::memory_order_relaxed) + initial_.get();
+  const std::uint64_t replaced = replaced_.load(std::memory_order_relaxed);
+  const std::uint64_t waiting = ring_.words().count();
+  const std::uint64_t read = ring_.header().read.load(std::memory_order_relaxed);
+  const auto differs = [](const KeptCount& count) { return count.is_overwritten(); };
+  return pushed > replaced + waiting + read || differs(written_) || differs(initial_) || differs(dropped_) ||
+         differs(overwritten_) || differs(taken_back_);
 }
 
 void SharedOutput::abandon() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/link/lasting.hpp>
 #include <segue/link/payload_source.hpp>
 #include <segue/link/shared_ring.hpp>
 #include <segue/link/shared_state.hpp>
@@ -40,7 +41,7 @@ class SharedOutput final : public RegisteredEndpoint,
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] Incarnation peer() const override { return reader_->incarnation(); }
   [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
-  [[nodiscard]] bool damaged() override { return corrupt() > 0; }
+  [[nodiscard]] Damage damage(TimePoint now) override;
   void end_at(task::CommitGatePtr gate) override;
   void settle() override;
   [[nodiscard]] bool dormant() const override;
@@ -73,6 +74,9 @@ class SharedOutput final : public RegisteredEndpoint,
   void offer_last(task::SampleSlot& last) noexcept;
   void ring_reader() const noexcept;
   [[nodiscard]] bool anybody_there() const noexcept;
+  void note_replaced(std::uint64_t token, std::uint64_t by) noexcept;
+  [[nodiscard]] bool is_overwritten() const noexcept;
+  [[nodiscard]] Counters shown_counters() const noexcept;
 
   const std::shared_ptr<SharedState> state_;
   const std::shared_ptr<const PeerMemory> reader_;
@@ -88,8 +92,16 @@ class SharedOutput final : public RegisteredEndpoint,
   // Used by the writing task while attached; afterwards under mutex_ by reclaim_rest(). detach() separates
   // the two.
   std::unique_ptr<LentEntry[]> lent_;
-  std::vector<std::uint32_t> free_;  ///< entries that are not lent
-  std::size_t next_word_ = 0;        ///< of the returned bits, to be checked next
+  std::vector<std::uint32_t> free_;    ///< entries that are not lent
+  std::size_t next_word_ = 0;          ///< of the returned bits, to be checked next
+  std::vector<std::uint64_t> placed_;  ///< by place of the words: the token that was pushed there last
+  KeptCount written_;
+  KeptCount initial_;
+  KeptCount dropped_;
+  KeptCount overwritten_;
+  KeptCount taken_back_;
+  std::atomic<std::uint64_t> pushed_{0};    ///< tokens that went into the words ...
+  std::atomic<std::uint64_t> replaced_{0};  ///< ... and those that were pushed out of them
   std::atomic<std::uint64_t> corrupt_{0};
 
   mutable std::mutex mutex_;  ///< guards the members below
@@ -98,6 +110,7 @@ class SharedOutput final : public RegisteredEndpoint,
   task::CommitGatePtr gate_;  ///< nullptr: it carries samples already
   task::CommitGatePtr end_;   ///< the gate with which it ends
   Counters final_;
+  Lasting wrong_;  ///< the ring is not as this side keeps it
 };
 
 }  // namespace segue::link

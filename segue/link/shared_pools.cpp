@@ -10,12 +10,16 @@ namespace segue::link {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x6c6f6f7065756773;  // "sgueploo"
-constexpr std::uint64_t kLayout = 2;
+constexpr std::uint64_t kLayout = 3;
 
 struct Pool {
   SealedFile file;
   std::unique_ptr<BlockPool> blocks;
 };
+
+void write_header(const Mapping& pool, Incarnation owner) {
+  new (pool.data()) PoolHeader{kMagic, kLayout, owner};
+}
 
 Result<Pool> make_pool(const char* name, Incarnation owner, std::size_t size, std::size_t ready,
                        Writers writers) {
@@ -27,7 +31,7 @@ Result<Pool> make_pool(const char* name, Incarnation owner, std::size_t size, st
   if ((*blocks)->allocate(sizeof(PoolHeader)) != 0)
     return fail(ErrorCode::InvalidArgument,
                 "a pool needs at least 64 KiB, not " + std::to_string(size) + " bytes");
-  new (file->mapping.data()) PoolHeader{kMagic, kLayout, owner};
+  write_header(file->mapping, owner);
   return Pool{std::move(*file), std::move(*blocks)};
 }
 
@@ -79,6 +83,14 @@ void PayloadPool::deallocate(void* memory) noexcept {
 
 std::optional<std::uint64_t> PayloadPool::offset_of(const void* value) const noexcept {
   return offset_in(file_.mapping, value);
+}
+
+void PayloadPool::restore_header(Incarnation owner) noexcept {
+  write_header(file_.mapping, owner);
+}
+
+void ControlPool::restore_header(Incarnation owner) noexcept {
+  write_header(file_.mapping, owner);
 }
 
 Result<std::shared_ptr<ControlPool>> ControlPool::create(Incarnation owner, std::size_t size) {

@@ -37,6 +37,8 @@ class PayloadPool final : public task::SampleMemory {
   [[nodiscard]] BlockPool& blocks() noexcept { return *blocks_; }
   [[nodiscard]] const BlockPool& blocks() const noexcept { return *blocks_; }
   [[nodiscard]] const Descriptor& descriptor() const noexcept { return file_.descriptor; }
+  /// Writes the header again, in case it was overwritten: nobody could map the pool any more.
+  void restore_header(Incarnation owner) noexcept;
 
   PayloadPool(SealedFile file, std::unique_ptr<BlockPool> blocks)
       : file_(std::move(file)), blocks_(std::move(blocks)) {}
@@ -58,6 +60,8 @@ class ControlPool : public std::enable_shared_from_this<ControlPool> {
   [[nodiscard]] std::optional<std::uint64_t> offset_of(const void* address) const noexcept;
   [[nodiscard]] const BlockPool& blocks() const noexcept { return *blocks_; }
   [[nodiscard]] const Descriptor& descriptor() const noexcept { return file_.descriptor; }
+  /// As that of PayloadPool; peers can overwrite this one.
+  void restore_header(Incarnation owner) noexcept;
 
   ControlPool(SealedFile file, std::unique_ptr<BlockPool> blocks)
       : file_(std::move(file)), blocks_(std::move(blocks)) {}
@@ -95,10 +99,23 @@ struct DoorbellLine {
   static_assert(task::DoorbellWords::kLines == 1U << kLineBits);
   std::uint64_t offset = 0;  ///< in the reader's control pool
   unsigned line = 0;
-  [[nodiscard]] std::uint64_t word() const { return offset << kLineBits | line; }
-  static DoorbellLine of(std::uint64_t word) {
-    return {word >> kLineBits, static_cast<unsigned>(word % task::DoorbellWords::kLines)};
+  /// With a seal in the upper bits, since whoever rings by a word that was overwritten writes to memory of
+  /// others.
+  [[nodiscard]] std::uint64_t word() const {
+    const std::uint64_t plain = offset / BlockPool::kUnit << kLineBits | line;
+    return plain | seal_of(plain) << kPlainBits;
   }
+  /// nullopt where the seal is another.
+  static std::optional<DoorbellLine> of(std::uint64_t word) {
+    const std::uint64_t plain = word & ((std::uint64_t{1} << kPlainBits) - 1);
+    if (word >> kPlainBits != seal_of(plain)) return std::nullopt;
+    return DoorbellLine{(plain >> kLineBits) * BlockPool::kUnit,
+                        static_cast<unsigned>(plain % task::DoorbellWords::kLines)};
+  }
+
+ private:
+  static constexpr unsigned kPlainBits = 31 + kLineBits;  ///< the largest pool has 2^31 units
+  static std::uint64_t seal_of(std::uint64_t plain) { return plain * 0x9e3779b97f4a7c15 >> kPlainBits; }
 };
 
 }  // namespace segue::link

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/link/shared_ring.hpp>
 
+#include <bit>
+
 namespace segue::link {
 
 namespace {
@@ -53,6 +55,13 @@ SharedRing::SharedRing(std::byte* memory, const Policy& policy, std::uint64_t ge
 
 [[gnu::hot]] void SharedRing::give_back(std::size_t entry) const noexcept {
   returned_[entry / 64].fetch_or(std::uint64_t{1} << (entry % 64), std::memory_order_acq_rel);
+}
+
+std::size_t SharedRing::count_returned() const noexcept {
+  std::size_t count = 0;
+  for (const Word& word : returned_)
+    count += static_cast<std::size_t>(std::popcount(word.load(std::memory_order_relaxed)));
+  return count;
 }
 
 Counters SharedRing::counters() const noexcept {

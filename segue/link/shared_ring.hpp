@@ -10,8 +10,32 @@
 #include <cstdint>
 #include <span>
 
-/// The layout of a connection between processes in shared memory. Both sides write to it; neither trusts it.
+/// The layout of a connection between processes in shared memory. Both sides write to it, and other peers of
+/// the reader can; neither side trusts it. What one side writes it also keeps in private memory (KeptCount,
+/// SharedInput, SharedOutput), and compares.
 namespace segue::link {
+
+/// A count that one thread at a time adds to, kept in private memory and shown to the other process.
+class KeptCount {
+ public:
+  explicit KeptCount(std::atomic<std::uint64_t>& shown) : shown_(shown) {}
+  void add_one() noexcept {
+    const std::uint64_t next = count_.load(std::memory_order_relaxed) + 1;
+    count_.store(next, std::memory_order_relaxed);
+    shown_.store(next, std::memory_order_relaxed);
+  }
+  [[nodiscard]] std::uint64_t get() const noexcept { return count_.load(std::memory_order_relaxed); }
+  /// Whether the other process sees something else. Any thread; may be wrong while it is being counted.
+  [[nodiscard]] bool is_overwritten() const noexcept {
+    const std::uint64_t before = get();
+    const std::uint64_t shown = shown_.load(std::memory_order_relaxed);
+    return shown < before || shown > get();
+  }
+
+ private:
+  std::atomic<std::uint64_t> count_{0};
+  std::atomic<std::uint64_t>& shown_;
+};
 
 struct RingHeader {
   // Written by the reader before the writer knows of the ring; `generation` last, with release.
@@ -29,18 +53,20 @@ struct RingHeader {
   std::atomic<std::uint64_t> initial{0};
   std::atomic<std::uint64_t> dropped{0};
   std::atomic<std::uint64_t> overwritten{0};
+  std::atomic<std::uint64_t> taken_back{0};  ///< entries that the reader has returned
 };
 
 /// A sample that is lent to the reader: where its payload lies in the writer's pool. The fields are relaxed;
 /// the word that carries the entry's number publishes them, and the bit that gives the entry back ends the
-/// reader's use.
+/// reader's use. `seal` tells the reader that they belong together, and to this entry of this connection:
+/// where one of them was overwritten, it does not fit.
 struct RingEntry {
   static constexpr std::uint64_t kNoPayload =
       ~std::uint64_t{0};  ///< as offset: the sample carries no payload
   std::atomic<std::uint64_t> offset;
   std::atomic<std::uint64_t> size;
   std::atomic<std::uint64_t> sequence;
-  std::atomic<std::uint64_t> generation;
+  std::atomic<std::uint64_t> seal;
   /// Nanoseconds of the monotonic clock, which all processes of a computer have in common; 0: not to be
   /// measured.
   std::atomic<std::uint64_t> written_at;
@@ -79,11 +105,21 @@ class SharedRing {
   [[nodiscard]] std::uint64_t token_of(std::size_t entry) const noexcept {
     return mark_ << kEntryBits | entry;
   }
+  /// The seal of an entry with these fields. Whatever single field is changed, and all but one of 2^64
+  /// changes of several, give another one.
+  [[nodiscard]] std::uint64_t seal_of(std::size_t entry, std::uint64_t offset, std::uint64_t size,
+                                      std::uint64_t sequence) const noexcept {
+    return (generation_ + entry) * 0x9e3779b97f4a7c15 + offset * 0xc2b2ae3d27d4eb4f +
+           size * 0x165667b19e3779f9 + sequence * 0xd6e8feb86659fd93;
+  }
   /// The entry of a token; entries().size() where the token is invalid.
   [[nodiscard]] std::size_t entry_of(std::uint64_t token) const noexcept;
   /// For the reader: returns an entry to the writer. Any thread; idempotent.
   void give_back(std::size_t entry) const noexcept;
+  /// As the two sides show them.
   [[nodiscard]] Counters counters() const noexcept;
+  /// How many returned bits are set. Any thread.
+  [[nodiscard]] std::size_t count_returned() const noexcept;
 
  private:
   static constexpr unsigned kEntryBits = 20;
@@ -96,10 +132,5 @@ class SharedRing {
   std::span<std::atomic<std::uint64_t>> returned_;
   std::span<RingEntry> entries_;
 };
-
-/// Adds one to a counter with a single writing thread. Relaxed: readers may see an older value.
-inline void count_one(std::atomic<std::uint64_t>& counter) noexcept {
-  counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-}
 
 }  // namespace segue::link

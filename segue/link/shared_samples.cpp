@@ -37,6 +37,13 @@ SharedSamples::SharedSamples(const type::TypeInfo* info, std::shared_ptr<OwnedRi
     slots_[i].owner = this;
 }
 
+std::size_t SharedSamples::count_held() const noexcept {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < (*ring_)->entries().size(); ++i)
+    count += held(i) ? 1 : 0;
+  return count;
+}
+
 [[gnu::hot]] SampleRef SharedSamples::lend(std::size_t entry, const void* value, std::size_t flat_size,
                                            std::uint64_t sequence) noexcept {
   SampleSlot& slot = slots_[entry];

@@ -44,6 +44,8 @@ class SharedSamples final : public task::SampleOwner {
   [[nodiscard]] bool held(std::size_t entry) const noexcept {
     return slots_[entry].references.load(std::memory_order_acquire) != 0;
   }
+  /// How many entries are held. Any thread.
+  [[nodiscard]] std::size_t count_held() const noexcept;
   /// The sample of an entry that is not held; with `flat_size`, in the flat layout. The reader only;
   /// real-time safe.
   task::SampleRef lend(std::size_t entry, const void* value, std::size_t flat_size,

@@ -5,6 +5,11 @@
 
 namespace segue::link {
 
+namespace {
+/// No writer pushes as much between two reads.
+constexpr std::uint64_t kMostAhead = std::uint64_t{1} << 48;
+}  // namespace
+
 [[gnu::hot]] WordRing::Push WordRing::push(std::uint64_t token, std::uint64_t& before) noexcept {
   const std::uint64_t position = next_;
   std::atomic<Word>& place = word(position);
@@ -46,7 +51,21 @@ namespace segue::link {
   if (found == 0) return 0;
   place.store(0, std::memory_order_release);  // only the reader takes out, so no exchange is needed
   tail_.store(tail + 1, std::memory_order_relaxed);
+  if (((found ^ tail) & kPositionMask) != 0) {
+    note_nonsense();
+    return 0;
+  }
   return found >> kPositionBits;
+}
+
+[[gnu::hot]] std::uint64_t WordRing::read_head() noexcept {
+  const std::uint64_t head = head_->load(std::memory_order_acquire);
+  if (head - seen_head_ < kMostAhead) {
+    seen_head_ = head;
+  } else {
+    note_nonsense();
+  }
+  return seen_head_;
 }
 
 [[gnu::hot]] std::uint64_t WordRing::pull_oldest() noexcept {
@@ -54,13 +73,15 @@ namespace segue::link {
   // could keep the reader busy for ever.
   const std::size_t most_tries = 2 * size_ + 16;
   std::uint64_t tail = tail_.load(std::memory_order_relaxed);
-  std::uint64_t token = 0;
   for (std::size_t tries = 0; tries < most_tries; ++tries) {
-    const std::uint64_t head = head_->load(std::memory_order_acquire);
+    const std::uint64_t head = read_head();
     if (head > size_) tail = std::max(tail, head - size_);
     std::atomic<Word>& place = word(tail);
     Word found = place.load(std::memory_order_acquire);
-    if (found == 0) break;
+    if (found == 0) {
+      if (tail != tail_.load(std::memory_order_relaxed)) note_nonsense();  // there are older ones at least
+      return 0;
+    }
     const std::uint64_t ahead = (found - tail) & kPositionMask;
     if (ahead != 0) {
       // Overtaken since head was read: the oldest token left is the one after the last that was overwritten.
@@ -71,11 +92,23 @@ namespace segue::link {
     // Fails where the writer has just replaced the word: whoever takes it out owns the token.
     if (!place.compare_exchange_strong(found, 0, std::memory_order_acq_rel)) continue;
     ++tail;
-    token = found >> kPositionBits;
-    break;
+    tail_.store(tail, std::memory_order_relaxed);
+    return found >> kPositionBits;
   }
-  tail_.store(tail, std::memory_order_relaxed);
-  return token;
+  note_nonsense();
+  return 0;
+}
+
+std::size_t WordRing::count() const noexcept {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < size_; ++i)
+    count += words_[i].load(std::memory_order_relaxed) != 0 ? 1 : 0;
+  return count;
+}
+
+bool WordRing::has_hole() const noexcept {
+  const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+  return !pending() && count() > 0 && !pending() && tail == tail_.load(std::memory_order_relaxed);
 }
 
 bool WordRing::offer(std::uint64_t token) noexcept {

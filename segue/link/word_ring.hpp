@@ -45,6 +45,14 @@ class WordRing {
   /// The reader only; real-time safe: the next token; 0 where nothing waits, or where the words make no
   /// sense.
   std::uint64_t pull() noexcept;
+  /// How often the words made no sense to the reader: no proper writer has written them. Any thread.
+  [[nodiscard]] std::uint64_t nonsense() const noexcept { return nonsense_.load(std::memory_order_relaxed); }
+  /// How many words hold tokens, and whether one that the reader must take first is missing. Any thread;
+  /// neither is exact while the writer or the reader is at work.
+  [[nodiscard]] std::size_t count() const noexcept;
+  [[nodiscard]] bool has_hole() const noexcept;
+  /// The place of the token that was pushed last. The writer only.
+  [[nodiscard]] std::size_t last_place() const noexcept { return size_ == 1 ? 0 : (next_ - 1) % size_; }
   /// Whether a token waits. Any thread; exact in the reader's, and with policy data.
   [[nodiscard]] bool pending() const noexcept {
     return word(tail_.load(std::memory_order_relaxed)).load(std::memory_order_seq_cst) != 0;
@@ -71,6 +79,12 @@ class WordRing {
   std::uint64_t pull_newest() noexcept;
   std::uint64_t pull_oldest() noexcept;
   std::uint64_t pull_next() noexcept;
+  /// The number of pushes that *head_ names, unless it has gone back: then that of before, and it is
+  /// nonsense.
+  std::uint64_t read_head() noexcept;
+  void note_nonsense() noexcept {
+    nonsense_.store(nonsense_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  }
 
   const BufferKind kind_;
   const std::size_t size_;
@@ -79,6 +93,8 @@ class WordRing {
   alignas(64) std::uint64_t next_ = 0;      ///< writer only: its own copy of *head_
   /// The position that the reader reads next; written by the reader only.
   alignas(64) std::atomic<std::uint64_t> tail_{0};
+  std::uint64_t seen_head_ = 0;  ///< reader only: the last *head_ that made sense
+  std::atomic<std::uint64_t> nonsense_{0};
 };
 
 }  // namespace segue::link

@@ -345,6 +345,11 @@ Value halt_value(const std::optional<Halted>& halted) {
   return value;
 }
 
+std::vector<host::ConnectionReport> existing(std::vector<host::ConnectionReport> reports) {
+  std::erase_if(reports, [](const auto& report) { return !report.error.empty(); });
+  return reports;
+}
+
 }  // namespace
 
 Value status_of(Runtime& runtime) {
@@ -370,7 +375,7 @@ Value status_of(Runtime& runtime) {
        {"hosts", list_of(runtime.host().computers(), [](const auto& report) { return to_value(report); })},
        {"tasks", list_of(runtime.host().tasks(), [](const auto& report) { return to_value(report); })},
        {"connections",
-        list_of(runtime.host().connections(), [](const auto& report) { return to_value(report); })},
+        list_of(existing(runtime.host().connections()), [](const auto& report) { return to_value(report); })},
        {"differences",
         list_of(runtime.observed_differences(), [](const std::string& text) { return Value(text); })},
        {"ended",

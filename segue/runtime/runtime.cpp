@@ -187,9 +187,7 @@ std::vector<std::string> Runtime::observed_differences() const {
   if (state() == RuntimeState::Executing) {
     return {};
   }
-  const auto& host = implementation_->host;
-  const auto desired = detail::reachable_part(implementation_->belief.held().desired(), host);
-  return differences(host.condensed(desired), host.condensed(host.observe()));
+  return implementation_->differences_from(implementation_->host.observe());
 }
 
 std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers) {

@@ -110,6 +110,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
              std::optional<model::Network> wanted);
   /// Reports each difference once for as long as it lasts.
   void note_differences(const model::Network& observed);
+  /// Between what should run and what was observed, with the reasons that are known.
+  [[nodiscard]] std::vector<std::string> differences_from(const model::Network& observed);
   /// The name of the network that was observed: of `first`, `second` or a known controller; empty if none
   /// matches.
   model::NetworkName name_of_running(const model::Network& observed, const model::Network& first,

@@ -284,13 +284,29 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
   return detail::name_of(condensed, definitions.controllers, catalog);
 }
 
-void Runtime::Implementation::note_differences(const model::Network& observed) {
+std::vector<std::string> Runtime::Implementation::differences_from(const model::Network& observed) {
   const model::Network shall = host.condensed(detail::reachable_part(belief.held().desired(), host));
+  auto sentences = differences(shall, host.condensed(observed));
+  if (sentences.empty()) {
+    return sentences;
+  }
+  for (const auto& report : host.connections()) {
+    const std::string missing = "connection " + to_string(report.connection) + " is missing";
+    const auto found = std::find(sentences.begin(), sentences.end(), missing);
+    if (!report.error.empty() && found != sentences.end()) {
+      *found += ": " + report.error;
+    }
+  }
+  return sentences;
+}
+
+void Runtime::Implementation::note_differences(const model::Network& observed) {
+  const std::string controller = belief.held().desired().name.str();
   std::set<std::string> now;
-  for (auto& sentence : differences(shall, host.condensed(observed))) {
+  for (auto& sentence : differences_from(observed)) {
     if (!reported_differences.contains(sentence)) {
-      log.add(EventKind::Difference, shall.name.str(), sentence);
-      journal.drifted(shall.name.str(), sentence, "reported");
+      log.add(EventKind::Difference, controller, sentence);
+      journal.drifted(controller, sentence, "reported");
     }
     now.insert(std::move(sentence));
   }

@@ -22,7 +22,7 @@ void encode_endpoint(const deploy::EndpointReport& endpoint, wire::EndpointRepor
   builder.setDropped(endpoint.counters.dropped);
   builder.setOverwritten(endpoint.counters.overwritten);
   builder.setCorrupt(endpoint.corrupt);
-  builder.setDamaged(endpoint.damaged);
+  builder.setDamage(static_cast<std::uint8_t>(endpoint.damage));
   builder.setCarries(endpoint.carries);
   encode(endpoint.latency, builder.initLatency());
 }
@@ -35,7 +35,7 @@ deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
   endpoint.place = decode(reader.getPlace());
   endpoint.counters = {reader.getWritten(), reader.getRead(), reader.getDropped(), reader.getOverwritten()};
   endpoint.corrupt = reader.getCorrupt();
-  endpoint.damaged = reader.getDamaged();
+  endpoint.damage = enum_from(reader.getDamage(), link::Damage::Payload);
   endpoint.carries = reader.getCarries();
   endpoint.latency = decode(reader.getLatency());
   return endpoint;

@@ -129,11 +129,12 @@ void encode(const host::ConnectionReport& report, wire::ConnectionReport::Builde
   builder.setRead(report.read);
   builder.setDropped(report.dropped);
   encode(report.latency, builder.initLatency());
+  builder.setError(as_text(report.error));
 }
 
 host::ConnectionReport decode(wire::ConnectionReport::Reader reader) {
-  return {decode(reader.getConnection()), reader.getWritten(), reader.getRead(), reader.getDropped(),
-          decode(reader.getLatency())};
+  return {decode(reader.getConnection()), reader.getWritten(),         reader.getRead(), reader.getDropped(),
+          decode(reader.getLatency()),    as_string(reader.getError())};
 }
 
 void encode(const task::SavedState& state, wire::State::Builder builder) {
