@@ -183,7 +183,7 @@ int deployment_process(PreparedProcess prepared) {
   if (!assignment) return give_up(process::kWrongUse, assignment.error());
   set_log_level(level_of(assignment->launch.log_level));
   process.begin(assignment->socket, SEGUE_VERSION);
-  if (const auto applied = process::apply_to_this_process(assignment->launch.deployment); !applied) {
+  if (const auto applied = process::apply_to_this_process(assignment->launch); !applied) {
     return give_up(process::kNotPermitted, applied.error());
   }
   Workshop workshop;

@@ -118,7 +118,7 @@ segue::Result<void> Link::open() {
   if (!topic_name) return topic_name.error();
   auto type = wanted_type();
   if (!type) return type.error();
-  auto joined = participant({*domain_, *interface_, *peers_});
+  auto joined = participant({*domain_, *interface_, peers_->empty() ? peers_of_process() : *peers_});
   if (!joined) {
     if (joined.error().code == ErrorCode::Unavailable) exception(segue::to_string(joined.error()));
     return joined.error();

@@ -102,7 +102,7 @@ class Link : public segue::task::Component {
   segue::task::Property<std::string> interface_{
       *this, "interface", {}, {.doc = "name or address of the network interface; empty: Cyclone's choice"}};
   segue::task::Property<std::vector<std::string>> peers_{
-      *this, "peers", {}, {.doc = "addresses of the other hosts; empty: found by multicast"}};
+      *this, "peers", {}, {.doc = "addresses of the other hosts; empty: those in $SEGUE_PEERS"}};
   segue::task::Operation<std::uint32_t()> matched_{*this,
                                                    "matched",
                                                    {},

@@ -470,6 +470,16 @@ TEST_F(GatewayLink, wrong_properties_are_refused_with_a_reason) {
   EXPECT_THAT(refuse("peers", Value::list({})), HasSubstr("with other settings"));
 }
 
+TEST_F(GatewayLink, a_task_without_peers_looks_for_those_of_its_process) {
+  ValueMap changes;
+  changes.append("peers", Value::list({}));
+  ::setenv("SEGUE_PEERS", "127.0.0.1", 1);  // as the tests' participant has
+  EXPECT_EQ(refusal(topic, changes, TaskState::Stopped), "");
+  ::setenv("SEGUE_PEERS", "10.0.0.1,arm.local", 1);
+  EXPECT_THAT(refusal(topic, changes, TaskState::PreOperational), HasSubstr("peers 10.0.0.1 and arm.local"));
+  ::unsetenv("SEGUE_PEERS");
+}
+
 TEST_F(GatewayLink, a_type_comes_from_its_library) {
   Running receiver("gateway::Receiver");
   ValueMap values = properties(kDomain, topic, "/demo/Scan");

@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <mutex>
 #include <optional>
+#include <sstream>
 #include <string_view>
 
 namespace gateway {
@@ -185,6 +187,15 @@ segue::Result<dds_entity_t> create(Shared& all, const Settings& settings) {
 std::string configuration(const Settings& settings) {
   return "<CycloneDDS><Domain Id=\"any\">" + general(settings) + discovery(settings.peers) + internal() +
          element("SharedMemory", element("Enable", "false")) + "</Domain></CycloneDDS>";
+}
+
+std::vector<std::string> peers_of_process() {
+  const char* variable = std::getenv("SEGUE_PEERS");
+  std::vector<std::string> peers;
+  std::stringstream list(variable == nullptr ? "" : variable);
+  for (std::string peer; std::getline(list, peer, ',');)
+    peers.push_back(peer);
+  return peers;
 }
 
 segue::Result<dds_entity_t> participant(const Settings& settings) {

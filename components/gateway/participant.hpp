@@ -21,6 +21,11 @@ struct Settings {
   friend bool operator==(const Settings&, const Settings&) = default;
 };
 
+/// The addresses in $SEGUE_PEERS, which a runtime gives to the processes of a robot on several hosts. The
+/// later of two participants finds the earlier one, which then answers, so that only the later must know the
+/// other's address.
+std::vector<std::string> peers_of_process();
+
 /// After this time without a sign of life a participant counts as gone, with all its endpoints.
 inline constexpr int kLeaseSeconds = 4;
 

@@ -173,11 +173,6 @@ class Expander {
     map.append("domain", settings_.domain);
     const auto own = settings_.addresses.find(host);
     map.append("interface", own == settings_.addresses.end() ? std::string() : own->second);
-    Value::List peers;
-    for (const auto& [name, address] : settings_.addresses) {
-      peers.emplace_back(address);
-    }
-    map.append("peers", std::move(peers));
     return map;
   }
 
@@ -212,7 +207,7 @@ model::ComponentModel link_model(const model::ComponentName& name, const char* p
                       property("domain", "/int32_t", 0, "DDS domain"),
                       property("interface", "/std/string", "", "address of this host; empty: any"),
                       property("peers", "/std/vector</std/string>", Value::List{},
-                               "addresses of all hosts; empty: multicast")};
+                               "addresses of all hosts; empty: $SEGUE_PEERS")};
   model.activity.trigger = Trigger::PortDriven;
   return model;
 }

@@ -28,7 +28,9 @@ struct GatewaySettings {
   std::string robot;                 ///< begins the names of topics
   int domain = 0;                    ///< DDS domain
   std::vector<model::HostName> own;  ///< further names of the runtime's own computer
-  /// Of each host, for senders and receivers to find each other; without, they look by multicast.
+  /// Of each host, where its samples come and go; without, Cyclone DDS chooses. What others have is none of a
+  /// task's properties: where the robot gets another host or the runtime another computer, tasks stay as they
+  /// are.
   std::map<model::HostName, std::string> addresses;
 };
 

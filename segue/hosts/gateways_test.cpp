@@ -212,11 +212,21 @@ TEST(Gateways, SamplesHaveTheTypeOfTheirPort) {
     EXPECT_EQ(property_of(whole, id, "type"), "/a/out");
     EXPECT_EQ(property_of(whole, id, "library"), "lib_a");
     EXPECT_EQ(property_of(whole, id, "domain"), "7");
-    EXPECT_EQ(task_of(whole, id).properties.as_map().find("peers")->as_list().size(), 2U);
   }
   EXPECT_EQ(property_of(whole, "a.out>", "interface"), "10.0.0.1");
   EXPECT_EQ(property_of(whole, "a.out>>right", "interface"), "10.0.0.2");
   EXPECT_EQ(property_of(whole, "d.out>", "interface"), "");
+}
+
+TEST(Gateways, TasksStayAsTheyAreWhereTheRuntimeMovesAndHostsAreAdded) {
+  auto settings = gateways_of();
+  settings.addresses = {{model::HostName("left"), "10.0.0.1"}, {model::HostName("right"), "10.0.0.2"}};
+  const auto before = expand(read_text(kSpread), settings);
+  settings.addresses.emplace(model::kLocalHost, "10.0.0.3");
+  settings.addresses.emplace(model::HostName("added"), "10.0.0.4");
+  const auto after = expand(read_text(kSpread), settings);
+  for (const char* id : {"a.out>", "a.out>>right", "a.out>buffer_8"})
+    EXPECT_EQ(task_of(after, id), task_of(before, id));
 }
 
 TEST(Gateways, IdsAreThoseThatNoFileCanHave) {

@@ -107,6 +107,11 @@ Result<void> check(const Launch& launch) {
       return wrong(": " + quote(model) + " is not an absolute path");
     }
   }
+  for (const std::string& peer : launch.peers) {
+    if (peer.empty() || peer.find(',') != std::string::npos || peer.find('\0') != std::string::npos) {
+      return wrong(": " + quote(peer) + " cannot be the address of a host");
+    }
+  }
   return {};
 }
 
@@ -122,8 +127,8 @@ std::string file_stem(const model::DeploymentKey& key) {
 bool operator==(const Launch& a, const Launch& b) {
   const auto attributes = [](const Launch& launch) {
     return std::tie(launch.robot, launch.deployment, launch.libraries, launch.models, launch.stand_in,
-                    launch.only_stand_ins, launch.stand_ins, launch.log_level, launch.memory.prefault,
-                    launch.memory.payload, launch.memory.control);
+                    launch.only_stand_ins, launch.stand_ins, launch.log_level, launch.peers,
+                    launch.memory.prefault, launch.memory.payload, launch.memory.control);
   };
   return attributes(a) == attributes(b);
 }
@@ -138,6 +143,7 @@ Value to_value(const Launch& launch) {
                      {"only_stand_ins", launch.only_stand_ins},
                      {"stand_ins", launch.stand_ins},
                      {"log_level", launch.log_level},
+                     {"peers", texts(launch.peers)},
                      {"memory", Value::map({{"prefault", size(launch.memory.prefault)},
                                             {"payload", size(launch.memory.payload)},
                                             {"control", size(launch.memory.control)}})}});
@@ -154,6 +160,7 @@ Result<Launch> launch_from(const Value& value) {
   reader.read("only_stand_ins", launch.only_stand_ins);
   reader.read("stand_ins", launch.stand_ins);
   reader.read("log_level", launch.log_level);
+  reader.read("peers", launch.peers);
   reader.read("memory", launch.memory);
   if (reader.error()) return *reader.error();
   if (auto checked = check(launch); !checked) return std::move(checked.error());

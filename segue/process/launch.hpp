@@ -22,6 +22,8 @@ struct Launch {
   bool only_stand_ins = false;         ///< all components are simulated
   std::string stand_ins;               ///< the content of a stand-in file; may be empty
   std::string log_level = "info";
+  /// Addresses at which the robot's hosts exchange samples: $SEGUE_PEERS of the process, with commas between.
+  std::vector<std::string> peers;
   SharedMemoryOptions memory;
 
   friend bool operator==(const Launch& a, const Launch& b);

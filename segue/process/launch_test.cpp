@@ -31,6 +31,7 @@ Launch random_launch(std::uint64_t seed) {
   launch.only_stand_ins = seed % 5 == 0;
   launch.stand_ins = "stand_ins:\n  default: {configure: 10ms}\n";
   launch.log_level = "debug";
+  if (seed % 3 == 1) launch.peers = {"10.0.0.1", "arm.local"};
   launch.memory = {seed % 100, seed, seed / 2};
   return launch;
 }

@@ -87,9 +87,18 @@ Result<void> apply_scheduler(const model::Deployment& deployment) {
                   "say 'optional: true'");
 }
 
+void set_peers(const std::vector<std::string>& peers) {
+  std::string all;
+  for (const std::string& peer : peers)
+    all += (all.empty() ? "" : ",") + peer;
+  if (!all.empty()) ::setenv("SEGUE_PEERS", all.c_str(), 1);
+}
+
 }  // namespace
 
-Result<void> apply_to_this_process(const model::Deployment& deployment) {
+Result<void> apply_to_this_process(const Launch& launch) {
+  set_peers(launch.peers);
+  const model::Deployment& deployment = launch.deployment;
   for (const auto& [name, value] : deployment.environment)
     ::setenv(name.c_str(), value.c_str(), 1);
   if (auto done = apply_processors(deployment.cpus); !done) return done;

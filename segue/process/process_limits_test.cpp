@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdlib>
 #include <functional>
 #include <thread>
 
@@ -51,12 +52,20 @@ void in_a_thread_without_rights(const std::function<void()>& what) {
   });
 }
 
-model::Deployment with(Scheduler scheduler, int priority, bool optional) {
-  model::Deployment deployment;
-  deployment.scheduler = scheduler;
-  deployment.priority = priority;
-  deployment.optional = optional;
-  return deployment;
+Launch with(Scheduler scheduler, int priority, bool optional) {
+  Launch launch;
+  launch.deployment.scheduler = scheduler;
+  launch.deployment.priority = priority;
+  launch.deployment.optional = optional;
+  return launch;
+}
+
+TEST(ProcessLimits, theProcessKnowsTheAddressesOfTheHosts) {
+  Launch launch;
+  launch.peers = {"10.0.0.1", "arm.local"};
+  EXPECT_TRUE(apply_to_this_process(launch));
+  EXPECT_STREQ(std::getenv("SEGUE_PEERS"), "10.0.0.1,arm.local");
+  ::unsetenv("SEGUE_PEERS");
 }
 
 TEST(ProcessLimits, aSchedulerThatIsNotPermittedIsRefusedWithWhatToDo) {

@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -128,6 +129,16 @@ hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
     settings.addresses.emplace(model::kLocalHost, own);
   }
   return settings;
+}
+
+std::vector<std::string> peer_addresses(const model::Robot& robot) {
+  std::set<std::string> all;
+  for (const auto& [host, address] : gateway_settings(robot).addresses) {
+    if (!address.empty()) {
+      all.insert(address);
+    }
+  }
+  return {all.begin(), all.end()};
 }
 
 std::vector<hosts::HostPlace> host_places(const model::Robot& robot) {

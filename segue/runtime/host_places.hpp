@@ -25,4 +25,9 @@ std::vector<hosts::HostPlace> host_places(const model::Robot& robot);
 /// own computer has the address that leads to the first of them whose address is a number.
 hosts::GatewaySettings gateway_settings(const model::Robot& robot);
 
+/// The same addresses, of all hosts: where senders and receivers look for each other. It is enough that the
+/// later of two processes knows the address of the earlier one, so an earlier one may have been started for
+/// fewer hosts, or from another computer.
+std::vector<std::string> peer_addresses(const model::Robot& robot);
+
 }  // namespace segue::runtime

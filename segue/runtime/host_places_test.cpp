@@ -46,6 +46,16 @@ TEST(HostPlaces, TheOwnAddressIsThatWhichLeadsToTheFirstOtherComputer) {
       (Addresses{{"", "127.0.0.1"}, {"here", "127.0.0.1"}, {"named", "no.such.name"}, {"arm", "127.0.0.2"}}));
 }
 
+TEST(HostPlaces, ProcessesLookForOthersAtAllAddressesThatAreKnown) {
+  model::Robot robot;
+  for (const char* address : {"tcp://127.0.0.2:7447", "unix:here.sock", "tcp://no.such.name:7447", "local"}) {
+    robot.hosts.emplace_back();
+    robot.hosts.back().name = model::HostName("h" + std::to_string(robot.hosts.size()));
+    robot.hosts.back().address = address;
+  }
+  EXPECT_EQ(peer_addresses(robot), (std::vector<std::string>{"127.0.0.1", "127.0.0.2", "no.such.name"}));
+}
+
 TEST(HostPlaces, NoNameIsLookedUpForTheOwnAddress) {
   EXPECT_EQ(addresses_of({{"arm", "tcp://no.such.name:7447"}}),
             (Addresses{{"", "?"}, {"arm", "no.such.name"}}));

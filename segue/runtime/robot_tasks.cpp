@@ -93,6 +93,7 @@ Result<process::Launch> launch_of(const model::Robot& robot, const EmbeddedOptio
   launch.stand_in = options.stand_in;
   launch.only_stand_ins = options.only_stand_ins;
   launch.log_level = to_string(options.log_level);
+  if (has_other_hosts(robot)) launch.peers = peer_addresses(robot);
   if (!options.stand_ins.empty()) {
     auto text = read_input_file(options.stand_ins);
     if (!text) {

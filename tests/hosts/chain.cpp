@@ -95,8 +95,8 @@ void ChainTest::start_chain(const std::string& controller, const std::vector<std
   EXPECT_EQ(what_stays_wrong(HostsTest::network(controller)), "");
 }
 
-ChainTest::Counted ChainTest::counted() {
-  const auto statistics = json({"call", "consumer.statistics"});
+ChainTest::Counted ChainTest::counted(const std::string& consumer) {
+  const auto statistics = json({"call", consumer + ".statistics"});
   return {number(statistics, "count"), number(statistics, "lost"), number(statistics, "late")};
 }
 

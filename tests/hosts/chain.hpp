@@ -26,13 +26,13 @@ class ChainTest : public HostsTest {
                     const std::string& deployments = {}, const std::string& connections = {}) const;
   void start_chain(const std::string& controller, const std::vector<std::string>& more = {});
 
-  /// What the consumer has counted since it was started.
+  /// What the consumer, or another one, has counted since it was started.
   struct Counted {
     std::uint64_t count = 0;
     std::uint64_t lost = 0;
     std::uint64_t late = 0;  ///< after a newer one
   };
-  Counted counted();
+  Counted counted(const std::string& consumer = "consumer");
   /// Waits until the consumer has got more samples.
   void wait_for_more();
   /// The same, and checks that none was ever missing.

@@ -69,7 +69,7 @@ int run() {
   process::InheritedProcess process;
   const auto assignment = process::read_assignment(process::kAssignment);
   if (!assignment) return kNoAssignment;
-  if (!process::apply_to_this_process(assignment->launch.deployment)) return kNotPermitted;
+  if (!process::apply_to_this_process(assignment->launch)) return kNotPermitted;
   const char* software = std::getenv("TEST_SOFTWARE");
   process.begin(assignment->socket, software == nullptr ? "0.1.0" : software);
   const char* variable = std::getenv("TEST_DO");
