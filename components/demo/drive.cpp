@@ -2,6 +2,7 @@
 #include "types.hpp"
 
 #include <segue/task/component.hpp>
+#include <segue/task/input_timeout.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -30,7 +31,6 @@ class Drive final : public Component {
 
   segue::Result<void> on_start() override {
     velocity_ = {};
-    last_command_ = now();
     last_ = now();
     return {};
   }
@@ -38,11 +38,9 @@ class Drive final : public Component {
   void on_update() override {
     const double step = std::chrono::duration<double>(now() - last_).count();
     last_ = now();
-    if (command_in_.read(command_) == ReadStatus::NewData) {
-      last_command_ = now();
-    }
+    command_in_.read(command_);
     // Whoever commanded until a switch cannot tell it to stop any more.
-    const bool late = !command_in_.connected() || now() - last_command_ > *timeout_;
+    const bool late = !command_in_.connected() || timeout_.passed();
     const Velocity wanted = late ? Velocity{} : command_;
     const double change = *max_acceleration_ * step;
     const double forward = std::clamp(wanted.forward, -*max_speed_, *max_speed_);
@@ -61,14 +59,10 @@ class Drive final : public Component {
   Property<double> max_speed_{*this, "max_speed", 0.8, {.live = true, .doc = "m/s"}};
   Property<double> max_turn_{*this, "max_turn", 1.5, {.live = true, .doc = "rad/s"}};
   Property<double> max_acceleration_{*this, "max_acceleration", 2.0, {.doc = "m/s^2"}};
-  Property<std::chrono::milliseconds> timeout_{
-      *this,
-      "timeout",
-      std::chrono::milliseconds(500),
-      {.doc = "stops after this time without a command, and at once where nobody is connected"}};
+  InputTimeout timeout_{command_in_, "timeout", std::chrono::milliseconds(500),
+                        "stops after this time without a command, and at once where nobody is connected"};
   Velocity command_;
   Velocity velocity_;
-  segue::TimePoint last_command_;
   segue::TimePoint last_;
 };
 

@@ -83,6 +83,19 @@ TEST(RoverDrive, stops_at_once_when_nobody_is_connected_that_could_tell_it_to) {
   EXPECT_EQ(rover.task("wheels").state_name(), "idle") << "before its timeout";
 }
 
+TEST(RoverDrive, stops_at_a_command_that_is_no_number) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  segue::task::Component commander;
+  segue::task::OutputPort<messages::Twist2D> port(commander, "port");
+  ASSERT_TRUE(segue::link::connect(port, *rover.task("wheels").component().find_input("command"), {}));
+  rover.start();
+  for (int i = 0; i < 20; ++i) {
+    port.write({i < 10 ? 0.2 : std::nan(""), 0});
+    rover.advance(100ms);
+  }
+  EXPECT_EQ(rover.task("wheels").state_name(), "idle");
+}
+
 TEST(SimulatedWheels, stop_when_their_driver_is_gone) {
   SteppedRover rover(starting_at(0, 0, 0));
   add_script(rover, Value::list({leg(100, 0.2, 0)}));

@@ -7,6 +7,7 @@
 #include "../messages/sensors.hpp"
 
 #include <segue/task/component.hpp>
+#include <segue/task/input_timeout.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -17,7 +18,8 @@ namespace rover {
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
 /// The driver of the wheels: steers and turns them as a commanded velocity demands, and tells by their
-/// movement where the rover is. It measures time by the robot's clock.
+/// movement where the rover is. It measures movements by the robot's clock, and waits for commands by its
+/// own.
 class RoverDrive final : public Component {
  public:
   RoverDrive() {
@@ -65,7 +67,6 @@ class RoverDrive final : public Component {
       angles.at(wheel) = first_ ? 0 : position - positions_.at(wheel);
       positions_.at(wheel) = position;
     }
-    if (first_) last_command_ = measured.time;
     first_ = false;
     const messages::Pose2D movement = movement_of(angles, steering_);
     odometry_.time = measured.time;
@@ -76,20 +77,22 @@ class RoverDrive final : public Component {
 
   void follow(double step) {
     messages::Twist2D command;
-    if (command_in_.read(command) == ReadStatus::NewData && std::isfinite(command.linear) &&
-        std::isfinite(command.angular)) {
-      wanted_ = {std::clamp(command.linear, -*max_speed_, *max_speed_),
-                 std::clamp(command.angular, -*max_turn_, *max_turn_)};
-      last_command_ = odometry_.time;
-    }
-    const std::chrono::duration<double> timeout = *timeout_;
+    if (command_in_.read(command) == ReadStatus::NewData) accept(command);
     // Whoever commanded until a switch cannot tell it to stop any more.
-    if (!command_in_.connected() || odometry_.time - last_command_ > timeout.count()) wanted_ = {};
+    if (!command_in_.connected() || timeout_.passed()) wanted_ = {};
     WheelCommand set_points = control_.advance(wanted_, steering_, step);
     set_points.time = odometry_.time;
     wheels_out_.write(set_points);
     const bool standing = control_.twist().linear == 0 && control_.twist().angular == 0;
     set_state(standing && wanted_.linear == 0 && wanted_.angular == 0 ? "idle" : "driving");
+  }
+
+  /// A command that is no number may mean anything, so the rover stops.
+  void accept(const messages::Twist2D& command) {
+    const bool is_velocity = std::isfinite(command.linear) && std::isfinite(command.angular);
+    wanted_ = is_velocity ? messages::Twist2D{std::clamp(command.linear, -*max_speed_, *max_speed_),
+                                              std::clamp(command.angular, -*max_turn_, *max_turn_)}
+                          : messages::Twist2D{};
   }
 
   InputPort<messages::Twist2D> command_in_{*this, "command", {.doc = "wanted velocity"}};
@@ -102,13 +105,9 @@ class RoverDrive final : public Component {
   Property<double> max_turn_{*this, "max_turn", 1.0, {.live = true, .doc = "rad/s"}};
   Property<double> max_acceleration_{*this, "max_acceleration", 1.0, {.doc = "m/s^2"}};
   Property<double> max_angular_acceleration_{*this, "max_angular_acceleration", 3.0, {.doc = "rad/s^2"}};
-  Property<std::chrono::milliseconds> timeout_{
-      *this,
-      "timeout",
-      std::chrono::milliseconds(500),
-      {.doc = "stops after this time without a command, and at once where nobody is connected"}};
+  InputTimeout timeout_{command_in_, "timeout", std::chrono::milliseconds(500),
+                        "stops after this time without a command, and at once where nobody is connected"};
   bool first_ = true;
-  double last_command_ = 0;
   PerWheel steering_{};
   PerWheel positions_{};
   messages::Twist2D wanted_;

@@ -22,6 +22,7 @@
 namespace segue::task {
 
 class Component;
+class InputTimeout;
 
 /// Dynamic ports whose names match a pattern.
 struct PortFamily {
@@ -69,6 +70,7 @@ class Component {
   [[nodiscard]] const std::vector<PortFamily>& port_families() const { return families_; }
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const { return properties_; }
   [[nodiscard]] const std::vector<OperationBase*>& operations() const { return operations_; }
+  [[nodiscard]] const std::vector<InputTimeout*>& timeouts() const { return timeouts_; }
   [[nodiscard]] PropertyBase* find_property(std::string_view name) const;
   [[nodiscard]] OperationBase* find_operation(std::string_view name) const;
 
@@ -151,6 +153,7 @@ class Component {
   friend class InputPortBase;
   friend class OutputPortBase;
   friend class PropertyBase;
+  friend class InputTimeout;
   friend class OperationBase;
   friend class ComponentAccess;
   friend class HeldPorts;
@@ -163,6 +166,7 @@ class Component {
   std::vector<OutputPortBase*> outputs_;
   std::vector<PortFamily> families_;
   std::vector<PropertyBase*> properties_;
+  std::vector<InputTimeout*> timeouts_;
   std::vector<OperationBase*> operations_;
   std::vector<std::string> nominal_states_;
   std::vector<std::string> error_states_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
+#include <segue/task/input_timeout.hpp>
 #include <segue/task/realtime_log.hpp>
 #include <segue/task/task_implementation.hpp>
 
@@ -40,6 +41,11 @@ Error Task::Implementation::illegal(std::string_view verb, std::string_view need
               "cannot " + std::string(verb) + " in " + state_name() + "; needs " + std::string(needed), name);
 }
 
+/// Whether time can make it update.
+bool Task::Implementation::is_timed() const {
+  return activity.trigger == Trigger::Periodic || !component->timeouts().empty();
+}
+
 Result<void> Task::Implementation::configure() {
   if (state() != TaskState::PreOperational) return illegal("configure", "pre_operational");
   HookEnd end = run_hook("on_configure", &ComponentAccess::configure);
@@ -69,8 +75,10 @@ Result<void> Task::Implementation::start() {
     return armed;
   }
   due_at = executor->clock().now();
+  for (InputTimeout* timeout : component->timeouts())
+    timeout->begin(due_at);
   enter(TaskState::Running);
-  if (activity.trigger == Trigger::Periodic) trigger_on_release |= Job::kTimer;
+  if (is_timed()) trigger_on_release |= Job::kTimer;
   const auto waits = [](InputPortBase* input) { return input->pending(); };
   if (std::ranges::any_of(trigger_inputs, waits)) trigger_on_release |= Job::kSample;
   if (error_at_start == 0) return {};
@@ -109,6 +117,7 @@ Result<void> Task::Implementation::recover() {
   if (end.refused) return refused("on_recover", std::move(*end.refused));
   message.store("");
   enter(before == TaskState::RunTimeError ? TaskState::Running : TaskState::PreOperational);
+  if (is_timed()) trigger_on_release |= Job::kTimer;
   const auto waits = [](InputPortBase* input) { return input->pending(); };
   if (std::ranges::any_of(trigger_inputs, waits)) trigger_on_release |= Job::kSample;
   return {};

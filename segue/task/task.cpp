@@ -296,6 +296,7 @@ Result<void> Task::set_properties(const type::Value& values, TimePoint deadline)
     }
     for (const auto& one : staged)
       one->apply();
+    if (self.is_timed()) self.trigger_on_release |= Job::kTimer;
     return {};
   });
 }

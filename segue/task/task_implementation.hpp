@@ -89,8 +89,10 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
 
   // Updates (task_update.cpp).
   [[nodiscard]] bool active() const;
+  [[nodiscard]] bool is_timed() const;
   [[nodiscard]] bool due(std::uint32_t reasons, TimePoint now) const;
   void update(TimePoint& now) noexcept;
+  [[nodiscard]] TimePoint next_timeout() const noexcept;
   void retrigger_if_pending() noexcept;
   [[nodiscard]] std::uint64_t trigger_samples_read() const noexcept;
   void serve_calls() noexcept;

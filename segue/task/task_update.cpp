@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/task/input_timeout.hpp>
 #include <segue/task/realtime_log.hpp>
 #include <segue/task/task_implementation.hpp>
 
@@ -32,7 +33,7 @@ bool Task::Implementation::active() const {
   if (!calls.empty()) serve_calls();
   if (active() && due(reasons, now)) update(now);
   const bool timed = activity.trigger == Trigger::Periodic && active();
-  const TimePoint next = timed ? due_at : detail::kNever;
+  const TimePoint next = timed ? due_at : next_timeout();
   release();
   return next;
 }
@@ -42,11 +43,20 @@ bool Task::Implementation::active() const {
     case Trigger::Periodic:
       return now >= due_at;
     case Trigger::PortDriven:
-      return (reasons & Job::kSample) != 0;
+      return (reasons & Job::kSample) != 0 || now >= next_timeout();
     case Trigger::FileDescriptorDriven:
-      return (reasons & Job::kDescriptor) != 0;
+      return (reasons & Job::kDescriptor) != 0 || now >= next_timeout();
   }
   return false;
+}
+
+/// When an input will have gone without a sample for too long, which wakes tasks that time does not.
+[[gnu::hot]] TimePoint Task::Implementation::next_timeout() const noexcept {
+  TimePoint next = detail::kNever;
+  if (activity.trigger == Trigger::Periodic || state() != TaskState::Running) return next;
+  for (const InputTimeout* timeout : component->timeouts())
+    next = std::min(next, timeout->due());
+  return next;
 }
 
 [[gnu::hot]] void Task::Implementation::update(TimePoint& now) noexcept {
@@ -80,6 +90,10 @@ bool Task::Implementation::active() const {
   }
   now = executor->clock().now();
   recorder.record(wanted, begin, now, activity.period, missed);
+  if (!in_error) {
+    for (InputTimeout* timeout : component->timeouts())
+      timeout->note_update(begin, now);
+  }
   if (request != Request::None) {
     static_cast<void>(collapse(hook_name, Reached::Started));
     return;
