@@ -259,6 +259,25 @@ TEST_F(GatewayLink, large_samples_arrive_whole) {
   EXPECT_EQ(peer.count("corrupt"), 0U);
 }
 
+TEST_F(GatewayLink, a_sender_of_a_buffer_stops_soon_after_its_samples_have_arrived) {
+  Peer peer = receiving<Pose>(topic, "buffer", 100);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>(), "buffer", 100));
+  Source<Pose> source(sender, kPlenty);
+  ASSERT_TRUE(have_matched(sender, peer));
+  std::vector<segue::Duration> stops;
+  for (std::uint64_t number = 2; number <= 14; number += 2) {
+    source.write(number - 1);  // the first sample after a pause asks for an acknowledgement itself
+    source.write(number);
+    ASSERT_TRUE(eventually([&] { return peer.count("received") == number; }));
+    const auto begin = segue::RealClock::instance().now();
+    ASSERT_TRUE(sender.task().stop(soon()));
+    stops.emplace_back(segue::RealClock::instance().now() - begin);
+    ASSERT_TRUE(sender.task().start(soon()));
+  }
+  std::ranges::sort(stops);  // a busy computer delays some of them
+  EXPECT_LT(stops.at(stops.size() / 2), std::chrono::milliseconds(100));
+}
+
 TEST_F(GatewayLink, what_outruns_a_buffer_is_refused_and_counted) {
   Peer peer = receiving<Image>(topic, "buffer", 2);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Image>(), "buffer", 2));

@@ -65,12 +65,15 @@ std::string general(const Settings& settings) {
 
 /// Large samples are what the defaults are not made for. The system limits the buffers of sockets
 /// (net.core.rmem_max); fragments that find them full are asked for soon, and sent again as many as are
-/// missing.
+/// missing. Heartbeats ask for acknowledgements, which a Sender of a buffer waits for before it stops; at
+/// Cyclone's own 100 ms that would be most of what a switch takes. There are none while nothing is to be
+/// acknowledged.
 std::string internal() {
   constexpr std::string_view kSocketBuffers =
       "<SocketReceiveBufferSize min=\"default\" max=\"16MiB\"/>"
       "<SocketSendBufferSize min=\"default\" max=\"16MiB\"/>";
   return element("Internal", std::string(kSocketBuffers) + element("NackDelay", "10ms") +
+                                 element("HeartbeatInterval", "20ms") +
                                  element("MaxQueuedRexmitBytes", "64MiB") +
                                  element("MaxQueuedRexmitMessages", "4096"));
 }
