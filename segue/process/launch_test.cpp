@@ -72,6 +72,10 @@ TEST(LaunchTest, wrongEntriesAreNamed) {
   EXPECT_THAT(problem_with('{' + good + R"(, "libraries": [1]})"), HasSubstr("'libraries'"));
   EXPECT_THAT(problem_with('{' + good + R"(, "libraries": ["/x.so"]})"), HasSubstr("'/x.so'"));
   EXPECT_THAT(problem_with('{' + good + R"(, "models": ["a.yaml"]})"), HasSubstr("absolute"));
+  for (const char* peer : {"", "a,b"}) {
+    EXPECT_THAT(problem_with('{' + good + R"(, "peers": [")" + peer + R"("]})"),
+                HasSubstr("address of a host"));
+  }
   EXPECT_THAT(problem_with('{' + good + R"(, "memory": {"payload": -1}})"), HasSubstr("'payload'"));
   EXPECT_THAT(problem_with('{' + good + R"(, "stand_in": "yes"})"), HasSubstr("'stand_in'"));
 }
