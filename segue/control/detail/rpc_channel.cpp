@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/control/connection_table.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/socket.hpp>
 #include <segue/control/detail/tcp_socket.hpp>
@@ -21,26 +20,8 @@ using type::Value;
 
 constexpr Duration kMaxTimeout = std::chrono::hours(24 * 30);
 
-capnp::ReaderOptions reader_options() {
-  capnp::ReaderOptions options;
-  options.traversalLimitInWords = kClientMessageWords;
-  options.nestingLimit = kMessageNesting;
-  return options;
-}
-
-kj::Exception not_connected() {
-  return KJ_EXCEPTION(DISCONNECTED, "not connected");
-}
-
 kj::Duration to_kj(Duration duration) {
   return std::clamp(duration, Duration(0), kMaxTimeout).count() * kj::NANOSECONDS;
-}
-
-wire::Gate::Client gate_of(capnp::RpcSystem<capnp::rpc::twoparty::VatId>& rpc) {
-  capnp::MallocMessageBuilder message(8);
-  auto id = message.initRoot<capnp::rpc::twoparty::VatId>();
-  id.setSide(capnp::rpc::twoparty::Side::SERVER);
-  return rpc.bootstrap(id).castAs<wire::Gate>();
 }
 
 /// An offer of memory has two descriptors; no other message has any.
@@ -73,63 +54,6 @@ struct RpcChannel::Failures final : kj::TaskSet::ErrorHandler {
   /// start() handles all failures itself.
   void taskFailed(kj::Exception&&) override {}
 };
-
-RpcChannel::Connection::Connection(kj::Own<kj::AsyncCapabilityStream> stream, SecureStream* secure,
-                                   unsigned descriptors)
-    : stream_(kj::mv(stream)),
-      secure_(secure),
-      network_(*stream_, descriptors, capnp::rpc::twoparty::Side::CLIENT, reader_options()),
-      rpc_(capnp::makeRpcClient(network_)),
-      service_(kj::Exception(not_connected())) {}
-
-capnp::Capability::Client RpcChannel::Connection::held_capability(StreamId id) {
-  const auto found = held_.find(id);
-  if (found == held_.end()) return not_connected();
-  return found->second;
-}
-
-RpcChannel::Answer RpcChannel::Connection::hello(std::string_view kind) {
-  auto request = gate_of(rpc_).helloRequest();
-  request.setVersion(kProtocolVersion);
-  request.setSoftware(SEGUE_VERSION);
-  request.setWants(as_text(std::string(kind)));
-  auto sent = request.send();
-  service_ = sent.getService();
-  return sent.then([this](auto&& response) -> Result<Value> {
-    if (const auto version = response.getVersion(); version != kProtocolVersion) {
-      return fail(ErrorCode::InvalidState, "segue " + as_string(response.getSoftware()) +
-                                               " answers, which speaks version " + std::to_string(version) +
-                                               " of the control protocol; this is segue " SEGUE_VERSION
-                                               ", which speaks version " +
-                                               std::to_string(kProtocolVersion) +
-                                               "; use programs of one version, or start that one anew");
-    }
-    if (response.hasError()) return decode(response.getError());
-    service_ = response.getService();
-    return Value(as_string(response.getSoftware()));
-  });
-}
-
-void RpcChannel::Connection::watch(std::function<void()> gone) {
-  watch_ = nullptr;
-  if (gone) watch_ = network_.onDisconnect().then(std::move(gone)).eagerlyEvaluate(nullptr);
-}
-
-kj::Promise<void> RpcChannel::Connection::guard(kj::Timer& timer, Credentials credentials, Identity other) {
-  auto period = timer.afterDelay(to_kj(ConnectionTable::kWatchPeriod));
-  return period.then([this, &timer, credentials = std::move(credentials),
-                      other = std::move(other)]() mutable -> kj::Promise<void> {
-    credentials.encryption().refresh();
-    const auto refused = credentials.encryption().refusal(other);
-    if (!refused) return guard(timer, std::move(credentials), std::move(other));
-    secure_->break_off(*refused);
-    return kj::READY_NOW;
-  });
-}
-
-std::optional<Error> RpcChannel::Connection::problem() const {
-  return secure_ == nullptr ? std::nullopt : secure_->problem();
-}
 
 RpcChannel::RpcChannel(std::string who) : who_(std::move(who)) {}
 

@@ -7,16 +7,14 @@
 #include <segue/base/wait.hpp>
 #include <segue/control/detail/encryption.hpp>
 #include <segue/control/detail/event_loop.hpp>
+#include <segue/control/detail/rpc_connection.hpp>
 #include <segue/control/detail/wire.hpp>
 #include <segue/control/endpoint.hpp>
-
-#include <capnp/rpc-twoparty.h>
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <future>
-#include <map>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -43,56 +41,11 @@ Result<void> check_request(std::uint64_t words);
 /// timeout. Thread safe.
 class RpcChannel {
  public:
-  using StreamId = std::uint64_t;
+  using StreamId = RpcConnection::StreamId;
   template <class T>
   using Reply = kj::Promise<Result<T>>;
-  using Answer = Reply<type::Value>;
-  /// The largest answer, in nodes, that a client accepts.
-  static constexpr std::uint64_t kMaxNodes = kClientMessageWords;
-
-  /// The part that is only used in the loop's thread.
-  class Connection {
-   public:
-    /// `descriptors` is how many a message may carry. `secure` is the stream where that uses TLS, else null.
-    Connection(kj::Own<kj::AsyncCapabilityStream> stream, SecureStream* secure, unsigned descriptors);
-
-    /// The service that hello() asks for. What is asked of it before the answer goes with hello(), and fails
-    /// where that is refused; without hello() every call answers with an exception.
-    template <class Interface>
-    typename Interface::Client as() {
-      return service_.castAs<Interface>();
-    }
-    /// A capability that hold() has kept; an unknown one answers every call with an exception.
-    template <class Interface>
-    typename Interface::Client held(StreamId id) {
-      return held_capability(id).castAs<Interface>();
-    }
-    void hold(StreamId id, capnp::Capability::Client capability) {
-      held_.insert_or_assign(id, kj::mv(capability));
-    }
-    template <class Request>
-    Answer open(StreamId id, Request& request);
-    void close(StreamId id) { held_.erase(id); }
-    /// Exchanges versions and requests the service of that kind; the answer is the version of the other side.
-    Answer hello(std::string_view kind);
-    /// Calls `gone`, in the loop's thread, when the connection breaks.
-    void watch(std::function<void()> gone);
-    /// Breaks it within a second once the certificate of the other side is revoked or expires.
-    kj::Promise<void> guard(kj::Timer& timer, Credentials credentials, Identity other);
-    /// Why the connection broke, where TLS says so.
-    [[nodiscard]] std::optional<Error> problem() const;
-
-   private:
-    capnp::Capability::Client held_capability(StreamId id);
-
-    kj::Own<kj::AsyncCapabilityStream> stream_;
-    SecureStream* secure_;
-    capnp::TwoPartyVatNetwork network_;
-    capnp::RpcSystem<capnp::rpc::twoparty::VatId> rpc_;
-    capnp::Capability::Client service_;
-    std::map<StreamId, capnp::Capability::Client> held_;
-    kj::Promise<void> watch_ = nullptr;
-  };
+  using Answer = RpcConnection::Answer;
+  using Connection = RpcConnection;
 
   using Begin = std::function<kj::Promise<void>(Connection&)>;
   using Failed = std::function<void(Error)>;
@@ -177,8 +130,9 @@ RpcChannel::Answer RpcChannel::send(Request& request) {
   if (auto fits = check_request(request.totalSize().wordCount); !fits) {
     return Result<type::Value>(fits.error());
   }
-  return request.send().then(
-      [](auto&& response) -> Result<type::Value> { return decode(response.getAnswer(), kMaxNodes); });
+  return request.send().then([](auto&& response) -> Result<type::Value> {
+    return decode(response.getAnswer(), RpcConnection::kMaxNodes);
+  });
 }
 
 template <class T, class Request, class Read>
@@ -187,15 +141,6 @@ RpcChannel::Reply<T> RpcChannel::send(Request& request, Read read) {
   return request.send().then([read](auto&& response) -> Result<T> {
     if (response.hasError()) return decode(response.getError());
     return read(response);
-  });
-}
-
-template <class Request>
-RpcChannel::Answer RpcChannel::Connection::open(StreamId id, Request& request) {
-  return request.send().then([this, id](auto&& response) -> Result<type::Value> {
-    auto type = decode(response.getAnswer(), kMaxNodes);
-    if (type) hold(id, response.getStream());
-    return type;
   });
 }
 
