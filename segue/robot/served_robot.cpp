@@ -137,6 +137,7 @@ Result<std::uint64_t> ServedRobot::lease() {
 }
 
 Result<std::optional<std::string>> ServedRobot::taken_over() {
+  const std::lock_guard looking(looking_);
   std::shared_ptr<control::RobotLease> lease;
   {
     const std::lock_guard lock(mutex_);
@@ -157,9 +158,11 @@ Result<void> ServedRobot::take() {
 
 Result<std::vector<control::HolderRequest>> ServedRobot::asked() {
   if (auto taken = take(); !taken) return taken.error();
+  const std::lock_guard looking(looking_);
   std::shared_ptr<control::RobotLease> lease;
   {
     const std::lock_guard lock(mutex_);
+    if (why_lost_) return *why_lost_;
     lease = lease_;
   }
   if (!lease) return fail(ErrorCode::InvalidState, "the robot was given back");

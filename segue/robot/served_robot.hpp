@@ -79,6 +79,9 @@ class ServedRobot final : public mission::CommandedRobot {
   control::RobotService& service_;
   const std::string who_;
   MissionRecord record_;
+  /// Held while the lease is looked at: whoever looks after one that was not answered knows that the robot is
+  /// lost, and need not wait as long again.
+  std::mutex looking_;
   mutable std::mutex mutex_;                    ///< protects all below
   std::shared_ptr<control::RobotLease> lease_;  ///< taken by the first request
   bool given_back_ = false;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <future>
+#include <optional>
 #include <stop_token>
 
 namespace segue::robot {
@@ -11,23 +13,34 @@ namespace {
 
 using type::Value;
 
+/// How a lease answers.
+struct LeaseAnswer {
+  std::optional<Error> error;
+  std::atomic<int> looks = 0;           ///< at who took it
+  std::promise<void>* begun = nullptr;  ///< it was asked
+  std::promise<void>* wait = nullptr;   ///< for that
+};
+
 class FakeLease final : public control::RobotLease {
  public:
-  FakeLease(const std::optional<std::string>& lost_to, const Result<void>& answer)
+  FakeLease(const std::optional<std::string>& lost_to, LeaseAnswer& answer)
       : lost_to_(lost_to), answer_(answer) {}
   [[nodiscard]] std::uint64_t number() const override { return 7; }
   Result<std::optional<std::string>> lost_to() override {
-    if (!answer_) return answer_.error();
-    return lost_to_;
+    if (!answer_.error) return lost_to_;
+    ++answer_.looks;
+    return *answer_.error;
   }
   Result<std::vector<control::HolderRequest>> asked() override {
-    if (!answer_) return answer_.error();
+    if (answer_.begun) answer_.begun->set_value();
+    if (answer_.wait) answer_.wait->get_future().wait();
+    if (answer_.error) return *answer_.error;
     return std::vector<control::HolderRequest>{{1, "pause", {}}};
   }
 
  private:
   const std::optional<std::string>& lost_to_;
-  const Result<void>& answer_;
+  LeaseAnswer& answer_;
 };
 
 /// Answers what it is told to.
@@ -46,7 +59,7 @@ class FakeService final : public control::RobotService {
   Value reported;
   Value given_back;
   Result<void> report_answer;
-  Result<void> lease_answer;    ///< an error: what the lease says of itself
+  LeaseAnswer lease_answer;
   bool switch_waits = false;    ///< until it is wanted no longer
   std::promise<void> switches;  ///< it waits
 
@@ -273,12 +286,12 @@ TEST_F(ServedRobotTest, WritesToPorts) {
 
 TEST_F(ServedRobotTest, IsLostWhereItDoesNotSayInTimeWhatBecameOfTheLease) {
   ASSERT_TRUE(robot_.take());
-  service_.lease_answer = fail(ErrorCode::DeadlineExceeded, "robot 'spot' did not answer within 10s");
+  service_.lease_answer.error = fail(ErrorCode::DeadlineExceeded, "robot 'spot' did not answer within 10s");
   const auto trouble = robot_.trouble("explore");
   ASSERT_FALSE(trouble);
   EXPECT_EQ(trouble.error().code, ErrorCode::Unavailable);
   EXPECT_EQ(trouble.error().message, "robot 'spot' did not answer within 10s, and counts as lost");
-  service_.lease_answer = {};
+  service_.lease_answer.error.reset();
   EXPECT_FALSE(robot_.trouble("explore")) << "for good";
   EXPECT_FALSE(robot_.write({"planner", "goal"}, 7, {}));
   EXPECT_TRUE(service_.written.is_null());
@@ -294,9 +307,25 @@ TEST_F(ServedRobotTest, ThatIsLostIsWaitedForByNobody) {
     return robot_.request({{"explore"}, {}}, RealClock::instance().now() + std::chrono::seconds(60));
   });
   service_.switches.get_future().wait();
-  service_.lease_answer = fail(ErrorCode::DeadlineExceeded, "it is silent");
+  service_.lease_answer.error = fail(ErrorCode::DeadlineExceeded, "it is silent");
   EXPECT_FALSE(robot_.asked());
   EXPECT_EQ(request.get().error().message, "it is silent, and counts as lost");
+}
+
+TEST_F(ServedRobotTest, ThatIsSilentIsWaitedForOnce) {
+  ASSERT_TRUE(robot_.take());
+  std::promise<void> begun;
+  std::promise<void> silent;
+  service_.lease_answer.error = fail(ErrorCode::DeadlineExceeded, "it is silent");
+  service_.lease_answer.begun = &begun;
+  service_.lease_answer.wait = &silent;
+  auto first = std::async(std::launch::async, [&] { return robot_.asked(); });
+  begun.get_future().wait();
+  auto second = std::async(std::launch::async, [&] { return robot_.trouble("explore"); });
+  silent.set_value();
+  EXPECT_FALSE(first.get());
+  EXPECT_EQ(second.get().error().message, "it is silent, and counts as lost");
+  EXPECT_EQ(service_.lease_answer.looks, 0);
 }
 
 TEST_F(ServedRobotTest, SeesTasks) {
