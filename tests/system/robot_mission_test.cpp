@@ -352,6 +352,20 @@ TEST_F(RobotMission, FailsWithItsRobot) {
   EXPECT_THAT(finished.output, HasSubstr("endless: aborted"));
 }
 
+TEST_F(RobotMission, EndsWithARobotThatIsSilentWhichComesToRestWhenItIsBack) {
+  start();
+  write("endless.yaml", kEndless);
+  Process mission(command({"mission", "run", "endless.yaml"}), folder_);
+  wait_for_controller("go_to");
+  robot_->signal(SIGSTOP);
+  const auto finished = mission.wait();
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_THAT(finished.output, HasSubstr("endless: aborted"));
+  EXPECT_THAT(finished.errors, HasSubstr("robot 'rover' did not answer within 10s, and counts as lost"));
+  robot_->signal(SIGCONT);
+  wait_for_controller("hold");
+}
+
 TEST_F(RobotMission, NeedsARobotThatHasTheController) {
   write("drive.yaml", kDrive);
   const auto alone = segue({"mission", "run", "drive.yaml"});
