@@ -7,6 +7,8 @@
 #include <future>
 #include <optional>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 namespace segue::robot {
 namespace {
@@ -54,6 +56,7 @@ class FakeService final : public control::RobotService {
   std::string requested;
   control::SwitchOptions options;
   std::string lease_holder;
+  std::vector<std::string> prepared;
   Value written;
   std::uint64_t sent_with = 0;
   Value reported;
@@ -88,8 +91,9 @@ class FakeService final : public control::RobotService {
   Result<Value> apply(const control::SwitchOptions& /*options*/, TimePoint /*deadline*/) override {
     return no();
   }
-  Result<Value> prepare(const std::vector<std::string>& /*controllers*/, const Wait& /*wait*/) override {
-    return no();
+  Result<Value> prepare(const std::vector<std::string>& controllers, const Wait& /*wait*/) override {
+    prepared = controllers;
+    return Value();
   }
   Result<Value> conflicts(const std::vector<std::string>& /*controllers*/) override {
     return conflicts_answer;
@@ -326,6 +330,25 @@ TEST_F(ServedRobotTest, ThatIsSilentIsWaitedForOnce) {
   EXPECT_FALSE(first.get());
   EXPECT_EQ(second.get().error().message, "it is silent, and counts as lost");
   EXPECT_EQ(service_.lease_answer.looks, 0);
+}
+
+TEST_F(ServedRobotTest, HasNothingPreparedOnceItWasGivenBack) {
+  ASSERT_TRUE(robot_.take());
+  EXPECT_TRUE(robot_.prepare({"explore"}, {}));
+  EXPECT_EQ(service_.prepared, std::vector<std::string>{"explore"});
+  EXPECT_TRUE(robot_.give_back(true, {}));
+  EXPECT_TRUE(service_.prepared.empty());
+  EXPECT_FALSE(robot_.prepare({"explore"}, {}));
+  EXPECT_TRUE(service_.prepared.empty());
+}
+
+TEST_F(ServedRobotTest, LeavesWhatIsPreparedToWhoeverTookItOver) {
+  ASSERT_TRUE(robot_.take());
+  EXPECT_TRUE(robot_.prepare({"explore"}, {}));
+  service_.lost_to = "segue switch";
+  EXPECT_FALSE(robot_.prepare({"arm"}, {}));
+  EXPECT_TRUE(robot_.give_back(false, {}));
+  EXPECT_EQ(service_.prepared, std::vector<std::string>{"explore"});
 }
 
 TEST_F(ServedRobotTest, SeesTasks) {
