@@ -41,6 +41,7 @@ class RoverCommands : public SystemTest {
     write("drive.yaml", kDrive);
     robot_ = std::make_unique<Process>(command({"run", "robot.yaml", "--controller", "drive"}), folder_);
     ASSERT_TRUE(robot_->wait_for("runs (pid"));
+    wait_for_controller("drive");
     ASSERT_TRUE(eventually([&] { return turns(); })) << segue({"status"}).output;
   }
   void signal_commander(int signal) const {
