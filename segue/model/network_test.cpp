@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/diagnostic.hpp>
 #include <segue/model/controller_names.hpp>
+#include <segue/model/files.hpp>
 #include <segue/model/network.hpp>
 #include <support/random_networks.hpp>
 

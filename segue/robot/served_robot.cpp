@@ -187,10 +187,6 @@ Result<Value> ServedRobot::give_back(bool keep, TimePoint deadline) {
     lease = std::move(lease_);
     if (why_lost_) return *why_lost_;
   }
-  const auto lost_to = lease ? heard(lease->lost_to()) : Result<std::optional<std::string>>();
-  if (!lost_to) return lost_to.error();
-  // What this has had prepared is not kept for others; that the robot has released it is not waited for.
-  if (has_prepared_ && !*lost_to) static_cast<void>(service_.prepare({}, RealClock::instance().now()));
   if (!lease) return Value();
   return service_.give_back(lease->number(), keep, deadline);
 }
@@ -306,10 +302,7 @@ Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, c
   const auto taken = taken_over();
   if (!taken) return taken.error();
   if (*taken) return fail(ErrorCode::InvalidState, **taken);
-  const auto prepared = command(wait, [&](const Wait& both) {
-    has_prepared_ = true;
-    return service_.prepare(controllers, both);
-  });
+  const auto prepared = command(wait, [&](const Wait& both) { return service_.prepare(controllers, both); });
   return prepared ? Result<void>() : prepared.error();
 }
 

@@ -6,7 +6,6 @@
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/robot/mission_record.hpp>
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -40,9 +39,8 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<std::vector<control::HolderRequest>> asked();
   /// `doing` is a map; with it goes what waits in record(), for the robot's journal.
   Result<void> report(type::Value doing);
-  /// Commands the robot no longer, which keeps nothing prepared for it, and is to `keep` running what it
-  /// runs, or comes to rest: null, or as of control::RobotService::give_back(). Nothing can be requested
-  /// afterwards.
+  /// Commands the robot no longer, which is to `keep` running what it runs, or comes to rest: null, or as of
+  /// control::RobotService::give_back(). Nothing can be requested afterwards.
   Result<type::Value> give_back(bool keep, TimePoint deadline);
   /// What the mission did. Once a mission has begun there, requests are in the name of its actions.
   [[nodiscard]] MissionRecord& record() { return record_; }
@@ -90,7 +88,6 @@ class ServedRobot final : public mission::CommandedRobot {
   LookAheadSaving saved_;
   std::optional<Error> why_lost_;
   std::stop_source lost_;  ///< stopped after that is set
-  std::atomic<bool> has_prepared_ = false;
 };
 
 }  // namespace segue::robot

@@ -332,22 +332,13 @@ TEST_F(ServedRobotTest, ThatIsSilentIsWaitedForOnce) {
   EXPECT_EQ(service_.lease_answer.looks, 0);
 }
 
-TEST_F(ServedRobotTest, HasNothingPreparedOnceItWasGivenBack) {
-  ASSERT_TRUE(robot_.take());
-  EXPECT_TRUE(robot_.prepare({"explore"}, {}));
-  EXPECT_EQ(service_.prepared, std::vector<std::string>{"explore"});
-  EXPECT_TRUE(robot_.give_back(true, {}));
-  EXPECT_TRUE(service_.prepared.empty());
-  EXPECT_FALSE(robot_.prepare({"explore"}, {}));
-  EXPECT_TRUE(service_.prepared.empty());
-}
-
-TEST_F(ServedRobotTest, LeavesWhatIsPreparedToWhoeverTookItOver) {
+TEST_F(ServedRobotTest, HasNothingPreparedOnceItWasLost) {
   ASSERT_TRUE(robot_.take());
   EXPECT_TRUE(robot_.prepare({"explore"}, {}));
   service_.lost_to = "segue switch";
-  EXPECT_FALSE(robot_.prepare({"arm"}, {}));
+  EXPECT_FALSE(robot_.prepare({}, {})) << "it is another one's to say what is prepared";
   EXPECT_TRUE(robot_.give_back(false, {}));
+  EXPECT_FALSE(robot_.prepare({"arm"}, {}));
   EXPECT_EQ(service_.prepared, std::vector<std::string>{"explore"});
 }
 

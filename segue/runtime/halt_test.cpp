@@ -267,6 +267,22 @@ TEST(Lease, keeps_others_from_setting_calling_and_writing_unless_they_mean_it) {
   EXPECT_THAT(events, Contains("ann sets x, beside what mission a does"));
 }
 
+TEST(Lease, that_ends_takes_with_it_what_was_prepared_meanwhile) {
+  for (const bool is_taken_over : {false, true}) {
+    Robot robot{RuntimeOptions{}};
+    const auto plain = robot.host.observe();
+    const auto lease = robot.runtime.take_lease("ann").value();
+    robot.runtime.prepare({NetworkName("work")}).get();
+    EXPECT_FALSE(equivalent(robot.host.observe(), plain));
+    if (is_taken_over) {
+      EXPECT_EQ(robot.switch_to("drive", {.who = "eve", .take_over = true}).outcome, Outcome::Done);
+    } else {
+      robot.runtime.end_lease(lease);
+    }
+    EXPECT_TRUE(segue::testing::eventually([&] { return equivalent(robot.host.observe(), plain); }));
+  }
+}
+
 TEST(Lease, that_was_lost_allows_nothing_any_more) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();

@@ -88,6 +88,12 @@ std::shared_future<HaltResult> Runtime::Implementation::end_lease(std::uint64_t 
   if (!halts_after) {
     leases.end(lease);
     cancel_requests_of(lease, holder ? "the end of the lease of " + holder->name : "the end of its lease");
+    {
+      const std::lock_guard lock(mutex);
+      look_ahead_due = looks_ahead();  // what was prepared under it is not kept
+      wake_requested = true;
+    }
+    wake.notify_all();
     return {};
   }
   return halts.begin({holder->name, "it commands the robot no longer"}, [&] { leases.end(lease); });

@@ -350,7 +350,9 @@ std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_reque
   std::shared_ptr<const model::Halt> halt;
   {
     const std::lock_guard lock(mutex);
-    names = requests_to_prepare;
+    if (prepare_lease == 0 || !leases.lost_to(prepare_lease)) {
+      names = requests_to_prepare;
+    }
     halt = controller.empty() ? nullptr : definitions.halt;  // what runs nothing is at rest
   }
   std::vector<detail::PrepareRequest> all;
@@ -422,6 +424,7 @@ std::future<std::vector<Readiness>> Runtime::Implementation::prepare(std::vector
     const std::lock_guard lock(mutex);
     older.swap(prepare_waiting);
     requests_to_prepare = std::move(wanted);
+    prepare_lease = leases.held();
     prepare_waiting.emplace();
     future = prepare_waiting->get_future();
     look_ahead_due = true;

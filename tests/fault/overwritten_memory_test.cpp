@@ -49,6 +49,12 @@ class OverwrittenMemory : public DeployedRobotTest {
       all += sentence + '\n';
     return all;
   }
+  static bool is_told_of(const std::string& connection, const std::string& told) {
+    return told.find(
+               "connection " + connection +
+               " (buffer of 4000) is missing: its shared memory was overwritten by one of the processes ") !=
+           std::string::npos;
+  }
   bool hears_more() {
     const auto before = sight().beats;
     return eventually([&] { return sight().beats > before + 20; });
@@ -71,13 +77,13 @@ TEST_F(OverwrittenMemory, is_told_with_those_who_can_have_done_it_and_made_again
     SCOPED_TRACE(round);
     ASSERT_TRUE(hears_more());
     spoil("eye");
+    // Both connections into that memory are overwritten; each is told when it shows.
     std::string told;
-    ASSERT_TRUE(eventually([&] { return !(told = differences()).empty(); }));
-    EXPECT_NE(
-        told.find("connection beater.out -> watcher.in (buffer of 4000) is missing: its shared memory was "
-                  "overwritten by one of the processes "),
-        std::string::npos)
-        << told;
+    ASSERT_TRUE(eventually([&] {
+      told = differences();
+      return is_told_of("beater.out -> watcher.in", told) &&
+             is_told_of("beater.words -> watcher.words", told);
+    })) << told;
     EXPECT_NE(told.find("'localhost/heart'"), std::string::npos) << told;
     EXPECT_NE(told.find("'localhost/eye'"), std::string::npos) << told;
     switch_to(plain);
