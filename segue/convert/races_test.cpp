@@ -4,6 +4,7 @@
 #include <segue/base/file.hpp>
 #include <segue/convert/ahead.hpp>
 #include <segue/convert/run.hpp>
+#include <segue/convert/test_support.hpp>
 #include <segue/mission/files.hpp>
 
 #include <gmock/gmock.h>

@@ -2,6 +2,7 @@
 //
 // Whether an action may begin: its preconditions hold, and it has its units. Units that others hold are
 // waited for; an action that needs more than there are aborts.
+#include <segue/base/text.hpp>
 #include <segue/mission/engine_core.hpp>
 
 #include <algorithm>
