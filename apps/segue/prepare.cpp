@@ -33,7 +33,7 @@ std::string readiness_line(const Value& entry) {
 }
 
 int prepare_controllers(control::RobotService& robot, const PrepareOptions& options, const Context& context) {
-  const auto answer = robot.prepare(options.controllers, deadline_in(options.timeout));
+  const auto answer = robot.prepare(options.controllers, 0, deadline_in(options.timeout));
   if (!answer) return failed(context, answer.error());
   int status = kDone;
   for (const Value& entry : answer->is_list() ? answer->as_list() : Value::List{}) {

@@ -50,7 +50,7 @@ TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
   EXPECT_LE(left, std::chrono::duration<double>(kLong).count());
   EXPECT_EQ(robot->apply_transition("transition: {}", "a.yaml", soon()).value(),
             Value::map({{"text", "transition: {}"}, {"file", "a.yaml"}}));
-  EXPECT_EQ(robot->prepare({"drive", "dock"}, soon()).value(), Value::list({"drive", "dock"}));
+  EXPECT_EQ(robot->prepare({"drive", "dock"}, 0, soon()).value(), Value::list({"drive", "dock"}));
   EXPECT_EQ(robot->conflicts({"drive", "dock"}).value(), Value::list({"drive", "dock"}));
   EXPECT_TRUE(robot->write("planner", "goal", 7, {}, soon()));
   EXPECT_EQ(robot_.last_set(), Value::map({{"task", "planner"}, {"property", "port goal"}, {"value", 7}}));

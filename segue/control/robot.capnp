@@ -30,7 +30,7 @@ interface Robot {
   events @8 (after :UInt64, wait :Int64) -> (answer :Wire.Answer);
   history @9 () -> (answer :Wire.Answer);
   shutDown @10 () -> (answer :Wire.Answer);
-  prepare @11 (controllers :List(Text), timeout :Int64) -> (answer :Wire.Answer);
+  prepare @11 (controllers :List(Text), timeout :Int64, lease :UInt64) -> (answer :Wire.Answer);
   plan @12 (controller :Text, force :Bool, order :Text, timeout :Int64) -> (answer :Wire.Answer);
   applyFiles @13 (force :Bool, order :Text, who :Text, timeout :Int64, lease :UInt64, takeOver :Bool)
       -> (answer :Wire.Answer);

@@ -303,9 +303,11 @@ class Client final : public RobotService {
         }));
   }
 
-  Result<Value> prepare(const std::vector<std::string>& controllers, const Wait& wait) override {
+  Result<Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
+                        const Wait& wait) override {
     return ask(wait, [&](RpcChannel::Connection& connection, Duration left) {
       auto request = connection.as<wire::Robot>().prepareRequest();
+      request.setLease(lease);
       auto names = request.initControllers(static_cast<unsigned>(controllers.size()));
       for (unsigned i = 0; i < names.size(); ++i)
         names.set(i, as_text(controllers[i]));

@@ -110,10 +110,11 @@ class RobotService {
   /// Takes the robot's files as they are now, and then the controller that runs to its new version; answers
   /// when both are done: {"outcome", "changes", "diagnostics", "transition" (as of `switch`), "error"}.
   virtual Result<type::Value> apply(const SwitchOptions& options, TimePoint deadline) = 0;
-  /// Sets which controllers are kept ready, the likeliest first, in place of those set before, until the end
-  /// of the lease that is held then, if any is. Returns when it is done: a list of {"controller", "ready",
+  /// Sets which controllers are kept ready, the likeliest first, in place of those set before; with a lease,
+  /// until that ends (InvalidState where it has). Returns when it is done: a list of {"controller", "ready",
   /// "prepared", "tasks", "reason"}.
-  virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, const Wait& wait) = 0;
+  virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
+                                      const Wait& wait) = 0;
   /// What keeps each two of these controllers (none: of all that the robot has) from running at once: a list
   /// of {"a", "b", "what", "reason", "influence"}; where "influence" is true they can, but "a" changes what
   /// tasks of "b" get.

@@ -94,7 +94,7 @@ std::vector<Question> all_questions() {
        true},
       {Verb::Apply, [](auto& robot) { return outcome(robot.apply({}, soon())); }},
       {Verb::Apply, [taking](auto& robot) { return outcome(robot.apply(taking, soon())); }, true},
-      {Verb::Prepare, [](auto& robot) { return outcome(robot.prepare({"drive"}, soon())); }},
+      {Verb::Prepare, [](auto& robot) { return outcome(robot.prepare({"drive"}, 0, soon())); }},
       {Verb::Cancel, [](auto& robot) { return outcome(robot.cancel(1, "a test", soon())); }},
       {Verb::ApplyTransition,
        [](auto& robot) { return outcome(robot.apply_transition("transition: {}", "a.yaml", soon())); }},

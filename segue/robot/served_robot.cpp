@@ -299,10 +299,8 @@ Result<std::vector<mission::PoolView>> ServedRobot::pools() {
 }
 
 Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, const Wait& wait) {
-  const auto taken = taken_over();
-  if (!taken) return taken.error();
-  if (*taken) return fail(ErrorCode::InvalidState, **taken);
-  const auto prepared = command(wait, [&](const Wait& both) { return service_.prepare(controllers, both); });
+  const auto prepared =
+      command(wait, [&](const Wait& both) { return service_.prepare(controllers, sender().lease, both); });
   return prepared ? Result<void>() : prepared.error();
 }
 

@@ -91,8 +91,10 @@ class FakeService final : public control::RobotService {
   Result<Value> apply(const control::SwitchOptions& /*options*/, TimePoint /*deadline*/) override {
     return no();
   }
-  Result<Value> prepare(const std::vector<std::string>& controllers, const Wait& /*wait*/) override {
+  Result<Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
+                        const Wait& /*wait*/) override {
     prepared = controllers;
+    sent_with = lease;
     return Value();
   }
   Result<Value> conflicts(const std::vector<std::string>& /*controllers*/) override {
@@ -332,13 +334,13 @@ TEST_F(ServedRobotTest, ThatIsSilentIsWaitedForOnce) {
   EXPECT_EQ(service_.lease_answer.looks, 0);
 }
 
-TEST_F(ServedRobotTest, HasNothingPreparedOnceItWasLost) {
+TEST_F(ServedRobotTest, HasControllersPreparedUnderItsLease) {
   ASSERT_TRUE(robot_.take());
   EXPECT_TRUE(robot_.prepare({"explore"}, {}));
-  service_.lost_to = "segue switch";
-  EXPECT_FALSE(robot_.prepare({}, {})) << "it is another one's to say what is prepared";
+  EXPECT_EQ(service_.prepared, std::vector<std::string>{"explore"});
+  EXPECT_EQ(service_.sent_with, 7U);
   EXPECT_TRUE(robot_.give_back(false, {}));
-  EXPECT_FALSE(robot_.prepare({"arm"}, {}));
+  EXPECT_FALSE(robot_.prepare({"arm"}, {})) << "nor as somebody without a lease";
   EXPECT_EQ(service_.prepared, std::vector<std::string>{"explore"});
 }
 

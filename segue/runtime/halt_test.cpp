@@ -272,13 +272,14 @@ TEST(Lease, that_ends_takes_with_it_what_was_prepared_meanwhile) {
     Robot robot{RuntimeOptions{}};
     const auto plain = robot.host.observe();
     const auto lease = robot.runtime.take_lease("ann").value();
-    robot.runtime.prepare({NetworkName("work")}).get();
+    robot.runtime.prepare({NetworkName("work")}, lease).get();
     EXPECT_FALSE(equivalent(robot.host.observe(), plain));
     if (is_taken_over) {
       EXPECT_EQ(robot.switch_to("drive", {.who = "eve", .take_over = true}).outcome, Outcome::Done);
     } else {
       robot.runtime.end_lease(lease);
     }
+    EXPECT_TRUE(robot.runtime.prepare({NetworkName("work")}, lease).get().empty()) << "too late";
     EXPECT_TRUE(segue::testing::eventually([&] { return equivalent(robot.host.observe(), plain); }));
   }
 }

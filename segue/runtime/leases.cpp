@@ -25,11 +25,6 @@ std::optional<Leases::Holder> Leases::holder_of(std::uint64_t number) const {
   return Holder{held_->holder, at_end != nullptr && *at_end == type::Value("keep")};
 }
 
-std::uint64_t Leases::held() const {
-  const std::lock_guard lock(mutex_);
-  return held_ ? held_->number : 0;
-}
-
 void Leases::end(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   if (is_holder(number)) {

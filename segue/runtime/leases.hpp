@@ -29,7 +29,6 @@ class Leases {
   };
   /// Nothing where nobody holds it with that number.
   [[nodiscard]] std::optional<Holder> holder_of(std::uint64_t number) const;
-  [[nodiscard]] std::uint64_t held() const;  ///< its number; 0: nobody holds one
   void end(std::uint64_t number);
   /// From whoever holds it; `by` says who does.
   void take_away(const std::string& by);

@@ -279,11 +279,15 @@ Result<type::Value> RuntimeService::apply(const control::SwitchOptions& asked, T
   return to_value(result);
 }
 
-Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& controllers, const Wait& wait) {
+Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
+                                            const Wait& wait) {
   if (wait.is_stopped()) {
     return no_longer_wanted();
   }
-  auto future = runtime_.prepare({controllers.begin(), controllers.end()});
+  if (lease != 0 && runtime_.lease_lost_to(lease)) {
+    return fail(ErrorCode::InvalidState, "the robot is not commanded with that lease any more");
+  }
+  auto future = runtime_.prepare({controllers.begin(), controllers.end()}, lease);
   if (!has_answered(future, wait)) {
     return fail(ErrorCode::DeadlineExceeded,
                 "the controllers are not all prepared yet; watch it with 'segue events'");

@@ -26,7 +26,8 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> plan(std::string_view controller, const control::SwitchOptions& options,
                            TimePoint deadline) override;
   Result<type::Value> apply(const control::SwitchOptions& options, TimePoint deadline) override;
-  Result<type::Value> prepare(const std::vector<std::string>& controllers, const Wait& wait) override;
+  Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
+                              const Wait& wait) override;
   Result<type::Value> conflicts(const std::vector<std::string>& controllers) override;
   Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override;
   Result<void> report(std::uint64_t lease, const type::Value& doing) override;

@@ -190,8 +190,9 @@ std::vector<std::string> Runtime::observed_differences() const {
   return implementation_->differences_from(implementation_->host.observe());
 }
 
-std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers) {
-  return implementation_->prepare(std::move(controllers));
+std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers,
+                                                     std::uint64_t lease) {
+  return implementation_->prepare(std::move(controllers), lease);
 }
 
 std::vector<Readiness> Runtime::readiness() const {

@@ -139,7 +139,6 @@ class Runtime {
 
   /// Requests a network; the future gets the result. Validation and solving precede any action.
   std::future<SwitchResult> request(Request request, RequestOptions options = {});
-  /// The same with its number.
   AcceptedRequest accept(Request request, RequestOptions options = {});
   /// Calls request() and waits for the result. Blocks.
   SwitchResult switch_to(Request request, RequestOptions options = {});
@@ -164,8 +163,9 @@ class Runtime {
   /// Prepares these controllers and keeps them on standby, the likeliest first, as far as the running
   /// controller and the budget permit. Replaces the list of an earlier call. A request for a ready controller
   /// begins with its commit phase. The future gets one entry for each controller once done; requests take
-  /// precedence.
-  std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> controllers);
+  /// precedence. With a lease they are kept until that ends.
+  std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> controllers,
+                                              std::uint64_t lease = 0);
   /// The readiness of the standby controllers after the last preparation.
   [[nodiscard]] std::vector<Readiness> readiness() const;
 

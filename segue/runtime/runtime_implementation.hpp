@@ -168,7 +168,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
       const model::Network& controller) const;
   [[nodiscard]] detail::LookAheadPlan plan_ahead(const model::Network& controller) const;
   [[nodiscard]] TimePoint next_supervision() const;
-  std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> wanted);
+  std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> wanted, std::uint64_t lease);
   void answer_prepare(std::vector<Readiness> answer);
 
   const std::string name;

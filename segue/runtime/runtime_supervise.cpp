@@ -416,15 +416,21 @@ void Runtime::Implementation::look_ahead() {
   answer_prepare(std::move(ahead.readiness));
 }
 
-std::future<std::vector<Readiness>> Runtime::Implementation::prepare(std::vector<model::NetworkName> wanted) {
+std::future<std::vector<Readiness>> Runtime::Implementation::prepare(std::vector<model::NetworkName> wanted,
+                                                                     std::uint64_t lease) {
   std::optional<std::promise<std::vector<Readiness>>> older;
   std::future<std::vector<Readiness>> future;
   std::vector<Readiness> last;
   {
     const std::lock_guard lock(mutex);
+    if (lease != 0 && leases.lost_to(lease)) {
+      std::promise<std::vector<Readiness>> nothing;
+      nothing.set_value({});
+      return nothing.get_future();
+    }
     older.swap(prepare_waiting);
     requests_to_prepare = std::move(wanted);
-    prepare_lease = leases.held();
+    prepare_lease = lease;
     prepare_waiting.emplace();
     future = prepare_waiting->get_future();
     look_ahead_due = true;

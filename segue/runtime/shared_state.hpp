@@ -43,7 +43,7 @@ struct SharedState {
   bool transaction_yields = false;  ///< it only prepares or collects, so files that are applied supersede it
   bool wake_requested = false;      ///< the worker has to supervise now (an event, or the end of a request)
   std::vector<model::NetworkName> requests_to_prepare;
-  std::uint64_t prepare_lease = 0;  ///< that was held when these were requested, with which they end; 0: none
+  std::uint64_t prepare_lease = 0;  ///< with which these were requested and end; 0: none
   std::optional<std::promise<std::vector<Readiness>>> prepare_waiting;
   std::vector<Readiness> readiness;
   bool look_ahead_due = false;

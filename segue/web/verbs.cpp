@@ -104,7 +104,7 @@ Result<Value> do_prepare(const Request& request) {
   if (!controllers) return controllers.error();
   const auto deadline = request.command.deadline(kSwitchTime);
   if (!deadline) return deadline.error();
-  return request.robot.prepare(*controllers, *deadline);
+  return request.robot.prepare(*controllers, 0, *deadline);
 }
 
 /// The two names and the value that set, call and write have in common.

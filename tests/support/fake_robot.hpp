@@ -95,14 +95,15 @@ class FakeRobot : public RobotService {
                              {"lease", options.lease},
                              {"take_over", options.take_over}});
   }
-  Result<type::Value> prepare(const std::vector<std::string>& controllers, const Wait& /*wait*/) override {
+  Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t /*lease*/,
+                              const Wait& /*wait*/) override {
     type::Value::List list;
     for (const auto& name : controllers)
       list.emplace_back(name);
     return type::Value(std::move(list));
   }
   Result<type::Value> conflicts(const std::vector<std::string>& controllers) override {
-    return prepare(controllers, {});
+    return prepare(controllers, 0, {});
   }
   Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) override {
     if (leases > 0) return fail(ErrorCode::InvalidState, std::string(holder) + " is late");

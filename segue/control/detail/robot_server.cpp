@@ -183,9 +183,9 @@ class RobotServer final : public wire::Robot::Server {
     const auto params = context.getParams();
     return caller_.answer_value(
         role_for(Verb::Prepare), context,
-        [&service = service(), controllers = names_in(params.getControllers()),
+        [&service = service(), controllers = names_in(params.getControllers()), lease = params.getLease(),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) {
-          return service.prepare(controllers, {deadline, dropped});
+          return service.prepare(controllers, lease, {deadline, dropped});
         });
   }
 
