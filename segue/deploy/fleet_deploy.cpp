@@ -203,7 +203,7 @@ Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline
     return empty;
   }
   const bool orderly =
-      view.answers && view.fault.empty() && view.snapshot != nullptr && view.snapshot->hanging.empty();
+      !view.is_to_be_replaced() && view.snapshot != nullptr && view.snapshot->hanging.empty();
   return end_by(*record, [&] {
     auto reason = processes_.stop(launch_.robot, key, part_until(deadline, orderly ? kOrderly : kDisorderly));
     if (reason) {
@@ -250,7 +250,7 @@ void Fleet::end_all(TimePoint deadline) {
 }
 
 Result<void> Fleet::check_empty(const ProcessView& view) {
-  if (!view.answers || !view.fault.empty() || view.snapshot == nullptr) {
+  if (view.is_to_be_replaced() || view.snapshot == nullptr) {
     return {};
   }
   const auto& hanging = view.snapshot->hanging;

@@ -51,7 +51,7 @@ class Merger {
     const bool own = process.deployment.key().is_runtime();
     model::Deployment deployment = process.deployment;
     deployment.tasks.clear();
-    if (!process.answers || !process.fault.empty()) {
+    if (process.is_to_be_replaced()) {
       deployment.deployer = "unknown";
     }
     if (process.snapshot != nullptr) {
@@ -71,7 +71,7 @@ class Merger {
       deployment.tasks.push_back({id, name == names.end() ? task.id.str() : name->second});
       merged_.network.tasks.push_back(task);
       merged_.network.tasks.back().id = id;
-      if (!process.answers || !process.fault.empty()) {
+      if (process.is_to_be_replaced()) {
         merged_.network.tasks.back().state = TaskState::Fatal;
       }
     }

@@ -21,6 +21,7 @@ struct ProcessView {
       snapshot;  ///< the latest one; may be null where the process does not answer
   bool answers = true;
   std::string fault{};  ///< why a transition replaces it although it answers; "" where none does
+  [[nodiscard]] bool is_to_be_replaced() const { return !answers || !fault.empty(); }
 };
 
 /// An endpoint whose counterpart in the other process is missing, or that carries nothing: before the

@@ -13,9 +13,8 @@ ControllerUnion::ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options 
 
 ControllerUnion::~ControllerUnion() {
   const std::lock_guard lock(mutex_);
-  ends_ = true;
-  unwanted_.request_stop();
   thread_.request_stop();
+  unwanted_.request_stop();
 }
 
 Result<void> ControllerUnion::begin(const std::string& controller, std::vector<MemberValue> properties,
@@ -162,7 +161,7 @@ Result<void> ControllerUnion::request(const Members& members, const Changes& cha
   }
   served_ = changes;
   unwanted_ = {};
-  if (ends_) unwanted_.request_stop();
+  if (thread_.get_stop_token().stop_requested()) unwanted_.request_stop();
   const Wait wait(RealClock::instance().now() + options_.deadline, unwanted_.get_token());
   lock.unlock();
   auto outcome = robot_->request(what, wait);

@@ -101,8 +101,7 @@ class ControllerUnion {
   Changes waiting_;
   Changes served_;             ///< that the robot is asked for now
   std::stop_source unwanted_;  ///< stops that request
-  bool ends_ = false;
-  std::jthread thread_;  ///< asks the robot
+  std::jthread thread_;        ///< asks the robot
 };
 
 }  // namespace segue::mission

@@ -73,6 +73,10 @@ class StreamSamples final : public mission::PortSamples {
   const std::unique_ptr<control::SampleStream> stream_;
 };
 
+Error given_back() {
+  return fail(ErrorCode::InvalidState, "the robot was given back");
+}
+
 /// Is stopped when any of two is.
 class EitherStop {
  public:
@@ -99,7 +103,7 @@ std::optional<Error> ServedRobot::loss() const {
 
 std::optional<Error> ServedRobot::refusal() const {
   const std::lock_guard lock(mutex_);
-  if (given_back_) return fail(ErrorCode::InvalidState, "the robot was given back");
+  if (given_back_) return given_back();
   return why_lost_;
 }
 
@@ -127,7 +131,7 @@ auto ServedRobot::command(const Wait& wait, Ask ask) -> decltype(ask(wait)) {
 Result<std::uint64_t> ServedRobot::lease() {
   const std::lock_guard lock(mutex_);
   if (why_lost_) return *why_lost_;
-  if (given_back_) return fail(ErrorCode::InvalidState, "the robot was given back");
+  if (given_back_) return given_back();
   if (!lease_) {
     auto lease = service_.lease(who_);
     if (!lease) return lease.error();
@@ -136,16 +140,18 @@ Result<std::uint64_t> ServedRobot::lease() {
   return lease_->number();
 }
 
+Result<std::shared_ptr<control::RobotLease>> ServedRobot::present_lease() const {
+  const std::lock_guard lock(mutex_);
+  if (why_lost_) return *why_lost_;
+  return lease_;
+}
+
 Result<std::optional<std::string>> ServedRobot::taken_over() {
   const std::lock_guard looking(looking_);
-  std::shared_ptr<control::RobotLease> lease;
-  {
-    const std::lock_guard lock(mutex_);
-    if (why_lost_) return *why_lost_;
-    lease = lease_;
-  }
-  if (!lease) return std::optional<std::string>();
-  const auto lost_to = heard(lease->lost_to());
+  const auto lease = present_lease();
+  if (!lease) return lease.error();
+  if (!*lease) return std::optional<std::string>();
+  const auto lost_to = heard((*lease)->lost_to());
   if (!lost_to) return lost_to.error();
   if (!*lost_to) return std::optional<std::string>();
   return std::optional("the robot was taken over by " + ((*lost_to)->empty() ? "somebody" : **lost_to));
@@ -159,14 +165,10 @@ Result<void> ServedRobot::take() {
 Result<std::vector<control::HolderRequest>> ServedRobot::asked() {
   if (auto taken = take(); !taken) return taken.error();
   const std::lock_guard looking(looking_);
-  std::shared_ptr<control::RobotLease> lease;
-  {
-    const std::lock_guard lock(mutex_);
-    if (why_lost_) return *why_lost_;
-    lease = lease_;
-  }
-  if (!lease) return fail(ErrorCode::InvalidState, "the robot was given back");
-  return heard(lease->asked());
+  const auto lease = present_lease();
+  if (!lease) return lease.error();
+  if (!*lease) return given_back();
+  return heard((*lease)->asked());
 }
 
 Result<void> ServedRobot::report(Value doing) {

@@ -61,6 +61,8 @@ class ServedRobot final : public mission::CommandedRobot {
 
  private:
   Result<std::uint64_t> lease();
+  /// To be looked at; null: it was not taken, or was given back.
+  Result<std::shared_ptr<control::RobotLease>> present_lease() const;
   /// What the robot says of its lease, which it does at once. DeadlineExceeded: it is lost.
   template <class T>
   Result<T> heard(Result<T> answer);

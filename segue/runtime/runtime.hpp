@@ -137,7 +137,7 @@ class Runtime {
   /// The last halt, until something has been requested; nothing: there was none.
   [[nodiscard]] std::optional<Halted> halted() const;
 
-  /// Requests a network; the future gets the result. Validation and solving precede any action.
+  /// Requests a network; the future gets the result, accept() its number, too. Solving precedes any action.
   std::future<SwitchResult> request(Request request, RequestOptions options = {});
   AcceptedRequest accept(Request request, RequestOptions options = {});
   /// Calls request() and waits for the result. Blocks.

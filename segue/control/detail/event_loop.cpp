@@ -6,6 +6,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <memory>
@@ -14,6 +15,11 @@
 #include <utility>
 
 namespace segue::control::detail {
+
+kj::Duration to_kj(Duration duration) {
+  constexpr Duration kLongest = std::chrono::hours(24 * 30);
+  return std::clamp(duration, Duration(0), kLongest).count() * kj::NANOSECONDS;
+}
 
 namespace {
 

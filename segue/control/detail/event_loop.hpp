@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
+
 #include <kj/async-io.h>
 
 #include <functional>
@@ -10,6 +12,9 @@
 #include <vector>
 
 namespace segue::control::detail {
+
+/// For KJ's timers: no less than 0, and 30 days at most.
+kj::Duration to_kj(Duration duration);
 
 /// A thread with a KJ event loop. All objects of KJ and Cap'n Proto are created, used and destroyed in it;
 /// other threads only post() work. (A queue of our own instead of KJ's cross-thread promises, so that every

@@ -7,7 +7,6 @@
 #include <kj/debug.h>
 #include <kj/io.h>
 
-#include <algorithm>
 #include <exception>
 #include <string>
 #include <utility>
@@ -17,12 +16,6 @@ namespace segue::control::detail {
 namespace {
 
 using type::Value;
-
-constexpr Duration kMaxTimeout = std::chrono::hours(24 * 30);
-
-kj::Duration to_kj(Duration duration) {
-  return std::clamp(duration, Duration(0), kMaxTimeout).count() * kj::NANOSECONDS;
-}
 
 /// An offer of memory has two descriptors; no other message has any.
 constexpr unsigned kMaxDescriptors = 2;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/control/connection_table.hpp>
+#include <segue/control/detail/event_loop.hpp>
 #include <segue/control/detail/rpc_connection.hpp>
 
 #include <kj/debug.h>
@@ -76,7 +77,7 @@ void RpcConnection::watch(std::function<void()> gone) {
 }
 
 kj::Promise<void> RpcConnection::guard(kj::Timer& timer, Credentials credentials, Identity other) {
-  auto period = timer.afterDelay(Duration(ConnectionTable::kWatchPeriod).count() * kj::NANOSECONDS);
+  auto period = timer.afterDelay(to_kj(ConnectionTable::kWatchPeriod));
   return period.then([this, &timer, credentials = std::move(credentials),
                       other = std::move(other)]() mutable -> kj::Promise<void> {
     credentials.encryption().refresh();

@@ -22,10 +22,6 @@ namespace {
 
 constexpr auto kAcceptPause = 100 * kj::MILLISECONDS;
 
-kj::Duration in_kj(Duration duration) {
-  return duration.count() * kj::NANOSECONDS;
-}
-
 capnp::ReaderOptions reader_options() {
   capnp::ReaderOptions options;
   options.traversalLimitInWords = kServerMessageWords;
@@ -76,7 +72,7 @@ class Session {
   /// Resolves when the client is gone or cut off, or has not said hello in time.
   kj::Promise<void> end() {
     auto late =
-        owner_.timer_.afterDelay(in_kj(ConnectionTable::kTimeToEnter)).then([this]() -> kj::Promise<void> {
+        owner_.timer_.afterDelay(to_kj(ConnectionTable::kTimeToEnter)).then([this]() -> kj::Promise<void> {
           if (place_.has_entered()) return kj::NEVER_DONE;
           refuse(rpc_.get() == nullptr ? "the TLS handshake was not done in time"
                                        : "it has not said hello in time");
@@ -200,7 +196,7 @@ void Sessions::taskFailed(kj::Exception&& exception) {
 }
 
 kj::Promise<void> Sessions::watch() {
-  return timer_.afterDelay(in_kj(ConnectionTable::kWatchPeriod)).then([this] {
+  return timer_.afterDelay(to_kj(ConnectionTable::kWatchPeriod)).then([this] {
     table_.check(*credentials_);
     core_.refusals.settle();
     return watch();
