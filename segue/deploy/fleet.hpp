@@ -20,8 +20,6 @@
 
 namespace segue::deploy::detail {
 
-using RecordPtr = std::shared_ptr<ProcessRecord>;
-
 /// The processes of a robot, the runtime's own among them: starts, adopts, watches and polls them, and keeps
 /// track of which task lives where. Thread safe; no lock is held while a process is called. Where two locks
 /// are needed, the fleet's is taken before that of a record or of the placement table, neither of which calls

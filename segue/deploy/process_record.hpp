@@ -159,4 +159,6 @@ class ProcessRecord {
   std::set<link::Incarnation> peers_;
 };
 
+using RecordPtr = std::shared_ptr<ProcessRecord>;
+
 }  // namespace segue::deploy::detail
