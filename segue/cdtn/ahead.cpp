@@ -2,8 +2,9 @@
 #include "ahead.hpp"
 
 #include <algorithm>
-#include <map>
 #include <set>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 namespace segue::cdtn {
@@ -30,15 +31,14 @@ class AheadFinder {
         passed_(network.size(), kNone),
         followed_(network.size(), kNone) {}
 
-  std::vector<ActsAhead> find() {
+  std::vector<ActsAhead> find(std::span<const NodeId> nodes) {
     std::vector<ActsAhead> pairs;
-    for (std::uint32_t i = 0; i < order_.size(); ++i) {
-      const NodeId node{i};
+    for (const NodeId node : nodes) {
       if (network_[node].strict || !acts(network_, node)) continue;
       follow(node);
-      for (std::uint32_t j = first_; j < i; ++j) {
+      for (std::uint32_t j = first_; j < index(node); ++j) {
         const NodeId earlier{j};
-        const bool waited = passed_[j] == i || !may_end_the_run(network_[earlier]);
+        const bool waited = passed_[j] == index(node) || !may_end_the_run(network_[earlier]);
         if (!waited && !paths_.exclude(earlier, node)) pairs.push_back({node, earlier});
       }
     }
@@ -128,17 +128,25 @@ bool WholeNetwork::exclude(NodeId a, NodeId b) const {
 }
 
 std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order, const Paths& paths) {
-  return AheadFinder(network, order, paths).find();
+  std::vector<NodeId> all;
+  for (std::uint32_t i = 0; i < order.size(); ++i)
+    all.push_back(NodeId{i});
+  return acts_ahead(network, order, paths, all);
+}
+
+std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order, const Paths& paths,
+                                  std::span<const NodeId> nodes) {
+  return AheadFinder(network, order, paths).find(nodes);
 }
 
 std::vector<NamedActsAhead> by_name(const TaskNetwork& network, const std::vector<ActsAhead>& pairs) {
   std::vector<NamedActsAhead> named;
-  std::map<std::uint32_t, std::size_t> places;  // by name of who acts
-  std::set<std::pair<std::uint32_t, std::uint32_t>> known;
+  std::unordered_map<std::uint32_t, std::size_t> places;  // by name of who acts
+  std::unordered_set<std::uint64_t> known;                // pairs of names
   for (const ActsAhead& pair : pairs) {
-    const std::uint32_t acts = network[pair.acts].name;
-    if (!known.emplace(acts, network[pair.fails].name).second) continue;
-    const auto [place, first] = places.try_emplace(acts, named.size());
+    const std::uint64_t acts = network[pair.acts].name;
+    if (!known.insert(acts << 32U | network[pair.fails].name).second) continue;
+    const auto [place, first] = places.try_emplace(network[pair.acts].name, named.size());
     if (first) named.push_back({network.name_of(pair.acts), {}});
     named[place->second].fails.push_back(network.name_of(pair.fails));
   }

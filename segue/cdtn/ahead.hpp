@@ -4,6 +4,7 @@
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/task_network.hpp>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,9 @@ inline constexpr std::uint32_t kAheadWithin = 1024;
 /// nodes times the dependencies of kAheadWithin nodes.
 [[nodiscard]] std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order,
                                                 const Paths& paths);
+/// Only those in which one of these nodes acts, which are in program order.
+[[nodiscard]] std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order,
+                                                const Paths& paths, std::span<const NodeId> nodes);
 
 /// Each pair of names once, in the order of the first nodes that act.
 [[nodiscard]] std::vector<NamedActsAhead> by_name(const TaskNetwork& network,

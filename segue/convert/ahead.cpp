@@ -52,20 +52,21 @@ bool is_certain(const PlannedNode& to, const cdtn::Dependency& dependency, Count
 /// as well is certain to let others wait for what it waits for.
 class OutlinePaths final : public cdtn::Paths {
  public:
-  explicit OutlinePaths(const MissionPlan& plan) : plan_(plan) {}
-  [[nodiscard]] bool implies(NodeId node, NodeId other) const override { return plan_.implies(node, other); }
-  [[nodiscard]] bool comes_with(NodeId node, NodeId other) const override {
-    return plan_.implies(node, other);
+  OutlinePaths(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}
+  [[nodiscard]] bool implies(NodeId node, NodeId other) const override {
+    return paths_.implies(plan_[node].when, plan_[other].when);
   }
+  [[nodiscard]] bool comes_with(NodeId node, NodeId other) const override { return implies(node, other); }
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
     return convert::is_certain(plan_[dependency.to], dependency, [](std::uint32_t) { return false; });
   }
   [[nodiscard]] bool exclude(NodeId a, NodeId b) const override {
-    return plan_.exclude(a, b) || beside_or_after_race(plan_, b, a);
+    return paths_.never_meet(plan_[a].when, plan_[b].when) || beside_or_after_race(plan_, b, a);
   }
 
  private:
   const MissionPlan& plan_;
+  const PathIndex& paths_;
 };
 
 /// The paths of a part all of whose nodes are on them.
@@ -100,8 +101,9 @@ bool executes(const PlannedNode& node) {
 /// the path under both.
 class CloserLook {
  public:
-  explicit CloserLook(const MissionPlan& plan) : plan_(plan) {}
+  CloserLook(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}
 
+  /// `pairs`: by `acts`, then `fails`.
   void keep_true(std::vector<ActsAhead>& pairs) {
     std::map<Key, std::vector<ActsAhead>> groups;
     for (const ActsAhead& pair : pairs)
@@ -115,33 +117,56 @@ class CloserLook {
 
  private:
   using Key = std::array<std::uint32_t, 4>;
+  /// Both conditions; where one implies the other, only that.
   [[nodiscard]] Key key(const ActsAhead& pair) const {
-    const BranchEdge acts = plan_[pair.acts].when;
-    const BranchEdge fails = plan_[pair.fails].when;
+    BranchEdge acts = plan_[pair.acts].when;
+    BranchEdge fails = plan_[pair.fails].when;
+    if (paths_.implies(acts, fails)) {
+      fails = {};
+    } else if (paths_.implies(fails, acts)) {
+      acts = {};
+    }
     return {acts.branch, static_cast<std::uint32_t>(acts.outcome), fails.branch,
             static_cast<std::uint32_t>(fails.outcome)};
   }
 
   void examine(const std::vector<ActsAhead>& group, std::vector<ActsAhead>& kept) {
-    const ActsAhead& first = group.front();
-    const std::uint32_t size = plan_.network().size();
+    const std::uint32_t size = index(group.back().acts) + 1;  // what comes later changes nothing
     compared_ += size;
     if (compared_ > kMostCompared) {
       kept.insert(kept.end(), group.begin(), group.end());
       return;
     }
-    std::vector<bool> keep(size);
-    for (std::uint32_t i = 0; i < size; ++i)
-      keep[i] = plan_.implies(first.acts, NodeId{i}) || plan_.implies(first.fails, NodeId{i});
-    const cdtn::NetworkPart part = cdtn::part_of(plan_.network(), keep);
+    const cdtn::NetworkPart part = part_on_path(group.front(), size);
+    std::vector<NodeId> acting;  // in the part
+    for (const ActsAhead& pair : group) {
+      const NodeId place{
+          static_cast<std::uint32_t>(std::ranges::lower_bound(part.nodes, pair.acts) - part.nodes.begin())};
+      if (acting.empty() || acting.back() != place) acting.push_back(place);
+    }
     for (const ActsAhead& pair :
-         cdtn::acts_ahead(part.network, cdtn::derive_order(part.network), OnePath(plan_, part))) {
+         cdtn::acts_ahead(part.network, cdtn::derive_order(part.network), OnePath(plan_, part), acting)) {
       const ActsAhead whole{part.nodes[index(pair.acts)], part.nodes[index(pair.fails)]};
-      if (std::ranges::find(group, whole) != group.end()) kept.push_back(whole);
+      const auto in_program_order = [](const ActsAhead& one) { return std::pair(one.acts, one.fails); };
+      if (std::ranges::binary_search(group, in_program_order(whole), {}, in_program_order))
+        kept.push_back(whole);
     }
   }
 
+  /// Of the first `size` nodes those that are on the path under both conditions of the pair.
+  [[nodiscard]] cdtn::NetworkPart part_on_path(const ActsAhead& pair, std::uint32_t size) const {
+    const BranchEdge acts = plan_[pair.acts].when;
+    const BranchEdge fails = plan_[pair.fails].when;
+    std::vector<bool> keep(plan_.network().size());
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const BranchEdge when = plan_[NodeId{i}].when;
+      keep[i] = paths_.implies(acts, when) || paths_.implies(fails, when);
+    }
+    return cdtn::part_of(plan_.network(), keep);
+  }
+
   const MissionPlan& plan_;
+  const PathIndex& paths_;
   std::size_t compared_ = 0;
 };
 
@@ -167,9 +192,10 @@ Result<AheadOfFailures> ahead_of_failures(std::shared_ptr<const mission::Program
   if (!plan) return plan.error();
   (*plan)->expand((*plan)->network(), most);
   const cdtn::TaskNetwork& network = (*plan)->network();
-  auto pairs = cdtn::acts_ahead(network, cdtn::derive_order(network), OutlinePaths(**plan));
+  const PathIndex paths = (*plan)->path_index();
+  auto pairs = cdtn::acts_ahead(network, cdtn::derive_order(network), OutlinePaths(**plan, paths));
   std::erase_if(pairs, [&](const ActsAhead& pair) { return !executes((**plan)[pair.acts]); });
-  CloserLook(**plan).keep_true(pairs);
+  CloserLook(**plan, paths).keep_true(pairs);
   return AheadOfFailures{cdtn::by_name(network, pairs), (*plan)->finished()};
 }
 

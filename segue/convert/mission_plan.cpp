@@ -147,16 +147,12 @@ OpaqueSubtreeReason MissionPlan::subtree_reason(mission::StateIndex state) const
   return unroller_->subtree_reason(state);
 }
 
-bool MissionPlan::implies(NodeId node, NodeId other) const {
-  return unroller_->paths().implies((*this)[node].when, (*this)[other].when);
-}
-
 bool MissionPlan::off_path(NodeId node) const {
   return !unroller_->paths().live((*this)[node].when);
 }
 
-bool MissionPlan::exclude(NodeId a, NodeId b) const {
-  return unroller_->paths().never_meet((*this)[a].when, (*this)[b].when);
+PathIndex MissionPlan::path_index() const {
+  return PathIndex(unroller_->paths());
 }
 
 mission::Outcome MissionPlan::outcome(NodeId node, OutcomeId outcome) const {

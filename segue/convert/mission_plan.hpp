@@ -4,6 +4,7 @@
 #include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/run_result.hpp>
 #include <segue/convert/opaque_subtrees.hpp>
+#include <segue/convert/path_index.hpp>
 #include <segue/convert/symbol.hpp>
 #include <segue/mission/execution.hpp>
 #include <segue/mission/place.hpp>
@@ -145,12 +146,10 @@ class MissionPlan final : public cdtn::Expansion {
   /// What must be known before it can plan further; empty if it had planned as much as was wanted.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
-  /// Whether the tree of branches proves that `other` is on the path whenever `node` is.
-  [[nodiscard]] bool implies(cdtn::NodeId node, cdtn::NodeId other) const;
   /// Whether the ends that are known so far keep the node off the path.
   [[nodiscard]] bool off_path(cdtn::NodeId node) const;
-  /// Whether it proves that they are never both on the path.
-  [[nodiscard]] bool exclude(cdtn::NodeId a, cdtn::NodeId b) const;
+  /// The tree of branches as it is now.
+  [[nodiscard]] PathIndex path_index() const;
   /// The outcome of the state of that node.
   [[nodiscard]] mission::Outcome outcome(cdtn::NodeId node, cdtn::OutcomeId outcome) const;
 

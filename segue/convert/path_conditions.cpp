@@ -17,8 +17,6 @@ namespace {
 constexpr std::size_t kMostConditions = 8;
 /// Joins of more edges are not expanded.
 constexpr std::size_t kMostEdges = 64;
-/// Steps to find whether two edges exclude each other through joins.
-constexpr int kMostMeetings = 256;
 
 }  // namespace
 
@@ -101,26 +99,6 @@ bool PathConditions::exclude(BranchEdge a, BranchEdge b) {
     deeper = branches_[deeper.branch].around;
   }
   return !a.always() && !b.always() && a.outcome != b.outcome;
-}
-
-bool PathConditions::never_meet(BranchEdge a, BranchEdge b) {
-  int budget = kMostMeetings;
-  return never_meet(a, b, budget);
-}
-
-bool PathConditions::never_meet(BranchEdge a, BranchEdge b, int& budget) {
-  if (exclude(a, b)) return true;
-  for (auto [one, other] : {std::pair(a, b), std::pair(b, a)}) {
-    for (; !one.always(); one = branches_[one.branch].around) {
-      const Branch& join = branches_[one.branch];
-      if (join.meaning.empty() || one.outcome != join.outcomes.front()) continue;
-      const auto apart = [this, &budget, beside = other](BranchEdge edge) {
-        return --budget > 0 && never_meet(edge, beside, budget);
-      };
-      if (std::ranges::all_of(join.meaning, apart)) return true;
-    }
-  }
-  return false;
 }
 
 bool PathConditions::expected(BranchEdge edge, BranchEdge outer) {

@@ -32,6 +32,17 @@ class PathConditions {
                       cdtn::OutcomeId reached, cdtn::OutcomeId missed);
   void decide(cdtn::NodeId node, cdtn::OutcomeId outcome);
 
+  /// How many branches there are; they are numbered from 0, each after those around it.
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(branches_.size()); }
+  [[nodiscard]] BranchEdge around(std::uint32_t branch) const { return branches_[branch].around; }
+  /// The edges that a join stands for; empty for other branches.
+  [[nodiscard]] const std::vector<BranchEdge>& means(std::uint32_t branch) const {
+    return branches_[branch].meaning;
+  }
+  /// The outcome of a join where one of its edges is on the path.
+  [[nodiscard]] cdtn::OutcomeId reached(std::uint32_t branch) const {
+    return branches_[branch].outcomes.front();
+  }
   [[nodiscard]] cdtn::NodeId node(BranchEdge edge) const { return branches_[edge.branch].node; }
   /// The edge without decided branches; nothing if it is off the path.
   std::optional<BranchEdge> live(BranchEdge edge) { return edge.always() ? edge : live_within(edge); }
@@ -42,8 +53,6 @@ class PathConditions {
   bool implies(BranchEdge inner, BranchEdge outer);
   /// Whether the tree proves that they cannot both be on the path.
   bool exclude(BranchEdge a, BranchEdge b);
-  /// Likewise; of a join this takes into account which edges it stands for.
-  bool never_meet(BranchEdge a, BranchEdge b);
   /// The edge that is on the path exactly if one of these is; nothing where there is none or it takes a join.
   /// Requires that they are live.
   std::optional<BranchEdge> merged(std::vector<BranchEdge> edges);
@@ -71,7 +80,6 @@ class PathConditions {
   }
   std::optional<BranchEdge> live_within(BranchEdge edge);
   bool reduce(std::vector<BranchEdge>& edges);
-  bool never_meet(BranchEdge a, BranchEdge b, int& budget);
   bool expand(std::vector<BranchEdge>& edges);
 
   std::vector<Branch> branches_;

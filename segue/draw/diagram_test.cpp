@@ -50,6 +50,22 @@ const Diagram::Dependency& only(const Diagram& diagram, std::uint32_t to) {
   return diagram.nodes.at(to).before.at(0);
 }
 
+TEST(Diagram, OfManyThatMayHappenAheadAPersonReadsTheFirst) {
+  std::vector<NamedActsAhead> ahead;
+  NamedActsAhead next{"s0", {}};
+  for (int i = 1; i <= 1000; ++i) {
+    next.fails.push_back(next.acts);
+    next.acts = "s" + std::to_string(i);
+    ahead.push_back(next);
+  }
+  const std::string text = ahead_text(ahead, true);
+  EXPECT_THAT(text, HasSubstr("\n    s1, although s0 fails\n"));
+  EXPECT_THAT(text, HasSubstr("\n    s6, although one of s0, s1, s2, s3, s4, s5 fails\n"));
+  EXPECT_THAT(text, HasSubstr("\n    s12, although one of s0, s1, s2, s3, s4, s5 or 6 more fails\n"
+                              "    and 988 more (--json lists all)\n"));
+  EXPECT_THAT(text, Not(HasSubstr("s13,")));
+}
+
 TEST(Diagram, TellsWhichOutputBecomesWhichInput) {
   const auto flat = read(R"j({"name": "look", "pia": false},
     {"name": "grasp", "pia": true, "effects": ["+held()"], "data_flows": [["look", "pose", "grasp", "goal"]]})j");

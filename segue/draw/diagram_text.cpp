@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
+#include <ranges>
 
 namespace segue::draw {
 
@@ -15,6 +17,10 @@ using type::ValueMap;
 
 /// An opaque subtree in JSON, whatever people read.
 constexpr std::string_view kSubtreeKey = "routine";
+
+/// Lines of what may happen although something earlier fails, and names in a line.
+constexpr std::size_t kMostListed = 12;
+constexpr std::size_t kMostNamed = 6;
 
 constexpr std::string_view kStrict = "starts when nothing before it can fail any more";
 
@@ -74,11 +80,17 @@ Value to_value(const Diagram& diagram, const Diagram::Dependency& dependency) {
 
 std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool complete) {
   std::string text;
+  const auto out = std::back_inserter(text);
   if (!ahead.empty())
     text = "In a concurrent run that is not strict, these may happen although something earlier fails:\n";
-  for (const cdtn::NamedActsAhead& each : ahead)
-    fmt::format_to(std::back_inserter(text), "    {}, although {}{} fails\n", each.acts,
-                   each.fails.size() > 1 ? "one of " : "", fmt::join(each.fails, ", "));
+  for (const cdtn::NamedActsAhead& each : ahead | std::views::take(kMostListed)) {
+    const std::size_t left = each.fails.size() - std::min(each.fails.size(), kMostNamed);
+    fmt::format_to(out, "    {}, although {}{}{} fails\n", each.acts, each.fails.size() > 1 ? "one of " : "",
+                   fmt::join(each.fails | std::views::take(kMostNamed), ", "),
+                   left == 0 ? "" : fmt::format(" or {} more", left));
+  }
+  if (ahead.size() > kMostListed)
+    fmt::format_to(out, "    and {} more (--json lists all)\n", ahead.size() - kMostListed);
   if (!complete)
     text += "The mission is too long to find all that may happen although something earlier fails\n";
   return text;
