@@ -198,7 +198,7 @@ void ConcurrentEngine::Implementation::loop() {
   for (;;) {
     do {
       work_off();
-    } while (expand() || take_lost());
+    } while (!stop_asked_ && (expand() || take_lost()));
     if (complete()) return;
     if (!take_ends()) break;
   }

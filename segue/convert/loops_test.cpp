@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far concurrent runs plan ahead of loops in the states of a barrier.
+// How far concurrent runs plan loops ahead, and beyond loops in the states of a barrier.
 #include <segue/convert/test_support.hpp>
 
 #include <gmock/gmock.h>
@@ -7,6 +7,7 @@
 namespace segue::convert {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using testing::program;
 using testing::VirtualRun;
@@ -68,6 +69,75 @@ TEST(LoopsInABarrier, AreNamedWhereThePlanWaitsForThem) {
   const auto made = MissionPlan::create(program(searches("found", "found"))).value();
   ASSERT_TRUE(plan_ahead(*made, 100));
   EXPECT_EQ(made->waits_for(), "whether the loop at search/to_right/right goes on, which is not expected");
+}
+
+/// A loop whose rounds take no time behind an action that takes a second. In the run as written, `slow`
+/// aborts first, and nobody gets to the loop.
+std::string endless_loop(const std::string& round) {
+  return R"x(
+mission: m
+actions:
+  slow: {effects: ["+x"], run: {simulated: {duration: 1s, outcomes: [aborted]}}}
+  never: {preconditions: [g], effects: ["+y"], run: {simulated: {duration: 1s}}}
+  say: {effects: ["+z"], run: {simulated: {duration: 0s}}}
+start: slow
+states:
+  slow: {on: {success: again}}
+  again: {action: never, on: {success: return success, aborted: )x" +
+         round + "}}\n  say: {on: {success: again}}\n";
+}
+
+TEST(LoopsAhead, OfActionsThatDoNotBeginDoNotGoOnForEver) {
+  const VirtualRun run(endless_loop("again"));
+  EXPECT_EQ(run.result.outcome, mission::kAborted);
+  EXPECT_EQ(run.result.error, "simulated failure");
+  EXPECT_EQ(run.network_result().statistics.starts, 1U);
+}
+
+TEST(LoopsAhead, OfActionsThatTakeNoTimeDoNotGoOnForEver) {
+  const VirtualRun run(endless_loop("say"));
+  EXPECT_EQ(run.result.outcome, mission::kAborted);
+  EXPECT_EQ(run.result.error, "simulated failure");
+}
+
+/// Rounds of the loop `search` that find nothing, before one that does.
+std::string repeated_search(int rounds, const std::string& duration) {
+  std::string outcomes;
+  for (int i = 0; i < rounds; ++i)
+    outcomes += "nothing, ";
+  return "  search: {sensing: true, effects: [\"+seen()\"], outcomes: [found, nothing], run: {simulated: "
+         "{duration: " +
+         duration + ", outcomes: [" + outcomes + "found]}}}\n";
+}
+
+TEST(LoopsAhead, GoOnOnceWhatIsBeforeThemHasEnded) {
+  const VirtualRun run("mission: m\nactions:\n" + repeated_search(2999, "0s") +
+                       R"x(  slow: {effects: ["+x"], run: {simulated: {duration: 2s}}}
+start: slow
+states:
+  slow: {on: {success: search}}
+  search: {on: {found: return success, nothing: search}}
+)x");
+  EXPECT_EQ(run.result.outcome, 0) << run.result.error;
+  EXPECT_EQ(run.executions().size(), 3001U);
+  EXPECT_EQ(run.executions().back(), "search: found, 2 to 2");
+}
+
+TEST(LoopsAhead, WaitForNothingThatIsBesideThem) {
+  const VirtualRun run("mission: m\nactions:\n" + repeated_search(2999, "1ms") +
+                       R"x(  slow: {effects: ["+x"], run: {simulated: {duration: 10s}}}
+  both: {run: {decide: [{outcome: success}]}}
+kind: barrier
+states:
+  slow: {action: slow}
+  searches:
+    start: search
+    states:
+      search: {on: {found: return success, nothing: search}}
+  both: {kind: decider, on: {success: return success}}
+)x");
+  EXPECT_EQ(run.result.outcome, 0) << run.result.error;
+  EXPECT_THAT(run.executions(), Contains("searches/search: found, 2 to 3"));
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ void PathConditions::decide(NodeId node, OutcomeId outcome) {
   if (index(node) >= by_node_.size() || by_node_[index(node)] == kNone) return;
   Branch& branch = branches_[by_node_[index(node)]];
   branch.decided = planted(ConversionFault::DecidesAsExpected) ? branch.expected.value_or(outcome) : outcome;
+  ++changes_;
 }
 
 std::optional<BranchEdge> PathConditions::live_within(BranchEdge edge) {
@@ -63,6 +64,7 @@ std::optional<BranchEdge> PathConditions::live_within(BranchEdge edge) {
         branches_[within].dead = true;
       return std::nullopt;
     }
+    if (branch.live_at == changes_) break;
     way.push_back(at.branch);
   }
   for (auto number = way.rbegin(); number != way.rend(); ++number) {
@@ -70,6 +72,7 @@ std::optional<BranchEdge> PathConditions::live_within(BranchEdge edge) {
     while (!branch.around.always() && branches_[branch.around.branch].decided)
       branch.around = branches_[branch.around.branch].around;
     branch.depth = depth(branch.around) + 1;
+    branch.live_at = changes_;
   }
   while (!edge.always() && branches_[edge.branch].decided)
     edge = branches_[edge.branch].around;
@@ -80,8 +83,9 @@ bool PathConditions::off_path(BranchEdge edge) {
   for (BranchEdge at = edge; !at.always(); at = branches_[at.branch].around) {
     Branch& join = branches_[at.branch];
     if (!join.narrows || join.decided || at.outcome != join.outcomes.front()) continue;
-    join.dead = join.dead ||
-                std::ranges::none_of(join.meaning, [this](BranchEdge way) { return live(way).has_value(); });
+    if (join.dead) break;
+    join.dead = std::ranges::none_of(join.meaning, [this](BranchEdge way) { return live(way).has_value(); });
+    if (join.dead) ++changes_;
   }
   return !live(edge);
 }

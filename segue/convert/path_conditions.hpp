@@ -74,6 +74,7 @@ class PathConditions {
     std::optional<cdtn::OutcomeId> decided;
     std::optional<cdtn::OutcomeId> expected;
     bool dead = false;
+    std::uint64_t live_at = 0;  ///< changes_ when the edge that it lies on was live, and undecided, last
   };
   [[nodiscard]] std::uint32_t depth(BranchEdge edge) const {
     return edge.always() ? 0 : branches_[edge.branch].depth;
@@ -83,6 +84,7 @@ class PathConditions {
   bool expand(std::vector<BranchEdge>& edges);
 
   std::vector<Branch> branches_;
+  std::uint64_t changes_ = 1;  ///< how often branches were decided or turned out to be off the path
   std::vector<std::uint32_t> by_node_;
   std::vector<std::uint32_t> way_;  ///< of live()
 };

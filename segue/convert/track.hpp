@@ -95,6 +95,10 @@ struct Frame {
     /// Of an alternative: the ways back to the head. What is planned as if the loop had ended must not take
     /// them, or the number of an iteration would depend on how far that has come.
     std::vector<Arrival> back{};
+    /// How far it is ahead of what is under way: looked at in this iteration, when there were so many nodes.
+    std::size_t looked = 1;
+    std::uint32_t nodes = 0;
+    std::optional<cdtn::NodeId> far_behind{};  ///< no further iteration is planned before this node has ended
   };
   std::shared_ptr<ContainerExecution> activation;
   std::uint32_t place = 0;

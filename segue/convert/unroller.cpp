@@ -49,6 +49,24 @@ void Unroller::ended(NodeId node, OutcomeId outcome, const type::Value* outputs)
   if (outputs != nullptr) outputs_[index(node)] = std::make_shared<const type::Value>(*outputs);
 }
 
+/// The first node that may be on the path and has not ended, those in parallel to what is being planned
+/// aside. All that follows comes after it.
+std::optional<NodeId> Unroller::first_open() {
+  const std::uint32_t size = plan_.network_.size();
+  while (over_before_ < size && !is_open(NodeId{over_before_}))
+    ++over_before_;
+  for (std::uint32_t i = over_before_; i < size; ++i) {
+    if (is_open(NodeId{i}) && !mission::in_parallel(plan_.nodes_[i].branch.get(), branch_.get()))
+      return NodeId{i};
+  }
+  return std::nullopt;
+}
+
+/// Whether the node may be on the path and has not ended.
+bool Unroller::is_open(NodeId node) {
+  return !is_over(node) && paths_.live(plan_[node].when).has_value();
+}
+
 bool Unroller::step(Track& track) {
   const auto around = std::exchange(branch_, track.branch);
   Track* const racing = std::exchange(racing_, track.races ? &track : racing_);
@@ -80,7 +98,7 @@ bool Unroller::step_hierarchy(Track& track) {
     return true;
   }
   if (order.end[frame.place] != 0 && (frame.loops.empty() || frame.loops.back().head != frame.place))
-    frame.loops.push_back({frame.place});
+    frame.loops.push_back({.head = frame.place, .nodes = plan_.network_.size()});
   const StateIndex child = node(frame.activation->entry.state).children[order.vertices[frame.place]];
   return visit(track, child);
 }

@@ -54,6 +54,8 @@ class Unroller {
   // Control (unroller.cpp)
   bool step(Track& track);
   bool step_within(Track& track);
+  [[nodiscard]] std::optional<cdtn::NodeId> first_open();
+  [[nodiscard]] bool is_open(cdtn::NodeId node);
   bool step_hierarchy(Track& track);
   bool step_barrier(Track& track);
   [[nodiscard]] StateEntry entry_of(const Frame& frame, mission::StateIndex child, BranchEdge when);
@@ -79,6 +81,7 @@ class Unroller {
   // Loops (unroller_loops.cpp)
   bool end_of_loop(Track& track);
   bool end_of_outlined_loop(Frame& frame);
+  static bool plan_again(Frame& frame);
   void take_alternatives(Track& track);
   void plan_behind_loop(Track& track);
   bool plan_behind_barrier(Track& track);
@@ -88,6 +91,7 @@ class Unroller {
   void wait_for_loop(const Frame& frame, std::string_view addition);
   void wait_for_unexpected(const Track& track);
   [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
+  [[nodiscard]] bool is_too_far_ahead(Frame::Loop& loop);
   const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
   [[nodiscard]] static std::string loops_around(const Frame& frame);
 

@@ -17,6 +17,10 @@ namespace {
 /// Rounds of a loop in an outline: what a round may overtake is in it or in the one before, and the first
 /// round may change facts that later ones leave as they are.
 constexpr std::size_t kOutlinedRounds = 3;
+/// Iterations of a loop that are planned, at least, while something before them is under way. Twice as many
+/// are never reached: iterations that end without beginning anything, or that take no time, would go on for
+/// ever where the run as written never gets to them.
+constexpr std::size_t kIterationsAhead = 1000;
 
 }  // namespace
 
@@ -75,15 +79,14 @@ bool Unroller::end_of_loop(Track& track) {
   Frame& frame = track.frames.back();
   ContainerExecution& activation = *frame.activation;
   Frame::Loop& loop = frame.loops.back();
-  const auto again = [&] {
-    frame.place = loop.head;
-    ++loop.iterations;
-    return true;
-  };
   const auto& arrivals = live_arrivals(activation.arrivals[activation.order->vertices[loop.head]]);
   if (arrivals.empty()) {
     frame.loops.pop_back();
     return true;
+  }
+  if (is_too_far_ahead(loop)) {
+    wait_for_loop(frame, ", once " + plan_.network_.name_of(*loop.far_behind) + " has ended");
+    return false;
   }
   if (scope_ == PlanScope::Outline) return end_of_outlined_loop(frame);
   const auto base = paths_.live(activation.inside);
@@ -102,7 +105,7 @@ bool Unroller::end_of_loop(Track& track) {
   }
   if (std::ranges::any_of(edges, certain)) {
     loop.open.clear();
-    return again();
+    return plan_again(frame);
   }
   if (!expected && leads_on(frame, activation.order->end[loop.head])) {
     plan_behind_loop(track);
@@ -110,9 +113,31 @@ bool Unroller::end_of_loop(Track& track) {
   }
   if (2 * loop.open.size() <= loop.iterations) {
     loop.open.push_back(std::move(edges));
-    return again();
+    return plan_again(frame);
   }
   wait_for_loop(frame, "");
+  return false;
+}
+
+/// Begins another iteration of the innermost loop; true.
+bool Unroller::plan_again(Frame& frame) {
+  Frame::Loop& loop = frame.loops.back();
+  frame.place = loop.head;
+  ++loop.iterations;
+  return true;
+}
+
+bool Unroller::is_too_far_ahead(Frame::Loop& loop) {
+  if (loop.far_behind && is_open(*loop.far_behind)) return true;
+  loop.far_behind.reset();
+  if (scope_ != PlanScope::AsKnown || loop.iterations - loop.looked < kIterationsAhead) return false;
+  const auto open = first_open();
+  if (open && index(*open) < loop.nodes) {
+    loop.far_behind = open;
+    return true;
+  }
+  loop.looked = loop.iterations;
+  loop.nodes = plan_.network_.size();
   return false;
 }
 
@@ -161,11 +186,7 @@ std::optional<BranchEdge> Unroller::all_ended(const Track& track) {
 /// Plans another round, or goes on behind the loop as if it had ended.
 bool Unroller::end_of_outlined_loop(Frame& frame) {
   Frame::Loop& loop = frame.loops.back();
-  if (loop.iterations < kOutlinedRounds) {
-    frame.place = loop.head;
-    ++loop.iterations;
-    return true;
-  }
+  if (loop.iterations < kOutlinedRounds) return plan_again(frame);
   ContainerExecution& execution = *frame.activation;
   execution.arrivals[execution.order->vertices[loop.head]] = {};
   frame.loops.pop_back();

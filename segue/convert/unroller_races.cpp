@@ -19,16 +19,8 @@ using mission::StateIndex;
 /// Its states guard each other, so none may begin before all can: once everything before has ended.
 bool Unroller::may_race(const StateEntry& entry) {
   if (scope_ != PlanScope::AsKnown || planted(ConversionFault::RacesBeginEarly)) return true;
-  const auto passed = [&](std::uint32_t i) {
-    return is_over(NodeId{i}) || !paths_.live(plan_.nodes_[i].when);
-  };
-  const auto size = static_cast<std::uint32_t>(plan_.nodes_.size());
-  while (over_before_ < size && passed(over_before_))
-    ++over_before_;
   const auto live = paths_.live(entry.when);
-  bool may = !live || live->always();
-  for (std::uint32_t i = over_before_; i < size && may; ++i)
-    may = passed(i) || mission::in_parallel(plan_.nodes_[i].branch.get(), branch_.get());
+  const bool may = !live || (live->always() && !first_open());
   if (!may) plan_.waits_for_ = "the end of what comes before " + entry.path;
   return may;
 }
