@@ -59,6 +59,13 @@ std::string commander_text(const Value& status) {
   return who.empty() ? who : fmt::format("commanded by: {}\n", printable(who));
 }
 
+/// That another runtime has got the robot.
+std::string loss_text(const Value& status) {
+  const std::string why = text_at(status, "lost");
+  if (why.empty()) return why;
+  return coloured(Colour::Red, "lost: " + printable(why)) + "\nonly `segue run --take-over` gets it back\n";
+}
+
 /// That it was halted since it was commanded last, or is stopped until it is released.
 std::string halt_text(const Value& status) {
   std::string text;
@@ -166,8 +173,8 @@ int show_status(control::RobotService& robot, const Context& context) {
     print_json(*status);
     return kDone;
   }
-  print(status_heading(*status) + halt_text(*status) + commander_text(*status) + other_controllers(*status) +
-        files_text(*status) + pools_text(*status) + hosts_text(*status));
+  print(status_heading(*status) + loss_text(*status) + halt_text(*status) + commander_text(*status) +
+        other_controllers(*status) + files_text(*status) + pools_text(*status) + hosts_text(*status));
   if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {

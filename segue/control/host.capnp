@@ -18,7 +18,7 @@ interface Host {
   # `launch` as in Processes.start. The robot is given up when it is not renewed, not when the connection ends.
   # Whose `secret` and certificate are those of the present lease gets it anew.
   acquire @3 (holder :Text, launch :Wire.Value, models :List(ModelFile), takeOver :Bool, timeout :Int64,
-      secret :Text)
+      secret :Text, again :Bool)
       -> (error :Wire.Error, robot :HostedRobot);
   # `after` instead of `lines` where it is there.
   log @4 (robot :Text, process :Text, lines :UInt64, after :LogPosition)

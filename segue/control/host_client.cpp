@@ -294,6 +294,7 @@ class HostClient final : public hosts::HostService {
       detail::encode_list(what.models, request.initModels(count_of(what.models)),
                           [](const auto& file, auto builder) { encode(file, builder); });
       request.setTakeOver(what.take_over);
+      request.setAgain(what.again);
       request.setTimeout(left.count());
       return RpcChannel::send<void>(request, [&connection, id](auto& results) {
         connection.hold(id, results.getRobot());

@@ -85,9 +85,9 @@ class RobotService {
   /// "changed_files", "state", "controllers", "requests" (that have not ended: {"request", "to", "who",
   /// "state"
   /// ("waiting", "planning", "prepare", "commit", "retire", "undo"), "cancelled_by"}), "pools", "pid",
-  /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "doing", "halt" (null, or {"who",
-  /// "why", "time_s" (since 1970), "state" ("halting", "at_rest", "not_at_rest"), "stopped", "trouble"}),
-  /// "stopped_by" (who has called stop() and is waited for to release_stop(); null: nobody)}
+  /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "lost", "doing", "halt" (null, or
+  /// {"who", "why", "time_s" (since 1970), "state" ("halting", "at_rest", "not_at_rest"), "stopped",
+  /// "trouble"}), "stopped_by" (who has called stop() and is waited for to release_stop(); null: nobody)}
   virtual Result<type::Value> status() = 0;
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;

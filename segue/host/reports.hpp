@@ -72,7 +72,12 @@ struct ComputerEvent {
   std::string message;
 };
 
-using HostEvent = std::variant<TaskEvent, ProcessEvent, ComputerEvent>;
+/// Another runtime has got the robot (TaskHost::loss()).
+struct LossEvent {
+  std::string message;
+};
+
+using HostEvent = std::variant<TaskEvent, ProcessEvent, ComputerEvent, LossEvent>;
 
 /// A computer that may hold deployments of the robot, as its runtime sees it.
 struct ComputerReport {

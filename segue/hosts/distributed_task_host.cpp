@@ -37,13 +37,16 @@ struct DistributedTaskHost::Implementation {
         catalog(components),
         options(std::move(chosen)),
         part(own, *options.clock),
-        sites(part, options.gateways.own, std::move(places)) {}
+        sites(part, options.gateways.own, std::move(places), [this](const Error& why) { lose(why); }) {}
 
   void begin();
   void close();
   /// Listens to a host, and tells it what it has to expect, after it was connected.
   void greet(const Site& site);
   void watch();
+  /// Another runtime has got the robot: all leases are given up, and no host is asked for one any more.
+  void lose(const Error& why);
+  void give_up();
   void look_after(const Site& site);
   void report(const Site& site, bool reachable, const std::string& message);
   [[nodiscard]] SampleType type_of(const model::Task& writer, const std::string& port) const;
@@ -68,6 +71,7 @@ struct DistributedTaskHost::Implementation {
   std::map<model::NetworkName, model::Network> expected;
   detail::LinkCounts counts;
   std::map<const Site*, bool> is_up;  ///< as it was reported last
+  bool lost = false;
   bool closed = false;
   std::thread watcher;
 };
@@ -100,7 +104,7 @@ void DistributedTaskHost::Implementation::close() {
   own.set_listener({});
   for (const auto& site : sites.all()) {
     if (site->link() != nullptr) {
-      site->link()->release();
+      site->link()->release("the runtime has ended");
     }
   }
   router.close();
@@ -126,7 +130,7 @@ void DistributedTaskHost::Implementation::greet(const Site& site) {
 
 void DistributedTaskHost::Implementation::watch() {
   std::unique_lock lock(mutex);
-  while (!changed.wait_for(lock, options.watch, [this] { return closed; })) {
+  while (!changed.wait_for(lock, options.watch, [this] { return closed || lost; })) {
     lock.unlock();
     std::vector<concurrent::ThreadPool::Job> jobs;
     for (const auto& site : sites.all()) {
@@ -137,6 +141,34 @@ void DistributedTaskHost::Implementation::watch() {
     sites.pool().run_all(std::move(jobs));
     lock.lock();
   }
+  const bool gives_up = lost;
+  lock.unlock();
+  if (gives_up) {
+    give_up();
+  }
+}
+
+void DistributedTaskHost::Implementation::lose(const Error& why) {
+  {
+    const std::lock_guard lock(mutex);
+    lost = true;
+  }
+  changed.notify_all();
+  events.post(host::LossEvent{to_string(why)});
+}
+
+void DistributedTaskHost::Implementation::give_up() {
+  const auto why = sites.loss().why();
+  std::vector<concurrent::ThreadPool::Job> jobs;
+  for (const auto& site : sites.all()) {
+    if (site->link() != nullptr) {
+      jobs.emplace_back([this, &site = *site, text = to_string(*why)] {
+        site.link()->release(text);
+        report(site, false, text);
+      });
+    }
+  }
+  sites.pool().run_all(std::move(jobs));
 }
 
 void DistributedTaskHost::Implementation::look_after(const Site& site) {
@@ -146,7 +178,7 @@ void DistributedTaskHost::Implementation::look_after(const Site& site) {
   if (!site.reachable()) {
     report(site, false, site.link()->report().state);
     auto request = options.request;
-    request.take_over = false;  // else two runtimes would take the robot from each other forever
+    request.take_over = false;  // only what its user has asked for takes it from another runtime
     if (site.link()->connect(request, in(options.patience))) {
       greet(site);
     }
@@ -213,7 +245,14 @@ DistributedTaskHost::~DistributedTaskHost() {
   implementation_->close();
 }
 
+std::optional<Error> DistributedTaskHost::loss() const {
+  return implementation_->sites.loss().why();
+}
+
 Result<void> DistributedTaskHost::commands_all() const {
+  if (auto lost = loss()) {
+    return std::move(*lost);
+  }
   for (const auto& site : implementation_->sites.all()) {
     const auto refusal = site->link() == nullptr ? std::nullopt : site->link()->refusal();
     if (refusal) {

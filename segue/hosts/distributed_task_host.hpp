@@ -38,6 +38,9 @@ struct DistributedOptions {
 /// silent in between may have committed or not: commit() fails, and once the host is back, observe() shows
 /// what it did.
 ///
+/// A host that says that another runtime has got the robot since speaks for all of them: the robot is lost,
+/// for good. Leases on other hosts are given up, no host is asked again, and loss() says why.
+///
 /// While a host cannot be reached, observe() lacks what is there, and tasks() has what was known last, marked
 /// as unknown. Actions there fail with Unavailable; so do those of a transition during which the connection
 /// to a host was lost and made anew, since that host has given up the transition.
@@ -50,8 +53,8 @@ class DistributedTaskHost final : public host::TaskHost {
   /// Gives up the leases; processes run on.
   ~DistributedTaskHost() override;
 
-  /// Why another runtime may have the robot on a host: AlreadyExists. Other hosts that cannot be reached are
-  /// no error.
+  /// AlreadyExists where another runtime has the robot on a host; Superseded where it is lost. Other hosts
+  /// that cannot be reached are no error.
   [[nodiscard]] Result<void> commands_all() const;
   /// Ends the robot's processes on all hosts that can be reached, whatever they hold. Blocks until then.
   void end_processes(TimePoint deadline);
@@ -71,6 +74,7 @@ class DistributedTaskHost final : public host::TaskHost {
   void conclude(const model::Transition& transition) override;
   void withdraw() override;
   [[nodiscard]] std::vector<host::ComputerReport> computers() const override;
+  [[nodiscard]] std::optional<Error> loss() const override;
   [[nodiscard]] model::Network expanded(model::Network network) const override;
   [[nodiscard]] model::Network condensed(model::Network network) const override;
 

@@ -5,6 +5,7 @@
 #include <segue/host/component_library.hpp>
 #include <segue/host/full_id.hpp>
 #include <segue/host/local_task_host.hpp>
+#include <segue/hosts/lease.hpp>
 #include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
 #include <support/eventually.hpp>
@@ -102,6 +103,10 @@ struct Commander {
         const std::lock_guard lock(mutex);
         events.push_back(computer->host.str() + (computer->reachable ? " is back" : " is lost"));
         changed.notify_all();
+      }
+      if (std::holds_alternative<host::LossEvent>(event)) {
+        const std::lock_guard lock(mutex);
+        events.push_back("the robot is lost");
       }
     });
   }
@@ -570,27 +575,93 @@ TEST(DistributedTaskHost, ARuntimeWhoseRobotWasTakenOverCanDoNothingOnOtherHosts
   EXPECT_TRUE(present.host.properties(TaskId("a")));
 }
 
-TEST(DistributedTaskHost, WhatWasTakenOverIsNotTakenBack) {
-  Computers computers;
-  DistributedOptions options;
-  options.request.take_over = true;
-  Commander former(computers, options, 10ms);
-  const Commander present(computers, options, 10ms, "other");
-  ASSERT_TRUE(former.told("left is lost"));
-  ASSERT_TRUE(former.told("right is lost"));
-  ASSERT_TRUE(eventually([&] { return former.computer("left").state.find("'other'") != std::string::npos; }));
-  for (testing::Computer* computer : {&computers.left, &computers.right}) {
-    computer->boot();  // it is asked for the robot by both
-    ASSERT_TRUE(eventually([&] {
-      const auto robots = computer->local->robots().value();
-      return !robots.empty() && robots.front().holder == "other";
-    })) << computer->name;
-    const int tried = computer->line.calls("acquire");
-    ASSERT_TRUE(eventually([&] { return computer->line.calls("acquire") >= tried + 3; })) << computer->name;
-    ASSERT_TRUE(eventually([&] { return present.computer(computer->name).reachable; })) << computer->name;
-    EXPECT_EQ(computer->local->robots().value().front().holder, "other");
-    EXPECT_FALSE(former.computer(computer->name).reachable) << computer->name;
+class LostRobot : public ::testing::Test {
+ protected:
+  static std::string holder_at(testing::Computer& computer) {
+    const auto robots = computer.local->robots().value();
+    return robots.empty() ? "" : robots.front().holder;
   }
+  /// Another runtime takes the robot there, and nowhere else.
+  std::shared_ptr<HostedRobot> rival_at(testing::Computer& computer) {
+    auto robot = computer.local->acquire(testing::request_of("rival", true), later());
+    EXPECT_TRUE(robot) << to_string(robot.error());
+    return robot.value_or(nullptr);
+  }
+  [[nodiscard]] bool is_lost() {
+    return eventually([&] { return former_.host.loss().has_value(); });
+  }
+
+  Computers computers_;
+  Commander former_{computers_, {}, 10ms};
+};
+
+TEST_F(LostRobot, IsLostOnAllHostsOnceOneHasGivenItToAnotherRuntime) {
+  ASSERT_EQ(said(former_.switch_to(kFirst)), "done");
+  const auto rival = rival_at(computers_.left);
+  ASSERT_TRUE(former_.told("left is lost"));
+  ASSERT_TRUE(former_.told("right is lost"));
+  ASSERT_TRUE(former_.host.loss());
+  EXPECT_NE(to_string(*former_.host.loss()).find("'rival'"), std::string::npos);
+  EXPECT_EQ(former_.host.commands_all().error().code, ErrorCode::Superseded);
+  EXPECT_EQ(former_.host.properties(TaskId("c")).error().code, ErrorCode::Superseded) << "on the right";
+  EXPECT_EQ(holder_at(computers_.left), "rival");
+  EXPECT_TRUE(eventually([&] { return holder_at(computers_.right).empty(); })) << "its lease is given up";
+}
+
+TEST_F(LostRobot, IsSaidToBeLostOnce) {
+  const auto rival = rival_at(computers_.left);
+  ASSERT_TRUE(former_.told("right is lost"));
+  const std::lock_guard lock(former_.mutex);
+  EXPECT_EQ(std::count(former_.events.begin(), former_.events.end(), "the robot is lost"), 1);
+}
+
+TEST_F(LostRobot, IsNotAskedForAgainAlthoughNobodyElseHasIt) {
+  auto rival = rival_at(computers_.left);
+  ASSERT_TRUE(former_.told("left is lost"));
+  ASSERT_TRUE(former_.told("right is lost"));
+  ASSERT_TRUE(rival->release());
+  const int asked = computers_.left.line.calls("acquire") + computers_.right.line.calls("acquire");
+  for (testing::Computer* computer : {&computers_.left, &computers_.right}) {
+    computer->boot();
+    computer->clock.advance(Lease::kValidity);
+  }
+  const Commander next(computers_, {}, 10ms, "next");
+  const int renewed = computers_.left.line.calls("renew");
+  ASSERT_TRUE(eventually([&] { return computers_.left.line.calls("renew") >= renewed + 3; }));
+  EXPECT_EQ(computers_.left.line.calls("acquire") + computers_.right.line.calls("acquire"), asked + 2)
+      << "only the next runtime has asked, once at each host";
+}
+
+TEST_F(LostRobot, IsLostAlsoToARuntimeThatHasLeftWhileTheFormerOneWasAway) {
+  computers_.left.line.cut();
+  ASSERT_TRUE(former_.told("left is lost"));
+  ASSERT_TRUE(rival_at(computers_.left)->release());
+  EXPECT_FALSE(former_.host.loss()) << "nobody has told it";
+  computers_.left.line.mend();
+  EXPECT_TRUE(is_lost());
+}
+
+TEST_F(LostRobot, IsNotLostByADaemonThatStartsAgain) {
+  computers_.left.line.cut();
+  ASSERT_TRUE(former_.told("left is lost"));
+  computers_.left.boot();
+  computers_.left.clock.advance(1h);
+  computers_.left.line.mend();
+  ASSERT_TRUE(former_.told("left is back"));
+  EXPECT_FALSE(former_.host.loss());
+}
+
+TEST(DistributedTaskHost, AHostThatAnotherRuntimeHadFirstIsNotALostRobot) {
+  Computers computers;
+  computers.right.line.cut();
+  Commander run(computers, {}, 10ms);
+  const auto other = computers.right.local->acquire(testing::request_of("other"), later());
+  ASSERT_TRUE(other);
+  computers.right.line.mend();
+  ASSERT_TRUE(eventually([&] { return run.computer("right").state.find("'other'") != std::string::npos; }));
+  EXPECT_FALSE(run.host.loss());
+  ASSERT_TRUE((*other)->release());
+  EXPECT_TRUE(run.told("right is back")) << "it may have it now";
 }
 
 TEST(DistributedTaskHost, AnotherRuntimeMayHaveTheRobotOnceThisOneEnds) {
@@ -804,7 +875,8 @@ TEST(DistributedTaskHost, AHostWithAnotherNameIsNoHostOfTheRobot) {
   auto place = computers.left.place();
   place.name = HostName("middle");
   concurrent::ThreadPool pool{"test", {4, 1}};
-  detail::HostLink link(place, pool);
+  detail::RobotLoss loss([](const Error&) {});
+  detail::HostLink link(place, pool, loss);
   const auto connected = link.connect(testing::request_of("me"), later());
   ASSERT_FALSE(connected);
   EXPECT_EQ(connected.error().code, ErrorCode::InvalidArgument);

@@ -12,6 +12,12 @@ namespace {
 /// jumps is noticed.
 constexpr Duration kAging = std::chrono::microseconds(50);
 
+/// Whether an error means that the other side is gone, hangs or obeys somebody else.
+bool is_lost(ErrorCode code) {
+  return code == ErrorCode::Unavailable || code == ErrorCode::DeadlineExceeded ||
+         code == ErrorCode::Superseded;
+}
+
 }  // namespace
 
 Result<void> HostLink::connect(const RobotRequest& request, TimePoint deadline) {
@@ -19,31 +25,41 @@ Result<void> HostLink::connect(const RobotRequest& request, TimePoint deadline) 
   if (reachable()) {
     return {};
   }
+  if (auto lost = loss_.why()) {
+    return std::move(*lost);
+  }
   auto made = open(deadline);
-  HostInfo info;
-  if (made) {
-    auto acquired = acquire(**made, request, deadline);
-    if (!acquired) {
-      made = acquired.error();
-    } else {
-      info = std::move(*acquired);
+  auto info = made ? acquire(**made, request, deadline) : Result<HostInfo>(made.error());
+  if (!info) {
+    loss_.note(place_.name, info.error());
+    lose(std::nullopt, to_string(info.error()));
+    const std::lock_guard lock(mutex_);
+    refusal_ = info.error().code == ErrorCode::AlreadyExists ? std::optional(info.error()) : std::nullopt;
+    return info.error();
+  }
+  return use(std::move(*made), std::move(*info));
+}
+
+Result<void> HostLink::use(std::shared_ptr<Connection> made, HostInfo info) {
+  const auto robot = made->robot;
+  std::optional<Error> lost;
+  {
+    const std::lock_guard lock(mutex_);
+    lost = loss_.why();  // whoever notes it later gives this connection up
+    if (!lost) {
+      connection_.swap(made);  // a broken one ends without the lock
+      ++number_;
+      why_.clear();
+      refusal_.reset();
+      since_ = RealClock::instance().now();
+      info_ = std::move(info);
     }
   }
-  if (!made) {
-    lose(std::nullopt, to_string(made.error()));
-    const std::lock_guard lock(mutex_);
-    refusal_ = made.error().code == ErrorCode::AlreadyExists ? std::optional(made.error()) : std::nullopt;
-    return made.error();
+  if (!lost) {
+    return {};
   }
-  std::shared_ptr<Connection> former = *made;
-  const std::lock_guard lock(mutex_);
-  connection_.swap(former);  // a broken one ends without the lock
-  ++number_;
-  why_.clear();
-  refusal_.reset();
-  since_ = RealClock::instance().now();
-  info_ = std::move(info);
-  return {};
+  (void)robot->release();
+  return std::move(*lost);
 }
 
 Result<std::shared_ptr<HostLink::Connection>> HostLink::open(TimePoint deadline) {
@@ -76,7 +92,12 @@ Result<HostInfo> HostLink::acquire(Connection& connection, const RobotRequest& r
   if (!info) {
     return info;
   }
-  auto robot = connection.service->acquire(request, deadline);
+  RobotRequest asked = request;
+  {
+    const std::lock_guard lock(mutex_);
+    asked.again = number_ > 0;
+  }
+  auto robot = connection.service->acquire(asked, deadline);
   if (!robot) {
     return robot.error();
   }
@@ -116,6 +137,7 @@ Result<void> HostLink::tend() {
     alive = measure(*connection->service);
   }
   if (!alive) {
+    loss_.note(place_.name, alive.error());
     lose(number, to_string(alive.error()));
   }
   return alive;
@@ -141,8 +163,15 @@ void HostLink::lose(std::optional<std::uint64_t> number, const std::string& why)
   }
 }
 
-void HostLink::release() {
-  const auto ended = take(std::nullopt, "the runtime has ended");
+void HostLink::note(const Error& error, std::uint64_t number) {
+  loss_.note(place_.name, error);
+  if (is_lost(error.code)) {
+    lose(number, to_string(error));
+  }
+}
+
+void HostLink::release(const std::string& why) {
+  const auto ended = take(std::nullopt, why);
   if (ended != nullptr) {
     ended->robot->set_listener({});
     (void)ended->robot->release();
@@ -150,6 +179,9 @@ void HostLink::release() {
 }
 
 Result<HostLink::Reached> HostLink::reach() const {
+  if (auto lost = loss_.why()) {
+    return std::move(*lost);
+  }
   const std::lock_guard lock(mutex_);
   if (connection_ == nullptr || connection_->broken) {
     return fail(ErrorCode::Unavailable, "host " + quote(place_.name.str()) +
@@ -161,7 +193,7 @@ Result<HostLink::Reached> HostLink::reach() const {
 
 bool HostLink::reachable() const {
   const std::lock_guard lock(mutex_);
-  return connection_ != nullptr && !connection_->broken;
+  return is_connected();
 }
 
 std::optional<Error> HostLink::refusal() const {
@@ -180,8 +212,12 @@ host::ComputerReport HostLink::report() const {
   report.name = place_.name;
   report.address = place_.address;
   report.optional = place_.optional;
-  report.reachable = connection_ != nullptr && !connection_->broken;
-  report.state = report.reachable ? "connected" : why_.empty() ? "the connection broke" : why_;
+  report.reachable = is_connected();
+  const auto lost = loss_.why();
+  report.state = report.reachable ? "connected"
+                 : lost           ? to_string(*lost)
+                 : why_.empty()   ? "the connection broke"
+                                  : why_;
   report.since = RealClock::instance().now() - since_;
   report.connection = number_;
   report.software = info_.software;

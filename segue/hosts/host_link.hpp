@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/hosts/host_service.hpp>
+#include <segue/hosts/robot_loss.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -34,14 +35,16 @@ class HostLink {
  public:
   /// Connections end on threads of `pool`, which must outlive this: their last user may be a thread of
   /// theirs.
-  HostLink(HostPlace place, concurrent::ThreadPool& pool) : place_(std::move(place)), pool_(pool) {}
+  HostLink(HostPlace place, concurrent::ThreadPool& pool, RobotLoss& loss)
+      : place_(std::move(place)), pool_(pool), loss_(loss) {}
   HostLink(const HostLink&) = delete;
   HostLink& operator=(const HostLink&) = delete;
 
   [[nodiscard]] const model::HostName& name() const { return place_.name; }
   [[nodiscard]] bool optional() const { return place_.optional; }
 
-  /// Connects and gets the robot. Does nothing where it has it already. Blocks until `deadline` at most.
+  /// Connects and gets the robot. Does nothing where it has it already. Superseded, without asking, once the
+  /// robot is lost to another runtime. Blocks until `deadline` at most.
   Result<void> connect(const RobotRequest& request, TimePoint deadline);
   /// Extends the lease, and measures the round trip and the host's clock. An error: the connection is lost.
   Result<void> tend();
@@ -49,14 +52,17 @@ class HostLink {
   /// of that number has been replaced already: a call that fails late says nothing of the present one.
   void lose(std::optional<std::uint64_t> number, const std::string& why);
   /// Gives up the lease, so that another runtime may have the robot at once.
-  void release();
+  void release(const std::string& why);
+  /// After a call over connection `number` failed: where nobody answered, or another runtime has got the
+  /// robot, the connection is given up.
+  void note(const Error& error, std::uint64_t number);
 
   /// A connection to the host; the number tells it from those before and after it.
   struct Reached {
     std::shared_ptr<HostedRobot> robot;  ///< never null; must not be kept
     std::uint64_t number = 0;
   };
-  /// Unavailable, with the reason, where the host cannot be reached.
+  /// Unavailable, with the reason, where the host cannot be reached; Superseded once the robot is lost.
   [[nodiscard]] Result<Reached> reach() const;
   [[nodiscard]] bool reachable() const;
   /// Where the host can be reached but another runtime commands the robot there.
@@ -78,10 +84,17 @@ class HostLink {
   Result<HostInfo> acquire(Connection& connection, const RobotRequest& request, TimePoint deadline);
   /// Hands the connection over to the caller, who destroys it without the lock.
   std::shared_ptr<Connection> take(std::optional<std::uint64_t> number, const std::string& why);
+  /// From now on it is what the host is asked over; Superseded where the robot was lost meanwhile.
+  Result<void> use(std::shared_ptr<Connection> made, HostInfo info);
   Result<void> measure(HostService& service);
+  /// With the mutex held.
+  [[nodiscard]] bool is_connected() const {
+    return connection_ != nullptr && !connection_->broken && !loss_.why();
+  }
 
   const HostPlace place_;
   concurrent::ThreadPool& pool_;
+  RobotLoss& loss_;
   std::mutex connecting_;     ///< one connect() at a time
   mutable std::mutex mutex_;  ///< protects everything below; never held while the host is called
   std::shared_ptr<Connection> connection_;

@@ -60,6 +60,8 @@ struct RobotRequest {
   process::Launch launch;  ///< for each process; without models, which lie on another computer
   std::vector<ModelFile> models;
   bool take_over = false;  ///< although another runtime has a lease that has not run out
+  /// It has had the robot here before: Superseded if another runtime has had it since.
+  bool again = false;
 };
 
 /// The daemon of a computer (`segue host`), in this process (LocalHost) or elsewhere (control::connect_host).
@@ -77,8 +79,9 @@ class HostService {
   /// 1 MiB. NotFound where there is none.
   virtual Result<process::LogPart> log(const LogRequest& request) = 0;
   /// Gives the caller the command of a robot on this host. AlreadyExists while another runtime has it (the
-  /// message says which, and for how long at least). Transitions that the former one had begun are given up.
-  /// Blocks until `deadline` at most: until actions that the former one had begun have ended.
+  /// message says which, and for how long at least), Superseded as RobotRequest::again says. Transitions that
+  /// the former one had begun are given up. Blocks until `deadline` at most: until actions that the former
+  /// one had begun have ended.
   virtual Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) = 0;
 };
 

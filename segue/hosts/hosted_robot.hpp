@@ -28,8 +28,8 @@ struct LinkWait {
 
 /// A robot's deployments on one host, for the runtime that commands them. The network functions get the part
 /// of a network that is on this host: its deployments, their tasks, and connections among these. Transitions
-/// proceed as TaskHost says; here every step has an answer. Once another runtime commands the robot, every
-/// function answers Superseded and does nothing. Thread safe.
+/// proceed as TaskHost says; here every step has an answer. Once another runtime has got the robot, every
+/// function answers Superseded and does nothing; after release(), Unavailable. Thread safe.
 class HostedRobot : public deploy::TaskAccess {
  public:
   /// Extends the lease. The host gives the robot to another runtime when it has not been extended for as long

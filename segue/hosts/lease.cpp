@@ -22,7 +22,11 @@ Error closed(const std::string& robot) {
 }  // namespace
 
 Lease::Lease(std::string robot, std::filesystem::path file, const Clock& clock)
-    : robot_(std::move(robot)), file_(std::move(file)), clock_(clock), last_(read(file_)) {
+    : robot_(std::move(robot)),
+      file_(std::move(file)),
+      clock_(clock),
+      last_(read(file_)),
+      first_of_last_(last_.epoch) {
   if (last_.is_held) {
     until_ = clock_.now() + kValidity;
   }
@@ -60,10 +64,17 @@ Result<void> Lease::keep(const Kept& kept) const {
   return {};
 }
 
+bool Lease::is_of_last(const Claim& claim) const {
+  return !claim.key.empty() && equal_secrets(claim.key, last_.key);
+}
+
 std::optional<Error> Lease::refusal_of(const Claim& claim) const {
-  const bool is_same = !claim.key.empty() && equal_secrets(claim.key, last_.key);
-  if (is_same || claim.take_over) {
+  if (is_of_last(claim) || claim.take_over) {
     return std::nullopt;
+  }
+  if (claim.again && last_.epoch > 0) {
+    return fail(ErrorCode::Superseded, "runtime " + quote(last_.holder) + " has got this robot since",
+                robot_);
   }
   const Duration remaining = until_ - clock_.now();
   if (remaining <= Duration(0)) {
@@ -89,6 +100,7 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
   if (auto written = keep(kept); !written) {
     return written.error();
   }
+  first_of_last_ = is_of_last(claim) ? first_of_last_ : mine;
   last_ = kept;
   holder_.clear();
   until_ = {};
@@ -101,7 +113,7 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
     return closed(robot_);
   }
   if (mine != last_.epoch) {
-    return fail(ErrorCode::Superseded, "another runtime has got the robot meanwhile", robot_);
+    return refusal_of_epoch(mine);
   }
   holder_ = claim.holder;
   until_ = clock_.now() + kValidity;
@@ -110,11 +122,8 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
 
 Result<void> Lease::renew(std::uint64_t epoch) {
   const std::lock_guard lock(mutex_);
-  if (closed_) {
-    return closed(robot_);
-  }
-  if (epoch != last_.epoch || holder_.empty()) {
-    return fail(ErrorCode::Superseded, "another runtime commands this robot", robot_);
+  if (closed_ || epoch != last_.epoch || holder_.empty()) {
+    return refusal_of_epoch(epoch);
   }
   until_ = clock_.now() + kValidity;
   return {};
@@ -122,11 +131,8 @@ Result<void> Lease::renew(std::uint64_t epoch) {
 
 Result<void> Lease::release(std::uint64_t epoch) {
   const std::lock_guard lock(mutex_);
-  if (closed_) {
-    return closed(robot_);
-  }
-  if (epoch != last_.epoch) {
-    return fail(ErrorCode::Superseded, "another runtime commands this robot", robot_);
+  if (closed_ || epoch != last_.epoch) {
+    return refusal_of_epoch(epoch);
   }
   if (!std::exchange(holder_, {}).empty()) {
     until_ = {};
@@ -150,14 +156,21 @@ LeaseInfo Lease::info() const {
 
 Error Lease::refusal(std::uint64_t epoch) const {
   const std::lock_guard lock(mutex_);
+  return refusal_of_epoch(epoch);
+}
+
+Error Lease::refusal_of_epoch(std::uint64_t epoch) const {
   if (closed_) {
     return closed(robot_);
   }
-  const std::string who =
-      holder_.empty() ? "its lease was given up" : "runtime " + quote(holder_) + " commands it";
-  return fail(ErrorCode::Superseded,
-              "this runtime does not command the robot on this host any more: " + who + " (epoch " +
-                  std::to_string(last_.epoch) + ", not " + std::to_string(epoch) + ")",
+  if (epoch < first_of_last_) {
+    return fail(ErrorCode::Superseded,
+                "runtime " + quote(last_.holder) + " has got this robot (epoch " +
+                    std::to_string(last_.epoch) + ", not " + std::to_string(epoch) + ")",
+                robot_);
+  }
+  return fail(ErrorCode::Unavailable,
+              epoch < last_.epoch ? "the runtime has got the robot anew meanwhile" : "the lease was given up",
               robot_);
 }
 

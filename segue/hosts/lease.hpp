@@ -20,13 +20,14 @@ struct Claim {
   std::string holder;      ///< for people
   std::string key{};       ///< nobody else can know it; empty: never the same as who has it
   bool take_over = false;  ///< although somebody else has it
+  bool again = false;      ///< it has had it before, and does not want it if somebody else has had it since
 };
 
 /// Who may command a robot on this host. Every runtime that gets the lease has a higher epoch than the ones
 /// before, also those before a restart of the daemon (the last epoch is kept in a file, with who had it), and
 /// what comes with a lower epoch than the present one is refused. So a runtime that was cut off, and whose
 /// messages arrive late, does no harm (fencing). After a restart, whoever had it gets it before all others.
-/// Thread safe.
+/// Whoever had it and finds that somebody else has had it since is superseded, however it asks. Thread safe.
 class Lease {
  public:
   /// How long a lease lasts that is not renewed. Runtimes renew it once a second.
@@ -35,12 +36,13 @@ class Lease {
   /// `file` keeps the epoch; its folder exists. `clock` must outlive this.
   Lease(std::string robot, std::filesystem::path file, const Clock& clock);
 
-  /// Returns the new epoch. AlreadyExists while somebody else has it, unless it takes the lease over. IoError
+  /// Returns the new epoch. AlreadyExists while somebody else has it, unless it takes the lease over;
+  /// Superseded where it asks again although somebody else has had it since. IoError
   /// where the epoch cannot be kept: then nobody gets it. DeadlineExceeded where work under the former epoch
   /// has not ended; nobody has the lease then.
   Result<std::uint64_t> acquire(const Claim& claim, TimePoint deadline);
+  /// Where the epoch is not the present one, or was released: what refusal() says.
   Result<void> renew(std::uint64_t epoch);
-  /// Superseded where the epoch is not the present one.
   Result<void> release(std::uint64_t epoch);
   /// The daemon ends: nobody has the lease any more, nor gets it. Blocks until all work has ended.
   void close();
@@ -60,7 +62,8 @@ class Lease {
    private:
     Lease* lease_;
   };
-  /// Why work under `epoch` is refused.
+  /// Why work under `epoch` is refused: Superseded where somebody else has got the lease since; otherwise
+  /// Unavailable: it was released, or its holder has got it anew.
   [[nodiscard]] Error refusal(std::uint64_t epoch) const;
 
  private:
@@ -75,6 +78,9 @@ class Lease {
   static Kept read(const std::filesystem::path& file);
   Result<void> keep(const Kept& kept) const;
   [[nodiscard]] std::optional<Error> refusal_of(const Claim& claim) const;
+  [[nodiscard]] bool is_of_last(const Claim& claim) const;
+  /// As refusal(), with the mutex held.
+  [[nodiscard]] Error refusal_of_epoch(std::uint64_t epoch) const;
 
   const std::string robot_;
   const std::filesystem::path file_;
@@ -83,8 +89,9 @@ class Lease {
   std::condition_variable idle_;
   std::string holder_;  ///< empty: nobody commands the robot
   Kept last_;           ///< who has it, or had it last, and the present epoch
-  TimePoint until_{};   ///< nobody but that one gets it before
-
+  /// The epochs from this one on are all of who has it, or had it last.
+  std::uint64_t first_of_last_ = 0;
+  TimePoint until_{};  ///< nobody but that one gets it before
   std::size_t working_ = 0;
   bool closed_ = false;
 };

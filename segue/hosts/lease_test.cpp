@@ -69,6 +69,12 @@ class LeaseTest : public ::testing::Test {
     return got ? ErrorCode::Internal : got.error().code;
   }
 
+  /// Why a holder that has had it before is refused; nothing where it gets it.
+  std::optional<ErrorCode> code_of_again(const std::string& holder) {
+    const auto got = lease_->acquire({holder, "key of " + holder, false, true}, before_long());
+    return got ? std::nullopt : std::optional(got.error().code);
+  }
+
   fs::path folder_;
   SettableClock clock_;
   std::optional<Lease> lease_;
@@ -116,6 +122,35 @@ TEST_F(LeaseTest, WhoWasSupersededDoesNotGetItBackByARestart) {
   EXPECT_EQ(refusal_of("a"), ErrorCode::AlreadyExists);
 }
 
+TEST_F(LeaseTest, WhoAsksAgainIsSupersededBySomebodyWhoHasHadItSince) {
+  ASSERT_GT(acquire("a"), 0U);
+  const auto since = acquire("b", true);
+  EXPECT_EQ(code_of_again("a"), ErrorCode::Superseded);
+  ASSERT_TRUE(lease_->release(since));
+  EXPECT_EQ(code_of_again("a"), ErrorCode::Superseded) << "although nobody has it any more";
+  restart();
+  EXPECT_EQ(code_of_again("a"), ErrorCode::Superseded);
+}
+
+TEST_F(LeaseTest, WhoAsksAgainGetsItWhereNobodyElseHasHadItSince) {
+  const auto first = acquire("a");
+  EXPECT_EQ(code_of_again("a"), std::nullopt);
+  clock_.pass(1h);
+  EXPECT_EQ(code_of_again("a"), std::nullopt);
+  restart();
+  EXPECT_EQ(code_of_again("a"), std::nullopt);
+  fs::remove(file());
+  restart();
+  EXPECT_EQ(code_of_again("a"), std::nullopt) << "the host has lost everything";
+  EXPECT_GT(first, 0U);
+}
+
+TEST_F(LeaseTest, WhoTakesItOverGetsItAlthoughSomebodyElseHasHadItSince) {
+  ASSERT_GT(acquire("a"), 0U);
+  ASSERT_GT(acquire("b", true), 0U);
+  EXPECT_TRUE(lease_->acquire({"a", "key of a", true, true}, before_long()));
+}
+
 TEST_F(LeaseTest, TheNameOfWhoHasItIsNoKey) {
   ASSERT_GT(acquire("a"), 0U);
   for (const std::string key : {"", "a", "key of b"}) {
@@ -156,7 +191,7 @@ TEST_F(LeaseTest, TheSameHolderGetsItAtOnce) {
   const auto first = acquire("a");
   const auto second = acquire("a");
   EXPECT_GT(second, first);
-  EXPECT_EQ(lease_->renew(first).error().code, ErrorCode::Superseded);
+  EXPECT_EQ(lease_->renew(first).error().code, ErrorCode::Unavailable) << "nobody else has got it";
   EXPECT_FALSE(Lease::Work(*lease_, first));
   EXPECT_TRUE(Lease::Work(*lease_, second));
 }
@@ -179,7 +214,7 @@ TEST_F(LeaseTest, WhoReleasesItCanDoNothingAnyMore) {
   ASSERT_TRUE(lease_->release(epoch));
   EXPECT_EQ(lease_->info().left, 0ms);
   EXPECT_FALSE(Lease::Work(*lease_, epoch));
-  EXPECT_EQ(lease_->renew(epoch).error().code, ErrorCode::Superseded);
+  EXPECT_EQ(lease_->renew(epoch).error().code, ErrorCode::Unavailable);
   EXPECT_TRUE(lease_->release(epoch)) << "twice does no harm";
   EXPECT_GT(acquire("b"), epoch);
 }

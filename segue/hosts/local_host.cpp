@@ -227,7 +227,7 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
   }
   // Bound to who asks, so that a secret that was found out serves nobody else.
   const std::string key = request.secret.empty() ? "" : sha256(request.secret + '\n' + request.identity);
-  const auto epoch = robot->lease.acquire({request.holder, key, request.take_over}, deadline);
+  const auto epoch = robot->lease.acquire({request.holder, key, request.take_over, request.again}, deadline);
   if (!epoch) {
     return epoch.error();
   }

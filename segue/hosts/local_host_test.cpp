@@ -107,7 +107,17 @@ TEST(LocalHost, WhoseRobotWasTakenOverCanDoNothingAnyMore) {
   EXPECT_EQ(done.at("perform"), std::nullopt);
   EXPECT_EQ(done.at("describe"), ErrorCode::NotFound);
   EXPECT_EQ(done.at("release"), std::nullopt);
-  EXPECT_EQ(code_of(present->look()), ErrorCode::Superseded) << "it has been released";
+  EXPECT_EQ(code_of(present->look()), ErrorCode::Unavailable) << "it has been released";
+}
+
+TEST(LocalHost, WhoAsksAgainIsToldThatAnotherRuntimeHasHadTheRobotSince) {
+  Computer computer("left");
+  (void)acquired(computer, request_of("a"));
+  auto again = request_of("a");
+  again.again = true;
+  (void)acquired(computer, again);
+  ASSERT_TRUE(acquired(computer, request_of("b", true))->release());
+  EXPECT_EQ(code_of(computer.local->acquire(again, in_time())), ErrorCode::Superseded);
 }
 
 TEST(LocalHost, CommitsOnlyWhatItHasPromised) {
@@ -138,7 +148,7 @@ TEST(LocalHost, ANewRuntimeGivesUpWhatTheFormerOneHadArmed) {
   ASSERT_TRUE(former->arm_commit({}, 1, in_time()));
   ASSERT_TRUE(former->vote(1, 10s));
   const auto again = acquired(computer, request_of("a"));
-  EXPECT_EQ(code_of(former->commit(1)), ErrorCode::Superseded);
+  EXPECT_EQ(code_of(former->commit(1)), ErrorCode::Unavailable) << "it is the same runtime";
   EXPECT_EQ(code_of(again->commit(1)), ErrorCode::InvalidState);
 }
 

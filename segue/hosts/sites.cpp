@@ -84,12 +84,6 @@ void sort(HostView& view) {
             [&](const auto& a, const auto& b) { return identity(a.connection) < identity(b.connection); });
 }
 
-/// Whether an error means that the other side is gone, hangs or obeys somebody else.
-bool is_lost(ErrorCode code) {
-  return code == ErrorCode::Unavailable || code == ErrorCode::DeadlineExceeded ||
-         code == ErrorCode::Superseded;
-}
-
 }  // namespace
 
 Result<HostLink::Reached> Site::reach() const {
@@ -100,16 +94,17 @@ Result<HostLink::Reached> Site::reach() const {
 }
 
 void Site::note(const Error& error, std::uint64_t number) const {
-  if (link_ != nullptr && is_lost(error.code)) {
-    link_->lose(number, to_string(error));
+  if (link_ != nullptr) {
+    link_->note(error, number);
   }
 }
 
-Sites::Sites(HostedRobot& own, std::vector<model::HostName> own_names, std::vector<HostPlace> hosts)
-    : own_names_(std::move(own_names)) {
+Sites::Sites(HostedRobot& own, std::vector<model::HostName> own_names, std::vector<HostPlace> hosts,
+             std::function<void(const Error&)> lost)
+    : loss_(std::move(lost)), own_names_(std::move(own_names)) {
   sites_.push_back(std::make_unique<Site>(model::kLocalHost, own));
   for (auto& host : hosts) {
-    sites_.push_back(std::make_unique<Site>(std::move(host), pool_));
+    sites_.push_back(std::make_unique<Site>(std::move(host), pool_, loss_));
   }
 }
 

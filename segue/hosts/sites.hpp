@@ -20,16 +20,15 @@ namespace segue::hosts::detail {
 class Site {
  public:
   Site(model::HostName name, HostedRobot& own) : name_(std::move(name)), own_(&own) {}
-  Site(HostPlace place, concurrent::ThreadPool& pool)
-      : name_(place.name), link_(std::make_unique<HostLink>(std::move(place), pool)) {}
+  Site(HostPlace place, concurrent::ThreadPool& pool, RobotLoss& loss)
+      : name_(place.name), link_(std::make_unique<HostLink>(std::move(place), pool, loss)) {}
 
   [[nodiscard]] const model::HostName& name() const { return name_; }
   /// nullptr: the runtime's own.
   [[nodiscard]] HostLink* link() const { return link_.get(); }
   [[nodiscard]] Result<HostLink::Reached> reach() const;
   [[nodiscard]] bool reachable() const { return link_ == nullptr || link_->reachable(); }
-  /// After a call over connection `number` failed: where nobody answered, or another runtime commands, the
-  /// connection is given up.
+  /// As HostLink::note().
   void note(const Error& error, std::uint64_t number) const;
 
  private:
@@ -41,14 +40,16 @@ class Site {
 /// All computers of a robot, and which task lives on which of them. Thread safe.
 class Sites {
  public:
-  /// `own_names`: the names of the runtime's own computer.
-  Sites(HostedRobot& own, std::vector<model::HostName> own_names, std::vector<HostPlace> hosts);
+  /// `own_names`: the names of the runtime's own computer. `lost` as for RobotLoss.
+  Sites(HostedRobot& own, std::vector<model::HostName> own_names, std::vector<HostPlace> hosts,
+        std::function<void(const Error&)> lost);
 
   [[nodiscard]] const std::vector<std::unique_ptr<Site>>& all() const { return sites_; }
   /// NotFound where the robot has no such host. The key of the runtime's own process has an empty one.
   [[nodiscard]] Result<Site*> find(const model::HostName& host) const;
   [[nodiscard]] deploy::detail::PlacementTable& placements() const { return placements_; }
   [[nodiscard]] concurrent::ThreadPool& pool() const { return pool_; }
+  [[nodiscard]] const RobotLoss& loss() const { return loss_; }
 
   /// The site of an incarnation of a task.
   [[nodiscard]] Result<Site*> locate(const model::TaskId& task, deploy::detail::Which which) const;
@@ -76,6 +77,7 @@ class Sites {
   void learn(const Seen& seen, std::uint64_t poll) const;
 
   mutable concurrent::ThreadPool pool_{"segue-hosts", {64, 4}};
+  RobotLoss loss_;
   const std::vector<model::HostName> own_names_;
   std::vector<std::unique_ptr<Site>> sites_;
   mutable deploy::detail::PlacementTable placements_;

@@ -357,6 +357,7 @@ Value status_of(Runtime& runtime) {
   const auto loaded = runtime.controller(controller);
   const auto holder = runtime.lease_holder();
   const auto halted = runtime.halted();
+  const auto lost = runtime.host().loss();
   return Value::map(
       {{"robot", runtime.name()},
        {"controller", controller.str()},
@@ -365,6 +366,7 @@ Value status_of(Runtime& runtime) {
        {"state", to_string(runtime.state())},
        {"commanded_by", holder ? Value(*holder) : Value()},
        {"doing", runtime.reported()},
+       {"lost", lost ? Value(to_string(*lost)) : Value()},
        {"halt", halt_value(halted)},
        {"stopped_by", halted && !halted->stopped_by.empty() ? Value(halted->stopped_by) : Value()},
        {"requests", list_of(runtime.open_requests(), [](const OpenRequest& one) { return to_value(one); })},

@@ -37,7 +37,7 @@ struct RequestOptions {
   bool take_over = false;
   /// Process pools end, too, and are not started again before the next request.
   bool end_pools = false;
-  bool although_halted = false;  ///< accepted although the robot is halted
+  bool although_halted = false;  ///< accepted although the robot is halted, or lost to another runtime
   /// What is on computers that cannot be reached is left as it is, in place of a refusal.
   bool leaves_lost_hosts = false;
 };

@@ -214,7 +214,7 @@ Result<void> RobotTasks::reach_hosts(const model::Robot& robot, const model::Com
   auto& clock = RealClock::instance();
   const TimePoint give_up = clock.now() + hosts::Lease::kValidity + kLeaseGrace;
   auto commands = distributed_->commands_all();
-  while (!commands && clock.now() < give_up) {
+  while (!commands && commands.error().code == ErrorCode::AlreadyExists && clock.now() < give_up) {
     clock.sleep_until(clock.now() + kLeasePoll);
     commands = distributed_->commands_all();
   }

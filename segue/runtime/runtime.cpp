@@ -115,6 +115,9 @@ std::shared_future<HaltResult> Runtime::end_lease(std::uint64_t lease, bool keep
 }
 
 Result<void> Runtime::allow(const TaskSender& sender, const std::string& what) {
+  if (auto lost = implementation_->refusal_of_lost_robot()) {
+    return std::move(*lost);
+  }
   return implementation_->leases.allow(sender, what);
 }
 

@@ -47,6 +47,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
       const Request& request, const RequestOptions& options) const;
   Result<std::uint64_t> take_lease(std::string holder);
   type::Value mission(std::uint64_t after, bool with_plan);
+  /// Why nothing is done any more: another runtime has got the robot. Without the mutex.
+  [[nodiscard]] std::optional<Error> refusal_of_lost_robot() const;
   /// Why a request with these options cannot be accepted. With the mutex held.
   [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options) const;
   [[nodiscard]] std::optional<detail::Refusal> refusal_of_take_over(const Request& request,
@@ -127,6 +129,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void on_event(const host::TaskEvent& event);
   void on_event(const host::ProcessEvent& event);
   void on_event(const host::ComputerEvent& event);
+  void on_event(const host::LossEvent& event);
   void wake_worker();
 
   // Pools of processes (runtime_pools.cpp)
@@ -146,6 +149,9 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   // Supervision between requests, in the worker thread (runtime_supervise.cpp)
   /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
   void supervise();
+  /// Does what is left to do, where the robot is still commanded; returns what cannot be done.
+  std::vector<UnresolvedFault> put_right(const std::set<model::HostName>& returned,
+                                         const detail::Observation& seen);
   /// `hosts` had returned before the snapshot was taken.
   void bring_back(const std::set<model::HostName>& hosts, const detail::Observation& seen);
   /// Both return what could not be resolved in as many attempts as the policy permits.

@@ -105,6 +105,18 @@ std::optional<detail::Refusal> Runtime::Implementation::refusal_of_take_over(
   return plan ? std::nullopt : std::optional(plan.error());
 }
 
+std::optional<Error> Runtime::Implementation::refusal_of_lost_robot() const {
+  auto lost = host.loss();
+  if (!lost) {
+    return std::nullopt;
+  }
+  return fail(ErrorCode::Superseded,
+              "this runtime has lost the robot, and does not get it back; end it, and start one with "
+              "`segue run --take-over`",
+              name)
+      .because_of(std::move(*lost));
+}
+
 std::optional<Error> Runtime::Implementation::refusal_of(const RequestOptions& request_options) const {
   if (auto refusal = request_options.although_halted ? std::nullopt : halts.refusal()) {
     return refusal;
@@ -113,6 +125,9 @@ std::optional<Error> Runtime::Implementation::refusal_of(const RequestOptions& r
 }
 
 Result<std::uint64_t> Runtime::Implementation::take_lease(std::string holder) {
+  if (auto lost = refusal_of_lost_robot()) {
+    return std::move(*lost);
+  }
   const std::lock_guard lock(mutex);
   if (auto refusal = halts.refusal()) {
     return std::move(*refusal);
@@ -166,6 +181,9 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
   if (request_options.action_deadline <= Duration::zero()) {
     return tl::unexpected(
         detail::Refusal{fail(ErrorCode::InvalidArgument, "the deadline of an action must be positive"), {}});
+  }
+  if (auto lost = request_options.although_halted ? std::nullopt : refusal_of_lost_robot()) {
+    return tl::unexpected(detail::Refusal{std::move(*lost), {}});
   }
   if (const auto* transition = std::get_if<model::Transition>(&request)) {
     auto plan = detail::plan_transition(current, *transition, host, catalog);

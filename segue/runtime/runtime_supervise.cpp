@@ -66,6 +66,13 @@ std::string drift_of(const model::Network& controller, const model::Network& see
          (sentences.empty() ? std::string() : ": " + sentences.front());
 }
 
+std::vector<Readiness> unready(std::vector<Readiness> all, const std::string& reason) {
+  for (auto& one : all) {
+    one = {one.controller, false, 0, one.tasks, reason};
+  }
+  return all;
+}
+
 std::string names_of(const std::vector<DetectedFault>& faults) {
   std::vector<std::string> names;
   for (const auto& fault : faults) {
@@ -157,12 +164,10 @@ void Runtime::Implementation::supervise() {
   }
   note_differences(seen.network);
   forget_ended(seen.network);
-  bring_back(returned, seen);
-  auto left = handle_faults(seen);
-  auto leftovers = collect_leftovers(seen);
-  look_after_pools();
-  left.insert(left.end(), std::make_move_iterator(leftovers.begin()),
-              std::make_move_iterator(leftovers.end()));
+  std::vector<UnresolvedFault> left;
+  if (!host.loss()) {
+    left = put_right(returned, seen);
+  }
   bool due = false;
   {
     const std::lock_guard lock(mutex);
@@ -172,6 +177,17 @@ void Runtime::Implementation::supervise() {
   if (due) {
     look_ahead();
   }
+}
+
+std::vector<UnresolvedFault> Runtime::Implementation::put_right(const std::set<model::HostName>& returned,
+                                                                const Observation& seen) {
+  bring_back(returned, seen);
+  auto left = handle_faults(seen);
+  auto leftovers = collect_leftovers(seen);
+  look_after_pools();
+  left.insert(left.end(), std::make_move_iterator(leftovers.begin()),
+              std::make_move_iterator(leftovers.end()));
+  return left;
 }
 
 void Runtime::Implementation::forget_ended(const model::Network& observed) {
@@ -378,6 +394,9 @@ void Runtime::Implementation::look_ahead() {
   SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
   auto ahead = plan_ahead(plan.controller);
+  if (const auto lost = refusal_of_lost_robot()) {
+    return answer_prepare(unready(std::move(ahead.readiness), to_string(*lost)));
+  }
   const Observation seen = belief.starting_point();
   plan.lost = detail::unreachable_hosts(host);
   plan.target = model::without_hosts(
@@ -409,9 +428,7 @@ void Runtime::Implementation::look_ahead() {
   } else if (!harmless) {
     const std::string reason =
         transition ? drift_of(plan.controller, seen.network) : to_string(transition.error());
-    for (auto& one : ahead.readiness) {
-      one = {one.controller, false, 0, one.tasks, reason};
-    }
+    ahead.readiness = unready(std::move(ahead.readiness), reason);
   }
   answer_prepare(std::move(ahead.readiness));
 }

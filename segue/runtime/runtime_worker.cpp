@@ -360,6 +360,13 @@ void Runtime::Implementation::on_event(const host::ComputerEvent& event) {
   log.add(event.reachable ? EventKind::HostFound : EventKind::HostLost, event.host.str(), event.message);
 }
 
+/// Whoever commands the robot here commands it no longer, and what waits is refused when it is planned.
+void Runtime::Implementation::on_event(const host::LossEvent& event) {
+  log.add(EventKind::Lease, "", event.message);
+  leases.take_away("another runtime");
+  wake_worker();
+}
+
 void Runtime::Implementation::reset(std::optional<model::Network> network) {
   {
     const std::lock_guard lock(mutex);

@@ -363,8 +363,9 @@ Undo Transaction::undo(const std::string& why) {
                    why + "; going back to " + quoted_name(before_.name));
   undo.error = bring_to(before_, undo.actions);
   const auto [observed, lost] = look();
-  undo.restored = is_restored(without_hosts(before_, lost), observed);
-  if (!undo.restored && options_.fallback && options_.fallback->name != plan_.transition.to) {
+  const bool commands = !context_.host.loss();  // else it is somebody else who puts other computers right
+  undo.restored = commands && is_restored(without_hosts(before_, lost), observed);
+  if (!undo.restored && commands && options_.fallback && options_.fallback->name != plan_.transition.to) {
     context_.log.add(EventKind::TransitionUndone, options_.fallback->name.str(),
                      "the old network cannot be restored; trying the fallback network");
     undo.fallback = options_.fallback->name;

@@ -57,8 +57,7 @@ class Player {
  private:
   std::string play(const Round& round) {
     if (round.restart) {
-      robot_.restart_runtime();
-      expected_.reset();
+      restart();
     }
     if (round.cut >= 0) {
       robot_.cut(static_cast<std::size_t>(round.cut));
@@ -70,7 +69,8 @@ class Player {
     reachable_before_ = reachable_places();
     const auto& controller = controllers_.at(static_cast<std::size_t>(round.controller));
     const model::Network target = robot_.host().expanded(controller);
-    const bool refusal = must_be_refused(target);
+    const bool was_lost = robot_.has_lost_robot();
+    const bool refusal = was_lost || must_be_refused(target);
     robot_.arm(round.troubles);
     const auto result = robot_.runtime().switch_to(
         controller, {.order = round.paper ? model::Order::Paper : model::Order::Seamless,
@@ -78,18 +78,57 @@ class Player {
                      .force = false,
                      .who = {}});
     robot_.disarm();
+    if (auto busy = robot_.must_be_lost() ? robot_.settle() : std::string(); !busy.empty()) {
+      return busy;
+    }
     struck_ = robot_.struck();
     for (const auto& trouble : struck_) {
       ends_.note(std::string(to_string(trouble.kind)));
     }
-    std::string wrong = judge(result, target, refusal);
+    std::string wrong = robot_.has_lost_robot() && !refusal ? judge_lost(result, target)
+                                                            : judge(result, target, refusal, was_lost);
     if (!wrong.empty()) {
       return wrong + "\nthe request ended: " + why(result);
     }
     return round.heal || is_unsure_ ? heal(round.controller) : std::string();
   }
 
-  std::string judge(const SwitchResult& result, const model::Network& target, bool refusal) {
+  void restart() {
+    robot_.restart_runtime();
+    expected_.reset();
+  }
+
+  /// The robot was lost meanwhile: what the request has done stands, and nothing is undone elsewhere.
+  std::string judge_lost(const SwitchResult& result, const model::Network& target) {
+    ends_.note("lost");
+    if (const auto broken = robot_.violations(); !broken.empty()) {
+      return listed(broken);
+    }
+    const auto was = std::exchange(expected_, std::nullopt);
+    if (result.outcome == Outcome::Done) {
+      return judge_lost_hosts(target);
+    }
+    return result.undo && result.undo->restored ? judge_claim_to_be_undone(was) : std::string();
+  }
+
+  /// It was lost afterwards. Hosts that had other trouble were left out.
+  std::string judge_claim_to_be_undone(const std::optional<model::Network>& was) {
+    const bool is_alone = std::all_of(struck_.begin(), struck_.end(), [](const Trouble& trouble) {
+      return trouble.kind == TroubleKind::Rival;
+    });
+    if (!was || !is_alone) {
+      return {};
+    }
+    for (const auto& place : reachable_before_) {
+      if (const auto wrong = differences(robot_.part(*was, place), robot_.truth(place)); !wrong.empty()) {
+        return "a switch whose robot was lost claims to be undone, but " + called(place) + ": " +
+               listed(wrong);
+      }
+    }
+    return {};
+  }
+
+  std::string judge(const SwitchResult& result, const model::Network& target, bool refusal, bool was_lost) {
     if (const auto broken = robot_.violations(); !broken.empty()) {
       return listed(broken);
     }
@@ -97,8 +136,8 @@ class Player {
       return refusal ? "a request that needs a lost host was not refused" : "the request was refused";
     }
     if (refusal) {
-      ends_.note("refused");
-      return judge_refused(result);
+      ends_.note(was_lost ? "refused since lost" : "refused");
+      return judge_refused(result, was_lost ? ErrorCode::Superseded : ErrorCode::Unavailable);
     }
     if (result.outcome == Outcome::Done) {
       ends_.note("done");
@@ -155,9 +194,9 @@ class Player {
     return place ? "host " + robot_.name(*place).str() : "the runtime's computer";
   }
 
-  std::string judge_refused(const SwitchResult& result) {
-    if (result.error->code != ErrorCode::Unavailable) {
-      return "the refusal has another reason than a lost host";
+  std::string judge_refused(const SwitchResult& result, ErrorCode reason) {
+    if (result.error->code != reason) {
+      return "the refusal has another reason than what was lost";
     }
     if (processes_may_have_ended()) {
       is_unsure_ = true;
@@ -270,6 +309,12 @@ class Player {
     struck_.clear();
     if (auto busy = robot_.settle(); !busy.empty()) {
       return "when all was well again, " + busy;
+    }
+    if (robot_.has_lost_robot()) {  // for good, although the rival has left
+      restart();
+    }
+    if (auto busy = robot_.settle(); !busy.empty()) {
+      return "when another runtime had taken the robot over, " + busy;
     }
     const auto& controller = controllers_.at(static_cast<std::size_t>(number));
     const auto result = robot_.runtime().switch_to(controller);

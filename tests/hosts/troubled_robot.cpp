@@ -71,7 +71,8 @@ TroubledRobot::Command::Command(TroubledRobot& robot)
       host(own, robot.places(), catalog,
            [&] {
              DistributedOptions options;
-             options.request = request_of("runtime" + std::to_string(++robot.runtimes_));
+             const bool is_first = robot.runtimes_ == 0;
+             options.request = request_of("runtime" + std::to_string(++robot.runtimes_), !is_first);
              options.gateways.robot = "robot";
              options.watch = 2ms;
              return options;
@@ -135,7 +136,12 @@ model::HostName TroubledRobot::name(std::size_t host) const {
 
 void TroubledRobot::restart_runtime() {
   command_.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    usurped_.clear();
+  }
   command_ = std::make_unique<Command>(*this);
+  renew_rivals();
 }
 
 void TroubledRobot::cut(std::size_t host) {
@@ -143,8 +149,26 @@ void TroubledRobot::cut(std::size_t host) {
 }
 
 bool TroubledRobot::can_be_reached(std::size_t host) const {
+  if (command_->host.loss()) {
+    return false;
+  }
   const std::lock_guard lock(mutex_);
   return computers_.at(host)->line.up() && !rivals_.contains(host);
+}
+
+bool TroubledRobot::must_be_lost() const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(usurped_.begin(), usurped_.end(),
+                     [&](std::size_t host) { return computers_[host]->line.up(); });
+}
+
+bool TroubledRobot::has_lost_robot() {
+  const bool is_lost = host().loss().has_value();
+  const std::lock_guard lock(mutex_);
+  if (is_lost && usurped_.empty()) {
+    violations_.push_back("the runtime counts the robot as lost, which no other one has got");
+  }
+  return is_lost;
 }
 
 /// False as well while a rival has left the host and the runtime has not noticed either.
@@ -158,6 +182,9 @@ bool TroubledRobot::is_commanded(std::size_t host) const {
 }
 
 std::string TroubledRobot::unnoticed() {
+  if (must_be_lost() && !host().loss()) {
+    return "the robot is not noticed to be lost";
+  }
   std::string missing;
   const auto reports = host().computers();
   for (std::size_t i = 0; i < hosts(); ++i) {
@@ -440,6 +467,9 @@ void TroubledRobot::enter_rival(std::size_t host, bool ends_all) {
   }
   rival.frozen = computer.world.truth();
   const std::lock_guard lock(mutex_);
+  if (rival.session != nullptr) {
+    usurped_.insert(host);
+  }
   rivals_.insert_or_assign(host, std::move(rival));
 }
 

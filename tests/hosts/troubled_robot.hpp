@@ -95,11 +95,17 @@ class TroubledRobot {
   [[nodiscard]] std::size_t hosts() const { return computers_.size(); }
   [[nodiscard]] model::HostName name(std::size_t host) const;
   [[nodiscard]] bool optional(std::size_t host) const { return (optional_ >> host & 1U) != 0; }
-  /// The runtime ends, and another one begins.
+  /// The runtime ends, and another one begins, which takes the robot from whoever has it.
   void restart_runtime();
+  /// Another runtime has got the robot on some host, and this one knows: then it has lost all hosts, until
+  /// another one begins.
+  [[nodiscard]] bool has_lost_robot();
+  /// The runtime will know before long, since such a host can be asked.
+  [[nodiscard]] bool must_be_lost() const;
 
   /// Nobody reaches the host, until heal().
   void cut(std::size_t host);
+  /// And is commanded by the runtime.
   [[nodiscard]] bool can_be_reached(std::size_t host) const;
   /// Waits until the runtime knows which hosts can be reached, and has nothing to do. Empty; or what keeps
   /// it.
@@ -177,6 +183,7 @@ class TroubledRobot {
   bool in_transition_ = false;
   std::map<std::size_t, Promise> promises_;  ///< of the hosts that are armed
   std::map<std::size_t, Rival> rivals_;
+  std::set<std::size_t> usurped_;  ///< where another runtime has got the robot since this one began
   std::map<std::size_t, HostView> first_views_;
   std::vector<std::string> violations_;
   std::vector<std::future<void>> later_;

@@ -220,6 +220,7 @@ class HostServer final : public wire::Host::Server {
     const Peer& peer = caller_.client()->peer;
     request.identity = peer.local ? std::string() : peer.name;
     request.take_over = params.getTakeOver();
+    request.again = params.getAgain();
     request.models =
         decode_list<hosts::ModelFile>(params.getModels(), [](const auto& part) { return decode(part); });
     auto job = [&service = service(), request = std::move(request), launch = get(params.getLaunch()),

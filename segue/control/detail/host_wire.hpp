@@ -27,7 +27,7 @@ hosts::ModelFile decode(wire::ModelFile::Reader reader);
 void encode(const hosts::HostView& view, wire::View::Builder builder);
 hosts::HostView decode(wire::View::Reader reader);
 
-/// A ComputerEvent does not travel: only a runtime knows which computers it can reach.
+/// A ComputerEvent and a LossEvent do not travel: only a runtime knows what it can reach and commands.
 void encode(const host::HostEvent& event, wire::HostEvent::Builder builder);
 host::HostEvent decode(wire::HostEvent::Reader reader);
 
