@@ -9,17 +9,32 @@
 
 namespace segue {
 
+namespace {
+
+void fill_with_random(void* bytes, std::size_t size) {
+  if (::getrandom(bytes, size, 0) != static_cast<ssize_t>(size))
+    throw std::system_error(errno, std::generic_category(), "getrandom");
+}
+
+}  // namespace
+
 std::string random_secret() {
   constexpr std::string_view kHexadecimal = "0123456789abcdef";
   std::array<unsigned char, 32> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::system_error(errno, std::generic_category(), "getrandom");
+  fill_with_random(bytes.data(), bytes.size());
   std::string text;
   for (const unsigned char byte : bytes) {
     text += kHexadecimal[byte >> 4U];
     text += kHexadecimal[byte & 15U];
   }
   return text;
+}
+
+std::uint64_t random_number() {
+  std::uint64_t number = 0;
+  while (number == 0)
+    fill_with_random(&number, sizeof(number));
+  return number;
 }
 
 bool equal_secrets(std::string_view a, std::string_view b) {

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <set>
+
 namespace segue {
 namespace {
 
@@ -15,6 +18,15 @@ TEST(Secret, IsComparedAsAWhole) {
 TEST(Secret, IsAnotherOneEachTime) {
   EXPECT_EQ(random_secret().size(), 64U);
   EXPECT_NE(random_secret(), random_secret());
+}
+
+TEST(Secret, NumbersAreRandomAndNeverNull) {
+  std::set<std::uint64_t> seen;
+  for (int i = 0; i < 1000; ++i)
+    seen.insert(random_number());
+  EXPECT_EQ(seen.size(), 1000U);
+  EXPECT_FALSE(seen.contains(0));
+  EXPECT_GT(*seen.rbegin(), std::uint64_t{1} << 48U) << "all bits are random";
 }
 
 }  // namespace

@@ -285,8 +285,10 @@ TEST_F(HostTest, ARequestForARobotTravels) {
   asked.launch.log_level = "debug";
   asked.models = {{"arm.yaml", std::string("a\0b", 3)}, {"", ""}};
   asked.take_over = true;
+  asked.again = true;
   ASSERT_TRUE(host->acquire(asked, soon()));
   const auto got = daemon_.request();
+  EXPECT_TRUE(got.again);
   EXPECT_EQ(got.holder, asked.holder);
   EXPECT_EQ(got.launch, asked.launch);
   EXPECT_TRUE(got.take_over);

@@ -25,6 +25,10 @@ Result<Role> role_from(std::string_view text) {
               quote(text) + " is no role; there are observe, operate and administer");
 }
 
+std::string identity_of(const Peer& peer) {
+  return peer.local ? std::string() : peer.name;
+}
+
 std::string to_string(const Peer& peer) {
   std::string text = peer.name.empty() ? std::string("a client without a name")
                                        : quote(peer.name) + " (" + std::string(to_string(peer.role)) + ")";

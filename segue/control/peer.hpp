@@ -28,6 +28,10 @@ struct Peer {
   bool local = false;  ///< connected through the Unix socket
 };
 
+/// To whom something is given that is nobody else's: the name in the certificate; empty for all clients on
+/// this computer, whom the socket's permissions let in.
+std::string identity_of(const Peer& peer);
+
 /// "'ann' (operate) at 10.0.0.3:52114", for messages.
 std::string to_string(const Peer& peer);
 

@@ -57,17 +57,48 @@ TEST_F(SecureTest, LargeAnswersAndManyOfThemArriveWhole) {
     ASSERT_EQ(robot->call("t", "echo", Value(i), {}, soon()).value(), Value(i));
 }
 
-struct Question {
-  Verb verb;
-  std::function<Result<void>(RobotService&)> ask;
-  bool takes_over = false;
-};
-
 template <class T>
 Result<void> outcome(const Result<T>& result) {
   if (!result) return result.error();
   return {};
 }
+
+TEST_F(SecureTest, ALeaseServesOnlyWhoGotIt) {
+  enrol({.name = "bob", .role = Role::Administer});
+  serve_tcp();
+  const auto owner = client_of("ann");
+  const auto lease = owner->lease("a mission");
+  ASSERT_TRUE(lease) << to_string(lease.error());
+  const std::uint64_t number = (*lease)->number();
+  const auto thief = client_of("bob");
+  const Sender sender{.who = "", .lease = number, .beside_mission = false};
+  const std::vector<std::pair<std::string, std::function<Result<void>(RobotService&)>>> uses = {
+      {"switch", [&](auto& robot) { return outcome(robot.switch_to("a", {.lease = number}, soon())); }},
+      {"network",
+       [&](auto& robot) {
+         return outcome(robot.switch_to_network("tasks: {}", "n.yaml", {.lease = number}, soon()));
+       }},
+      {"apply", [&](auto& robot) { return outcome(robot.apply({.lease = number}, soon())); }},
+      {"prepare", [&](auto& robot) { return outcome(robot.prepare({"a"}, number, soon())); }},
+      {"report", [&](auto& robot) { return outcome(robot.report(number, Value())); }},
+      {"set", [&](auto& robot) { return outcome(robot.set_property("a", "b", Value(1), sender, soon())); }},
+      {"call", [&](auto& robot) { return outcome(robot.call("t", "echo", Value(), sender, soon())); }},
+      {"write", [&](auto& robot) { return outcome(robot.write("t", "in", Value(1), sender, soon())); }},
+      {"give back", [&](auto& robot) { return outcome(robot.give_back(number, false, soon())); }},
+  };
+  for (const auto& [what, use] : uses) {
+    const auto stolen = use(*thief);
+    ASSERT_FALSE(stolen) << what;
+    EXPECT_EQ(stolen.error().code, ErrorCode::PermissionDenied) << what;
+    EXPECT_TRUE(use(*client_of("ann"))) << what << ": also over another connection of hers";
+  }
+}
+
+struct Question {
+  Verb verb;
+  std::function<Result<void>(RobotService&)> ask;
+  bool takes_over = false;
+};
 
 /// Each function of a robot's server at least once.
 std::vector<Question> all_questions() {

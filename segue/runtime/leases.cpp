@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/leases.hpp>
 
+#include <segue/base/secret.hpp>
+
 #include <utility>
 
 namespace segue::runtime::detail {
@@ -10,7 +12,7 @@ Result<std::uint64_t> Leases::take(std::string holder) {
   if (held_) {
     return fail(ErrorCode::InvalidState, "the robot is commanded by " + held_->holder);
   }
-  held_ = Lease{.number = ++taken_, .holder = std::move(holder)};
+  held_ = Lease{.number = random_number(), .holder = std::move(holder)};
   missions_.begin(held_->holder);
   log_.add(EventKind::Lease, "", held_->holder + " commands the robot");
   return held_->number;

@@ -16,7 +16,9 @@
 
 namespace segue::runtime::detail {
 
-/// Who may request controllers (Runtime::take_lease). Thread safe; nothing blocks.
+/// Who may request controllers (Runtime::take_lease). The number of a lease is a secret of its holder:
+/// whoever names it commands, so it is random, and in nothing that others can read. Thread safe; nothing
+/// blocks.
 class Leases {
  public:
   /// `log` gets an event for each change, `journal` what missions report. Both must outlive this.
@@ -72,7 +74,6 @@ class Leases {
 
   EventLog& log_;
   mutable std::mutex mutex_;  ///< protects all below
-  std::uint64_t taken_ = 0;   ///< leases so far
   MissionReports missions_;
   std::optional<Lease> held_;
   std::optional<Lease> lost_;  ///< the last that was taken over; `holder` did so

@@ -102,7 +102,7 @@ class Runtime {
 
   /// The right to request controllers and to apply files, for one holder at a time, until end_lease(), or
   /// until somebody takes the robot over. InvalidState while another one holds it. What the runtime does by
-  /// itself (repair, fallback) needs none.
+  /// itself (repair, fallback) needs none. The result is a secret of the holder, which nothing else shows.
   Result<std::uint64_t> take_lease(std::string holder);
   /// Unless it is to `keep` running what it runs, or that is nothing, a robot that says what rest is
   /// (ControllerSet::halt) halts: the result; otherwise no future. Open requests of that lease are cancelled.

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/robot_service.hpp>
 
+#include <segue/control/server.hpp>
 #include <segue/runtime/report.hpp>
 #include <segue/runtime/test_support.hpp>
+#include <segue/type/json.hpp>
 #include <support/forwarding_host.hpp>
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <string>
 
 namespace segue::runtime {
@@ -163,6 +169,51 @@ TEST(ServiceWithJournal, tells_at_once_what_has_happened) {
     }
   }
   std::filesystem::remove_all(pattern);
+}
+
+/// All numbers in a document, in texts as well.
+void collect_numbers(const type::Value& value, std::set<std::uint64_t>& all) {
+  const std::string text = type::to_json(value);
+  for (std::size_t at = 0; at < text.size();) {
+    std::uint64_t number = 0;
+    const auto end = std::from_chars(text.data() + at, text.data() + text.size(), number);
+    if (end.ec == std::errc() && number != 0) {
+      all.insert(number);
+    }
+    at = std::max(at + 1, static_cast<std::size_t>(end.ptr - text.data()));
+  }
+}
+
+TEST_F(Service, obeys_nobody_who_guesses_a_lease_or_names_what_he_can_read) {
+  const auto socket = std::filesystem::path(::testing::TempDir()) / ("lease-" + std::to_string(::getpid()));
+  const auto server = control::Server::listen(socket, &service_);
+  ASSERT_TRUE(server) << to_string(server.error());
+  const auto owner = control::connect(socket, std::chrono::seconds(30));
+  const auto thief = control::connect(socket, std::chrono::seconds(30));
+  ASSERT_TRUE(owner && thief);
+  const auto lease = (*owner)->lease("mission patrol");
+  ASSERT_TRUE(lease) << to_string(lease.error());
+  const std::uint64_t number = (*lease)->number();
+  ASSERT_TRUE((*owner)->report(number, type::Value::map({{"mission", "patrol"}, {"state", "running"}})));
+  ASSERT_TRUE((*owner)->switch_to("only", {.lease = number}, soon()));
+
+  std::set<std::uint64_t> guesses;
+  for (std::uint64_t guess = 1; guess <= 100; ++guess) {
+    guesses.insert({guess, number + guess, number - guess});
+  }
+  for (const auto& document :
+       {(*thief)->status(), (*thief)->events(0, {}), (*thief)->history(), (*thief)->mission(0, true)}) {
+    ASSERT_TRUE(document);
+    collect_numbers(*document, guesses);
+  }
+  EXPECT_FALSE(guesses.contains(number)) << "it can be read";
+  for (const std::uint64_t guess : guesses) {
+    const auto answer = (*thief)->switch_to("", {.lease = guess}, soon());
+    ASSERT_TRUE(answer) << to_string(answer.error());
+    EXPECT_EQ(answer->find("outcome")->as_string(), "refused") << guess;
+    EXPECT_FALSE((*thief)->report(guess, type::Value("stolen"))) << guess;
+  }
+  EXPECT_EQ((*owner)->status()->find("controller")->as_string(), "only");
 }
 
 }  // namespace

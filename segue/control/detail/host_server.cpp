@@ -217,8 +217,7 @@ class HostServer final : public wire::Host::Server {
     hosts::RobotRequest request;
     request.holder = as_string(params.getHolder());
     request.secret = as_string(params.getSecret());
-    const Peer& peer = caller_.client()->peer;
-    request.identity = peer.local ? std::string() : peer.name;
+    request.identity = identity_of(caller_.client()->peer);
     request.take_over = params.getTakeOver();
     request.again = params.getAgain();
     request.models =

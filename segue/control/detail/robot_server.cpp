@@ -74,10 +74,16 @@ Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
   return options;
 }
 
-/// A lease is a stream of news; the name of its type is its number.
+/// A lease is a stream of news; the name of its type is its number. It is its owner's until it ends.
 class LeaseStream final : public SampleStream {
  public:
-  explicit LeaseStream(std::unique_ptr<RobotLease> lease) : lease_(std::move(lease)) {}
+  LeaseStream(std::unique_ptr<RobotLease> lease, LeaseOwners& owners, const Peer& owner)
+      : lease_(std::move(lease)), owners_(owners) {
+    owners_.add(lease_->number(), owner);
+  }
+  ~LeaseStream() override { owners_.remove(lease_->number()); }
+  LeaseStream(const LeaseStream&) = delete;
+  LeaseStream& operator=(const LeaseStream&) = delete;
 
   Result<std::vector<Value>> read(std::size_t /*limit*/) override {
     std::vector<Value> news;
@@ -94,6 +100,7 @@ class LeaseStream final : public SampleStream {
 
  private:
   const std::unique_ptr<RobotLease> lease_;
+  LeaseOwners& owners_;
 };
 
 std::vector<std::string> names_in(capnp::List<capnp::Text>::Reader list) {
@@ -131,8 +138,8 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> switchTo(SwitchToContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        role_for(Verb::Switch, params.getTakeOver()), context,
+    return answer_holder(
+        role_for(Verb::Switch, params.getTakeOver()), params.getLease(), context,
         [&service = service(), controller = as_string(params.getController()),
          options = options_of(params, peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
@@ -145,13 +152,13 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(role_for(Verb::Switch, params.getTakeOver()), context,
-                                [&service = service(), text = as_string(params.getText()),
-                                 file = as_string(params.getFile()), options = options_of(params, peer()),
-                                 deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
-                                  if (!options) return options.error();
-                                  return service.switch_to_network(text, file, *options, deadline);
-                                });
+    return answer_holder(role_for(Verb::Switch, params.getTakeOver()), params.getLease(), context,
+                         [&service = service(), text = as_string(params.getText()),
+                          file = as_string(params.getFile()), options = options_of(params, peer()),
+                          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
+                           if (!options) return options.error();
+                           return service.switch_to_network(text, file, *options, deadline);
+                         });
   }
 
   kj::Promise<void> plan(PlanContext context) override {
@@ -168,8 +175,8 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> applyFiles(ApplyFilesContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        role_for(Verb::Apply, params.getTakeOver()), context,
+    return answer_holder(
+        role_for(Verb::Apply, params.getTakeOver()), params.getLease(), context,
         [&service = service(),
          options = SwitchOptions{.force = params.getForce(),
                                  .order = as_string(params.getOrder()),
@@ -181,8 +188,8 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> prepare(PrepareContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        role_for(Verb::Prepare), context,
+    return answer_holder(
+        role_for(Verb::Prepare), params.getLease(), context,
         [&service = service(), controllers = names_in(params.getControllers()), lease = params.getLease(),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) {
           return service.prepare(controllers, lease, {deadline, dropped});
@@ -201,21 +208,22 @@ class RobotServer final : public wire::Robot::Server {
     const std::string said = as_string(context.getParams().getHolder());
     const std::string holder = peer().local ? said : to_string(peer()) + ": " + said;
     return answer_stream(caller_, role_for(Verb::Lease), context,
-                         [&service = service(), holder]() -> Result<std::unique_ptr<SampleStream>> {
+                         [&service = service(), holder, &owners = caller_.core().lease_owners,
+                          owner = peer()]() -> Result<std::unique_ptr<SampleStream>> {
                            auto lease = service.lease(holder);
                            if (!lease) return lease.error();
-                           return std::make_unique<LeaseStream>(std::move(*lease));
+                           return std::make_unique<LeaseStream>(std::move(*lease), owners, owner);
                          });
   }
 
   kj::Promise<void> report(ReportContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(role_for(Verb::Report), context,
-                                [&service = service(), lease = params.getLease(),
-                                 doing = decode(params.getDoing(), kMaxNodes)]() -> Result<Value> {
-                                  if (!doing) return doing.error();
-                                  return as_value(service.report(lease, *doing));
-                                });
+    return answer_holder(role_for(Verb::Report), params.getLease(), context,
+                         [&service = service(), lease = params.getLease(),
+                          doing = decode(params.getDoing(), kMaxNodes)]() -> Result<Value> {
+                           if (!doing) return doing.error();
+                           return as_value(service.report(lease, *doing));
+                         });
   }
 
   kj::Promise<void> mission(MissionContext context) override {
@@ -248,11 +256,11 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> giveBack(GiveBackContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(role_for(Verb::GiveBack), context,
-                                [&service = service(), lease = params.getLease(), keep = params.getKeep(),
-                                 deadline = deadline_after(params.getTimeout())] {
-                                  return service.give_back(lease, keep, deadline);
-                                });
+    return answer_holder(role_for(Verb::GiveBack), params.getLease(), context,
+                         [&service = service(), lease = params.getLease(), keep = params.getKeep(),
+                          deadline = deadline_after(params.getTimeout())] {
+                           return service.give_back(lease, keep, deadline);
+                         });
   }
 
   kj::Promise<void> stop(StopContext context) override {
@@ -287,8 +295,8 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> setProperty(SetPropertyContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        role_for(Verb::Set), context,
+    return answer_holder(
+        role_for(Verb::Set), params.getSender().getLease(), context,
         [&service = service(), task = as_string(params.getTask()), property = as_string(params.getProperty()),
          value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
@@ -299,8 +307,8 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> write(WriteContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        role_for(Verb::Write), context,
+    return answer_holder(
+        role_for(Verb::Write), params.getSender().getLease(), context,
         [&service = service(), task = as_string(params.getTask()), port = as_string(params.getPort()),
          value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
@@ -311,8 +319,8 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> call(CallContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        role_for(Verb::Call), context,
+    return answer_holder(
+        role_for(Verb::Call), params.getSender().getLease(), context,
         [&service = service(), task = as_string(params.getTask()),
          operation = as_string(params.getOperation()), arguments = decode(params.getArguments(), kMaxNodes),
          sender = sender_of(params.getSender(), peer()),
@@ -361,6 +369,15 @@ class RobotServer final : public wire::Robot::Server {
   }
 
  private:
+  /// As Caller::answer_value(), for a call that names a lease: PermissionDenied where it is of somebody else.
+  template <class Context, class Job>
+  kj::Promise<void> answer_holder(Role needed, std::uint64_t lease, Context context, Job job) {
+    const auto refusal = caller_.core().lease_owners.refusal(lease, peer());
+    if (!refusal) return caller_.answer_value(needed, context, std::move(job));
+    encode(*refusal, context.getResults().initAnswer().initError());
+    return kj::READY_NOW;
+  }
+
   [[nodiscard]] const Peer& peer() const { return caller_.client()->peer; }
   [[nodiscard]] RobotService& service() const { return caller_.core().service<RobotService>(); }
 

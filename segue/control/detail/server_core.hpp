@@ -4,6 +4,7 @@
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/control/detail/broadcast.hpp>
 #include <segue/control/detail/event_loop.hpp>
+#include <segue/control/detail/lease_owners.hpp>
 #include <segue/control/detail/refusal_log.hpp>
 #include <segue/control/detail/tally.hpp>
 #include <segue/control/peer.hpp>
@@ -38,6 +39,7 @@ struct ServerCore {
   std::atomic<bool> stopping{false};
   Broadcast<host::TaskEvent> task_events;
   Broadcast<process::ProcessInfo> process_events;
+  LeaseOwners lease_owners;
   RefusalLog refusals;  ///< used in the loop's thread only
   EventLoop loop;
   Tally batches;  ///< in progress, on threads of the service

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/control/peer.hpp>
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace segue::control::detail {
+
+/// Whose the leases are that a server has given out, so that a number that was found out serves nobody else.
+/// Thread safe.
+class LeaseOwners {
+ public:
+  void add(std::uint64_t lease, const Peer& owner);
+  void remove(std::uint64_t lease);
+  /// PermissionDenied where that lease was given to somebody else. Of other numbers it says nothing: whether
+  /// such a lease is held the robot knows.
+  [[nodiscard]] std::optional<Error> refusal(std::uint64_t lease, const Peer& who) const;
+
+ private:
+  mutable std::mutex mutex_;                    ///< protects the member below
+  std::map<std::uint64_t, std::string> owner_;  ///< as identity_of() names it
+};
+
+}  // namespace segue::control::detail
