@@ -27,11 +27,8 @@ constexpr std::string_view kUnixScheme = "unix:";
 constexpr std::string_view kTcpScheme = "tcp://";
 constexpr const char* kThisComputer = "127.0.0.1";
 
-/// The address of a host without its port, where samples reach it.
+/// The address of another computer without its port, where samples reach it.
 std::string data_address(const model::Host& host) {
-  if (!host.address.starts_with(kTcpScheme)) {
-    return kThisComputer;  // a Unix socket leads to this computer
-  }
   const auto address = control::parse_tcp_address(host.address.substr(kTcpScheme.size()));
   return address ? address->host : std::string();
 }
@@ -107,16 +104,18 @@ hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
     settings.domain = std::atoi(domain);
   }
   std::string own;
+  std::vector<model::HostName> here{model::kLocalHost};
   bool all_here = true;
   for (const auto& host : robot.hosts) {
     if (host.is_local()) {
       settings.own.push_back(host.name);
       continue;
     }
-    settings.addresses.emplace(host.name, data_address(host));
     if (host.address.starts_with(kUnixScheme)) {
+      here.push_back(host.name);  // a Unix socket leads to this computer
       continue;
     }
+    settings.addresses.emplace(host.name, data_address(host));
     all_here = false;
     if (own.empty()) {
       own = own_address_towards(data_address(host));
@@ -125,8 +124,10 @@ hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
   if (all_here) {
     own = kThisComputer;
   }
-  if (!own.empty()) {
-    settings.addresses.emplace(model::kLocalHost, own);
+  for (const auto& name : here) {
+    if (!own.empty()) {
+      settings.addresses.emplace(name, own);
+    }
   }
   return settings;
 }

@@ -22,7 +22,8 @@ Result<control::Endpoint> endpoint_of(const model::Robot& robot, const model::Ho
 std::vector<hosts::HostPlace> host_places(const model::Robot& robot);
 
 /// Where samples travel: at the addresses of the hosts, in the DDS domain of $ROS_DOMAIN_ID. The runtime's
-/// own computer has the address that leads to the first of them whose address is a number.
+/// own computer, which Unix sockets lead to as well, has the address that leads to the first of the others
+/// whose address is a number.
 hosts::GatewaySettings gateway_settings(const model::Robot& robot);
 
 /// The same addresses, of all hosts: where senders and receivers look for each other. It is enough that the

@@ -46,6 +46,12 @@ TEST(HostPlaces, TheOwnAddressIsThatWhichLeadsToTheFirstOtherComputer) {
       (Addresses{{"", "127.0.0.1"}, {"here", "127.0.0.1"}, {"named", "no.such.name"}, {"arm", "127.0.0.2"}}));
 }
 
+TEST(HostPlaces, HostsBehindSocketsHaveTheAddressOfThisComputerThatOthersReach) {
+  EXPECT_EQ(addresses_of({{"here", "unix:here.sock"}, {"named", "tcp://no.such.name:7447"}}),
+            (Addresses{{"", "?"}, {"named", "no.such.name"}}))
+      << "not that of loopback, where others do not reach it";
+}
+
 TEST(HostPlaces, ProcessesLookForOthersAtAllAddressesThatAreKnown) {
   model::Robot robot;
   for (const char* address : {"tcp://127.0.0.2:7447", "unix:here.sock", "tcp://no.such.name:7447", "local"}) {
