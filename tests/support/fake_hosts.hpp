@@ -339,13 +339,15 @@ class Computer {
     local = std::move(*made);
   }
 
-  HostPlace place(bool optional = false) {
+  HostPlace place(bool optional = false) { return place_over(line, optional); }
+  /// Over lines of somebody else, which outlive whoever connects.
+  HostPlace place_over(Line& lines, bool optional = false) {
     return {model::HostName(name), "fake://" + name, optional,
-            [this](TimePoint, std::function<void()> gone) -> Result<std::unique_ptr<HostService>> {
-              line.attempt();
-              if (!line.up()) return fail(ErrorCode::Unavailable, "nobody answers");
-              auto daemon = std::make_unique<Daemon>(*this);
-              line.listen(daemon.get(), std::move(gone));
+            [this, &lines](TimePoint, std::function<void()> gone) -> Result<std::unique_ptr<HostService>> {
+              lines.attempt();
+              if (!lines.up()) return fail(ErrorCode::Unavailable, "nobody answers");
+              auto daemon = std::make_unique<Daemon>(*this, lines);
+              lines.listen(daemon.get(), std::move(gone));
               return daemon;
             }};
   }
@@ -364,8 +366,8 @@ class Computer {
  private:
   class Daemon final : public HostService {
    public:
-    explicit Daemon(Computer& computer) : computer_(computer), wire_(computer.line) {}
-    ~Daemon() override { computer_.line.leave(this); }
+    Daemon(Computer& computer, Line& line) : computer_(computer), wire_(line) {}
+    ~Daemon() override { wire_.line().leave(this); }
     Daemon(const Daemon&) = delete;
     Daemon& operator=(const Daemon&) = delete;
     Result<HostInfo> info() override {
