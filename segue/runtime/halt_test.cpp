@@ -3,6 +3,7 @@
 // Robots that are brought to rest: by whoever stops them, by the end of a lease, by a condition; at every
 // action of a transition.
 #include <segue/model/network_sets.hpp>
+#include <segue/runtime/condition_watch.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <support/eventually.hpp>
@@ -168,14 +169,9 @@ TEST(Halt, that_does_not_lead_to_rest_in_time_stops_devices_and_says_what_is_mis
 }
 
 TEST(Halt, comes_when_its_condition_holds_and_holds_the_robot_as_long) {
-  Robot robot;
   auto halt = hold();
-  halt.when = {{TaskReaches{"planner", "stopped"}, {}}};  // as it is, too, before it is started first
-  ASSERT_EQ(
-      robot.runtime.apply({{network_of(kDrive), network_of(kWork), network_of(kHold)}, {}, std::move(halt)})
-          .get()
-          .outcome,
-      Outcome::Done);
+  halt.when = {{TaskReaches{"planner", "stopped"}, {}}};
+  Robot robot(with(std::move(halt)));
   const auto lease = robot.runtime.take_lease("mission a").value();
   model::Action stop{
       1, model::ActionKind::Stop, model::TaskAction{model::TaskId("planner")}, model::Phase::Commit, {}};
@@ -188,6 +184,30 @@ TEST(Halt, comes_when_its_condition_holds_and_holds_the_robot_as_long) {
   }));
   EXPECT_TRUE(segue::testing::eventually([&] { return robot.switch_to("work").outcome == Outcome::Done; }))
       << "the task is gone, and nothing holds the robot any more";
+}
+
+/// The steps at which the tool is stopped last until a watch has seen that.
+TEST(Halt, does_not_come_for_a_task_that_is_only_prepared_or_is_stopped_by_a_transition) {
+  const TaskReaches is_stopped{"tool", "stopped"};
+  auto halt = hold();
+  halt.when = {{is_stopped, {}}};
+  Robot robot(with(std::move(halt)));
+  const auto wait_until_seen = [&] {
+    const detail::ConditionWatch watch(robot.host, is_stopped, detail::ConditionWatch::From::Now, [] {});
+    EXPECT_TRUE(segue::testing::eventually([&] { return watch.holds(); }));
+  };
+  robot.runtime.prepare({NetworkName("work")}).get();
+  wait_until_seen();
+  robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
+    if (action.label() == "configure tool" || action.label() == "stop tool") wait_until_seen();
+    return {};
+  });
+  for (const char* next : {"work", "drive", "work"}) {
+    const auto switched = robot.switch_to(next);
+    EXPECT_EQ(switched.outcome, Outcome::Done) << why(switched);
+  }
+  robot.asking.ask_after({});
+  EXPECT_FALSE(robot.runtime.halted()) << robot.runtime.halted()->request.why;
 }
 
 bool is_same(const model::Action& one, const model::Action& other) {

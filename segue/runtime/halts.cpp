@@ -48,8 +48,26 @@ void Halts::use(std::shared_ptr<const model::Halt> halt) {
   changed_.notify_all();
 }
 
+void Halts::look_at(const std::set<model::TaskId>& tasks) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(watched_, [&](const auto& one) { return !tasks.contains(one.first); });
+  for (const auto& task : tasks) {
+    if (watched_.emplace(task, looks_ + 1).second) {
+      ++looks_;
+    }
+  }
+  changed_.notify_all();
+}
+
+void Halts::look_away_from(const std::set<model::TaskId>& tasks) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(watched_, [&](const auto& one) { return tasks.contains(one.first); });
+  changed_.notify_all();
+}
+
 std::shared_future<HaltResult> Halts::begin(HaltRequest request, const std::function<void()>& first) {
-  const std::string by = who_of(request) + ", who halted it";
+  const std::string by =
+      who_of(request) + ", who halted it" + (request.why.empty() ? "" : ": " + request.why);
   std::shared_ptr<const model::Halt> how;
   std::shared_future<HaltResult> result;
   {
@@ -125,15 +143,17 @@ std::optional<Error> Halts::refusal() const {
 }
 
 void Halts::work(const std::stop_token& stop) {
-  std::shared_ptr<const model::Halt> watched;
-  Watches watches;
+  std::shared_ptr<const model::Halt> halt;
+  Watched tasks;
+  std::vector<WhenWatch> watches;
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    if (halt_ != watched) {
-      watched = halt_;
+    if (halt_ != halt || watched_ != tasks) {
+      auto kept = halt_ == halt ? std::move(watches) : std::vector<WhenWatch>();
+      halt = halt_;
+      tasks = watched_;
       lock.unlock();
-      watches =
-          watch(watched ? watched->when : std::vector<model::HaltCondition>{}, ConditionWatch::From::Now);
+      watches = halt ? watch_when(*halt, tasks, std::move(kept)) : std::vector<WhenWatch>();
       lock.lock();
     }
     if (note_conditions(watches) && !under_way_) {
@@ -148,30 +168,48 @@ void Halts::work(const std::stop_token& stop) {
     }
     changed_.wait(lock, stop, [&] {
       const bool is_asked = under_way_ && under_way_->switched.valid();
-      return is_asked || halt_ != watched || sentence_of_first(watches) != held_by_;
+      return is_asked || halt_ != halt || watched_ != tasks || sentence_of_first(watches) != held_by_;
     });
   }
 }
 
-bool Halts::note_conditions(const Watches& watches) {
+std::vector<Halts::WhenWatch> Halts::watch_when(const model::Halt& halt, const Watched& tasks,
+                                                std::vector<WhenWatch> watches) {
+  std::vector<WhenWatch> all;
+  for (const auto& [condition, where] : halt.when) {
+    const auto task = tasks.find(model::TaskId(model::task_of(condition)));
+    if (task == tasks.end()) {
+      continue;
+    }
+    const auto kept = std::ranges::find_if(watches, [&, look = task->second](const WhenWatch& one) {
+      return one.watch && one.look == look && one.watch->condition() == condition;
+    });
+    all.push_back(kept != watches.end()
+                      ? std::move(*kept)
+                      : WhenWatch{task->second, watch(condition, ConditionWatch::From::Now)});
+  }
+  return all;
+}
+
+bool Halts::note_conditions(const std::vector<WhenWatch>& watches) {
   const std::string before = std::exchange(held_by_, sentence_of_first(watches));
   return before.empty() && !held_by_.empty();
 }
 
-std::string Halts::sentence_of_first(const Watches& watches) {
-  const auto found = std::ranges::find_if(watches, [](const auto& one) { return one->holds(); });
-  return found == watches.end() ? std::string() : model::sentence((*found)->condition());
+std::string Halts::sentence_of_first(const std::vector<WhenWatch>& watches) const {
+  const auto found = std::ranges::find_if(watches, [this](const WhenWatch& one) {
+    const auto task = watched_.find(model::TaskId(model::task_of(one.watch->condition())));
+    return task != watched_.end() && task->second == one.look && one.watch->holds();
+  });
+  return found == watches.end() ? std::string() : model::sentence(found->watch->condition());
 }
 
-Halts::Watches Halts::watch(const std::vector<model::HaltCondition>& conditions, ConditionWatch::From from) {
-  Watches watches;
-  for (const auto& one : conditions) {
-    watches.push_back(std::make_unique<ConditionWatch>(host_, one.condition, from, [this] {
-      const std::lock_guard lock(mutex_);  // so that whoever waits has looked before, or looks again
-      changed_.notify_all();
-    }));
-  }
-  return watches;
+std::unique_ptr<ConditionWatch> Halts::watch(const model::RobotCondition& condition,
+                                             ConditionWatch::From from) {
+  return std::make_unique<ConditionWatch>(host_, condition, from, [this] {
+    const std::lock_guard lock(mutex_);  // so that whoever waits has looked before, or looks again
+    changed_.notify_all();
+  });
 }
 
 /// With the mutex held, which is released while this waits.
@@ -220,7 +258,10 @@ std::optional<std::string> Halts::trouble_of(std::future<SwitchResult>& switched
 
 std::optional<std::string> Halts::wait_for_rest(const model::Halt& halt, TimePoint deadline,
                                                 const std::stop_token& stop) {
-  const auto watches = watch(halt.at_rest, ConditionWatch::From::Update);
+  std::vector<std::unique_ptr<ConditionWatch>> watches;
+  for (const auto& one : halt.at_rest) {
+    watches.push_back(watch(one.condition, ConditionWatch::From::Update));
+  }
   const auto holds = [](const auto& one) { return one->holds(); };
   {
     std::unique_lock lock(mutex_);

@@ -12,11 +12,14 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <future>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -54,6 +57,11 @@ class Halts {
 
   /// What rest is from now on; null: the robot does not say it.
   void use(std::shared_ptr<const model::Halt> halt);
+  /// The tasks of the running controller are these from now on: conditions of `when` look at no others, and
+  /// anew at those that were not among them. Does not block.
+  void look_at(const std::set<model::TaskId>& tasks);
+  /// As long as a transition changes their states, conditions of `when` do not look at these. Does not block.
+  void look_away_from(const std::set<model::TaskId>& tasks);
   /// As of Runtime::halt(). Requests are refused from before `first` is called, which is before the runtime
   /// is asked for anything; it is not called where a halt is on its way already.
   std::shared_future<HaltResult> begin(HaltRequest request, const std::function<void()>& first = {});
@@ -66,7 +74,12 @@ class Halts {
   [[nodiscard]] std::optional<Error> refusal() const;
 
  private:
-  using Watches = std::vector<std::unique_ptr<ConditionWatch>>;
+  /// How often each task of the running controller has come to be one, counted by `looks_`.
+  using Watched = std::map<model::TaskId, std::uint64_t>;
+  struct WhenWatch {
+    std::uint64_t look = 0;  ///< as of Watched, for its task
+    std::unique_ptr<ConditionWatch> watch;
+  };
   struct UnderWay {
     Halted halted;
     TimePoint begin{};
@@ -78,10 +91,15 @@ class Halts {
   };
 
   void work(const std::stop_token& stop);
+  /// Those of `halt` whose tasks are watched, in its order; keeps what goes on of `watches`, which are of the
+  /// same halt. May wait for a look in progress, so without the mutex.
+  std::vector<WhenWatch> watch_when(const model::Halt& halt, const Watched& tasks,
+                                    std::vector<WhenWatch> watches);
   /// Notes what holds the robot; true where that is new. With the mutex held.
-  bool note_conditions(const Watches& watches);
-  static std::string sentence_of_first(const Watches& watches);
-  Watches watch(const std::vector<model::HaltCondition>& conditions, ConditionWatch::From from);
+  bool note_conditions(const std::vector<WhenWatch>& watches);
+  /// Empty: none holds. With the mutex held.
+  [[nodiscard]] std::string sentence_of_first(const std::vector<WhenWatch>& watches) const;
+  std::unique_ptr<ConditionWatch> watch(const model::RobotCondition& condition, ConditionWatch::From from);
   void bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
   /// Why the robot does not run what it was asked to by then.
   static std::optional<std::string> trouble_of(std::future<SwitchResult>& switched, TimePoint deadline);
@@ -95,6 +113,8 @@ class Halts {
   mutable std::mutex
       mutex_;  ///< protects all up to changed_; not held while the runtime or the host is asked
   std::shared_ptr<const model::Halt> halt_;
+  Watched watched_;
+  std::uint64_t looks_ = 0;
   std::optional<UnderWay> under_way_;
   std::optional<Halted> last_;        ///< until the robot is commanded
   std::optional<HaltRequest> latch_;  ///< until release()

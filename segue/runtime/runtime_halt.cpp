@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/host/full_id.hpp>
 #include <segue/model/controller_names.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
+#include <set>
 #include <utility>
+#include <variant>
 
 namespace segue::runtime {
 
@@ -75,6 +78,30 @@ DevicesStopped Runtime::Implementation::with_devices_stopped() const {
     }
   }
   return all;
+}
+
+/// Where what runs was not requested, it is all that was found, so what is only prepared is not counted.
+void Runtime::Implementation::look_at_what_runs() {
+  const auto held = belief.held();
+  std::set<model::TaskId> tasks;
+  for (const auto& task : held.controller.tasks) {
+    const bool is_prepared = task.state == TaskState::PreOperational || task.state == TaskState::Stopped;
+    if (held.wanted || !is_prepared) {
+      tasks.insert(task.id);
+    }
+  }
+  halts.look_at(tasks);
+}
+
+void Runtime::Implementation::look_away_from_changed(const model::Transition& transition) {
+  std::set<model::TaskId> tasks;
+  for (const auto& action : transition.actions) {
+    const auto* changed = std::get_if<model::TaskAction>(&action.what);
+    if (changed != nullptr && action.phase != model::Phase::Prepare) {
+      tasks.insert(host::plain_id(changed->task));
+    }
+  }
+  halts.look_away_from(tasks);
 }
 
 std::shared_future<HaltResult> Runtime::Implementation::end_lease(std::uint64_t lease, bool keep) {

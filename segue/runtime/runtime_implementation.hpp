@@ -74,6 +74,11 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
             std::optional<detail::PendingApply> files);
   [[nodiscard]] detail::DevicesStopped with_devices_stopped() const;
   std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep);
+  /// Conditions of the halt look at the tasks of the running controller, as the belief has it now.
+  void look_at_what_runs();
+  /// Not at tasks whose states the transition changes from its commit on, until the belief has what runs
+  /// then.
+  void look_away_from_changed(const model::Transition& transition);
 
   // Controllers and their files (runtime_apply.cpp)
   Diagnostics add(model::Network network);

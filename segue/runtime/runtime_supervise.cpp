@@ -162,6 +162,7 @@ void Runtime::Implementation::supervise() {
     wake_worker();  // the belief was replaced, or a host came or went: supervise again with a new snapshot
     return;
   }
+  look_at_what_runs();
   note_differences(seen.network);
   forget_ended(seen.network);
   std::vector<UnresolvedFault> left;

@@ -146,7 +146,9 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
     way_out = model::unite(*std::move(way_out), pool_part(current));
   }
   const auto running = std::make_shared<detail::Transaction>(
-      context, current, plan, detail::Transaction::Options{action_deadline, std::move(way_out)});
+      context, current, plan,
+      detail::Transaction::Options{action_deadline, std::move(way_out),
+                                   [this](const auto& next) { look_away_from_changed(next); }});
   begin(running, result.cause);
   const auto known_before = journal.known();
   const bool may_be_prepared = changes_controller && !standby.empty();
@@ -247,6 +249,7 @@ void Runtime::Implementation::conclude_failed(const SwitchPlan& plan, const Obse
 void Runtime::Implementation::adopt(const Observation& seen, const model::Network& controller,
                                     std::optional<model::Network> wanted) {
   belief.adopt(detail::split_observation(seen.network, controller, std::move(wanted)), seen.task_events);
+  look_at_what_runs();
 }
 
 std::optional<model::Network> Runtime::Implementation::known(const model::NetworkName& wanted) const {
@@ -378,6 +381,7 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
   if (network) {
     log.add(EventKind::BeliefReset, network->name.str(), "given: " + detail::summary(*network));
     belief.adopt_assumed(std::move(*network));
+    look_at_what_runs();
   } else {
     const auto held = belief.held();
     const Observation now = belief.observe();

@@ -280,7 +280,11 @@ void Transaction::go_back(const std::optional<Failure>& failed, SwitchResult& re
 
 Result<void> Transaction::arm(const model::Transition& transition, const model::Network& target) {
   context_.host.get_ready(target);
-  return context_.host.arm_commit(transition, RealClock::instance().now() + options_.action_deadline);
+  auto armed = context_.host.arm_commit(transition, RealClock::instance().now() + options_.action_deadline);
+  if (armed && options_.before_commit) {
+    options_.before_commit(transition);
+  }
+  return armed;
 }
 
 std::optional<Transaction::Failure> Transaction::failure_of(const Execution& execution,

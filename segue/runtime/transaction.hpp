@@ -8,6 +8,7 @@
 #include <segue/runtime/runtime.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -36,6 +37,8 @@ class Transaction {
   struct Options {
     Duration action_deadline{0};
     std::optional<model::Network> fallback;  ///< tried if the old network cannot be restored
+    /// Called before each commit, also of what undoes; must not block.
+    std::function<void(const model::Transition&)> before_commit{};
   };
 
   /// `before` is the network that runs now. References must outlive this.
