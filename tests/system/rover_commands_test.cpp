@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whoever commands the wheels of the simulated rover hangs or dies, and the wheels stand still.
+// Whoever commands the wheels of the simulated rover hangs or dies, alone or with the runtime, and the wheels
+// stand still.
 #include <gmock/gmock.h>
 
+#include <unistd.h>
+
+#include <chrono>
 #include <cmath>
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "../fault/processes.hpp"
 #include "system_test.hpp"
@@ -19,7 +27,7 @@ constexpr const char* kRobot =
 constexpr const char* kDrive = R"(network: drive
 tasks:
   rover: {component: "rover::Simulation", activity: {periodic: 10ms}}
-  wheels: {component: "rover::RoverDrive"}
+  wheels: {component: "rover::RoverDrive", properties: {timeout: 150ms}}
   script:
     component: "rover::VelocityScript"
     properties: {legs: [{duration: 1000.0, linear: 0.0, angular: 0.5}]}
@@ -33,6 +41,16 @@ deployments:
   commander: {tasks: [script]}
 )";
 
+/// Of all its threads.
+std::chrono::milliseconds processor_time_of(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  const std::string stat{std::istreambuf_iterator<char>(file), {}};
+  std::istringstream fields(stat.substr(stat.rfind(')') + 1));
+  std::vector<std::string> values{std::istream_iterator<std::string>(fields), {}};
+  const long ticks = values.size() < 13 ? 0 : std::stol(values[11]) + std::stol(values[12]);
+  return std::chrono::milliseconds(ticks * 1000 / ::sysconf(_SC_CLK_TCK));
+}
+
 class RoverCommands : public SystemTest {
  protected:
   void SetUp() override {
@@ -44,8 +62,14 @@ class RoverCommands : public SystemTest {
     wait_for_controller("drive");
     ASSERT_TRUE(eventually([&] { return turns(); })) << segue({"status"}).output;
   }
-  void signal_commander(int signal) const {
-    ASSERT_EQ(::kill(deployments_of(folder_ / "runtime").at("commander"), signal), 0);
+  pid_t pid_of(const std::string& process) const { return deployments_of(folder_ / "runtime").at(process); }
+  void signal_commander(int signal) const { ASSERT_EQ(::kill(pid_of("commander"), signal), 0); }
+  /// While nobody can be asked, the rover shows that it goes on by the processor time that it uses, which
+  /// passes more slowly than the time that its wheels wait for a command.
+  [[nodiscard]] bool goes_on_for(std::chrono::milliseconds used) const {
+    const pid_t body = pid_of("body");
+    const auto end = processor_time_of(body) + used;
+    return eventually([&] { return processor_time_of(body) >= end; });
   }
   /// How fast the rover really turns, rad/s.
   double turn_rate() {
@@ -66,6 +90,26 @@ TEST_F(RoverCommands, that_hang_stop_the_wheels_until_they_come_again) {
 TEST_F(RoverCommands, that_end_with_their_process_stop_the_wheels) {
   signal_commander(SIGKILL);
   EXPECT_TRUE(eventually([&] { return stands(); })) << segue({"status"}).output;
+}
+
+TEST_F(RoverCommands, that_hang_with_the_runtime_stop_the_wheels) {
+  robot_->signal(SIGSTOP);
+  signal_commander(SIGSTOP);
+  EXPECT_TRUE(goes_on_for(std::chrono::milliseconds(500)));
+  robot_->signal(SIGCONT);
+  EXPECT_TRUE(stands()) << "it has come to rest before anybody could look: " << segue({"status"}).output;
+  signal_commander(SIGCONT);
+  EXPECT_TRUE(eventually([&] { return turns(); })) << segue({"status"}).output;
+}
+
+TEST_F(RoverCommands, that_end_with_the_runtime_stop_the_wheels) {
+  robot_->signal(SIGKILL);
+  signal_commander(SIGKILL);
+  EXPECT_EQ(robot_->wait().status, 128 + SIGKILL);
+  EXPECT_TRUE(goes_on_for(std::chrono::milliseconds(500)));
+  robot_ = std::make_unique<Process>(command({"run", "robot.yaml"}), folder_);
+  ASSERT_TRUE(robot_->wait_for("runs (pid"));
+  EXPECT_TRUE(stands()) << "it has come to rest before anybody could look: " << segue({"status"}).output;
 }
 
 }  // namespace
