@@ -173,7 +173,7 @@ class PoolExecution {
       if (!outcome || stop.stop_requested()) return {kPreempted, {}};
       last = instance->task;
       if (outcome->answer) return ended_with(*outcome->answer, outputs);
-      if (!outcome->lost) return aborted_by(outcome->answer.error());
+      if (!outcome->lost) return aborted_by(explained(outcome->answer.error(), *instance));
       const auto pool = instances.look(call_.pool);
       if (!pool || !may_repeat_ || attempt > pool->instances.size())
         return aborted_by(
@@ -198,6 +198,15 @@ class PoolExecution {
   }
 
   static Ending aborted_by(const Error& error) { return {kAborted, to_string(error)}; }
+
+  /// Names the limit where it was too short.
+  [[nodiscard]] Error explained(const Error& error, const PoolInstanceView& instance) const {
+    if (error.code != ErrorCode::DeadlineExceeded) return error;
+    return fail(error.code, instance.task + "." + call_.operation +
+                                " has not answered within the action's 'timeout' of " +
+                                format_duration(call_.timeout))
+        .because_of(error);
+  }
 
   [[nodiscard]] std::string lost_text(const PoolInstanceView& instance, std::size_t attempts) const {
     return instance.task + " was lost while it worked" +

@@ -131,6 +131,16 @@ TEST_F(PoolCalls, EndAsTheAnswerSays) {
   EXPECT_EQ(ended().outcome_name, "no_route");
 }
 
+TEST_F(PoolCalls, SayWhichTimeLimitHasPassed) {
+  begin([](const std::string&, const Value&) -> Result<Value> {
+    return fail(ErrorCode::DeadlineExceeded, "operation 'plan' did not begin in time");
+  });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error,
+              HasSubstr("planner_1.plan has not answered within the action's "
+                        "'timeout' of 60s (operation 'plan' did not begin in time)"));
+}
+
 TEST_F(PoolCalls, AbortWithTheErrorOfTheOperation) {
   begin([](const std::string&, const Value&) -> Result<Value> {
     return fail(ErrorCode::InvalidArgument, "the goal is outside of the map");
