@@ -81,7 +81,7 @@ class FreshRobot {
   Result<void> wait_for_pools(const std::stop_token& stop) {
     const TimePoint deadline = deadline_in(std::chrono::seconds(60));
     while (true) {
-      const auto pools = served_->pools();
+      const auto pools = served_->pools(Wait(TimePoint::max(), stop));
       if (!pools) return pools.error();
       std::string missing;
       for (const mission::PoolView& pool : *pools) {
@@ -108,7 +108,7 @@ class FreshRobot {
 };
 
 Result<session::Session> load_for(const MissionExperiment& experiment, robot::ServedRobot& robot) {
-  const auto conflicts = robot.conflicts();
+  const auto conflicts = robot.conflicts(Wait(TimePoint::max()));
   if (!conflicts) return conflicts.error();
   Diagnostics diagnostics;
   auto plan = session::Session::load(experiment.mission, experiment.libraries, diagnostics, &*conflicts);

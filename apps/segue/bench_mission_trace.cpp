@@ -29,7 +29,7 @@ void RobotClock::stop() {
 
 void RobotClock::read() {
   if (samples_ == nullptr) {
-    auto opened = robot_->open(mission::parse_member(port_));
+    auto opened = robot_->open(mission::parse_member(port_), Wait(TimePoint::max()));
     if (!opened) {
       error_ = opened.error().message;  // its task does not run yet
       return;
@@ -40,7 +40,7 @@ void RobotClock::read() {
 }
 
 void RobotClock::take() {
-  const auto taken = samples_->take();
+  const auto taken = samples_->take(Wait(TimePoint::max()));
   const TimePoint now = monotonic_now();
   if (!taken) {
     error_ = taken.error().message;

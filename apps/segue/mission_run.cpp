@@ -228,7 +228,7 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const robot::Serv
 Result<void> add_pools(RunRequest& request, const session::Session& plan,
                        const std::shared_ptr<robot::ServedRobot>& robot) {
   if (plan.program() == nullptr || !mission::uses_pools(plan.program()->mission())) return {};
-  const auto pools = robot->pools();
+  const auto pools = robot->pools(Wait(TimePoint::max()));
   if (!pools) return pools.error();
   const auto units = mission::pool_units(plan.program()->mission(), *pools);
   if (!units) return units.error();
@@ -346,7 +346,7 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   const std::stop_callback stopping(signal.token(), [&] { stop.request_stop(); });
   const auto robot = std::make_shared<robot::ServedRobot>(service, sender("mission run"));
   if (auto taken = robot->take(); !taken) return failed(context, taken.error());
-  const auto conflicts = robot->conflicts();
+  const auto conflicts = robot->conflicts(Wait(TimePoint::max()));
   if (!conflicts) return failed(context, conflicts.error());
   Diagnostics diagnostics;
   const auto plan = session::Session::load(options.file, options.libraries, diagnostics, &*conflicts);

@@ -187,6 +187,36 @@ TEST_F(ControlTest, SamplesOfAPortAreReadUntilTheReaderLeaves) {
   EXPECT_EQ(robot_.open_streams, 0);
 }
 
+TEST_F(ControlTest, NobodyWaitsForALookThatIsWantedNoLonger) {
+  serve();
+  const auto robot = client();
+  const auto stream = robot->open_port("source", "out", 10).value();
+  const auto lease = robot->lease("a test").value();
+  std::stop_source stopped;
+  stopped.request_stop();
+  const Wait wait(soon(), stopped.get_token());
+  EXPECT_EQ(robot->status(wait).error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(robot->conflicts({}, wait).error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(robot->open_port("source", "out", 10, wait).error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(stream->read(1, wait).error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(lease->lost_to(wait).error().code, ErrorCode::Cancelled);
+}
+
+TEST_F(ControlTest, ALookAtALeaseThatIsWantedNoLongerLosesNothingThatItsHolderWasAsked) {
+  serve();
+  const auto robot = client();
+  const auto lease = robot->lease("a test").value();
+  EXPECT_EQ(*robot->ask_holder("pause", {}), 1U);
+  robot_.lease_blocks = true;
+  std::stop_source stop;
+  auto look = std::async(std::launch::async, [&] { return lease->lost_to({soon(), stop.get_token()}); });
+  EXPECT_TRUE(robot_.entered.wait());
+  stop.request_stop();
+  EXPECT_EQ(look.get().error().code, ErrorCode::Cancelled);
+  robot_.release.open();
+  EXPECT_EQ(lease->asked().value(), (std::vector<HolderRequest>{{1, "pause", {}}}));
+}
+
 TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
   serve();
   const auto robot = client();

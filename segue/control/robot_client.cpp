@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/robot.capnp.h>
 #include <segue/base/text.hpp>
+#include <segue/control/detail/lease_client.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/stream_client.hpp>
 #include <segue/control/detail/wire.hpp>
 #include <segue/control/server.hpp>
 
 #include <algorithm>
-#include <charconv>
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -63,61 +62,6 @@ Result<void> set_options(Request& request, const SwitchOptions& options) {
   return detail::encode(properties, request.initProperties());
 }
 
-/// A lease is a stream of news; the name of its type is its number.
-class ClientLease final : public RobotLease {
- public:
-  ClientLease(std::shared_ptr<RpcChannel> channel, RpcChannel::StreamId id,
-              std::unique_ptr<SampleStream> stream, std::uint64_t number)
-      : channel_(std::move(channel)), id_(id), stream_(std::move(stream)), number_(number) {}
-  /// Waits, so that who asks for the lease next gets it. Where that fails, it ends with the connection.
-  ~ClientLease() override {
-    static_cast<void>(channel_->ask(kGrace, [id = id_](RpcChannel::Connection& connection) {
-      auto request = connection.held<wire::SampleStream>(id).closeRequest();
-      return RpcChannel::send(request);
-    }));
-  }
-  ClientLease(const ClientLease&) = delete;
-  ClientLease& operator=(const ClientLease&) = delete;
-
-  [[nodiscard]] std::uint64_t number() const override { return number_; }
-  Result<std::optional<std::string>> lost_to() override {
-    const std::lock_guard lock(mutex_);
-    if (auto read = read_news(); !read) return read.error();
-    return lost_to_;
-  }
-  Result<std::vector<HolderRequest>> asked() override {
-    const std::lock_guard lock(mutex_);
-    if (auto read = read_news(); !read) return read.error();
-    return std::exchange(asked_, {});
-  }
-
- private:
-  static HolderRequest request_in(const Value& one, const std::string& what) {
-    const Value* arguments = one.find("arguments");
-    return {number_in(one.find("number")), what, arguments == nullptr ? Value() : *arguments};
-  }
-  Result<void> read_news() {
-    const auto news = stream_->read(kMostNews);
-    if (!news) return news.error();
-    for (const Value& one : *news) {
-      const Value* who = one.find("lost_to");
-      const Value* what = one.find("asked");
-      if (who != nullptr && who->is_string()) lost_to_ = who->as_string();
-      if (what != nullptr && what->is_string()) asked_.push_back(request_in(one, what->as_string()));
-    }
-    return {};
-  }
-
-  static constexpr std::size_t kMostNews = 100;
-  const std::shared_ptr<RpcChannel> channel_;
-  const RpcChannel::StreamId id_;
-  const std::unique_ptr<SampleStream> stream_;  ///< of that id
-  const std::uint64_t number_;
-  std::mutex mutex_;  ///< protects both; one reader at a time
-  std::optional<std::string> lost_to_;
-  std::vector<HolderRequest> asked_;
-};
-
 /// Whether the text of a file fits into a message.
 Result<void> check_text(std::string_view text) {
   return detail::check_size(Value(text), detail::kServerMessageWords);
@@ -127,8 +71,8 @@ class Client final : public RobotService {
  public:
   explicit Client(std::shared_ptr<RpcChannel> channel) : channel_(std::move(channel)) {}
 
-  Result<Value> status() override {
-    return channel_->ask(kLookTimeout, [](RpcChannel::Connection& connection) {
+  Result<Value> status(const Wait& wait) override {
+    return look(wait, [](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().statusRequest();
       return RpcChannel::send(request);
     });
@@ -198,8 +142,8 @@ class Client final : public RobotService {
     });
   }
 
-  Result<Value> conflicts(const std::vector<std::string>& controllers) override {
-    return channel_->ask(kLookTimeout, [controllers](RpcChannel::Connection& connection) {
+  Result<Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) override {
+    return look(wait, [&](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().conflictsRequest();
       auto names = request.initControllers(static_cast<unsigned>(controllers.size()));
       for (unsigned i = 0; i < names.size(); ++i)
@@ -216,13 +160,7 @@ class Client final : public RobotService {
           request.setHolder(as_text(holder));
           return connection.open(id, request);
         });
-    auto stream = detail::opened_stream(channel_, id, answer);
-    if (!stream) return stream.error();
-    const std::string text = (*stream)->type_name();
-    std::uint64_t number = 0;
-    std::from_chars(text.data(), text.data() + text.size(), number);
-    if (number == 0) return fail(ErrorCode::Internal, channel_->who() + " sent a lease without a number");
-    return std::make_unique<ClientLease>(channel_, id, std::move(*stream), number);
+    return detail::opened_lease(channel_, id, answer);
   }
 
   Result<void> report(std::uint64_t lease, const Value& doing) override {
@@ -385,9 +323,9 @@ class Client final : public RobotService {
   }
 
   Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
-                                                  std::size_t buffer) override {
+                                                  std::size_t buffer, const Wait& wait) override {
     const RpcChannel::StreamId id = channel_->new_stream_id();
-    auto type = channel_->ask(kLookTimeout, [&, id](RpcChannel::Connection& connection) {
+    auto type = look(wait, [&, id](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().openPortRequest();
       request.setTask(as_text(std::string(task)));
       request.setPort(as_text(std::string(port)));
@@ -432,6 +370,11 @@ class Client final : public RobotService {
   }
 
  private:
+  template <class Build>
+  Result<Value> look(const Wait& wait, const Build& build) {
+    return channel_->ask(detail::look_timeout(wait), build, wait.stop);
+  }
+
   /// `build(connection, left)`: the call, which the robot is to answer within that time.
   template <class Build>
   Result<Value> ask(const Wait& wait, const Build& build) {

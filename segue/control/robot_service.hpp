@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
+#include <segue/control/sample_stream.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -15,14 +16,6 @@
 
 /// How other processes reach a running robot: Cap'n Proto over a Unix socket.
 namespace segue::control {
-
-/// Samples of an output port for a remote reader.
-class SampleStream {
- public:
-  virtual ~SampleStream() = default;
-  virtual Result<std::vector<type::Value>> read(std::size_t limit) = 0;
-  [[nodiscard]] virtual std::string type_name() const = 0;
-};
 
 /// What the holder of a lease has been asked to do.
 struct HolderRequest {
@@ -39,8 +32,9 @@ class RobotLease {
  public:
   virtual ~RobotLease() = default;
   [[nodiscard]] virtual std::uint64_t number() const = 0;
-  /// Who took the robot over; nothing: the lease is still held.
-  virtual Result<std::optional<std::string>> lost_to() = 0;
+  /// Who took the robot over; nothing: the lease is still held. A look, as those of RobotService.
+  virtual Result<std::optional<std::string>> lost_to(const Wait& wait) = 0;
+  Result<std::optional<std::string>> lost_to() { return lost_to(Wait(TimePoint::max())); }
   /// What its holder has been asked to do since the last call (RobotService::ask_holder), oldest first.
   virtual Result<std::vector<HolderRequest>> asked() = 0;
 };
@@ -76,7 +70,8 @@ struct Sender {
 /// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
 /// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
 /// Where a Wait is stopped, what has not begun does not begin any more; of what has, only a request for a
-/// controller is given up, as by cancel().
+/// controller is given up, as by cancel(). What only looks takes 10 s at most, whatever its Wait says or
+/// where it has none.
 class RobotService {
  public:
   virtual ~RobotService() = default;
@@ -88,7 +83,8 @@ class RobotService {
   /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "lost", "doing", "halt" (null, or
   /// {"who", "why", "time_s" (since 1970), "state" ("halting", "at_rest", "not_at_rest"), "stopped",
   /// "trouble"}), "stopped_by" (who has called stop() and is waited for to release_stop(); null: nobody)}
-  virtual Result<type::Value> status() = 0;
+  virtual Result<type::Value> status(const Wait& wait) = 0;
+  Result<type::Value> status() { return status(Wait(TimePoint::max())); }
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
@@ -118,7 +114,10 @@ class RobotService {
   /// What keeps each two of these controllers (none: of all that the robot has) from running at once: a list
   /// of {"a", "b", "what", "reason", "influence"}; where "influence" is true they can, but "a" changes what
   /// tasks of "b" get.
-  virtual Result<type::Value> conflicts(const std::vector<std::string>& controllers) = 0;
+  virtual Result<type::Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) = 0;
+  Result<type::Value> conflicts(const std::vector<std::string>& controllers) {
+    return conflicts(controllers, Wait(TimePoint::max()));
+  }
   /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
   /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more. A
@@ -175,7 +174,11 @@ class RobotService {
   virtual Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
                              const Sender& sender, const Wait& wait) = 0;
   virtual Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
-                                                          std::size_t buffer) = 0;
+                                                          std::size_t buffer, const Wait& wait) = 0;
+  Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
+                                                  std::size_t buffer) {
+    return open_port(task, port, buffer, Wait(TimePoint::max()));
+  }
   /// A list of {"number", "time", "kind", "subject", "message"}.
   virtual Result<type::Value> events(std::uint64_t after, Duration wait) = 0;
   /// A list of the JSON of `switch`, oldest first.

@@ -25,8 +25,8 @@ struct TaskView {
 class PortSamples {
  public:
   virtual ~PortSamples() = default;
-  /// Those that came since the last call, oldest first. Does not wait for any.
-  virtual Result<std::vector<type::Value>> take() = 0;
+  /// Those that came since the last call, oldest first. Waits for the robot, but for no sample.
+  virtual Result<std::vector<type::Value>> take(const Wait& wait) = 0;
 };
 
 /// What the robot is to run: the union of these controllers, with these properties in place of theirs.
@@ -98,11 +98,11 @@ class CommandedRobot {
   virtual Result<void> request(const ControllerRequest& what, const Wait& wait) = 0;
   /// Whether the robot runs that controller, alone or beside others, without faults that could not be
   /// repaired.
-  virtual Result<ControllerTrouble> trouble(std::string_view controller) = 0;
+  virtual Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) = 0;
   /// Of all controllers of the robot.
-  virtual Result<ControllerConflicts> conflicts() = 0;
+  virtual Result<ControllerConflicts> conflicts(const Wait& wait) = 0;
   /// Its pools of processes.
-  virtual Result<std::vector<PoolView>> pools() { return std::vector<PoolView>{}; }
+  virtual Result<std::vector<PoolView>> pools(const Wait& /*wait*/) { return std::vector<PoolView>{}; }
   /// Keeps these prepared beside what runs, the likeliest first, in place of those named before, as far as
   /// the robot's budget permits. Returns when that is done; a request comes first.
   virtual Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) = 0;
@@ -114,7 +114,7 @@ class CommandedRobot {
   virtual Result<void> write(const Member& port, const type::Value& value, const Wait& wait) = 0;
   virtual Result<TaskView> task(std::string_view id) = 0;
   /// The latest samples of an output port from now on.
-  virtual Result<std::unique_ptr<PortSamples>> open(const Member& port) = 0;
+  virtual Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& wait) = 0;
 };
 
 }  // namespace segue::mission

@@ -162,7 +162,7 @@ class ControlledRun {
     if (!is_told()) {
       if (auto told = tell(stop); !told) return aborted_by(told.error(), stop);
     }
-    if (auto opened = open_ports(); !opened) return aborted_by(opened.error(), stop);
+    if (auto opened = open_ports(stop); !opened) return aborted_by(opened.error(), stop);
     begin_ = now();
     Ending ending = watch(stop);
     if (ending.outcome < 0) return ending;
@@ -183,7 +183,7 @@ class ControlledRun {
 
   /// Without its robot, the run ends as one that can be resumed.
   Ending failed(const Error& error, const std::stop_token& stop) {
-    if (!options_.unreachable || robot_.trouble(use_.controller)) return aborted(error);
+    if (!options_.unreachable || robot_.trouble(use_.controller, look(stop))) return aborted(error);
     options_.unreachable(error);
     while (!stop.stop_requested())
       wait(stop);
@@ -219,21 +219,21 @@ class ControlledRun {
   }
 
   /// Samples count from then on.
-  Result<void> open_ports() {
+  Result<void> open_ports(const std::stop_token& stop) {
     for (const EndCondition& condition : use_.until) {
       const auto* shows = condition_of<SampleShows>(condition);
       if (shows == nullptr) continue;
-      if (auto opened = open(shows->port); !opened) return opened;
+      if (auto opened = open(shows->port, stop); !opened) return opened;
     }
     for (const OutputSource& one : use_.outputs) {
-      if (auto opened = open(one.port); !opened) return opened;
+      if (auto opened = open(one.port, stop); !opened) return opened;
     }
     return {};
   }
 
-  Result<void> open(const Member& port) {
+  Result<void> open(const Member& port, const std::stop_token& stop) {
     if (feed(port) != nullptr) return {};
-    auto opened = PortFeed::open(robot_, port);
+    auto opened = PortFeed::open(robot_, port, look(stop));
     if (!opened) return opened.error();
     feeds_.push_back(std::move(*opened));
     return {};
@@ -263,7 +263,7 @@ class ControlledRun {
 
   /// The position of the first condition that holds; their number if none does.
   Result<std::size_t> first_that_holds(const std::stop_token& stop) {
-    if (auto looked = look_at_samples(); !looked) return looked.error();
+    if (auto looked = look_at_samples(stop); !looked) return looked.error();
     for (std::size_t i = 0; i < use_.until.size(); ++i) {
       const auto met = std::visit([&](const auto& when) { return is_met(when, stop); }, use_.until[i].when);
       if (!met) return met.error();
@@ -281,8 +281,8 @@ class ControlledRun {
 
   /// The ending where the controller does not run as it should.
   std::optional<Ending> loss(const std::stop_token& stop) {
-    const auto trouble = robot_.trouble(use_.controller);
-    if (!trouble) return failed(trouble.error(), stop);
+    const auto trouble = robot_.trouble(use_.controller, look(stop));
+    if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
     return ending_by(*trouble, use_.controller,
                      [this](const std::string& task) { return awaits_failure_of(task); });
   }
@@ -318,9 +318,9 @@ class ControlledRun {
   }
   static std::string sentence(const RobotCondition& when) { return model::sentence(when); }
 
-  Result<void> look_at_samples() {
+  Result<void> look_at_samples(const std::stop_token& stop) {
     for (PortFeed& one : feeds_) {
-      if (auto looked = one.look(); !looked) return looked;
+      if (auto looked = one.look(look(stop)); !looked) return looked;
     }
     return {};
   }
@@ -330,7 +330,7 @@ class ControlledRun {
     for (std::size_t i = 0; i < use_.outputs.size(); ++i) {
       PortFeed& one = *feed(use_.outputs[i].port);
       while (true) {
-        if (auto looked = look_at_samples(); !looked) return looked;
+        if (auto looked = look_at_samples(stop); !looked) return looked;
         if (one.last) break;
         if (stop.stop_requested() || now() > deadline) {
           return fail(ErrorCode::DeadlineExceeded, "no sample came from " + to_string(one.port) +
@@ -345,6 +345,8 @@ class ControlledRun {
 
   void wait(const std::stop_token& stop) const { wait_for_next_look(options_.period, stop); }
 
+  /// Waits as long as the robot takes.
+  static Wait look(const std::stop_token& stop) { return {TimePoint::max(), stop}; }
   [[nodiscard]] TimePoint answer_by() const { return now() + options_.answer_deadline; }
 
   Shared& shared_;
@@ -395,7 +397,7 @@ class ControllerRunner::Implementation {
     }
     if (!can_be_watched(std::get<ControllerUse>(action.run)))
       return fail(ErrorCode::InvalidState, "nothing but time ends it");
-    const auto trouble = shared_.robot->trouble(progress.controller);
+    const auto trouble = shared_.robot->trouble(progress.controller, Wait(TimePoint::max()));
     if (!trouble) return trouble.error();
     if (!trouble->why.empty()) {
       return fail(ErrorCode::InvalidState,

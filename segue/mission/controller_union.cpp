@@ -69,7 +69,7 @@ void ControllerUnion::work(const std::stop_token& end) {
     // Others may join.
     changed_.wait_for(lock, end, options_.gather, [] { return false; });
     if (end.stop_requested()) return;
-    learn_conflicts(lock);
+    learn_conflicts(lock, end);
     serve_waiting(lock);
   }
 }
@@ -170,10 +170,10 @@ Result<void> ControllerUnion::request(const Members& members, const Changes& cha
   return outcome;
 }
 
-void ControllerUnion::learn_conflicts(Lock& lock) {
+void ControllerUnion::learn_conflicts(Lock& lock, const std::stop_token& end) {
   if (conflicts_) return;
   lock.unlock();
-  auto conflicts = robot_->conflicts();
+  auto conflicts = robot_->conflicts(Wait(TimePoint::max(), end));
   lock.lock();
   if (conflicts) conflicts_ = std::move(*conflicts);
 }

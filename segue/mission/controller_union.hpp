@@ -90,7 +90,7 @@ class ControllerUnion {
   [[nodiscard]] Members with(const Changes& changes) const;
   [[nodiscard]] bool fits(const std::string& controller, const Members& members) const;
   Result<void> request(const Members& members, const Changes& changes, Lock& lock);
-  void learn_conflicts(Lock& lock);
+  void learn_conflicts(Lock& lock, const std::stop_token& end);
 
   const std::shared_ptr<CommandedRobot> robot_;
   const Options options_;

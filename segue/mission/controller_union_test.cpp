@@ -38,8 +38,10 @@ class RequestedRobot final : public CommandedRobot {
     runs_ = what;
     return {};
   }
-  Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return ControllerTrouble{}; }
-  Result<ControllerConflicts> conflicts() override {
+  Result<ControllerTrouble> trouble(std::string_view /*controller*/, const Wait& /*wait*/) override {
+    return ControllerTrouble{};
+  }
+  Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override {
     return ControllerConflicts{
         {}, {{"drive", "stick", "input base.command"}}, {{"explore", "drive", "input planner.goal"}}};
   }
@@ -57,7 +59,7 @@ class RequestedRobot final : public CommandedRobot {
     return {};
   }
   Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }
-  Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/) override {
+  Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/, const Wait& /*wait*/) override {
     return fail(ErrorCode::Unsupported, "not in this test");
   }
 

@@ -72,12 +72,12 @@ std::optional<bool> FactObserver::look(Entry& entry, const SampleShows& when) {
   entry.updates = task ? task->updates : 0;
   if (!task) return std::nullopt;
   if (!entry.feed) {
-    auto opened = PortFeed::open(*robot_, when.port);
+    auto opened = PortFeed::open(*robot_, when.port, time_now() + options_.answer_deadline);
     if (!opened) return std::nullopt;
     entry.feed = std::move(*opened);
     entry.opened = time_now();
   }
-  if (!entry.feed->look()) {
+  if (!entry.feed->look(time_now() + options_.answer_deadline)) {
     entry.feed.reset();
     return std::nullopt;
   }

@@ -30,13 +30,13 @@ class FakeRobot final : public CommandedRobot {
     note(text);  // last: what a test does once it has been asked comes after the answer
     return answered;
   }
-  Result<ControllerTrouble> trouble(std::string_view controller) override {
+  Result<ControllerTrouble> trouble(std::string_view controller, const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
     if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     if (taken_over_) return ControllerTrouble{kTakenOver};
     return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_, broken_};
   }
-  Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
+  Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override { return ControllerConflicts{}; }
   Result<void> prepare(const std::vector<std::string>& /*controllers*/, const Wait& /*wait*/) override {
     return {};
   }
@@ -65,7 +65,7 @@ class FakeRobot final : public CommandedRobot {
     if (updates_) ++task_.updates;
     return task_;
   }
-  Result<std::unique_ptr<PortSamples>> open(const Member& port) override {
+  Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& /*wait*/) override {
     note("open " + to_string(port));
     return std::make_unique<Samples>(*this);
   }
@@ -124,7 +124,7 @@ class FakeRobot final : public CommandedRobot {
   class Samples final : public PortSamples {
    public:
     explicit Samples(FakeRobot& robot) : robot_(robot) {}
-    Result<std::vector<type::Value>> take() override {
+    Result<std::vector<type::Value>> take(const Wait& /*wait*/) override {
       const std::lock_guard lock(robot_.mutex_);
       std::vector<type::Value> samples(robot_.samples_.begin() + static_cast<std::ptrdiff_t>(taken_),
                                        robot_.samples_.end());

@@ -34,8 +34,8 @@ class Instances {
   Instances(std::shared_ptr<CommandedRobot> robot, const PoolOptions& options)
       : robot_(std::move(robot)), options_(options) {}
 
-  Result<PoolView> look(const std::string& pool) const {
-    const auto pools = robot_->pools();
+  Result<PoolView> look(const std::string& pool, const std::stop_token& stop) const {
+    const auto pools = robot_->pools(Wait(TimePoint::max(), stop));
     if (!pools) return pools.error();
     const auto found = std::ranges::find(*pools, pool, &PoolView::name);
     if (found != pools->end()) return *found;
@@ -48,7 +48,7 @@ class Instances {
                                 const std::stop_token& stop) {
     TimePoint give_up = RealClock::instance().now() + options_.ready_deadline;
     while (!stop.stop_requested()) {
-      const auto view = look(pool);
+      const auto view = look(pool, stop);
       if (!view) return view.error();
       std::unique_lock lock(mutex_);
       bool any_ready = false;
@@ -82,7 +82,7 @@ class Instances {
     if (has_answered || stop.stop_requested()) return false;
     const TimePoint give_up = RealClock::instance().now() + options_.notice;
     while (true) {
-      const auto view = look(pool);
+      const auto view = look(pool, stop);
       if (!view) return false;
       const auto now = std::ranges::find(view->instances, instance.task, &PoolInstanceView::task);
       if (now == view->instances.end() || !now->ready || now->pid != instance.pid) return true;
@@ -174,7 +174,7 @@ class PoolExecution {
       last = instance->task;
       if (outcome->answer) return ended_with(*outcome->answer, outputs);
       if (!outcome->lost) return aborted_by(explained(outcome->answer.error(), *instance));
-      const auto pool = instances.look(call_.pool);
+      const auto pool = instances.look(call_.pool, stop);
       if (!pool || !may_repeat_ || attempt > pool->instances.size())
         return aborted_by(
             fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(outcome->answer.error()));

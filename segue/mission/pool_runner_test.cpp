@@ -27,12 +27,14 @@ class PlanningRobot final : public CommandedRobot {
   explicit PlanningRobot(Answer answer) : answer_(std::move(answer)) {}
 
   Result<void> request(const ControllerRequest& /*what*/, const Wait& /*wait*/) override { return {}; }
-  Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return ControllerTrouble{}; }
-  Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
+  Result<ControllerTrouble> trouble(std::string_view /*controller*/, const Wait& /*wait*/) override {
+    return ControllerTrouble{};
+  }
+  Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override { return ControllerConflicts{}; }
   Result<void> prepare(const std::vector<std::string>& /*names*/, const Wait& /*wait*/) override {
     return {};
   }
-  Result<std::vector<PoolView>> pools() override {
+  Result<std::vector<PoolView>> pools(const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
     return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}}};
   }
@@ -50,7 +52,7 @@ class PlanningRobot final : public CommandedRobot {
     return {};
   }
   Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }
-  Result<std::unique_ptr<PortSamples>> open(const Member& port) override {
+  Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& /*wait*/) override {
     return fail(ErrorCode::NotFound, to_string(port));
   }
 

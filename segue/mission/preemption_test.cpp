@@ -38,16 +38,18 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     if (!command("request", wait)) return no_longer_wanted();
     return inner_->request(what, wait);
   }
-  Result<ControllerTrouble> trouble(std::string_view controller) override {
-    question("trouble", {});
-    return inner_->trouble(controller);
+  Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override {
+    question("trouble", wait.stop);
+    if (wait.is_stopped()) return no_longer_wanted();
+    return inner_->trouble(controller, wait);
   }
-  Result<ControllerConflicts> conflicts() override {
-    question("conflicts", {});
-    return inner_->conflicts();
+  Result<ControllerConflicts> conflicts(const Wait& wait) override {
+    question("conflicts", wait.stop);
+    return inner_->conflicts(wait);
   }
-  Result<std::vector<PoolView>> pools() override {
-    question("pools", {});
+  Result<std::vector<PoolView>> pools(const Wait& wait) override {
+    question("pools", wait.stop);
+    if (wait.is_stopped()) return no_longer_wanted();
     return std::vector{PoolView{"planner", {{"planner_1", 1, true}}}};
   }
   Result<Value> call(const Member& operation, const Value& arguments, const Wait& wait) override {
@@ -66,9 +68,10 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     question("task", {});
     return inner_->task(id);
   }
-  Result<std::unique_ptr<PortSamples>> open(const Member& port) override {
-    question("open", {});
-    return inner_->open(port);
+  Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& wait) override {
+    question("open", wait.stop);
+    if (wait.is_stopped()) return no_longer_wanted();
+    return inner_->open(port, wait);
   }
 
   /// What it is asked at that number.
@@ -167,6 +170,27 @@ TEST_F(PreemptedActions, CommandNothingWhicheverQuestionTheyWereAt) {
     questions.push_back(preempt_at_question(number, kEverything));
   for (const char* each : {"conflicts", "request", "call", "write", "task", "open", "trouble"})
     EXPECT_THAT(questions, Contains(each)) << "otherwise the test has not tried it";
+}
+
+TEST_F(PreemptedActions, EndWhicheverQuestionTheRobotLeavesUnanswered) {
+  std::vector<std::string> questions;
+  for (std::size_t number = 1; number <= 14; ++number) {
+    SCOPED_TRACE("question " + std::to_string(number));
+    begin(number, kEverything);
+    questions.push_back(robot_->wait_for_question());
+    if (questions.back() == "task") robot_->let_go();
+    engine_->stop();
+    EXPECT_EQ(ended().outcome_name, "preempted") << "it was held at " << questions.back();
+  }
+  for (const char* each : {"conflicts", "request", "call", "write", "open", "trouble"})
+    EXPECT_THAT(questions, Contains(each)) << "otherwise the test has not tried it";
+}
+
+TEST_F(PreemptedActions, EndWhileAPoolIsLookedAt) {
+  begin(1, "pure: true, run: {pool: planner, call: {plan: {}}}");
+  EXPECT_EQ(robot_->wait_for_question(), "pools");
+  engine_->stop();
+  EXPECT_EQ(ended().outcome_name, "preempted");
 }
 
 TEST_F(PreemptedActions, EndWhileTheRobotStillStartsTheirController) {

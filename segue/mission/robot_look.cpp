@@ -7,14 +7,14 @@
 
 namespace segue::mission {
 
-Result<PortFeed> PortFeed::open(CommandedRobot& robot, const Member& port) {
-  auto samples = robot.open(port);
+Result<PortFeed> PortFeed::open(CommandedRobot& robot, const Member& port, const Wait& wait) {
+  auto samples = robot.open(port, wait);
   if (!samples) return samples.error();
   return PortFeed{port, std::move(*samples)};
 }
 
-Result<void> PortFeed::look() {
-  auto came = samples->take();
+Result<void> PortFeed::look(const Wait& wait) {
+  auto came = samples->take(wait);
   if (!came) return came.error();
   fresh = std::move(*came);
   if (!fresh.empty()) last = fresh.back();

@@ -24,9 +24,9 @@ struct PortFeed {
   std::vector<type::Value> fresh{};  ///< what came between the last two looks, oldest first
   std::optional<type::Value> last{};
 
-  static Result<PortFeed> open(CommandedRobot& robot, const Member& port);
+  static Result<PortFeed> open(CommandedRobot& robot, const Member& port, const Wait& wait);
   /// Takes in what has come. Does not wait for samples.
-  Result<void> look();
+  Result<void> look(const Wait& wait);
 };
 
 [[nodiscard]] bool is_in(const TaskView& task, const TaskReaches& state);

@@ -172,7 +172,8 @@ class RobotUse final : public ScriptRobot::Use {
     }
     auto result = serve(request, stop);
     if (!result && options_.unreachable) {
-      if (const auto reached = robot_->trouble(""); !reached) lose_robot(reached.error());
+      if (const auto reached = robot_->trouble("", Wait(TimePoint::max())); !reached)
+        lose_robot(reached.error());
     }
     return result;
   }
@@ -213,11 +214,11 @@ class RobotUse final : public ScriptRobot::Use {
 
   /// A sample that came since the last call for that port; waits for one.
   Result<Value> read(const Member& port, TimePoint deadline, const std::stop_token& stop) {
-    const auto feed = feed_of(port);
+    const auto feed = feed_of(port, {deadline, stop});
     if (!feed) return feed.error();
     const std::lock_guard reading((*feed)->mutex);
     while (true) {
-      if (auto looked = (*feed)->port.look(); !looked) {
+      if (auto looked = (*feed)->port.look({deadline, stop}); !looked) {
         const std::lock_guard lock(mutex_);
         feeds_.erase(to_string(port));  // opened anew by the next call
         return looked.error();
@@ -230,12 +231,12 @@ class RobotUse final : public ScriptRobot::Use {
     }
   }
 
-  Result<std::shared_ptr<Feed>> feed_of(const Member& port) {
+  Result<std::shared_ptr<Feed>> feed_of(const Member& port, const Wait& wait) {
     {
       const std::lock_guard lock(mutex_);
       if (const auto found = feeds_.find(to_string(port)); found != feeds_.end()) return found->second;
     }
-    auto opened = PortFeed::open(*robot_, port);
+    auto opened = PortFeed::open(*robot_, port, wait);
     if (!opened) return opened.error();
     const std::lock_guard lock(mutex_);
     auto& feed = feeds_[to_string(port)];
@@ -289,13 +290,13 @@ class RobotUse final : public ScriptRobot::Use {
 
   void watch(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
-      if (look_after_controllers()) return preempt_();
+      if (look_after_controllers(stop)) return preempt_();
       wait_for_next_look(options_.watch, stop);
     }
   }
 
   /// Whether the robot does not run one of them as it should; notes what the execution comes to then.
-  bool look_after_controllers() {
+  bool look_after_controllers(const std::stop_token& stop) {
     std::vector<Used> used;
     {
       const std::lock_guard lock(mutex_);
@@ -303,8 +304,9 @@ class RobotUse final : public ScriptRobot::Use {
       used = used_;
     }
     for (const Used& one : used) {
-      const auto trouble = robot_->trouble(one.controller);
+      const auto trouble = robot_->trouble(one.controller, Wait(TimePoint::max(), stop));
       if (!trouble) {
+        if (stop.stop_requested()) return false;
         if (options_.unreachable) return lose_robot(trouble.error()), true;
         return lose({kAborted, to_string(trouble.error())}), true;
       }
@@ -335,7 +337,7 @@ class RobotUse final : public ScriptRobot::Use {
     std::unique_lock lock(mutex_);
     answered_.wait(lock, [&] { return requests_ == 0; });
     lock.unlock();
-    if (ending.outcome != kPreempted) (void)look_after_controllers();
+    if (ending.outcome != kPreempted) (void)look_after_controllers({});
     lock.lock();
     const std::vector<Used> used = std::exchange(used_, {});
     if (lost_) ending = *lost_;

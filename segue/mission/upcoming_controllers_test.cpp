@@ -125,8 +125,10 @@ states:
 class PreparingRobot final : public CommandedRobot {
  public:
   Result<void> request(const ControllerRequest& /*what*/, const Wait& /*wait*/) override { return {}; }
-  Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return ControllerTrouble{}; }
-  Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
+  Result<ControllerTrouble> trouble(std::string_view /*controller*/, const Wait& /*wait*/) override {
+    return ControllerTrouble{};
+  }
+  Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override { return ControllerConflicts{}; }
   Result<void> prepare(const std::vector<std::string>& controllers, const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
     prepared_.push_back(controllers);
@@ -144,7 +146,7 @@ class PreparingRobot final : public CommandedRobot {
     return {};
   }
   Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }
-  Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/) override {
+  Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/, const Wait& /*wait*/) override {
     return fail(ErrorCode::Unsupported, "not in this test");
   }
   bool wait_for(const std::vector<std::string>& controllers) {

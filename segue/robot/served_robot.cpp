@@ -67,7 +67,7 @@ mission::ControllerTrouble faults_of(std::string_view controller, const Value& s
 class StreamSamples final : public mission::PortSamples {
  public:
   explicit StreamSamples(std::unique_ptr<control::SampleStream> stream) : stream_(std::move(stream)) {}
-  Result<std::vector<Value>> take() override { return stream_->read(kBuffer); }
+  Result<std::vector<Value>> take(const Wait& wait) override { return stream_->read(kBuffer, wait); }
 
  private:
   const std::unique_ptr<control::SampleStream> stream_;
@@ -119,13 +119,19 @@ Result<T> ServedRobot::heard(Result<T> answer) {
 }
 
 template <class Ask>
-auto ServedRobot::command(const Wait& wait, Ask ask) -> decltype(ask(wait)) {
-  if (auto refused = refusal()) return std::move(*refused);
+auto ServedRobot::look(const Wait& wait, Ask ask) const -> decltype(ask(wait)) {
+  if (auto lost = loss()) return std::move(*lost);
   const EitherStop either(wait.stop, lost_.get_token());
   auto answer = ask(Wait(wait.deadline, either.token()));
   if (answer) return answer;
   if (auto lost = loss()) return std::move(*lost);
   return answer;
+}
+
+template <class Ask>
+auto ServedRobot::command(const Wait& wait, Ask ask) -> decltype(ask(wait)) {
+  if (auto refused = refusal()) return std::move(*refused);
+  return look(wait, ask);
 }
 
 Result<std::uint64_t> ServedRobot::lease() {
@@ -146,12 +152,37 @@ Result<std::shared_ptr<control::RobotLease>> ServedRobot::present_lease() const 
   return lease_;
 }
 
-Result<std::optional<std::string>> ServedRobot::taken_over() {
-  const std::lock_guard looking(looking_);
+/// One at a time has the lease to look at, and no other waits for it longer than it wants to.
+class ServedRobot::Looking {
+ public:
+  Looking(ServedRobot& robot, const std::stop_token& stop) : robot_(robot) {
+    std::unique_lock lock(robot_.looking_mutex_);
+    has_lease_ = robot_.looked_.wait(lock, stop, [this] { return !robot_.is_looked_at_; });
+    if (has_lease_) robot_.is_looked_at_ = true;
+  }
+  ~Looking() {
+    if (!has_lease_) return;
+    const std::lock_guard lock(robot_.looking_mutex_);
+    robot_.is_looked_at_ = false;
+    robot_.looked_.notify_one();
+  }
+  Looking(const Looking&) = delete;
+  Looking& operator=(const Looking&) = delete;
+  /// False: a stop came first.
+  [[nodiscard]] bool has_lease() const { return has_lease_; }
+
+ private:
+  ServedRobot& robot_;
+  bool has_lease_ = false;
+};
+
+Result<std::optional<std::string>> ServedRobot::taken_over(const std::stop_token& stop) {
+  const Looking looking(*this, stop);
+  if (!looking.has_lease()) return no_longer_wanted();
   const auto lease = present_lease();
   if (!lease) return lease.error();
   if (!*lease) return std::optional<std::string>();
-  const auto lost_to = heard((*lease)->lost_to());
+  const auto lost_to = heard((*lease)->lost_to(Wait(TimePoint::max(), stop)));
   if (!lost_to) return lost_to.error();
   if (!*lost_to) return std::optional<std::string>();
   return std::optional("the robot was taken over by " + ((*lost_to)->empty() ? "somebody" : **lost_to));
@@ -164,7 +195,7 @@ Result<void> ServedRobot::take() {
 
 Result<std::vector<control::HolderRequest>> ServedRobot::asked() {
   if (auto taken = take(); !taken) return taken.error();
-  const std::lock_guard looking(looking_);
+  const Looking looking(*this, {});
   const auto lease = present_lease();
   if (!lease) return lease.error();
   if (!*lease) return given_back();
@@ -240,7 +271,8 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, const 
   const std::string outcome = text_at(*answer, "outcome");
   if (outcome == "done") return {};
   // The taker's request may have taken the place of this one, which says only that a newer one came.
-  if (const auto taken = taken_over(); taken && *taken) return fail(ErrorCode::InvalidState, **taken);
+  if (const auto taken = taken_over(wait.stop); taken && *taken)
+    return fail(ErrorCode::InvalidState, **taken);
   const std::string error = text_at(*answer, "error");
   const ErrorCode code = outcome == "superseded" ? ErrorCode::Superseded : ErrorCode::InvalidState;
   return fail(code, "the request for " + name_of(controller) + " was " + outcome +
@@ -253,22 +285,21 @@ control::Sender ServedRobot::sender() const {
   return {who_, lease_ ? lease_->number() : 0};
 }
 
-Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view controller) {
-  const auto taken = taken_over();
+Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view controller, const Wait& wait) {
+  const auto taken = taken_over(wait.stop);
   if (!taken) return taken.error();
   if (*taken) return mission::ControllerTrouble{**taken};
-  const auto status = service_.status();
+  const auto status = look(wait, [&](const Wait& both) { return service_.status(both); });
   if (!status) return status.error();
   const std::string running = text_at(*status, "controller");
   if (!is_part(controller, running)) return mission::ControllerTrouble{"the robot runs " + name_of(running)};
   return faults_of(controller, *status);
 }
 
-Result<mission::ControllerConflicts> ServedRobot::conflicts() {
-  if (auto lost = loss()) return std::move(*lost);
-  const auto status = service_.status();
+Result<mission::ControllerConflicts> ServedRobot::conflicts(const Wait& wait) {
+  const auto status = look(wait, [&](const Wait& both) { return service_.status(both); });
   if (!status) return status.error();
-  const auto pairs = service_.conflicts({});
+  const auto pairs = look(wait, [&](const Wait& both) { return service_.conflicts({}, both); });
   if (!pairs) return pairs.error();
   const Value* names = status->find("controllers");
   if (names == nullptr || !names->is_list() || !pairs->is_list())
@@ -283,9 +314,8 @@ Result<mission::ControllerConflicts> ServedRobot::conflicts() {
   return conflicts;
 }
 
-Result<std::vector<mission::PoolView>> ServedRobot::pools() {
-  if (auto lost = loss()) return std::move(*lost);
-  const auto status = service_.status();
+Result<std::vector<mission::PoolView>> ServedRobot::pools(const Wait& wait) {
+  const auto status = look(wait, [&](const Wait& both) { return service_.status(both); });
   if (!status) return status.error();
   std::vector<mission::PoolView> pools;
   for (const Value& pool : list_at(*status, "pools")) {
@@ -332,9 +362,10 @@ Result<mission::TaskView> ServedRobot::task(std::string_view id) {
                            cycles != nullptr && cycles->is_integer() ? cycles->as_uint() : 0};
 }
 
-Result<std::unique_ptr<mission::PortSamples>> ServedRobot::open(const mission::Member& port) {
-  if (auto lost = loss()) return std::move(*lost);
-  auto stream = service_.open_port(port.task, port.name, kBuffer);
+Result<std::unique_ptr<mission::PortSamples>> ServedRobot::open(const mission::Member& port,
+                                                                const Wait& wait) {
+  auto stream =
+      look(wait, [&](const Wait& both) { return service_.open_port(port.task, port.name, kBuffer, both); });
   if (!stream) return stream.error();
   return std::make_unique<StreamSamples>(std::move(*stream));
 }

@@ -6,6 +6,7 @@
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/robot/mission_record.hpp>
 
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -48,16 +49,16 @@ class ServedRobot final : public mission::CommandedRobot {
   [[nodiscard]] LookAheadSaving saved() const;
 
   Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override;
-  Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
-  Result<mission::ControllerConflicts> conflicts() override;
-  Result<std::vector<mission::PoolView>> pools() override;
+  Result<mission::ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override;
+  Result<mission::ControllerConflicts> conflicts(const Wait& wait) override;
+  Result<std::vector<mission::PoolView>> pools(const Wait& wait) override;
   Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) override;
   Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
                            const Wait& wait) override;
   Result<void> set(const mission::Member& property, const type::Value& value, const Wait& wait) override;
   Result<void> write(const mission::Member& port, const type::Value& value, const Wait& wait) override;
   Result<mission::TaskView> task(std::string_view id) override;
-  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override;
+  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port, const Wait& wait) override;
 
  private:
   Result<std::uint64_t> lease();
@@ -72,8 +73,11 @@ class ServedRobot final : public mission::CommandedRobot {
   [[nodiscard]] std::optional<Error> loss() const;
   /// Why nothing may be commanded any more.
   [[nodiscard]] std::optional<Error> refusal() const;
-  /// By whom, as a sentence; nothing: the lease was not lost.
-  Result<std::optional<std::string>> taken_over();
+  /// By whom, as a sentence; nothing: the lease was not lost. Cancelled once a stop is requested.
+  Result<std::optional<std::string>> taken_over(const std::stop_token& stop);
+  /// `ask(wait)`, which only looks, and ends, too, where the robot is lost.
+  template <class Ask>
+  auto look(const Wait& wait, Ask ask) const -> decltype(ask(wait));
   [[nodiscard]] control::Sender sender() const;
   void count_saving(const type::Value& transition);
   [[nodiscard]] std::string requester(const mission::ControllerRequest& what) const;
@@ -83,7 +87,10 @@ class ServedRobot final : public mission::CommandedRobot {
   MissionRecord record_;
   /// Held while the lease is looked at: whoever looks after one that was not answered knows that the robot is
   /// lost, and need not wait as long again.
-  std::mutex looking_;
+  class Looking;
+  std::mutex looking_mutex_;  ///< protects the next one
+  bool is_looked_at_ = false;
+  std::condition_variable_any looked_;
   mutable std::mutex mutex_;                    ///< protects all below
   std::shared_ptr<control::RobotLease> lease_;  ///< taken by the first request
   bool given_back_ = false;

@@ -15,6 +15,10 @@ namespace {
 
 using type::Value;
 
+TimePoint soon() {
+  return RealClock::instance().now() + std::chrono::seconds(60);
+}
+
 /// How a lease answers.
 struct LeaseAnswer {
   std::optional<Error> error;
@@ -28,7 +32,7 @@ class FakeLease final : public control::RobotLease {
   FakeLease(const std::optional<std::string>& lost_to, LeaseAnswer& answer)
       : lost_to_(lost_to), answer_(answer) {}
   [[nodiscard]] std::uint64_t number() const override { return 7; }
-  Result<std::optional<std::string>> lost_to() override {
+  Result<std::optional<std::string>> lost_to(const Wait& /*wait*/) override {
     if (!answer_.error) return lost_to_;
     ++answer_.looks;
     return *answer_.error;
@@ -44,6 +48,13 @@ class FakeLease final : public control::RobotLease {
   const std::optional<std::string>& lost_to_;
   LeaseAnswer& answer_;
 };
+
+Error until_stopped(const Wait& wait) {
+  std::promise<void> stopped;
+  const std::stop_callback wake(wait.stop, [&] { stopped.set_value(); });
+  EXPECT_EQ(stopped.get_future().wait_until(wait.deadline), std::future_status::ready);
+  return no_longer_wanted();
+}
 
 /// Answers what it is told to.
 class FakeService final : public control::RobotService {
@@ -63,10 +74,15 @@ class FakeService final : public control::RobotService {
   Value given_back;
   Result<void> report_answer;
   LeaseAnswer lease_answer;
-  bool switch_waits = false;    ///< until it is wanted no longer
-  std::promise<void> switches;  ///< it waits
+  bool switch_waits = false;                   ///< until it is wanted no longer
+  std::promise<void> switches;                 ///< it waits
+  std::promise<void>* status_waits = nullptr;  ///< for the same, and says so
 
-  Result<Value> status() override { return status_answer; }
+  Result<Value> status(const Wait& wait) override {
+    if (!status_waits) return status_answer;
+    status_waits->set_value();
+    return until_stopped(wait);
+  }
   Result<Value> task(std::string_view /*id*/) override { return task_answer; }
   Result<Value> switch_to(std::string_view controller, const control::SwitchOptions& asked,
                           const Wait& wait) override {
@@ -74,10 +90,7 @@ class FakeService final : public control::RobotService {
     options = asked;
     if (!switch_waits) return switch_answer;
     switches.set_value();
-    std::promise<void> stopped;
-    const std::stop_callback wake(wait.stop, [&] { stopped.set_value(); });
-    EXPECT_EQ(stopped.get_future().wait_until(wait.deadline), std::future_status::ready);
-    return no_longer_wanted();
+    return until_stopped(wait);
   }
   Result<Value> switch_to_network(std::string_view /*text*/, std::string_view /*file*/,
                                   const control::SwitchOptions& /*options*/,
@@ -97,7 +110,7 @@ class FakeService final : public control::RobotService {
     sent_with = lease;
     return Value();
   }
-  Result<Value> conflicts(const std::vector<std::string>& /*controllers*/) override {
+  Result<Value> conflicts(const std::vector<std::string>& /*controllers*/, const Wait& /*wait*/) override {
     return conflicts_answer;
   }
   Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override {
@@ -140,8 +153,8 @@ class FakeService final : public control::RobotService {
     return no();
   }
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view /*task*/,
-                                                           std::string_view /*port*/,
-                                                           std::size_t /*buffer*/) override {
+                                                           std::string_view /*port*/, std::size_t /*buffer*/,
+                                                           const Wait& /*wait*/) override {
     return no();
   }
   Result<Value> events(std::uint64_t /*after*/, Duration /*wait*/) override { return no(); }
@@ -220,34 +233,34 @@ TEST_F(ServedRobotTest, ReportsWhyAControllerDoesNotRun) {
 }
 
 TEST_F(ServedRobotTest, SeesWhetherAControllerRunsAsItShould) {
-  EXPECT_EQ(robot_.trouble("explore")->why, "");
-  EXPECT_EQ(robot_.trouble("drive")->why, "the robot runs controller 'explore'");
+  EXPECT_EQ(robot_.trouble("explore", soon())->why, "");
+  EXPECT_EQ(robot_.trouble("drive", soon())->why, "the robot runs controller 'explore'");
   service_.status_answer = Value::map({{"controller", "arm+drive"}});
-  EXPECT_EQ(robot_.trouble("drive")->why, "");
-  EXPECT_EQ(robot_.trouble("driv")->why, "the robot runs controller 'arm+drive'");
+  EXPECT_EQ(robot_.trouble("drive", soon())->why, "");
+  EXPECT_EQ(robot_.trouble("driv", soon())->why, "the robot runs controller 'arm+drive'");
   service_.status_answer = Value::map({{"controller", ""}});
-  EXPECT_EQ(robot_.trouble("drive")->why, "the robot runs the empty network");
+  EXPECT_EQ(robot_.trouble("drive", soon())->why, "the robot runs the empty network");
   const Value fault =
       Value::map({{"fault", "task 'a' failed still"}, {"controllers", Value::list({"drive"})}});
   service_.status_answer = Value::map({{"controller", "arm+drive"}, {"unresolved", Value::list({fault})}});
-  EXPECT_EQ(robot_.trouble("drive")->why, "task 'a' failed still");
-  EXPECT_EQ(robot_.trouble("arm")->why, "") << "it runs on";
+  EXPECT_EQ(robot_.trouble("drive", soon())->why, "task 'a' failed still");
+  EXPECT_EQ(robot_.trouble("arm", soon())->why, "") << "it runs on";
   const Value broken = Value::map(
       {{"fault", "task 'b' is broken"}, {"controllers", Value::list({"arm"})}, {"task", Value("b")}});
   service_.status_answer =
       Value::map({{"controller", "arm+drive"}, {"unresolved", Value::list({broken, fault})}});
-  EXPECT_TRUE(robot_.trouble("drive")->tasks.empty());
-  EXPECT_EQ(robot_.trouble("drive")->why, "task 'a' failed still");
-  ASSERT_EQ(robot_.trouble("arm")->tasks.size(), 1U);
-  EXPECT_EQ(robot_.trouble("arm")->tasks.front().id, "b");
-  EXPECT_EQ(robot_.trouble("arm")->why, "");
+  EXPECT_TRUE(robot_.trouble("drive", soon())->tasks.empty());
+  EXPECT_EQ(robot_.trouble("drive", soon())->why, "task 'a' failed still");
+  ASSERT_EQ(robot_.trouble("arm", soon())->tasks.size(), 1U);
+  EXPECT_EQ(robot_.trouble("arm", soon())->tasks.front().id, "b");
+  EXPECT_EQ(robot_.trouble("arm", soon())->why, "");
 }
 
 TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {
   EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
-  EXPECT_EQ(robot_.trouble("explore")->why, "");
+  EXPECT_EQ(robot_.trouble("explore", soon())->why, "");
   service_.lost_to = "segue switch";
-  EXPECT_EQ(robot_.trouble("explore")->why, "the robot was taken over by segue switch");
+  EXPECT_EQ(robot_.trouble("explore", soon())->why, "the robot was taken over by segue switch");
   service_.switch_answer = Value::map({{"outcome", "superseded"}, {"error", "a newer request came"}});
   const auto refused = robot_.request({{"explore"}, {}}, {});
   ASSERT_FALSE(refused);
@@ -260,7 +273,7 @@ TEST_F(ServedRobotTest, KnowsWhatCannotRunAtOnce) {
   service_.conflicts_answer =
       Value::list({Value::map({{"a", "a"}, {"b", "b"}, {"what", "task arm"}, {"influence", false}}),
                    Value::map({{"a", "b"}, {"b", "a"}, {"what", "input x.y"}, {"influence", true}})});
-  const auto conflicts = robot_.conflicts();
+  const auto conflicts = robot_.conflicts(soon());
   ASSERT_TRUE(conflicts);
   EXPECT_EQ(conflicts->controllers, (std::vector<std::string>{"a", "b"}));
   EXPECT_TRUE(conflicts->conflict("b", "a"));
@@ -293,12 +306,12 @@ TEST_F(ServedRobotTest, WritesToPorts) {
 TEST_F(ServedRobotTest, IsLostWhereItDoesNotSayInTimeWhatBecameOfTheLease) {
   ASSERT_TRUE(robot_.take());
   service_.lease_answer.error = fail(ErrorCode::DeadlineExceeded, "robot 'spot' did not answer within 10s");
-  const auto trouble = robot_.trouble("explore");
+  const auto trouble = robot_.trouble("explore", soon());
   ASSERT_FALSE(trouble);
   EXPECT_EQ(trouble.error().code, ErrorCode::Unavailable);
   EXPECT_EQ(trouble.error().message, "robot 'spot' did not answer within 10s, and counts as lost");
   service_.lease_answer.error.reset();
-  EXPECT_FALSE(robot_.trouble("explore")) << "for good";
+  EXPECT_FALSE(robot_.trouble("explore", soon())) << "for good";
   EXPECT_FALSE(robot_.write({"planner", "goal"}, 7, {}));
   EXPECT_TRUE(service_.written.is_null());
   EXPECT_FALSE(robot_.asked());
@@ -327,11 +340,41 @@ TEST_F(ServedRobotTest, ThatIsSilentIsWaitedForOnce) {
   service_.lease_answer.wait = &silent;
   auto first = std::async(std::launch::async, [&] { return robot_.asked(); });
   begun.get_future().wait();
-  auto second = std::async(std::launch::async, [&] { return robot_.trouble("explore"); });
+  auto second = std::async(std::launch::async, [&] { return robot_.trouble("explore", soon()); });
   silent.set_value();
   EXPECT_FALSE(first.get());
   EXPECT_EQ(second.get().error().message, "it is silent, and counts as lost");
   EXPECT_EQ(service_.lease_answer.looks, 0);
+}
+
+TEST_F(ServedRobotTest, ThatIsSilentIsLookedAtNoLongerThanWanted) {
+  std::promise<void> begun;
+  service_.status_waits = &begun;
+  std::stop_source stop;
+  auto trouble = std::async(std::launch::async, [&] {
+    return robot_.trouble("explore", {soon(), stop.get_token()});
+  });
+  begun.get_future().wait();
+  stop.request_stop();
+  EXPECT_EQ(trouble.get().error().code, ErrorCode::Cancelled);
+}
+
+TEST_F(ServedRobotTest, WhoseLeaseIsLookedAtByOthersIsWaitedForNoLongerThanWanted) {
+  ASSERT_TRUE(robot_.take());
+  std::promise<void> begun;
+  std::promise<void> silent;
+  service_.lease_answer.begun = &begun;
+  service_.lease_answer.wait = &silent;
+  auto first = std::async(std::launch::async, [&] { return robot_.asked(); });
+  begun.get_future().wait();
+  std::stop_source stop;
+  auto second = std::async(std::launch::async, [&] {
+    return robot_.trouble("explore", {soon(), stop.get_token()});
+  });
+  stop.request_stop();
+  EXPECT_EQ(second.get().error().code, ErrorCode::Cancelled);
+  silent.set_value();
+  EXPECT_TRUE(first.get());
 }
 
 TEST_F(ServedRobotTest, HasControllersPreparedUnderItsLease) {

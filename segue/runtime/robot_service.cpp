@@ -22,7 +22,9 @@ constexpr auto kRestPatience = std::chrono::seconds(5);
 class ReaderStream final : public control::SampleStream {
  public:
   explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
-  Result<std::vector<type::Value>> read(std::size_t limit) override { return reader_->read(limit); }
+  Result<std::vector<type::Value>> read(std::size_t limit, const Wait& /*wait*/) override {
+    return reader_->read(limit);
+  }
   [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
 
  private:
@@ -38,7 +40,9 @@ class Lease final : public control::RobotLease {
   Lease& operator=(const Lease&) = delete;
 
   [[nodiscard]] std::uint64_t number() const override { return number_; }
-  Result<std::optional<std::string>> lost_to() override { return runtime_.lease_lost_to(number_); }
+  Result<std::optional<std::string>> lost_to(const Wait& /*wait*/) override {
+    return runtime_.lease_lost_to(number_);
+  }
   Result<std::vector<control::HolderRequest>> asked() override { return runtime_.take_asked(number_); }
 
  private:
@@ -114,7 +118,10 @@ RuntimeService::RuntimeService(Runtime& runtime, const ControllerFiles* files,
                                std::function<void()> on_shut_down)
     : runtime_(runtime), files_(files), on_shut_down_(std::move(on_shut_down)) {}
 
-Result<type::Value> RuntimeService::status() {
+Result<type::Value> RuntimeService::status(const Wait& wait) {
+  if (wait.is_stopped()) {
+    return no_longer_wanted();
+  }
   type::Value status = status_of(runtime_);
   status.as_map().set("file", files_ != nullptr ? type::Value(files_->file().string()) : type::Value());
   status.as_map().set("pid", static_cast<std::int64_t>(::getpid()));
@@ -299,7 +306,10 @@ Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& cont
   return type::Value(std::move(list));
 }
 
-Result<type::Value> RuntimeService::conflicts(const std::vector<std::string>& controllers) {
+Result<type::Value> RuntimeService::conflicts(const std::vector<std::string>& controllers, const Wait& wait) {
+  if (wait.is_stopped()) {
+    return no_longer_wanted();
+  }
   std::vector<model::NetworkName> names(controllers.begin(), controllers.end());
   const auto found = runtime_.conflicts(controllers.empty() ? runtime_.controllers() : names);
   if (!found) {
@@ -420,7 +430,11 @@ Result<void> RuntimeService::allow(const control::Sender& sender, std::string_vi
 
 Result<std::unique_ptr<control::SampleStream>> RuntimeService::open_port(std::string_view task,
                                                                          std::string_view port,
-                                                                         std::size_t buffer) {
+                                                                         std::size_t buffer,
+                                                                         const Wait& wait) {
+  if (wait.is_stopped()) {
+    return no_longer_wanted();
+  }
   auto reader = runtime_.host().open_reader({model::TaskId(task), std::string(port)}, buffer);
   if (!reader) {
     return std::move(reader.error());

@@ -17,7 +17,10 @@ class RuntimeService final : public control::RobotService {
   /// `on_shut_down` is called in the caller's thread when a client requests shut-down; it must not block.
   RuntimeService(Runtime& runtime, const ControllerFiles* files, std::function<void()> on_shut_down);
 
-  Result<type::Value> status() override;
+  using control::RobotService::conflicts;
+  using control::RobotService::open_port;
+  using control::RobotService::status;
+  Result<type::Value> status(const Wait& wait) override;
   Result<type::Value> task(std::string_view id) override;
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
                                 const Wait& wait) override;
@@ -28,7 +31,7 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> apply(const control::SwitchOptions& options, TimePoint deadline) override;
   Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
                               const Wait& wait) override;
-  Result<type::Value> conflicts(const std::vector<std::string>& controllers) override;
+  Result<type::Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) override;
   Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override;
   Result<void> report(std::uint64_t lease, const type::Value& doing) override;
   Result<type::Value> mission(std::uint64_t after, bool with_plan) override;
@@ -47,7 +50,7 @@ class RuntimeService final : public control::RobotService {
   Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
                      const control::Sender& sender, const Wait& wait) override;
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
-                                                           std::size_t buffer) override;
+                                                           std::size_t buffer, const Wait& wait) override;
   Result<type::Value> events(std::uint64_t after, Duration wait) override;
   Result<type::Value> history() override;
   Result<type::Value> past(const type::Value& question) override;

@@ -35,7 +35,7 @@ class ShownRobot final : public control::FakeRobot {
     const std::lock_guard lock(mutex_);
     status_ = std::move(status);
   }
-  Result<type::Value> status() override {
+  Result<type::Value> status(const Wait& /*wait*/) override {
     ++questions;
     const std::lock_guard lock(mutex_);
     return status_;
@@ -71,17 +71,17 @@ class ShownRobot final : public control::FakeRobot {
     return control::FakeRobot::events(after, std::min(wait, Duration(std::chrono::milliseconds(20))));
   }
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
-                                                           std::size_t buffer) override {
+                                                           std::size_t buffer, const Wait& wait) override {
     ++opened;
     if (is_gone) return fail(ErrorCode::NotFound, "no such task runs");
     if (is_silent) return std::make_unique<Silent>();
-    return control::FakeRobot::open_port(task, port, buffer);
+    return control::FakeRobot::open_port(task, port, buffer, wait);
   }
 
  private:
   class Silent final : public control::SampleStream {
    public:
-    Result<std::vector<type::Value>> read(std::size_t /*limit*/) override {
+    Result<std::vector<type::Value>> read(std::size_t /*limit*/, const Wait& /*wait*/) override {
       return std::vector<type::Value>();
     }
     [[nodiscard]] std::string type_name() const override { return "/int32_t"; }

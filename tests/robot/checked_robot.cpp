@@ -48,9 +48,9 @@ void CheckedRobot::check_granted(const std::set<std::string>& names, bool was_lo
   running_ = names;
 }
 
-Result<mission::ControllerTrouble> CheckedRobot::trouble(std::string_view controller) {
+Result<mission::ControllerTrouble> CheckedRobot::trouble(std::string_view controller, const Wait& wait) {
   const bool was_lost = is_lost();
-  auto trouble = inner_->trouble(controller);
+  auto trouble = inner_->trouble(controller, wait);
   if (trouble) check_fine(std::string(controller), *trouble, was_lost);
   answered(1);
   return trouble;

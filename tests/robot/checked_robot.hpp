@@ -43,7 +43,7 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   void mission_is_over() { answered(kOver); }
 
   Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override;
-  Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
+  Result<mission::ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override;
 
  private:
   static constexpr int kOver = 1 << 30;

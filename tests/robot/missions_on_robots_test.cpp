@@ -46,8 +46,8 @@ class DefectiveRobot final : public ForwardingCommandedRobot {
                                           {.who = "a thief", .take_over = true}, wait);
     return taken ? Result<void>() : outcome;
   }
-  Result<ControllerTrouble> trouble(std::string_view controller) override {
-    auto trouble = inner_->trouble(controller);
+  Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override {
+    auto trouble = inner_->trouble(controller, wait);
     const bool is_taken = trouble && trouble->why.starts_with("the robot was taken over");
     if (defect_ == Defect::HidesTheTakeOver && is_taken) return ControllerTrouble{};
     return trouble;
@@ -119,7 +119,7 @@ class RobotRun {
     Diagnostics diagnostics;
     auto mission = mission::read_mission(mission_.text, "random.yaml", diagnostics);
     ASSERT_TRUE(mission) << to_string(diagnostics) << mission_.text;
-    const auto conflicts = checked_->conflicts();
+    const auto conflicts = checked_->conflicts(Wait(TimePoint::max()));
     ASSERT_TRUE(conflicts);
     const auto plan = session::Session::create(std::move(*mission), &*conflicts);
     ASSERT_TRUE(plan) << to_string(plan.error()) << mission_.text;
@@ -176,7 +176,7 @@ class RobotRun {
 
   /// What a sequence leaves running, by the rules of the manual.
   std::set<std::string> left_by_a_sequence() {
-    const auto conflicts = robot::ServedRobot(service_, "a reader").conflicts().value();
+    const auto conflicts = robot::ServedRobot(service_, "a reader").conflicts(Wait(TimePoint::max())).value();
     const auto interfere = [&](const std::string& kept, const std::string& used) {
       return conflicts.conflict(kept, used) || conflicts.influence(kept, used);
     };

@@ -53,8 +53,12 @@ class FakeRobot : public RobotService {
   std::atomic<bool> asked_to_end{false};
   std::atomic<int> leases{0};              ///< that are held
   std::atomic<bool> is_taken_over{false};  ///< by "somebody"
+  std::atomic<bool> lease_blocks{false};   ///< whoever looks at it calls a blocking function
 
-  Result<type::Value> status() override { return type::Value::map({{"robot", "fake"}}); }
+  using RobotService::conflicts;
+  using RobotService::open_port;
+  using RobotService::status;
+  Result<type::Value> status(const Wait& /*wait*/) override { return type::Value::map({{"robot", "fake"}}); }
   Result<type::Value> task(std::string_view id) override {
     if (id == "throws") throw std::runtime_error("a defect");
     if (id != "huge") return type::Value::map({{"id", id}});
@@ -102,7 +106,7 @@ class FakeRobot : public RobotService {
       list.emplace_back(name);
     return type::Value(std::move(list));
   }
-  Result<type::Value> conflicts(const std::vector<std::string>& controllers) override {
+  Result<type::Value> conflicts(const std::vector<std::string>& controllers, const Wait& /*wait*/) override {
     return prepare(controllers, 0, {});
   }
   Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) override {
@@ -166,8 +170,8 @@ class FakeRobot : public RobotService {
     if (!release.wait_until(wait.deadline)) return fail(ErrorCode::DeadlineExceeded, "nobody let me go");
     return type::Value("released");
   }
-  Result<std::unique_ptr<SampleStream>> open_port(std::string_view, std::string_view port,
-                                                  std::size_t) override {
+  Result<std::unique_ptr<SampleStream>> open_port(std::string_view, std::string_view port, std::size_t,
+                                                  const Wait& /*wait*/) override {
     if (port != "out") return fail(ErrorCode::NotFound, "no port");
     return std::make_unique<Numbers>(open_streams);
   }
@@ -211,7 +215,7 @@ class FakeRobot : public RobotService {
    public:
     explicit Numbers(std::atomic<int>& open) : open_(open) { ++open_; }
     ~Numbers() override { --open_; }
-    Result<std::vector<type::Value>> read(std::size_t limit) override {
+    Result<std::vector<type::Value>> read(std::size_t limit, const Wait& /*wait*/) override {
       std::vector<type::Value> samples;
       while (samples.size() < limit)
         samples.emplace_back(++last_);
@@ -229,7 +233,11 @@ class FakeRobot : public RobotService {
     explicit Lease(FakeRobot& robot) : robot_(robot) { ++robot_.leases; }
     ~Lease() override { --robot_.leases; }
     [[nodiscard]] std::uint64_t number() const override { return 7; }
-    Result<std::optional<std::string>> lost_to() override {
+    Result<std::optional<std::string>> lost_to(const Wait& /*wait*/) override {
+      if (robot_.lease_blocks) {
+        robot_.entered.open();
+        robot_.release.wait();
+      }
       return robot_.is_taken_over ? std::optional<std::string>("somebody") : std::nullopt;
     }
 

@@ -20,11 +20,13 @@ class ForwardingCommandedRobot : public mission::CommandedRobot {
   Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override {
     return inner_->request(what, wait);
   }
-  Result<mission::ControllerTrouble> trouble(std::string_view controller) override {
-    return inner_->trouble(controller);
+  Result<mission::ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override {
+    return inner_->trouble(controller, wait);
   }
-  Result<mission::ControllerConflicts> conflicts() override { return inner_->conflicts(); }
-  Result<std::vector<mission::PoolView>> pools() override { return inner_->pools(); }
+  Result<mission::ControllerConflicts> conflicts(const Wait& wait) override {
+    return inner_->conflicts(wait);
+  }
+  Result<std::vector<mission::PoolView>> pools(const Wait& wait) override { return inner_->pools(wait); }
   Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) override {
     return inner_->prepare(controllers, wait);
   }
@@ -39,8 +41,8 @@ class ForwardingCommandedRobot : public mission::CommandedRobot {
     return inner_->write(port, value, wait);
   }
   Result<mission::TaskView> task(std::string_view id) override { return inner_->task(id); }
-  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override {
-    return inner_->open(port);
+  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port, const Wait& wait) override {
+    return inner_->open(port, wait);
   }
 
  protected:

@@ -85,9 +85,9 @@ class LeaseStream final : public SampleStream {
   LeaseStream(const LeaseStream&) = delete;
   LeaseStream& operator=(const LeaseStream&) = delete;
 
-  Result<std::vector<Value>> read(std::size_t /*limit*/) override {
+  Result<std::vector<Value>> read(std::size_t /*limit*/, const Wait& wait) override {
     std::vector<Value> news;
-    const auto lost = lease_->lost_to();
+    const auto lost = lease_->lost_to(wait);
     if (!lost) return lost.error();
     if (*lost) news.push_back(Value::map({{"lost_to", **lost}}));
     const auto asked = lease_->asked();

@@ -11,6 +11,7 @@
 #include <segue/control/detail/wire.hpp>
 #include <segue/control/endpoint.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -32,6 +33,10 @@ inline constexpr Duration kGrace = std::chrono::seconds(2);
 
 /// The time until `deadline`; 0 where it has passed.
 Duration time_left(TimePoint deadline);
+/// How long a call that only reads waits for its answer.
+inline Duration look_timeout(const Wait& wait) {
+  return std::min(time_left(wait.deadline), kLookTimeout);
+}
 /// For messages: the socket's name without its ending, or the host's.
 std::string name_of(const Endpoint& endpoint);
 /// ResourceExhausted where a request of so many words is more than a server takes.

@@ -17,12 +17,13 @@ class ClientStream final : public SampleStream {
       : channel_(std::move(channel)), id_(id), type_(std::move(type)) {}
   ~ClientStream() override { channel_->close_stream(id_); }
 
-  Result<std::vector<Value>> read(std::size_t limit) override {
-    auto answer = channel_->ask(kLookTimeout, [id = id_, limit](RpcChannel::Connection& connection) {
+  Result<std::vector<Value>> read(std::size_t limit, const Wait& wait) override {
+    const auto send = [id = id_, limit](RpcChannel::Connection& connection) {
       auto request = connection.held<wire::SampleStream>(id).readRequest();
       request.setLimit(static_cast<std::uint32_t>(std::min<std::size_t>(limit, UINT32_MAX)));
       return RpcChannel::send(request);
-    });
+    };
+    auto answer = channel_->ask(look_timeout(wait), send, wait.stop);
     if (!answer) return answer.error();
     if (!answer->is_list())
       return fail(ErrorCode::Internal, channel_->who() + " sent samples that are no list");

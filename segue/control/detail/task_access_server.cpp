@@ -18,7 +18,9 @@ using type::Value;
 class ReaderStream final : public SampleStream {
  public:
   explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
-  Result<std::vector<Value>> read(std::size_t limit) override { return reader_->read(limit); }
+  Result<std::vector<Value>> read(std::size_t limit, const Wait& /*wait*/) override {
+    return reader_->read(limit);
+  }
   [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
 
  private:

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/detail/rpc_channel.hpp>
+#include <segue/control/robot_service.hpp>
+
+#include <memory>
+
+namespace segue::control::detail {
+
+/// The lease that Connection::open() has opened under that id: a stream of news, whose type is its number.
+/// Keeps the channel alive. Its destructor waits, so that who asks for the lease next gets it; where that
+/// fails, it ends with the connection.
+Result<std::unique_ptr<RobotLease>> opened_lease(std::shared_ptr<RpcChannel> channel, RpcChannel::StreamId id,
+                                                 const Result<type::Value>& number);
+
+}  // namespace segue::control::detail
