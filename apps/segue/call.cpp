@@ -53,6 +53,14 @@ Result<Value> arguments_of(const std::vector<std::string>& arguments) {
   return Value(std::move(list));
 }
 
+/// Names the limit where it was too short.
+Error explained(const Error& error, const CallOptions& options) {
+  if (error.code != ErrorCode::DeadlineExceeded) return error;
+  return fail(error.code, fmt::format("{} has not answered within {}, see --timeout", options.operation,
+                                      format_duration(options.timeout)))
+      .because_of(error);
+}
+
 int call_operation(control::RobotService& robot, const CallOptions& options, const Context& context) {
   const auto arguments = arguments_of(options.arguments);
   if (!arguments) return failed(context, arguments.error());
@@ -60,7 +68,7 @@ int call_operation(control::RobotService& robot, const CallOptions& options, con
   if (!address) return failed(context, address.error());
   const auto result = robot.call(address->task, address->member, *arguments,
                                  sender_of("call", options.beside), deadline_in(options.timeout));
-  if (!result) return failed(context, result.error());
+  if (!result) return failed(context, explained(result.error(), options));
   if (context.json()) {
     print_json(*result);
   } else if (result->is_null()) {
