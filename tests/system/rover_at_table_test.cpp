@@ -4,12 +4,14 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <iterator>
 
 #include "system_test.hpp"
 
 namespace segue::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 class RoverAtTable : public SystemTest {
@@ -18,6 +20,16 @@ class RoverAtTable : public SystemTest {
     SystemTest::SetUp();
     const auto example = segue::paths::in_sources("/examples/08_rover");
     std::filesystem::copy(example, folder_ / "example", std::filesystem::copy_options::recursive);
+  }
+  /// Of each planner's answer.
+  void limit_plans_to(const std::string& timeout) const {
+    std::ifstream file(folder_ / "example/bring_boxes.yaml");
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::string pool = "      pool: planner\n";
+    const std::string limit = "      timeout: " + timeout + "\n";
+    for (auto at = text.find(pool); at != std::string::npos; at = text.find(pool, at + limit.size() + 1))
+      text.insert(at, limit);
+    write("example/bring_boxes.yaml", text);
   }
   void start_robot(const std::string& file) {
     robot_ = std::make_unique<Process>(command({"run", "example/" + file}), folder_);
@@ -50,17 +62,14 @@ class RoverAtTable : public SystemTest {
       positions.push_back(position.as_double());
     return positions;
   }
-  /// Clears the table, and interrupts it while the arm moves: how that ends.
-  void expect_halt(const std::string& mode, const std::vector<std::string>& trouble,
-                   const std::string& outcome) {
-    SCOPED_TRACE(mode + " " + trouble.at(1));
+  /// Clears the table, and interrupts it while the arm moves: how the mission ends.
+  Finished interrupted(const std::string& mode, const std::vector<std::string>& trouble) {
     Process mission(command({"mission", "run", "example/clear_table.yaml", "--mode", mode}), folder_);
-    ASSERT_NO_FATAL_FAILURE(
-        wait_until("the arm follows a path", [&] { return state_of("follower") == "moving"; }));
-    ASSERT_EQ(segue(trouble).status, 0);
-    const auto ended = mission.wait();
-    EXPECT_EQ(ended.status, 0) << ended.errors;
-    EXPECT_THAT(ended.output, HasSubstr("clear_table: " + outcome)) << ended.errors;
+    EXPECT_TRUE(eventually([&] { return state_of("follower") == "moving"; })) << "the arm follows a path";
+    EXPECT_EQ(segue(trouble).status, 0);
+    return mission.wait();
+  }
+  void expect_rest() {
     EXPECT_EQ(controller(), "guard+hold");
     EXPECT_EQ(state_of("arm"), "holding");
     EXPECT_EQ(state_of("wheels"), "idle");
@@ -91,6 +100,20 @@ TEST_F(RoverAtTable, BringsABoxToItsPlaceOnTheDeck) {
       segue({"call", "planner_1.plan", "request={goals: [{positions: [0, 0, 9, 0, 0, 0]}]}"});
   EXPECT_EQ(nowhere.status, 1);
   EXPECT_THAT(nowhere.errors, HasSubstr("the arm has 6 joints; from.positions has 0"));
+  const auto hasty =
+      segue({"call", "planner_1.plan", "request={goals: [{positions: []}]}", "--timeout", "1us"});
+  EXPECT_THAT(hasty.errors, HasSubstr("planner_1.plan has not answered within 1us, see --timeout"));
+  EXPECT_EQ(stop().status, 0);
+}
+
+TEST_F(RoverAtTable, SaysWhyNoPlanHasBeenFound) {
+  limit_plans_to("1ms");
+  ASSERT_NO_FATAL_FAILURE(start_robot("table_robot.yaml"));
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    const auto ended = segue({"mission", "run", "example/clear_table.yaml", "--mode", mode});
+    EXPECT_EQ(ended.status, 1);
+    EXPECT_THAT(ended.errors, AllOf(HasSubstr("no plan has been found"), HasSubstr("'timeout' of 1ms")));
+  }
   EXPECT_EQ(stop().status, 0);
 }
 
@@ -106,23 +129,44 @@ TEST_F(RoverAtTable, SetsATableForTwo) {
   EXPECT_EQ(stop().status, 0);
 }
 
-TEST_F(RoverAtTable, AStopButtonEndsAMissionWithTheRobotAtRest) {
+TEST_F(RoverAtTable, AStopButtonHaltsTheRobotAndEndsItsMission) {
   for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
     ASSERT_NO_FATAL_FAILURE(start_robot("table_robot.yaml"));
-    ASSERT_NO_FATAL_FAILURE(expect_halt(mode, {"call", "stop_button.press", "--beside-mission"}, "stopped"));
-    const auto refused = json({"mission", "run", "example/clear_table.yaml", "--mode", mode});
-    EXPECT_EQ(refused.find("outcome")->as_string(), "stopped") << "the button is still pressed";
-    const auto switched = segue({"switch", "carry"});
-    EXPECT_EQ(switched.status, 0) << switched.errors;
+    const auto ended = interrupted(mode, {"call", "stop_button.press", "--beside-mission"});
+    EXPECT_EQ(ended.status, 1);
+    EXPECT_THAT(ended.errors, HasSubstr("its halt condition, who halted it")) << ended.output;
+    ASSERT_NO_FATAL_FAILURE(wait_until("the robot is at rest", [&] {
+      return segue({"status"}).output.find("at rest") != std::string::npos;
+    }));
+    ASSERT_NO_FATAL_FAILURE(expect_rest());
+    EXPECT_THAT(segue({"switch", "carry+guard"}).errors, HasSubstr("while task 'stop_button' is pressed"));
+    EXPECT_EQ(segue({"call", "stop_button.release"}).status, 0);
+    ASSERT_NO_FATAL_FAILURE(wait_until("it can be commanded again", [&] {
+      return segue({"switch", "carry+guard"}).status == 0;
+    }));
     EXPECT_EQ(stop().status, 0);
   }
+}
+
+TEST_F(RoverAtTable, AStopButtonHaltsTheRobotWithoutAMission) {
+  ASSERT_NO_FATAL_FAILURE(start_robot("table_robot.yaml"));
+  EXPECT_EQ(segue({"switch", "carry+guard"}).status, 0);
+  EXPECT_EQ(segue({"call", "stop_button.press"}).status, 0);
+  ASSERT_NO_FATAL_FAILURE(wait_until(
+      "the robot is at rest", [&] { return segue({"status"}).output.find("at rest") != std::string::npos; }));
+  ASSERT_NO_FATAL_FAILURE(expect_rest());
+  EXPECT_EQ(stop().status, 0);
 }
 
 TEST_F(RoverAtTable, ALowBatteryEndsAMissionWithTheRobotAtRest) {
   for (const std::string mode : {"sequential", "concurrent"}) {
     ASSERT_NO_FATAL_FAILURE(start_robot("table_robot.yaml"));
-    ASSERT_NO_FATAL_FAILURE(
-        expect_halt(mode, {"call", "battery.recharge", "charge=0.1", "--beside-mission"}, "battery_low"));
+    SCOPED_TRACE(mode);
+    const auto ended = interrupted(mode, {"call", "battery.recharge", "charge=0.1", "--beside-mission"});
+    EXPECT_EQ(ended.status, 0) << ended.errors;
+    EXPECT_THAT(ended.output, HasSubstr("clear_table: battery_low")) << ended.errors;
+    ASSERT_NO_FATAL_FAILURE(expect_rest());
     EXPECT_EQ(stop().status, 0);
   }
 }
