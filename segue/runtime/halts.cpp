@@ -176,17 +176,17 @@ void Halts::work(const std::stop_token& stop) {
 std::vector<Halts::WhenWatch> Halts::watch_when(const model::Halt& halt, const Watched& tasks,
                                                 std::vector<WhenWatch> watches) {
   std::vector<WhenWatch> all;
-  for (const auto& [condition, where] : halt.when) {
-    const auto task = tasks.find(model::TaskId(model::task_of(condition)));
+  for (const model::HaltCondition& wanted : halt.when) {
+    const auto task = tasks.find(model::TaskId(model::task_of(wanted.condition)));
     if (task == tasks.end()) {
       continue;
     }
     const auto kept = std::ranges::find_if(watches, [&, look = task->second](const WhenWatch& one) {
-      return one.watch && one.look == look && one.watch->condition() == condition;
+      return one.watch && one.look == look && one.watch->condition() == wanted.condition;
     });
     all.push_back(kept != watches.end()
                       ? std::move(*kept)
-                      : WhenWatch{task->second, watch(condition, ConditionWatch::From::Now)});
+                      : WhenWatch{task->second, watch(wanted.condition, ConditionWatch::From::Now)});
   }
   return all;
 }
