@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/robot.capnp.h>
+#include <segue/control/detail/server_core.hpp>
+#include <support/eventually.hpp>
 #include <support/sanitizers.hpp>
 #include <support/secure_server.hpp>
 
+#include <atomic>
 #include <fstream>
+#include <future>
+#include <memory>
 #include <random>
 #include <thread>
+#include <vector>
 
 namespace segue::control {
 namespace {
@@ -208,6 +214,46 @@ TEST_F(SecureTest, WhoSendsAByteNowAndThenIsCutOff) {
     closed = slow.send(hello.substr(i, 1)) == 0 || slow.closes_within(std::chrono::milliseconds(200));
   EXPECT_TRUE(closed);
   EXPECT_TRUE(log_->has({"refused a client without a name at 127.0.0.1:", "not done in time"}));
+}
+
+/// Connections of one person, each with as many calls in progress as a client may have.
+class WaitingCrowd {
+ public:
+  explicit WaitingCrowd(std::vector<std::unique_ptr<RobotService>> connections)
+      : connections_(std::move(connections)) {
+    for (const auto& connection : connections_) {
+      for (std::size_t call = 0; call < detail::CallLimits::kMostOfClient; ++call) {
+        calls_.push_back(std::async(std::launch::async, [this, &connection] {
+          const auto events = connection->events(1000, std::chrono::hours(1));
+          if (!events && events.error().code == ErrorCode::ResourceExhausted) ++refused_;
+        }));
+      }
+    }
+  }
+  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
+  [[nodiscard]] std::size_t refused() const { return refused_; }
+
+ private:
+  const std::vector<std::unique_ptr<RobotService>> connections_;
+  std::atomic<std::size_t> refused_{0};
+  std::vector<std::future<void>> calls_;  // go first
+};
+
+TEST_F(SecureTest, ObserversWhoWaitKeepNobodyElseFromCalling) {
+  enrol({.name = "olga", .role = Role::Observe});
+  enrol({.name = "olaf", .role = Role::Observe});
+  serve_tcp();
+  const auto ann = client_of("ann");
+  const auto olaf = client_of("olaf");
+  std::vector<std::unique_ptr<RobotService>> connections;
+  for (std::size_t i = 0; i <= detail::ServerCore::kMaxCalls / detail::CallLimits::kMostOfClient; ++i)
+    connections.push_back(client_of("olga"));
+  const WaitingCrowd crowd(std::move(connections));
+  ASSERT_TRUE(segue::testing::eventually(
+      [&] { return crowd.refused() >= crowd.calls() - detail::ServerCore::kMaxCalls; }));
+  EXPECT_TRUE(ann->status()) << "who operates";
+  EXPECT_TRUE(olaf->status()) << "another observer";
+  server_.reset();  // ends the calls
 }
 
 TEST_F(SecureTest, WhoSaysNoHelloIsCutOff) {

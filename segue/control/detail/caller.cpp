@@ -10,7 +10,6 @@ namespace segue::control::detail {
 
 namespace {
 
-constexpr std::size_t kMaxCallsPerClient = 16;
 /// Batches wait for hooks of tasks, on a host for those of many tasks at once.
 constexpr std::size_t kMaxBatchesPerClient = 256;
 constexpr Duration kMaxTimeout = std::chrono::hours(24);
@@ -56,12 +55,7 @@ Result<void> Caller::begin() {
   if (core_.stopping) {
     return refused(ErrorCode::Unavailable, core_.noun(), " is shutting down");
   }
-  if (client_->calls >= kMaxCallsPerClient) {
-    return fail(ErrorCode::ResourceExhausted,
-                "this client has too many calls in progress; wait for one to end");
-  }
-  ++client_->calls;
-  return {};
+  return core_.calls.begin(*client_);
 }
 
 Result<void> Caller::begin_batch() {
@@ -85,14 +79,15 @@ kj::Promise<Result<void>> Caller::run(Role needed, std::function<void()> job) {
   auto pair = kj::newPromiseAndFulfiller<Result<void>>();
   // Shared because std::function must be copyable; it is only moved, and destroyed in the loop's thread.
   auto fulfiller = std::make_shared<Fulfiller>(kj::mv(pair.fulfiller));
-  const bool begun = core_.pool.try_submit(
-      [&loop = core_.loop, job = std::move(job), fulfiller, client = client_]() mutable {
+  const bool begun =
+      core_.pool.try_submit([&core = core_, job = std::move(job), fulfiller, client = client_]() mutable {
         job();
         job = nullptr;
-        loop.post([fulfiller = std::move(fulfiller), client = std::move(client)](kj::AsyncIoContext&) {
-          --client->calls;
-          (*fulfiller)->fulfill(Result<void>());
-        });
+        core.loop.post(
+            [&core, fulfiller = std::move(fulfiller), client = std::move(client)](kj::AsyncIoContext&) {
+              core.calls.end(*client);
+              (*fulfiller)->fulfill(Result<void>());
+            });
       });
   if (!begun) {
     end();

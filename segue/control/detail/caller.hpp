@@ -39,7 +39,7 @@ class Caller {
   /// For a call that takes none of the pool's threads: it counts as one in progress until end(). Unavailable
   /// or ResourceExhausted where it may not be begun.
   Result<void> begin();
-  void end() { --client_->calls; }
+  void end() { core_.calls.end(*client_); }
   /// The same for a batch of actions, of which there may be more.
   Result<void> begin_batch();
   void end_batch() { --client_->batches; }

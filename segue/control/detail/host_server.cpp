@@ -222,10 +222,12 @@ class HostServer final : public wire::Host::Server {
     request.again = params.getAgain();
     request.models =
         decode_list<hosts::ModelFile>(params.getModels(), [](const auto& part) { return decode(part); });
-    auto job = [&service = service(), request = std::move(request), launch = get(params.getLaunch()),
+    auto job = [&service = service(), request = std::move(request),
+                launch = decode(params.getLaunch(), kServerMessageWords),
                 deadline =
                     deadline_after(params.getTimeout())]() mutable -> Result<std::shared_ptr<HostedRobot>> {
-      auto checked = process::launch_from(launch);
+      if (!launch) return launch.error();
+      auto checked = process::launch_from(*launch);
       if (!checked) return checked.error();
       request.launch = std::move(*checked);
       request.launch.deployment = {};  // of whichever process is deployed

@@ -25,9 +25,10 @@ class ProcessesServer final : public wire::Processes::Server {
 
   kj::Promise<void> start(StartContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(), launch = get(params.getLaunch()),
+    auto job = [&service = service(), launch = decode(params.getLaunch(), kServerMessageWords),
                 deadline = deadline_after(params.getTimeout())]() -> Result<ProcessInfo> {
-      const auto checked = process::launch_from(launch);
+      if (!launch) return launch.error();
+      const auto checked = process::launch_from(*launch);
       if (!checked) return checked.error();
       return service.start(*checked, deadline);
     };

@@ -15,10 +15,32 @@
 
 #include <atomic>
 #include <cstddef>
+#include <map>
+#include <string>
 #include <string_view>
 #include <variant>
 
 namespace segue::control::detail {
+
+struct ClientState;
+
+/// Which calls may be in progress at once. Observers leave threads to those who command the robot, and to
+/// each other: a person who only observes has as many calls as one client, however many connections are open.
+/// For use in the loop's thread.
+class CallLimits {
+ public:
+  static constexpr std::size_t kMostOfClient = 16;
+  static constexpr std::size_t kMostOfObserver = 16;
+  static constexpr std::size_t kMostOfAllObservers = 48;
+
+  /// ResourceExhausted where it may not be begun; otherwise it counts until end().
+  Result<void> begin(ClientState& client);
+  void end(ClientState& client);
+
+ private:
+  std::map<std::string, std::size_t> of_observers_;  ///< by the names of persons; only those that have calls
+  std::size_t of_all_observers_ = 0;
+};
 
 /// The state that all clients of a server share.
 struct ServerCore {
@@ -41,6 +63,7 @@ struct ServerCore {
   Broadcast<process::ProcessInfo> process_events;
   LeaseOwners lease_owners;
   RefusalLog refusals;  ///< used in the loop's thread only
+  CallLimits calls;     ///< likewise
   EventLoop loop;
   Tally batches;  ///< in progress, on threads of the service
   /// Destroyed before the loop, to which its jobs post.
