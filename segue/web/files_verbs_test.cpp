@@ -213,5 +213,35 @@ TEST_F(FileVerbsTest, ARobotWithoutFilesHasNothingToEdit) {
   EXPECT_EQ(error("files", nothing_), "unsupported");
 }
 
+/// The models of its robot are found once `found_` is open.
+class SlowModelsTest : public RobotFilesTest {
+ protected:
+  SlowModelsTest()
+      : RobotFilesTest([this](const model::Robot&, Diagnostics&) {
+          asked_.open();
+          found_.wait();
+          return model::ComponentCatalog();
+        }) {}
+  void SetUp() override {
+    RobotFilesTest::SetUp();
+    write("robot.yaml", "robot: fake\n");
+  }
+  void TearDown() override {
+    found_.open();
+    RobotFilesTest::TearDown();
+  }
+
+  control::Gate asked_;
+  control::Gate found_;
+};
+
+TEST_F(SlowModelsTest, WhoOnlyObservesLeavesCallsToThoseWhoOperate) {
+  const auto crowd = Session::create(hub_, verbs_, {Role::Observe, "fake", "somebody"}, [] {});
+  for (std::size_t call = 0; call < Verbs::kMostCalls; ++call)
+    crowd->receive(R"({"id": 1, "verb": "models"})");
+  ASSERT_TRUE(asked_.wait());
+  EXPECT_EQ(error("stop", Value(type::ValueMap{}), Role::Operate), "");
+}
+
 }  // namespace
 }  // namespace segue::web

@@ -5,15 +5,7 @@
 #include <segue/web/server.hpp>
 #include <segue/web/test_support.hpp>
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/ssl.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
-
-#include <poll.h>
+#include <support/browser.hpp>
 
 #include <fstream>
 #include <optional>
@@ -22,84 +14,9 @@
 namespace segue::web {
 namespace {
 
-namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = beast::http;
-namespace ssl = asio::ssl;
 using control::Authority;
+using segue::testing::Browser;
 using type::Value;
-using Tcp = asio::ip::tcp;
-
-/// A browser with a certificate, or without.
-class Browser {
- public:
-  Browser(std::uint16_t port, const std::filesystem::path& folder, const std::string& name)
-      : port_(port), tls_(ssl::context::tls_client) {
-    tls_.load_verify_file((folder / "ca.crt").string());
-    tls_.set_verify_mode(ssl::verify_peer);
-    if (!name.empty()) {
-      tls_.use_certificate_file((folder / (name + ".crt")).string(), ssl::context::pem);
-      tls_.use_private_key_file((folder / (name + ".key")).string(), ssl::context::pem);
-    }
-    stream_.emplace(context_, tls_);
-    auto& layer = stream_->next_layer();
-    layer.set_verify_callback(ssl::host_name_verification("left"));
-    layer.next_layer().connect({asio::ip::address_v4::loopback(), port}, problem_);
-    if (!problem_) layer.handshake(ssl::stream_base::client, problem_);
-  }
-
-  /// Whether the server ends a WebSocket of which nothing more is asked; what it sends until then is dropped.
-  bool is_ended() {
-    while (!problem_) {
-      pollfd entry{beast::get_lowest_layer(*stream_).native_handle(), POLLIN, 0};
-      if (::poll(&entry, 1, 10'000) <= 0) return false;
-      beast::flat_buffer buffer;
-      stream_->read(buffer, problem_);
-    }
-    return true;
-  }
-  /// The status of the answer, 0 where the connection has ended.
-  unsigned get(const std::string& host) {
-    http::request<http::empty_body> request(http::verb::get, "/", 11);
-    request.set(http::field::host, host);
-    if (!problem_) http::write(stream_->next_layer(), request, problem_);
-    http::response<http::string_body> response;
-    beast::flat_buffer buffer;
-    if (!problem_) http::read(stream_->next_layer(), buffer, response, problem_);
-    return problem_ ? 0 : response.result_int();
-  }
-  /// Asks for a WebSocket; whether it got one.
-  bool enter(const std::string& origin = "") {
-    const std::string host = "left:" + std::to_string(port_);
-    stream_->set_option(
-        beast::websocket::stream_base::decorator([&](beast::websocket::request_type& request) {
-          request.set("Origin", origin.empty() ? "https://" + host : origin);
-        }));
-    if (!problem_) stream_->handshake(host, "/socket", problem_);
-    return !problem_;
-  }
-  /// Nothing where the connection has ended.
-  std::optional<Value> receive() {
-    beast::flat_buffer buffer;
-    if (!problem_) stream_->read(buffer, problem_);
-    if (problem_) return std::nullopt;
-    return type::parse_json(beast::buffers_to_string(buffer.data())).value();
-  }
-  std::optional<Value> ask(const std::string& text) {
-    if (!problem_) stream_->write(asio::buffer(text), problem_);
-    while (auto message = receive()) {
-      if (message->find("id") != nullptr) return message;
-    }
-    return std::nullopt;
-  }
-
- private:
-  const std::uint16_t port_;
-  asio::io_context context_;
-  ssl::context tls_;
-  std::optional<beast::websocket::stream<ssl::stream<Tcp::socket>>> stream_;
-  boost::system::error_code problem_;
-};
 
 class SecureServer : public WebTest {
  protected:
@@ -232,11 +149,11 @@ TEST_F(SecureServer, WhoIsRevokedAndOnlyWatchesIsPutOut) {
 
 TEST_F(SecureServer, ConnectionsWithoutAHandshakeKeepNobodyOut) {
   start();
-  asio::io_context context;
-  std::vector<Tcp::socket> crowd;
+  boost::asio::io_context context;
+  std::vector<boost::asio::ip::tcp::socket> crowd;
   while (crowd.size() < 200) {
     crowd.emplace_back(context);
-    crowd.back().connect({asio::ip::address_v4::loopback(), server_->port()});
+    crowd.back().connect({boost::asio::ip::address_v4::loopback(), server_->port()});
   }
   EXPECT_EQ(browser("bob").get(named("left")), 200U);
 }

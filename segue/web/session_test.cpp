@@ -101,7 +101,7 @@ TEST_F(SessionTest, EachVerbNeedsItsRole) {
       {"create_file", control::Verb::ChangeFiles},
       {"rename_file", control::Verb::ChangeFiles},
       {"delete_file", control::Verb::ChangeFiles}};
-  EXPECT_EQ(verbs.size(), verb_names().size()) << "a verb is not in this list";
+  EXPECT_EQ(verbs.size(), verb_forms().size()) << "a verb is not in this list";
   for (const Role role : {Role::Observe, Role::Operate, Role::Administer}) {
     const auto session = browser(role);
     for (const auto& [name, verb] : verbs) {

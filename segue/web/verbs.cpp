@@ -199,71 +199,63 @@ Result<Value> ask_past(const Request& request) {
 using OfFiles = Result<Value> (FileVerbs::*)(const Command&);
 
 struct VerbEntry {
-  std::string_view name;
-  Verb rule;  ///< who may
+  VerbForm form;
   Result<Value> (*execute)(const Request&);
-  std::vector<std::string> arguments;
   OfFiles of_files = nullptr;  ///< in place of `execute`
 };
 
 const std::vector<VerbEntry>& verb_entries() {
   static const std::vector<VerbEntry> entries = {
-      {"status", Verb::Status, ask_status, {}},
-      {"task", Verb::Task, ask_task, {"task"}},
-      {"events", Verb::Events, ask_events, {"after"}},
-      {"history", Verb::History, ask_history, {}},
-      {"past", Verb::Past, ask_past, {"ask", "id", "before", "limit", "words", "time_s"}},
-      {"diff", Verb::Plan, ask_diff, {"controller", "force", "order", "timeout_s"}},
-      {"switch", Verb::Switch, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
-      {"cancel", Verb::Cancel, do_cancel, {"request", "timeout_s"}},
-      {"stop", Verb::Stop, do_stop, {"timeout_s"}},
-      {"release", Verb::ReleaseStop, do_release, {}},
-      {"mission", Verb::AskHolder, ask_of_mission, {"what", "how", "at", "of"}},
-      {"prepare", Verb::Prepare, do_prepare, {"controllers", "timeout_s"}},
-      {"set", Verb::Set, do_set, {"task", "property", "value", "yaml", "beside_mission", "timeout_s"}},
-      {"call", Verb::Call, do_call, {"task", "operation", "value", "yaml", "beside_mission", "timeout_s"}},
-      {"write", Verb::Write, do_write, {"task", "port", "value", "yaml", "beside_mission", "timeout_s"}},
-      {"files", Verb::LookAtFiles, nullptr, {}, &FileVerbs::list},
-      {"read_file", Verb::LookAtFiles, nullptr, {"path"}, &FileVerbs::read},
-      {"check_file", Verb::LookAtFiles, nullptr, {"path", "text"}, &FileVerbs::check},
-      {"save_file", Verb::ChangeFiles, nullptr, {"path", "text", "version"}, &FileVerbs::save},
-      {"create_file",
-       Verb::ChangeFiles,
+      {{"status", Verb::Status, {}}, ask_status},
+      {{"task", Verb::Task, {"task"}}, ask_task},
+      {{"events", Verb::Events, {"after"}}, ask_events},
+      {{"history", Verb::History, {}}, ask_history},
+      {{"past", Verb::Past, {"ask", "id", "before", "limit", "words", "time_s"}}, ask_past},
+      {{"diff", Verb::Plan, {"controller", "force", "order", "timeout_s"}}, ask_diff},
+      {{"switch", Verb::Switch, {"controller", "force", "order", "take_over", "timeout_s"}}, do_switch},
+      {{"cancel", Verb::Cancel, {"request", "timeout_s"}}, do_cancel},
+      {{"stop", Verb::Stop, {"timeout_s"}}, do_stop},
+      {{"release", Verb::ReleaseStop, {}}, do_release},
+      {{"mission", Verb::AskHolder, {"what", "how", "at", "of"}}, ask_of_mission},
+      {{"prepare", Verb::Prepare, {"controllers", "timeout_s"}}, do_prepare},
+      {{"set", Verb::Set, {"task", "property", "value", "yaml", "beside_mission", "timeout_s"}}, do_set},
+      {{"call", Verb::Call, {"task", "operation", "value", "yaml", "beside_mission", "timeout_s"}}, do_call},
+      {{"write", Verb::Write, {"task", "port", "value", "yaml", "beside_mission", "timeout_s"}}, do_write},
+      {{"files", Verb::LookAtFiles, {}}, nullptr, &FileVerbs::list},
+      {{"read_file", Verb::LookAtFiles, {"path"}}, nullptr, &FileVerbs::read},
+      {{"check_file", Verb::LookAtFiles, {"path", "text"}}, nullptr, &FileVerbs::check},
+      {{"save_file", Verb::ChangeFiles, {"path", "text", "version"}}, nullptr, &FileVerbs::save},
+      {{"create_file", Verb::ChangeFiles, {"path", "text", "robot_text", "robot_version"}},
        nullptr,
-       {"path", "text", "robot_text", "robot_version"},
        &FileVerbs::create},
-      {"rename_file",
-       Verb::ChangeFiles,
+      {{"rename_file", Verb::ChangeFiles, {"path", "to", "version", "robot_text", "robot_version"}},
        nullptr,
-       {"path", "to", "version", "robot_text", "robot_version"},
        &FileVerbs::rename},
-      {"delete_file",
-       Verb::ChangeFiles,
+      {{"delete_file", Verb::ChangeFiles, {"path", "version", "robot_text", "robot_version"}},
        nullptr,
-       {"path", "version", "robot_text", "robot_version"},
        &FileVerbs::remove},
-      {"libraries", Verb::LookAtFiles, nullptr, {"path"}, &FileVerbs::libraries},
-      {"models", Verb::LookAtFiles, nullptr, {}, &FileVerbs::models},
-      {"plan_files", Verb::Plan, ask_plan, {"force", "order", "timeout_s"}},
-      {"apply_files", Verb::Apply, do_apply, {"force", "order", "take_over", "timeout_s"}},
+      {{"libraries", Verb::LookAtFiles, {"path"}}, nullptr, &FileVerbs::libraries},
+      {{"models", Verb::LookAtFiles, {}}, nullptr, &FileVerbs::models},
+      {{"plan_files", Verb::Plan, {"force", "order", "timeout_s"}}, ask_plan},
+      {{"apply_files", Verb::Apply, {"force", "order", "take_over", "timeout_s"}}, do_apply},
   };
   return entries;
 }
 
 const VerbEntry* find_verb(std::string_view name) {
   for (const VerbEntry& entry : verb_entries()) {
-    if (entry.name == name) return &entry;
+    if (entry.form.name == name) return &entry;
   }
   return nullptr;
 }
 
 }  // namespace
 
-std::vector<std::string> verb_names() {
-  std::vector<std::string> names;
+std::vector<VerbForm> verb_forms() {
+  std::vector<VerbForm> forms;
   for (const VerbEntry& entry : verb_entries())
-    names.emplace_back(entry.name);
-  return names;
+    forms.push_back(entry.form);
+  return forms;
 }
 
 Verbs::Verbs(RobotLink& link, ModelsOf models) : link_(link), files_(link, std::move(models)) {}
@@ -271,17 +263,28 @@ Verbs::Verbs(RobotLink& link, ModelsOf models) : link_(link), files_(link, std::
 void Verbs::begin(Command command, Role role, const std::string& who, Answer answer) {
   const VerbEntry* entry = find_verb(command.verb());
   if (entry == nullptr) return answer(fail(ErrorCode::NotFound, "there is no verb " + quote(command.verb())));
-  const Role needed = control::role_for(entry->rule, command.flag("take_over").value_or(false));
+  const Role needed = control::role_for(entry->form.verb, command.flag("take_over").value_or(false));
   if (role < needed) {
     return answer(fail(ErrorCode::PermissionDenied,
                        "this browser may only " + std::string(to_string(role)) + ", not " + command.verb() +
                            ", which needs the role " + std::string(to_string(needed))));
   }
-  if (auto known = command.only(entry->arguments); !known) return answer(known.error());
+  if (auto known = command.only(entry->form.arguments); !known) return answer(known.error());
+  const bool observes = role == Role::Observe;
+  if (observes && calls_of_observers_.fetch_add(1) >= kMostCallsOfObservers) {
+    --calls_of_observers_;
+    return answer(fail(ErrorCode::ResourceExhausted,
+                       "too many calls of those who only observe are in progress; try again"));
+  }
   auto shared = std::make_shared<Answer>(std::move(answer));
-  const bool accepted = pool_.try_submit(
-      [this, command = std::move(command), who, shared] { (*shared)(execute(command, who)); });
-  if (!accepted) (*shared)(fail(ErrorCode::ResourceExhausted, "too many calls are in progress; try again"));
+  const bool accepted = pool_.try_submit([this, command = std::move(command), who, shared, observes] {
+    const auto result = execute(command, who);
+    if (observes) --calls_of_observers_;
+    (*shared)(result);
+  });
+  if (accepted) return;
+  if (observes) --calls_of_observers_;
+  (*shared)(fail(ErrorCode::ResourceExhausted, "too many calls are in progress; try again"));
 }
 
 Result<Value> Verbs::execute(const Command& command, const std::string& who) {

@@ -4,11 +4,14 @@
 #include <segue/base/result.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/control/peer.hpp>
+#include <segue/control/verbs.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>
 #include <segue/web/files_verbs.hpp>
 #include <segue/web/robot_link.hpp>
 
+#include <atomic>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,8 +20,14 @@ namespace segue::web {
 
 using control::Role;
 
+/// A verb as pages ask it.
+struct VerbForm {
+  std::string name;
+  control::Verb verb = control::Verb::Status;  ///< says who may
+  std::vector<std::string> arguments;          ///< their names; there are no others
+};
 /// What pages can ask.
-std::vector<std::string> verb_names();
+std::vector<VerbForm> verb_forms();
 
 /// Executes what pages ask a robot for, each in a thread of its own, so that a call that takes long delays
 /// nobody. All functions may be called from any thread.
@@ -28,6 +37,8 @@ class Verbs {
 
   /// At once; what is beyond is refused with ResourceExhausted.
   static constexpr std::size_t kMostCalls = 12;
+  /// Of them those of browsers that may only observe, so that they keep nobody from stopping the robot.
+  static constexpr std::size_t kMostCallsOfObservers = 8;
 
   explicit Verbs(RobotLink& link, ModelsOf models = {});
   /// Waits for the calls in progress, until their deadlines at most.
@@ -44,6 +55,7 @@ class Verbs {
 
   RobotLink& link_;
   FileVerbs files_;
+  std::atomic<std::size_t> calls_of_observers_{0};  ///< in progress
   concurrent::ThreadPool pool_{"segue-studio", {.threads = kMostCalls, .idle = 2}};
 };
 
