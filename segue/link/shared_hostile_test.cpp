@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstring>
@@ -278,14 +279,14 @@ TEST(SharedHostile, SamplesWithImpossibleBytesAreNotDelivered) {
 }
 
 TEST(SharedHostile, AHeaderThatWasOverwrittenIsNoticed) {
-  for (int word = 0; word < 5; ++word) {
+  for (int word = 0; word < 6; ++word) {
     Attacked<Pose> attacked(Policy{BufferKind::Buffer, 4});
     auto& [pair, hostile, source, sink, link, ring] = attacked;
     source.out.write(Pose(1));
     EXPECT_EQ(damage_of(*link.input), Damage::None);
     auto& header = ring.header();
-    const std::array<std::atomic<std::uint64_t>*, 5> words = {&header.generation, &header.closed,
-                                                              &header.size, &header.kind, &header.init};
+    const std::array<std::atomic<std::uint64_t>*, 6> words = {
+        &header.generation, &header.closed, &header.size, &header.kind, &header.init, &header.doorbell};
     words.at(static_cast<std::size_t>(word))->fetch_xor(1);
     EXPECT_EQ(link.input->damage({}), Damage::Ring) << word;
   }
@@ -346,6 +347,42 @@ TEST(SharedHostile, CountsOfTheOtherSideAreNotBelieved) {
   }
   header.read ^= 1ULL << 40;
   EXPECT_EQ(damage_of(*link.input), Damage::Ring);
+}
+
+TEST(SharedHostile, ACountThatWasSetBackIsNoticed) {
+  Attacked<Pose> attacked(Policy{BufferKind::Buffer, 4});
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
+  source.out.write(Pose(1));
+  ring.header().written = 0;
+  EXPECT_EQ(damage_of(*link.output), Damage::Ring);
+}
+
+TEST(SharedHostile, ASealFitsNothingButWhatItWasMadeOf) {
+  Attacked<Pose> attacked(Policy{BufferKind::Buffer, 4});
+  const SharedRing& ring = attacked.ring;
+  const std::uint64_t seal = ring.seal_of(1, 64, 32, 5);
+  EXPECT_NE(ring.seal_of(2, 64, 32, 5), seal) << "another entry";
+  EXPECT_NE(ring.seal_of(1, 128, 32, 5), seal) << "another place";
+  EXPECT_NE(ring.seal_of(1, 64, 40, 5), seal) << "another size";
+  EXPECT_NE(ring.seal_of(1, 64, 32, 6), seal) << "another sequence";
+}
+
+TEST(SharedHostile, AnEntryThatTheReaderUsesIsNotTakenBackForTheOneThatWasReplaced) {
+  Attacked<Pose> attacked{Policy()};
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
+  source.out.write(Pose(1));
+  const auto held = sink.in.take();
+  ASSERT_TRUE(held);
+  const auto entries = ring.entries();
+  const auto in_use = std::find_if(entries.begin(), entries.end(), [](const RingEntry& entry) {
+    return entry.sequence == 1 && entry.size == sizeof(Pose);
+  });
+  ASSERT_NE(in_use, entries.end());
+  source.out.write(Pose(2));
+  ASSERT_NE(ring.words().remove(0), 0U);
+  ASSERT_TRUE(ring.words().offer(ring.token_of(static_cast<std::size_t>(in_use - entries.begin()))));
+  source.out.write(Pose(3));
+  EXPECT_EQ(link.output->corrupt(), 1U);
 }
 
 TEST(SharedHostile, SamplesInAnotherOrderThanWrittenAreNotDelivered) {
