@@ -98,6 +98,13 @@ bool ConnectionTable::Place::enter(const std::string& person) {
   return true;
 }
 
+void ConnectionTable::Place::cut_off_others(const std::string& person, const std::string& why) {
+  const Entries all = table_.entries_;
+  for (const auto& entry : all) {
+    if (entry != entry_ && entry->person == person) table_.cut_off(entry, why);
+  }
+}
+
 bool ConnectionTable::Place::has_entered() const {
   return entry_->person.has_value();
 }

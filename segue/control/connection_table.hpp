@@ -70,6 +70,8 @@ class ConnectionTable::Place {
   /// The other side may come in: it is a client of that person from now on, and stays one. False where there
   /// is no place for it, or it was cut off.
   [[nodiscard]] bool enter(const std::string& person);
+  /// Cuts off all other connections of that person.
+  void cut_off_others(const std::string& person, const std::string& why);
   [[nodiscard]] bool has_entered() const;
   [[nodiscard]] bool is_cut_off() const;
   /// In place of what add() got, where the connection has been handed on.

@@ -119,6 +119,14 @@ TEST_F(ConnectionTableTest, WhoHasComeInIsInOnce) {
   EXPECT_EQ(table_.clients(), 1U);
 }
 
+TEST_F(ConnectionTableTest, AllOtherConnectionsOfAPersonCanBeEnded) {
+  add_clients(3, "ann");
+  add_clients(1, "bob");
+  places_.front().cut_off_others("ann", "a test");
+  EXPECT_EQ(cut_off_, (Names{"ann1", "ann2"}));
+  EXPECT_EQ(table_.clients(), 2U);
+}
+
 TEST_F(ConnectionTableTest, WhoWasCutOffDoesNotComeIn) {
   Place oldest = add("oldest");
   add_strangers(ConnectionTable::kMostStrangers, "10.0.0.1");

@@ -108,11 +108,15 @@ Result<Gate::Admission> Gate::admit_known(const Entrance& entrance) const {
 }
 
 Gate::Admission Gate::add_browser() {
-  if (browsers_.size() >= kMostBrowsers) browsers_.erase(browsers_.begin());
+  std::uint64_t forgotten = 0;
+  if (browsers_.size() >= kMostBrowsers) {
+    forgotten = browsers_.front().number;
+    browsers_.erase(browsers_.begin());
+  }
   browsers_.push_back({++last_number_, random_secret(), random_secret()});
   const Browser& browser = browsers_.back();
   const std::string cookie = cookie_name_ + "=" + browser.cookie + "; Path=/; HttpOnly; SameSite=Strict";
-  return {role_, browser.number, cookie, browser.key};
+  return {role_, browser.number, cookie, browser.key, forgotten};
 }
 
 Result<Gate::Admission> Gate::admit(const Entrance& entrance) {

@@ -40,7 +40,7 @@ struct Entrance {
 /// All functions may be called from any thread.
 class Gate {
  public:
-  /// Of the browsers that are known; the one that came first is forgotten.
+  /// Of the browsers that are known; the one that came first is forgotten, and its connections are to end.
   static constexpr std::size_t kMostBrowsers = 64;
   /// Of the WebSocket; a page that brings a key offers it.
   static constexpr std::string_view kProtocol = "segue.studio";
@@ -51,6 +51,8 @@ class Gate {
     /// "Set-Cookie" of a browser that has brought the token: it is spent, and another one is valid.
     std::string new_cookie{};
     std::string new_key{};  ///< likewise; for the page alone
+    /// The number of the browser that was forgotten for this one; 0: none was.
+    std::uint64_t forgotten = 0;
   };
 
   struct Place {

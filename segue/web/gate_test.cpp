@@ -147,6 +147,16 @@ TEST(GateTest, TheOldestOfManyBrowsersIsForgotten) {
   EXPECT_EQ(known->role, Role::Observe);
 }
 
+TEST(GateTest, WhoComesInForAnotherIsToldForWhom) {
+  Gate gate(kPlace, Role::Observe);
+  const auto enter_once = [&] { return gate.admit({.target = "/?token=" + gate.token(), .host = kHost}); };
+  const auto oldest = enter_once();
+  ASSERT_TRUE(oldest);
+  for (std::size_t more = 1; more < Gate::kMostBrowsers; ++more)
+    EXPECT_EQ(enter_once()->forgotten, 0U);
+  EXPECT_EQ(enter_once()->forgotten, oldest->browser);
+}
+
 TEST(GateTest, AllNamesInTheCertificateAreOfTheHost) {
   const std::vector<std::string> names = {"arm", "Arm.Example", "10.9.8.7", "fd00::7"};
   Gate gate({.scheme = "https", .names = names, .port = 8475}, Role::Operate);

@@ -302,6 +302,8 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
                              .address = own_address(),
                              .certified = certified()});
     if (!admission) return refuse(admission.error());
+    if (admission->forgotten != 0)
+      place_.cut_off_others(std::to_string(admission->forgotten), "its browser is not known any more");
     if (!admission->new_cookie.empty() && shared_.options.entered) shared_.options.entered(shared_.address());
     if (!place_.enter(person_ ? person_->name : std::to_string(admission->browser))) return have_no_place();
     if (!admission->new_cookie.empty()) return welcome(*admission);

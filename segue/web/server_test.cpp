@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/descriptor.hpp>
+#include <segue/web/gate.hpp>
 #include <segue/web/server.hpp>
 #include <segue/web/test_support.hpp>
 
@@ -13,6 +14,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <chrono>
 #include <fstream>
 #include <optional>
 #include <random>
@@ -158,6 +160,17 @@ class Client {
       if (message->find("id") != nullptr) return *message;
     }
     return {};
+  }
+  /// Whether the server ends it, though nothing more is asked; what it sends until then is dropped.
+  bool is_ended() {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const int socket = stream_.next_layer().native_handle();
+    char dropped[4096];
+    while (std::chrono::steady_clock::now() < deadline) {
+      pollfd entry{socket, POLLIN, 0};
+      if (::poll(&entry, 1, 1000) > 0 && ::recv(socket, dropped, sizeof dropped, 0) <= 0) return true;
+    }
+    return false;
   }
   beast::websocket::stream<Tcp::socket>& stream() { return stream_; }
 
@@ -309,6 +322,18 @@ TEST_F(ServerTest, OneBrowsersConnectionsKeepNoOtherOut) {
   enter();
   Client other(server_->port(), cookie_, protocols_);
   EXPECT_NE(other.ask(R"({"id": 1, "verb": "status"})").find("result"), nullptr);
+}
+
+TEST_F(ServerTest, ABrowserThatIsForgottenIsPutOut) {
+  start();
+  enter();
+  Client oldest(server_->port(), cookie_, protocols_);
+  enter();
+  Client second(server_->port(), cookie_, protocols_);
+  for (std::size_t more = 2; more <= Gate::kMostBrowsers; ++more)
+    enter();
+  EXPECT_TRUE(oldest.is_ended());
+  EXPECT_EQ(second.ask(R"({"id": 1, "verb": "status"})").find("error"), nullptr);
 }
 
 TEST_F(ServerTest, RefusedRequestsKeepNobodyOut) {
