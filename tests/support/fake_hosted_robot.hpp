@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/hosts/hosted_robot.hpp>
+#include <support/fake_deployment.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace segue::control {
+
+/// Remembers what was asked; tasks are those of a FakeDeployment.
+class FakeHostedRobot final : public hosts::HostedRobot {
+ public:
+  Gate entered;  ///< a call has begun that blocks
+  Gate go_on;
+  FakeDeployment tasks;
+  std::atomic<bool> blocks{false};      ///< withdraw()
+  std::atomic<bool> slow_begin{false};  ///< begin_transition()
+
+  /// Set before and read after calls.
+  struct Fields {
+    std::vector<std::string> asked;
+    std::optional<Error> refusal;
+    hosts::HostView view;
+    model::Network before;
+    model::Network target;
+    model::Transition transition;
+    std::vector<model::Action> actions;
+    std::vector<hosts::LinkWait> links;
+    std::uint64_t number = 0;
+    Duration duration{0};
+  };
+  void set(const std::function<void(Fields&)>& change) {
+    const std::lock_guard lock(mutex_);
+    change(fields_);
+  }
+  Fields fields() {
+    const std::lock_guard lock(mutex_);
+    return fields_;
+  }
+  void tell(const host::HostEvent& event) {
+    const std::lock_guard lock(listening_);
+    if (listener_) listener_(event);
+  }
+  bool has_listener() {
+    const std::lock_guard lock(listening_);
+    return listener_ != nullptr;
+  }
+
+  Result<void> renew() override { return note("renew"); }
+  Result<void> release() override { return note("release"); }
+  Result<hosts::HostView> look() override {
+    if (auto noted = note("look"); !noted) return noted.error();
+    return fields().view;
+  }
+  Result<void> expect(const model::Network& target) override {
+    return note("expect", [&](Fields& fields) { fields.target = target; });
+  }
+  Result<void> begin_transition(const model::Network& before, const model::Network& target) override {
+    if (slow_begin) {
+      entered.open();
+      go_on.wait();
+    }
+    return note("begin_transition", [&](Fields& fields) {
+      fields.before = before;
+      fields.target = target;
+    });
+  }
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      host::Completion completed) override {
+    auto noted = note("begin_in_order", [&](Fields& fields) {
+      fields.actions = actions;
+      fields.duration = action_deadline;
+    });
+    std::vector<host::Completed> ended;
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      host::Completed one{i, noted};
+      one.span = host::Span{std::chrono::milliseconds(i), std::chrono::milliseconds(i + 1)};
+      one.begun = i % 2 == 0;
+      ended.push_back(std::move(one));
+    }
+    completed(std::move(ended));
+  }
+  void begin_no_more() override { (void)note("begin_no_more"); }
+  Result<void> get_ready(const model::Network& target, const std::vector<hosts::LinkWait>& links,
+                         TimePoint deadline) override {
+    return note("get_ready", [&](Fields& fields) {
+      fields.target = target;
+      fields.links = links;
+      fields.duration = deadline - RealClock::instance().now();
+    });
+  }
+  Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
+                          TimePoint deadline) override {
+    return note("arm_commit", [&](Fields& fields) {
+      fields.transition = transition;
+      fields.number = number;
+      fields.duration = deadline - RealClock::instance().now();
+    });
+  }
+  Result<void> vote(std::uint64_t number, Duration validity) override {
+    return note("vote", [&](Fields& fields) {
+      fields.number = number;
+      fields.duration = validity;
+    });
+  }
+  Result<void> commit(std::uint64_t number) override {
+    return note("commit", [&](Fields& fields) { fields.number = number; });
+  }
+  Result<void> conclude(const model::Transition& transition) override {
+    return note("conclude", [&](Fields& fields) { fields.transition = transition; });
+  }
+  Result<void> withdraw() override {
+    if (blocks) {
+      entered.open();
+      go_on.wait();
+    }
+    return note("withdraw");
+  }
+  Result<void> end_processes(TimePoint deadline) override {
+    return note("end_processes",
+                [&](Fields& fields) { fields.duration = deadline - RealClock::instance().now(); });
+  }
+  void set_listener(host::TaskHost::Listener listener) override {
+    const std::lock_guard lock(listening_);
+    listener_ = std::move(listener);
+  }
+
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 host::Completion completed) override {
+    tasks.begin_all(std::move(actions), deadline, std::move(completed));
+  }
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
+    return tasks.save_state(task, deadline);
+  }
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
+                             TimePoint deadline) override {
+    return tasks.restore_state(task, state, deadline);
+  }
+  Result<model::ComponentModel> describe(const model::TaskId& task) override { return tasks.describe(task); }
+  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
+    return tasks.report(task, deadline);
+  }
+  Result<host::TaskDetails> details(const model::TaskId& task) override { return tasks.details(task); }
+  Result<type::Value> properties(const model::TaskId& task) override { return tasks.properties(task); }
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override {
+    return tasks.set_property(task, path, value, deadline);
+  }
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override {
+    return tasks.call(task, operation, arguments, deadline);
+  }
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
+    return tasks.write(port, value, deadline);
+  }
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override {
+    return tasks.open_reader(port, buffer);
+  }
+
+ private:
+  Result<void> note(const std::string& what, const std::function<void(Fields&)>& change = {}) {
+    const std::lock_guard lock(mutex_);
+    fields_.asked.push_back(what);
+    if (change) change(fields_);
+    if (fields_.refusal) return *fields_.refusal;
+    return {};
+  }
+
+  std::mutex mutex_;
+  Fields fields_;
+  std::mutex listening_;
+  host::TaskHost::Listener listener_;
+};
+
+}  // namespace segue::control
