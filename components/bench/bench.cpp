@@ -191,8 +191,59 @@ class Consumer final : public Component {
   GapCounter fixed_gaps_;
 };
 
+/// Drives to a goal and says so by its state; measures how long it stands there until it gets the next one.
+class Driver final : public Component {
+ public:
+  Driver() {
+    doc("Drives for a while after each goal; measures the time from its arrival to the next goal");
+    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(1), {}, 0, {}, {}, false});
+    declare_states({"driving", "arrived"});
+  }
+
+ protected:
+  Result<void> on_configure() override {
+    reactions_.reserve(kMostReactions);
+    return {};
+  }
+
+  void on_update() override {
+    if (left_ == 0 || --left_ > 0) return;
+    arrived_ = now();
+    set_state("arrived");
+  }
+
+ private:
+  static constexpr std::size_t kMostReactions = 10'000;
+  static constexpr std::uint64_t kShortest = 20;
+
+  /// The ways differ, so that arrivals fall on all moments of whatever looks for them now and then.
+  void go() {
+    if (arrived_ != segue::TimePoint() && reactions_.size() < kMostReactions)
+      reactions_.push_back(std::chrono::duration<double>(now() - arrived_).count());
+    arrived_ = {};
+    left_ = *updates_ > 0 ? *updates_ : kShortest + (goals_ * 7) % 23;
+    ++goals_;
+    set_state("driving");
+  }
+
+  Property<std::uint64_t> updates_{
+      *this, "updates", 0, {.live = true, .doc = "that each way takes; 0: 20 to 42"}};
+  Operation<void()> go_{*this, "go", {}, [this] { go(); }};
+  Operation<std::vector<double>()> read_{*this,
+                                         "reactions",
+                                         {},
+                                         [this] { return reactions_; },
+                                         segue::task::RunsIn::TaskThread,
+                                         "from each arrival to the next goal, in seconds"};
+  std::vector<double> reactions_;
+  segue::TimePoint arrived_{};
+  std::uint64_t left_ = 0;
+  std::uint64_t goals_ = 0;
+};
+
 }  // namespace bench
 
 SEGUE_COMPONENT(bench::Producer)
 SEGUE_COMPONENT(bench::Relay)
 SEGUE_COMPONENT(bench::Consumer)
+SEGUE_COMPONENT(bench::Driver)

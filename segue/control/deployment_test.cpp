@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/question.hpp>
 #include <support/fake_deployment.hpp>
 #include <support/random_actions.hpp>
 
@@ -160,6 +161,12 @@ TEST_F(DeploymentTest, AServiceThatThrowsIsAnErrorOfEachAction) {
   EXPECT_NE(outcomes[1].error().message.find("a defect"), std::string::npos);
 }
 
+Result<host::TaskLevel> level_of(deploy::DeploymentService& process, const char* task) {
+  return answer_to<host::TaskLevel>(soon(), [&](const Wait& wait, host::LevelAnswer answered) {
+    process.watch({TaskId(task)}, wait, std::move(answered));
+  });
+}
+
 TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
   deployment_.component.name = model::ComponentName("demo::A");
   deployment_.component.ports.push_back({"out", model::Direction::Output, "/int32_t", true, false, "doc"});
@@ -177,13 +184,94 @@ TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
   EXPECT_EQ(process->properties(TaskId("a")).value(), version);
   EXPECT_EQ(process->properties(TaskId("no")).error().code, ErrorCode::NotFound);
   EXPECT_EQ(process->call(TaskId("a"), "echo", Value::list({1, "x"}), soon()).value(), Value::list({1, "x"}));
-  EXPECT_EQ(process->report(TaskId("a"), soon())->state, TaskState::Running);
-  EXPECT_EQ(process->report(TaskId("a"), soon())->state_name, "idle");
-  EXPECT_EQ(process->report(TaskId("no"), soon()).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(level_of(*process, "a")->state, TaskState::Running);
+  EXPECT_EQ(level_of(*process, "a")->state_name, "idle");
+  EXPECT_EQ(level_of(*process, "no").error().code, ErrorCode::NotFound);
   EXPECT_EQ(process->details(TaskId("no")).error().code, ErrorCode::NotFound);
   const auto thrown = process->describe(TaskId("throws"));
   ASSERT_FALSE(thrown);
   EXPECT_NE(thrown.error().message.find("a defect"), std::string::npos);
+}
+
+/// A question that waits for a change of a task.
+class DeploymentWatch {
+ public:
+  void ask(deploy::DeploymentService& process, const host::TaskLevel& seen, TimePoint deadline = soon()) {
+    question_.ask(deadline, [&](const Wait& wait, host::LevelAnswer answered) {
+      process.watch({TaskId("a"), seen}, wait, std::move(answered));
+    });
+  }
+  /// DeadlineExceeded where none comes.
+  Result<host::TaskLevel> answer() {
+    while (true) {
+      if (auto answer = question_.take()) return std::move(*answer);
+      if (RealClock::instance().now() >= soon_) return fail(ErrorCode::DeadlineExceeded, "no answer");
+      bell_->wait(soon_);
+    }
+  }
+
+ private:
+  const TimePoint soon_ = soon();
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
+  Question<host::TaskLevel> question_{bell_};
+};
+
+TEST_F(DeploymentTest, WhoHasSeenATaskHearsOnceItChanges) {
+  deployment_.state_name = "idle";
+  serve();
+  const auto process = client();
+  const auto seen = level_of(*process, "a");
+  ASSERT_TRUE(seen);
+  DeploymentWatch watch;
+  watch.ask(*process, *seen);
+  deployment_.become("driving");
+  EXPECT_EQ(watch.answer()->state_name, "driving");
+}
+
+TEST_F(DeploymentTest, WhoSeesATaskUnchangedHearsAtTheDeadline) {
+  deployment_.state_name = "idle";
+  serve();
+  const auto process = client();
+  DeploymentWatch watch;
+  watch.ask(*process, {TaskState::Running, "idle", 7},
+            RealClock::instance().now() + std::chrono::milliseconds(10));
+  EXPECT_EQ(watch.answer()->state_name, "idle");
+}
+
+TEST_F(DeploymentTest, MoreTasksAreWatchedThanTheServerHasThreads) {
+  deployment_.state_name = "idle";
+  serve();
+  const auto process = client();
+  std::vector<DeploymentWatch> watches(200);
+  for (DeploymentWatch& watch : watches)
+    watch.ask(*process, {TaskState::Running, "idle", 7});
+  EXPECT_EQ(level_of(*process, "a")->state_name, "idle");
+  deployment_.become("driving");
+  for (DeploymentWatch& watch : watches)
+    EXPECT_EQ(watch.answer()->state_name, "driving");
+}
+
+TEST_F(DeploymentTest, AQuestionThatIsDroppedIsDroppedInTheProcess) {
+  deployment_.state_name = "idle";
+  serve();
+  const auto process = client();
+  {
+    DeploymentWatch watch;
+    watch.ask(*process, {TaskState::Running, "idle", 7});
+    EXPECT_TRUE(level_of(*process, "a"));  // so the question has arrived before it
+  }
+  EXPECT_TRUE(deployment_.dropped.wait());
+}
+
+TEST_F(DeploymentTest, WhoWatchesATaskOfAProcessThatEndsHearsThatItIsGone) {
+  deployment_.state_name = "idle";
+  serve();
+  const auto process = client();
+  DeploymentWatch watch;
+  watch.ask(*process, {TaskState::Running, "idle", 7});
+  EXPECT_TRUE(level_of(*process, "a"));
+  server_.reset();
+  EXPECT_EQ(watch.answer().error().code, ErrorCode::Unavailable);
 }
 
 TEST_F(DeploymentTest, WhatTasksRememberTravels) {

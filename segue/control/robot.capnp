@@ -6,6 +6,7 @@ using Cxx = import "/capnp/c++.capnp";
 $Cxx.namespace("segue::control::wire");
 
 using Wire = import "wire.capnp";
+using Tasks = import "tasks.capnp";
 
 struct Sender {
   who @0 :Text;
@@ -52,4 +53,8 @@ interface Robot {
   giveBack @23 (lease :UInt64, keep :Bool, timeout :Int64) -> (answer :Wire.Answer);
   stop @24 (who :Text, timeout :Int64) -> (answer :Wire.Answer);
   release @25 (who :Text) -> (answer :Wire.Answer);
+  # As of TaskAccess.
+  watch @26 (task :Text, seen :Tasks.TaskLevel, eachUpdate :Bool, timeout :Int64)
+      -> (error :Wire.Error, level :Tasks.TaskLevel);
+  running @27 () -> (answer :Wire.Answer);
 }

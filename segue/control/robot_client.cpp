@@ -4,6 +4,7 @@
 #include <segue/control/detail/lease_client.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/stream_client.hpp>
+#include <segue/control/detail/watch_client.hpp>
 #include <segue/control/detail/wire.hpp>
 #include <segue/control/server.hpp>
 
@@ -82,6 +83,19 @@ class Client final : public RobotService {
     return channel_->ask(kLookTimeout, [id = std::string(id)](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().taskRequest();
       request.setId(as_text(id));
+      return RpcChannel::send(request);
+    });
+  }
+
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+    detail::send_watch(
+        *channel_, question, wait, std::move(answered),
+        [](RpcChannel::Connection& connection) { return connection.as<wire::Robot>().watchRequest(); });
+  }
+
+  Result<Value> running(const Wait& wait) override {
+    return look(wait, [](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Robot>().runningRequest();
       return RpcChannel::send(request);
     });
   }

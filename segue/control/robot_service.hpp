@@ -5,6 +5,7 @@
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 #include <segue/control/sample_stream.hpp>
+#include <segue/host/task_level.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -87,6 +88,10 @@ class RobotService {
   Result<type::Value> status() { return status(Wait(TimePoint::max())); }
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;
+  /// How a task is, once that is not as whoever asks has seen it; as host::TaskHost::watch().
+  virtual void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) = 0;
+  /// {"controller", "unresolved"} of status(), for which no process is asked.
+  virtual Result<type::Value> running(const Wait& wait) = 0;
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
   /// dry_run: the JSON of `diff`.
   virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,

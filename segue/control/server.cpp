@@ -85,6 +85,7 @@ struct Server::Implementation {
     core.pool.close();
     core.batches.wait_for_none();
     close_sessions();
+    core.watches.wait_for_none();
   }
 
   static Result<std::unique_ptr<Server>> start(Listening listening, Served service) {

@@ -29,7 +29,8 @@ interface TaskAccess {
   restoreState @8 (task :Text, state :State, timeout :Int64) -> (error :Wire.Error);
   write @9 (port :Model.PortRef, value :Wire.Value, timeout :Int64) -> (error :Wire.Error);
   details @10 (task :Text) -> (error :Wire.Error, details :Details);
-  report @11 (task :Text, timeout :Int64) -> (error :Wire.Error, report :TaskReport);
+  # Answers once the task is in another state than `seen` says (null: at once), with `eachUpdate` also after an update.
+  watch @11 (task :Text, seen :TaskLevel, eachUpdate :Bool, timeout :Int64) -> (error :Wire.Error, level :TaskLevel);
 }
 
 interface BatchFollower {
@@ -68,6 +69,12 @@ struct Timing {
   latencyWorst @6 :Int64;
   jitter @7 :Int64;
   cpu @8 :Int64;
+}
+
+struct TaskLevel {
+  state @0 :UInt8;
+  stateName @1 :Text;
+  updates @2 :UInt64;
 }
 
 struct TaskReport {

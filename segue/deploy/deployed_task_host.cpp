@@ -221,14 +221,16 @@ Result<type::Value> DeployedTaskHost::properties(const model::TaskId& task) cons
       task, [](DeploymentService& service, const model::TaskId& id) { return service.properties(id); });
 }
 
-Result<host::TaskReport> DeployedTaskHost::report(const model::TaskId& task, TimePoint deadline) const {
-  auto report = implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {
-    return service.report(id, deadline);
-  });
-  if (report) {
-    report->id = task;
+void DeployedTaskHost::watch(const host::LevelQuestion& question, const Wait& wait,
+                             host::LevelAnswer answered) {
+  const auto asked = implementation_->at(
+      question.task, [&](DeploymentService& service, const model::TaskId& id) -> Result<void> {
+        service.watch({id, question.seen, question.each_update}, wait, answered);
+        return {};
+      });
+  if (!asked) {
+    answered(asked.error());
   }
-  return report;
 }
 
 Result<host::TaskDetails> DeployedTaskHost::details(const model::TaskId& task) const {

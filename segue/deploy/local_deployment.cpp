@@ -208,8 +208,9 @@ Result<type::Value> LocalDeployment::properties(const model::TaskId& task) {
   return implementation_->host.properties(task);
 }
 
-Result<host::TaskReport> LocalDeployment::report(const model::TaskId& task, TimePoint deadline) {
-  return implementation_->host.report(task, deadline);
+void LocalDeployment::watch(const host::LevelQuestion& question, const Wait& wait,
+                            host::LevelAnswer answered) {
+  implementation_->host.watch(question, wait, std::move(answered));
 }
 
 Result<host::TaskDetails> LocalDeployment::details(const model::TaskId& task) {

@@ -44,7 +44,8 @@ class TaskAccess {
 
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;
   virtual Result<type::Value> properties(const model::TaskId& task) = 0;
-  virtual Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) = 0;
+  /// As TaskHost::watch() says; returns at once.
+  virtual void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) = 0;
   virtual Result<host::TaskDetails> details(const model::TaskId& task) = 0;  ///< Unsupported: older Segue
   virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
                                     const type::Value& value, TimePoint deadline) = 0;

@@ -100,11 +100,14 @@ struct LocalTaskHost::Implementation {
   Implementation(const LibrarySet& libraries, const model::ComponentCatalog& catalog, LocalOptions options)
       : maker(libraries, catalog, std::move(options)) {}
 
+  Result<TaskLevel> level(const LevelQuestion& question);
+
   detail::TaskEvents events;
+  detail::Watches watches;
   detail::TaskMaker maker;
   detail::TaskTable table;
   detail::TaskConnections connections{table, maker};
-  detail::TaskActions actions{table, maker, connections, events};
+  detail::TaskActions actions{table, maker, connections, events, watches};
   detail::WrittenSamples written;
   /// Of the transitions that this host commits itself.
   const std::shared_ptr<task::CommitWord> word = std::make_shared<task::CommitWord>(0);
@@ -112,15 +115,30 @@ struct LocalTaskHost::Implementation {
   std::atomic<std::uint64_t> armed{0};  ///< the one that can commit; 0: none
   concurrent::ThreadPool threads{"segue-actions", kActionThreads};
   ActionPool pool{threads, [this](const model::Action& action, TimePoint deadline) {
-                    return actions.perform(action, deadline);
+                    auto done = actions.perform(action, deadline);
+                    watches.ring();  // there may be a task more, or one less
+                    return done;
                   }};
 };
+
+Result<TaskLevel> LocalTaskHost::Implementation::level(const LevelQuestion& question) {
+  const auto entry = table.find(question.task);
+  if (!entry) {
+    return entry.error();
+  }
+  if (question.each_update) {
+    entry->task->announce_next_update();  // before they are counted
+  }
+  const TaskReport report = report_of(*entry, actions.hanging());
+  return TaskLevel{report.state, report.state_name, report.timing.cycles};
+}
 
 LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::ComponentCatalog& catalog,
                              LocalOptions options)
     : implementation_(std::make_unique<Implementation>(libraries, catalog, std::move(options))) {}
 
 LocalTaskHost::~LocalTaskHost() {
+  implementation_->watches.close();
   implementation_->events.set_listener({});
   implementation_->pool.close();
   implementation_->table.clear();
@@ -181,6 +199,7 @@ void LocalTaskHost::let_reader_finish(const link::PortConnection& connection, co
 
 void LocalTaskHost::conclude(const model::Transition& transition) {
   implementation_->actions.conclude(transition);
+  implementation_->watches.ring();
   implementation_->written.forget([this](const model::TaskId& task) {
     const auto entry = implementation_->table.find(task);
     return entry && entry->task->state() == TaskState::Running;
@@ -188,7 +207,9 @@ void LocalTaskHost::conclude(const model::Transition& transition) {
 }
 
 Result<void> LocalTaskHost::perform(const model::Action& action, TimePoint deadline) {
-  return implementation_->actions.perform(action, deadline);
+  auto done = implementation_->actions.perform(action, deadline);
+  implementation_->watches.ring();
+  return done;
 }
 
 void LocalTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed) {
@@ -232,12 +253,21 @@ std::vector<TaskReport> LocalTaskHost::tasks() const {
   return reports;
 }
 
-Result<TaskReport> LocalTaskHost::report(const model::TaskId& task, TimePoint /*deadline*/) const {
-  const auto entry = implementation_->table.find(task);
-  if (!entry) {
-    return entry.error();
-  }
-  return report_of(*entry, implementation_->actions.hanging());
+void LocalTaskHost::watch(const LevelQuestion& question, const Wait& wait, LevelAnswer answered) {
+  using End = detail::Watches::End;
+  implementation_->watches.add(wait, [this, question, answered = std::move(answered)](End end) {
+    if (end == End::Stop || end == End::Closed) {
+      answered(end == End::Stop ? no_longer_wanted()
+                                : fail(ErrorCode::Unavailable, "its host ends", question.task.str()));
+      return true;
+    }
+    auto level = implementation_->level(question);
+    if (level && end == End::No && !question.is_news(*level)) {
+      return false;
+    }
+    answered(std::move(level));
+    return true;
+  });
 }
 
 std::vector<ConnectionReport> LocalTaskHost::connections() const {

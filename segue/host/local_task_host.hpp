@@ -58,7 +58,7 @@ class LocalTaskHost final : public TaskHost {
   [[nodiscard]] std::vector<ConnectionReport> connections() const override;
   Result<model::ComponentModel> describe(const model::TaskId& task) const override;
   Result<type::Value> properties(const model::TaskId& task) const override;
-  [[nodiscard]] Result<TaskReport> report(const model::TaskId& task, TimePoint deadline) const override;
+  void watch(const LevelQuestion& question, const Wait& wait, LevelAnswer answered) override;
   Result<TaskDetails> details(const model::TaskId& task) const override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override;

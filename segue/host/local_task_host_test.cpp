@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/question.hpp>
 #include <segue/host/test_support.hpp>
 #include <segue/task/realtime_log.hpp>
 
@@ -329,6 +330,91 @@ TEST_F(LocalHost, tells_of_a_task_that_fails_by_itself_but_not_of_actions) {
   host_.set_listener({});
   EXPECT_EQ(events.size(), 1U);
   expect_done(on_task(ActionKind::Recover, "a"));
+}
+
+/// A question for a task of a host, and its answer.
+class Watched {
+ public:
+  Watched(LocalTaskHost& host, LevelQuestion question, TimePoint deadline = soon()) {
+    question_.ask(deadline, [&](const Wait& wait, LevelAnswer answered) {
+      host.watch(question, wait, std::move(answered));
+    });
+  }
+  [[nodiscard]] std::optional<Result<TaskLevel>> answer_so_far() { return question_.take(); }
+  Result<TaskLevel> answer() {
+    const TimePoint give_up = soon();
+    while (true) {
+      if (auto answer = question_.take()) return std::move(*answer);
+      if (RealClock::instance().now() >= give_up) return fail(ErrorCode::DeadlineExceeded, "no answer");
+      bell_->wait(give_up);
+    }
+  }
+
+ private:
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
+  Question<TaskLevel> question_{bell_};
+};
+
+TEST_F(LocalHost, tells_at_once_who_has_not_seen_a_task_how_it_is) {
+  bring_to_running("a");
+  Watched watched(host_, {model::TaskId("a")});
+  EXPECT_EQ(watched.answer_so_far().value()->state, TaskState::Running);
+}
+
+TEST_F(LocalHost, tells_who_has_seen_a_task_once_it_is_in_another_state) {
+  bring_to_running("a");
+  const auto seen = Watched(host_, {model::TaskId("a")}).answer();
+  Watched watched(host_, {model::TaskId("a"), *seen});
+  EXPECT_FALSE(watched.answer_so_far());
+  expect_done(on_task(ActionKind::Stop, "a"));
+  EXPECT_EQ(watched.answer()->state, TaskState::Stopped);
+}
+
+TEST_F(LocalHost, tells_the_newest_state_of_a_task_that_has_changed_often) {
+  bring_to_running("a");
+  const auto seen = Watched(host_, {model::TaskId("a")}).answer();
+  expect_done(on_task(ActionKind::Stop, "a"));
+  expect_done(on_task(ActionKind::Cleanup, "a"));
+  EXPECT_EQ(Watched(host_, {model::TaskId("a"), *seen}).answer()->state, TaskState::PreOperational);
+}
+
+TEST_F(LocalHost, tells_who_wants_each_update_of_the_next_one) {
+  model::Task periodic = task_of("a", "any::Thing");
+  periodic.activity = Activity{Trigger::Periodic, std::chrono::milliseconds(1), {}, 0, {}, {}, false};
+  expect_done(apply(periodic));
+  expect_done(on_task(ActionKind::Configure, "a"));
+  expect_done(on_task(ActionKind::Start, "a"));
+  const auto seen = Watched(host_, {model::TaskId("a")}).answer();
+  EXPECT_GT(Watched(host_, {model::TaskId("a"), *seen, true}).answer()->updates, seen->updates);
+}
+
+TEST_F(LocalHost, tells_how_a_task_is_at_the_deadline_where_it_does_not_change) {
+  bring_to_running("a");
+  const auto seen = Watched(host_, {model::TaskId("a")}).answer();
+  Watched watched(host_, {model::TaskId("a"), *seen},
+                  RealClock::instance().now() + std::chrono::milliseconds(5));
+  EXPECT_EQ(watched.answer()->state, TaskState::Running);
+}
+
+TEST_F(LocalHost, tells_who_watches_a_task_that_it_is_gone) {
+  expect_done(on_process(ActionKind::Deploy, "p"));
+  expect_done(apply(task_of("a", "any::Thing"), "p"));
+  const auto seen = Watched(host_, {model::TaskId("a")}).answer();
+  Watched watched(host_, {model::TaskId("a"), *seen});
+  expect_done(on_process(ActionKind::Undeploy, "p"));
+  EXPECT_EQ(watched.answer().error().code, ErrorCode::NotFound);
+}
+
+TEST(LocalHostThatEnds, tells_who_watches_its_tasks) {
+  const model::ComponentCatalog catalog;
+  const LibrarySet libraries;
+  auto host =
+      std::make_unique<LocalTaskHost>(libraries, catalog, LocalOptions{.stand_in = true, .stand_ins = {}});
+  ASSERT_TRUE(host->perform(apply(task_of("a", "any::Thing")), soon()));
+  const auto seen = Watched(*host, {model::TaskId("a")}).answer();
+  Watched watched(*host, {model::TaskId("a"), *seen});
+  host.reset();
+  EXPECT_EQ(watched.answer().error().code, ErrorCode::Unavailable);
 }
 
 TEST(LocalHostWithoutStandIns, names_the_missing_component) {

@@ -453,6 +453,7 @@ void TaskActions::listen_to(const TaskEntry& entry) {
     if (changed && acting_on != &task) {
       events_.note(source, state);
     }
+    watches_.ring();
   });
 }
 

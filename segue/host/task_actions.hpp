@@ -7,6 +7,7 @@
 #include <segue/host/task_maker.hpp>
 #include <segue/host/task_table.hpp>
 #include <segue/host/verb_watch.hpp>
+#include <segue/host/watches.hpp>
 #include <segue/model/transition.hpp>
 
 namespace segue::host::detail {
@@ -15,8 +16,10 @@ namespace segue::host::detail {
 /// table.
 class TaskActions {
  public:
-  TaskActions(TaskTable& table, TaskMaker& maker, TaskConnections& connections, TaskEvents& events)
-      : table_(table), maker_(maker), connections_(connections), events_(events) {}
+  /// `watches`: ring at each change of a task's state.
+  TaskActions(TaskTable& table, TaskMaker& maker, TaskConnections& connections, TaskEvents& events,
+              Watches& watches)
+      : table_(table), maker_(maker), connections_(connections), events_(events), watches_(watches) {}
 
   Result<void> perform(const model::Action& action, TimePoint deadline);
   void conclude(const model::Transition& transition);
@@ -52,6 +55,7 @@ class TaskActions {
   TaskMaker& maker_;
   TaskConnections& connections_;
   TaskEvents& events_;
+  Watches& watches_;
   VerbWatch verbs_;
   AbandonedTasks abandoned_;
 };

@@ -68,13 +68,6 @@ void TaskHost::perform_in_order(std::vector<model::Action> actions, Duration act
       ->run(stop);
 }
 
-Result<TaskReport> TaskHost::report(const model::TaskId& task, TimePoint /*deadline*/) const {
-  for (auto& report : tasks()) {
-    if (report.id == task) return std::move(report);
-  }
-  return fail(ErrorCode::NotFound, "there is no such task", task.str());
-}
-
 std::vector<ComputerReport> TaskHost::computers() const {
   return {};
 }

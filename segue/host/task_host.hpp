@@ -4,7 +4,9 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
+#include <segue/base/wait.hpp>
 #include <segue/host/reports.hpp>
+#include <segue/host/task_level.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
@@ -137,9 +139,11 @@ class TaskHost {
   [[nodiscard]] virtual model::Network observe() const = 0;
 
   [[nodiscard]] virtual std::vector<TaskReport> tasks() const = 0;
-  /// What tasks() says of one task; only where that lives is asked, which must answer by
-  /// then. NotFound, DeadlineExceeded.
-  [[nodiscard]] virtual Result<TaskReport> report(const model::TaskId& task, TimePoint deadline) const;
+  /// Has `answered` called with how the task is, once that is not as `question.seen` says; or, at the
+  /// deadline, as it is then. Only where the task lives is asked. Returns at once. NotFound, also where the
+  /// task is removed meanwhile; Unavailable where its process is gone; DeadlineExceeded where that does not
+  /// answer.
+  virtual void watch(const LevelQuestion& question, const Wait& wait, LevelAnswer answered) = 0;
   [[nodiscard]] virtual std::vector<ConnectionReport> connections() const = 0;
   /// The current interface of a task, including its dynamic ports.
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) const = 0;

@@ -447,8 +447,15 @@ Result<type::Value> DistributedTaskHost::properties(const model::TaskId& task) c
   return implementation_->at(task, [&](HostedRobot& robot) { return robot.properties(task); });
 }
 
-Result<host::TaskReport> DistributedTaskHost::report(const model::TaskId& task, TimePoint deadline) const {
-  return implementation_->at(task, [&](HostedRobot& robot) { return robot.report(task, deadline); });
+void DistributedTaskHost::watch(const host::LevelQuestion& question, const Wait& wait,
+                                host::LevelAnswer answered) {
+  const auto asked = implementation_->at(question.task, [&](HostedRobot& robot) -> Result<void> {
+    robot.watch(question, wait, answered);
+    return {};
+  });
+  if (!asked) {
+    answered(asked.error());
+  }
 }
 
 Result<host::TaskDetails> DistributedTaskHost::details(const model::TaskId& task) const {

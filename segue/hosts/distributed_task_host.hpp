@@ -87,7 +87,7 @@ class DistributedTaskHost final : public host::TaskHost {
   [[nodiscard]] std::vector<host::ConnectionReport> connections() const override;
   Result<model::ComponentModel> describe(const model::TaskId& task) const override;
   Result<type::Value> properties(const model::TaskId& task) const override;
-  [[nodiscard]] Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) const override;
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override;
   Result<host::TaskDetails> details(const model::TaskId& task) const override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override;

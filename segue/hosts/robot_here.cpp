@@ -98,8 +98,14 @@ class Session final : public HostedRobot {
   Result<type::Value> properties(const model::TaskId& task) override {
     return work([&](TaskHostPart& part) { return part.properties(task); });
   }
-  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
-    return work([&](TaskHostPart& part) { return part.report(task, deadline); });
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+    const auto asked = work([&](TaskHostPart& part) -> Result<void> {
+      part.watch(question, wait, answered);
+      return {};
+    });
+    if (!asked) {
+      answered(asked.error());
+    }
   }
   Result<host::TaskDetails> details(const model::TaskId& task) override {
     return work([&](TaskHostPart& part) { return part.details(task); });

@@ -192,8 +192,8 @@ Result<type::Value> TaskHostPart::properties(const model::TaskId& task) {
   return tasks_.properties(task);
 }
 
-Result<host::TaskReport> TaskHostPart::report(const model::TaskId& task, TimePoint deadline) {
-  return tasks_.report(task, deadline);
+void TaskHostPart::watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) {
+  tasks_.watch(question, wait, std::move(answered));
 }
 
 Result<host::TaskDetails> TaskHostPart::details(const model::TaskId& task) {

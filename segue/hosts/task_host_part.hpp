@@ -52,7 +52,7 @@ class TaskHostPart final : public HostedRobot {
                              TimePoint deadline) override;
   Result<model::ComponentModel> describe(const model::TaskId& task) override;
   Result<type::Value> properties(const model::TaskId& task) override;
-  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override;
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override;
   Result<host::TaskDetails> details(const model::TaskId& task) override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override;

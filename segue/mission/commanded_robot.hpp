@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/question.hpp>
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 #include <segue/mission/controller_use.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace segue::mission {
@@ -20,6 +24,20 @@ struct TaskView {
   std::string state_name;  ///< one that its component declares ("arrived"); may be empty
   std::uint64_t updates = 0;
 };
+
+/// A question for how a task is, from somebody who wants to hear of changes.
+struct TaskQuestion {
+  std::string task;
+  std::optional<TaskView> seen{};  ///< what whoever asks knows; nothing: the answer comes at once
+  bool each_update = false;        ///< another count of updates is a change, too
+
+  [[nodiscard]] bool is_news(const TaskView& view) const {
+    return !seen || view.state != seen->state || view.state_name != seen->state_name ||
+           (each_update && view.updates != seen->updates);
+  }
+};
+/// Gets the answer, once, from any thread, also before the function that asks returns. Must not block.
+using TaskAnswer = std::function<void(Result<TaskView>)>;
 
 /// Samples of a port, for one reader.
 class PortSamples {
@@ -112,7 +130,14 @@ class CommandedRobot {
   virtual Result<void> set(const Member& property, const type::Value& value, const Wait& wait) = 0;
   /// Writes a sample to an input port of a task that runs; returns once that has taken it.
   virtual Result<void> write(const Member& port, const type::Value& value, const Wait& wait) = 0;
-  virtual Result<TaskView> task(std::string_view id) = 0;
+  /// Has `answered` called with how the task is, once that is not as `question.seen` says; or, at the
+  /// deadline, as it is then. Returns at once.
+  virtual void watch(const TaskQuestion& question, const Wait& wait, TaskAnswer answered) = 0;
+  /// How the task is now.
+  Result<TaskView> task(const std::string& id, const Wait& wait) {
+    return answer_to<TaskView>(
+        wait, [&](const Wait& both, TaskAnswer answer) { watch({id}, both, std::move(answer)); });
+  }
   /// The latest samples of an output port from now on.
   virtual Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& wait) = 0;
 };

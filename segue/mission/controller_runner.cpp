@@ -8,6 +8,7 @@
 #include <segue/mission/prepared_controllers.hpp>
 #include <segue/mission/robot_look.hpp>
 #include <segue/mission/upcoming_controllers.hpp>
+#include <segue/mission/watched_tasks.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -20,6 +21,9 @@ namespace segue::mission {
 using type::Value;
 
 namespace {
+
+/// Operations of tasks that do not update are called again after this.
+constexpr Duration kBetweenCallsWithoutUpdates = std::chrono::milliseconds(250);
 
 TimePoint now() {
   return RealClock::instance().now();
@@ -209,7 +213,7 @@ class ControlledRun {
     }
     for (const EndCondition& condition : use_.until) {
       if (const auto* reaches = condition_of<TaskReaches>(condition)) {
-        const auto task = robot_.task(reaches->task);
+        const auto task = robot_.task(reaches->task, {answer_by(), stop});
         if (!task) return task.error();
         told_.emplace(reaches->task, task->updates);
       }
@@ -247,6 +251,7 @@ class ControlledRun {
   /// Until a condition holds, the controller is lost, or the action is preempted.
   Ending watch(const std::stop_token& stop) {
     if (use_.until.empty()) return {0, {}};
+    follow_tasks();
     TimePoint look_at_controller = begin_;
     while (!stop.stop_requested()) {
       if (now() >= look_at_controller) {
@@ -256,14 +261,37 @@ class ControlledRun {
       const auto met = first_that_holds(stop);
       if (!met) return aborted_by(met.error(), stop);
       if (*met < use_.until.size()) return ended_by(*met, stop);
-      wait(stop);
+      tasks_.ask();
+      bell_->wait({std::min(look_at_controller, next_look()), stop});
     }
     return preempted();
+  }
+
+  void follow_tasks() {
+    for (const EndCondition& condition : use_.until) {
+      if (const auto* reaches = condition_of<TaskReaches>(condition))
+        tasks_.follow(reaches->task, told_[reaches->task]);
+      if (const auto* answers = condition_of<OperationAnswers>(condition))
+        tasks_.follow(answers->operation.task, UINT64_MAX, kBetweenCallsWithoutUpdates);
+    }
+  }
+
+  /// When a condition may hold although nothing has been said of a task.
+  [[nodiscard]] TimePoint next_look() const {
+    TimePoint next = std::min(tasks_.next_question(), next_call_);
+    if (!feeds_.empty()) next = std::min(next, now() + options_.period);
+    for (const EndCondition& condition : use_.until) {
+      if (const auto* time = std::get_if<TimeIsUp>(&condition.when))
+        next = std::min(next, begin_ + time->after);
+    }
+    return next;
   }
 
   /// The position of the first condition that holds; their number if none does.
   Result<std::size_t> first_that_holds(const std::stop_token& stop) {
     if (auto looked = look_at_samples(stop); !looked) return looked.error();
+    if (auto looked = tasks_.look(); !looked) return looked.error();
+    next_call_ = TimePoint::max();
     for (std::size_t i = 0; i < use_.until.size(); ++i) {
       const auto met = std::visit([&](const auto& when) { return is_met(when, stop); }, use_.until[i].when);
       if (!met) return met.error();
@@ -301,15 +329,23 @@ class ControlledRun {
     return std::visit([&](const auto& one) { return is_met(one, stop); }, when);
   }
   Result<bool> is_met(const TaskReaches& when, const std::stop_token& /*stop*/) {
-    const auto task = robot_.task(when.task);
-    if (!task) return task.error();
-    return is_in(*task, when) && (task->updates > told_[when.task] || task->state != "running");
+    const TaskView* task = tasks_.view(when.task);
+    return task != nullptr && is_in(*task, when) &&
+           (task->updates > told_[when.task] || task->state != "running");
   }
   Result<bool> is_met(const SampleShows& when, const std::stop_token& /*stop*/) {
     return std::ranges::any_of(feed(when.port)->fresh,
                                [&](const Value& sample) { return holds(when.what, sample); });
   }
   Result<bool> is_met(const OperationAnswers& when, const std::stop_token& stop) {
+    Called& last = called_[to_string(when.operation)];
+    const std::uint64_t news = tasks_.news(when.operation.task);
+    if (news == last.news) return false;
+    if (now() < last.again) {
+      next_call_ = std::min(next_call_, last.again);
+      return false;
+    }
+    last = {news, now() + WatchedTasks::kBetweenUpdates};
     return holds(robot_, when, {answer_by(), stop});
   }
 
@@ -354,6 +390,15 @@ class ControlledRun {
   const ControllerOptions& options_;
   Task task_;
   const ControllerUse& use_;
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
+  WatchedTasks tasks_{robot_, bell_};
+  /// When an operation was called: after which answer of its task, and from when on it may be again.
+  struct Called {
+    std::uint64_t news = 0;
+    TimePoint again{};
+  };
+  std::map<std::string, Called> called_;
+  TimePoint next_call_ = TimePoint::max();
   TimePoint begin_{};
   std::map<std::string, std::uint64_t> told_;  ///< how often each task had been updated then
   std::vector<PortFeed> feeds_;

@@ -13,7 +13,8 @@
 namespace segue::mission {
 
 struct ControllerOptions {
-  /// How often tasks, ports and operations are looked at for the end of an action.
+  /// How often ports are looked at for the end of an action. The states of tasks are told by the robot when
+  /// they change; operations are called after updates of their tasks, every 10 ms at most.
   Duration period = std::chrono::milliseconds(20);
   /// How often it is checked that the controller still runs as it should.
   Duration watch = std::chrono::milliseconds(250);

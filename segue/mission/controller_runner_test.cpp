@@ -85,6 +85,30 @@ TEST_F(ControllerActions, AreNotEndedByWhatATaskSaidBefore) {
   EXPECT_EQ(ended().outcome_name, "blocked");
 }
 
+TEST_F(ControllerActions, AskAsOftenAsTheirTaskChangesHoweverOftenItUpdates) {
+  robot_->stand_still();
+  begin(std::string("controller: go_home, ") + kArrived);
+  robot_->wait_until_watched(3);  // when it was told, when the watch began, and for the first update
+  for (int i = 0; i < 1000; ++i)
+    robot_->update();
+  robot_->wait_until_watched(4);
+  for (int i = 0; i < 1000; ++i)
+    robot_->update();
+  robot_->become("turning");
+  robot_->wait_until_watched(5);
+  robot_->become("arrived");
+  EXPECT_EQ(ended().outcome_name, "arrived");
+  EXPECT_EQ(robot_->watches(), 5U);
+}
+
+TEST_F(ControllerActions, EndByOneTaskAlthoughAnotherOneIsSilent) {
+  begin(
+      "controller: go_home, until: [{task: silent, state: holding, outcome: blocked}, {task: planner, state: "
+      "arrived, outcome: arrived}]");
+  robot_->become("arrived");
+  EXPECT_EQ(ended().outcome_name, "arrived");
+}
+
 TEST_F(ControllerActions, EndByAnAnswerOrByTime) {
   begin("controller: go_home, until: [{call: planner.failed, is: true, outcome: blocked}]");
   robot_->fail_by_call();

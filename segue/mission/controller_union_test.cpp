@@ -58,7 +58,9 @@ class RequestedRobot final : public CommandedRobot {
   Result<void> write(const Member& /*port*/, const type::Value& /*value*/, const Wait& /*wait*/) override {
     return {};
   }
-  Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }
+  void watch(const TaskQuestion& /*question*/, const Wait& /*wait*/, TaskAnswer answered) override {
+    answered(TaskView{});
+  }
   Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/, const Wait& /*wait*/) override {
     return fail(ErrorCode::Unsupported, "not in this test");
   }

@@ -57,7 +57,7 @@ std::optional<bool> FactObserver::look(Entry& entry) {
 
 /// The states that a component declares are those of its task while that runs, or has failed.
 std::optional<bool> FactObserver::look(Entry& /*entry*/, const TaskReaches& when) {
-  const auto task = robot_->task(when.task);
+  const auto task = robot_->task(when.task, time_now() + options_.answer_deadline);
   if (!task) return std::nullopt;
   if (is_in(*task, when)) return true;
   const bool of_life_cycle = std::ranges::find(kTaskStateNames, when.state) != kTaskStateNames.end();
@@ -67,7 +67,7 @@ std::optional<bool> FactObserver::look(Entry& /*entry*/, const TaskReaches& when
 
 /// A feed does not say that its task is gone, or is there anew.
 std::optional<bool> FactObserver::look(Entry& entry, const SampleShows& when) {
-  const auto task = robot_->task(when.port.task);
+  const auto task = robot_->task(when.port.task, time_now() + options_.answer_deadline);
   if (!task || task->updates < entry.updates) entry.feed.reset();
   entry.updates = task ? task->updates : 0;
   if (!task) return std::nullopt;

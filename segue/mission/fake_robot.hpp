@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -58,12 +59,20 @@ class FakeRobot final : public CommandedRobot {
     note("write " + to_string(port) + " " + value.as_string());
     return {};
   }
-  /// Each look is another update.
-  Result<TaskView> task(std::string_view id) override {
-    const std::lock_guard lock(mutex_);
-    if (id != "planner") return fail(ErrorCode::NotFound, "no task " + std::string(id) + " runs");
+  /// Each question is another update. The task "silent" says how it is once, and is silent afterwards.
+  void watch(const TaskQuestion& question, const Wait& /*wait*/, TaskAnswer answered) override {
+    if (question.task == "silent" && is_silent_.exchange(true)) return;
+    if (question.task != "planner" && question.task != "silent")
+      return answered(fail(ErrorCode::NotFound, "no task " + question.task + " runs"));
+    std::unique_lock lock(mutex_);
+    ++watches_;
+    asked_one_.notify_all();
     if (updates_) ++task_.updates;
-    return task_;
+    if (!question.is_news(task_))
+      return static_cast<void>(waiting_.emplace_back(question, std::move(answered)));
+    const TaskView view = task_;
+    lock.unlock();
+    answered(view);
   }
   Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& /*wait*/) override {
     note("open " + to_string(port));
@@ -104,6 +113,19 @@ class FakeRobot final : public CommandedRobot {
     const std::lock_guard lock(mutex_);
     return asked_;
   }
+  /// Questions for the task so far.
+  std::size_t watches() {
+    const std::lock_guard lock(mutex_);
+    return watches_;
+  }
+  void wait_until_watched(std::size_t questions) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(asked_one_.wait_for(lock, std::chrono::seconds(60), [&] { return watches_ >= questions; }));
+  }
+  /// An update that changes nothing else.
+  void update() {
+    change([&] { ++task_.updates; });
+  }
   void wait_until_asked(const std::string& what) {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(asked_one_.wait_for(lock, std::chrono::seconds(60), [&] {
@@ -140,6 +162,11 @@ class FakeRobot final : public CommandedRobot {
   void change(const std::function<void()>& how) {
     const std::lock_guard lock(mutex_);
     how();
+    std::erase_if(waiting_, [&](const auto& one) {
+      if (!one.first.is_news(task_)) return false;
+      one.second(task_);
+      return true;
+    });
   }
   void note(std::string what) {
     const std::lock_guard lock(mutex_);
@@ -154,6 +181,10 @@ class FakeRobot final : public CommandedRobot {
   std::string trouble_;
   std::vector<ControllerTrouble::Task> broken_;
   TaskView task_{"running", "driving", 0};
+  std::vector<std::pair<TaskQuestion, TaskAnswer>>
+      waiting_;  ///< questions whose askers have seen how the task is
+  std::size_t watches_ = 0;
+  std::atomic<bool> is_silent_ = false;
   bool updates_ = true;
   bool failed_ = false;
   bool refuses_ = false;

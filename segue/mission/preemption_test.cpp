@@ -64,9 +64,9 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     if (!command("write", wait)) return no_longer_wanted();
     return inner_->write(port, value, wait);
   }
-  Result<TaskView> task(std::string_view id) override {
-    question("task", {});
-    return inner_->task(id);
+  void watch(const TaskQuestion& asked, const Wait& wait, TaskAnswer answered) override {
+    question("watch", {});
+    inner_->watch(asked, wait, std::move(answered));
   }
   Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& wait) override {
     question("open", wait.stop);
@@ -168,7 +168,7 @@ TEST_F(PreemptedActions, CommandNothingWhicheverQuestionTheyWereAt) {
   std::vector<std::string> questions;
   for (std::size_t number = 1; number <= 14; ++number)
     questions.push_back(preempt_at_question(number, kEverything));
-  for (const char* each : {"conflicts", "request", "call", "write", "task", "open", "trouble"})
+  for (const char* each : {"conflicts", "request", "call", "write", "watch", "open", "trouble"})
     EXPECT_THAT(questions, Contains(each)) << "otherwise the test has not tried it";
 }
 

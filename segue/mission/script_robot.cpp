@@ -24,6 +24,7 @@ namespace {
 /// Of one execution at the same time: a script can have threads.
 constexpr std::size_t kMostAsked = 64;
 constexpr double kLongestTimeout = 24 * 3600;
+constexpr Duration kAnswer = std::chrono::seconds(10);
 
 ValueMap answer_of(Result<Value> result) {
   ValueMap answer;
@@ -180,7 +181,7 @@ class RobotUse final : public ScriptRobot::Use {
 
   Result<Value> serve(const Value& request, const std::stop_token& stop) {
     const std::string call = detail::message_text(request, "call");
-    if (call == "task") return task(request);
+    if (call == "task") return task(request, stop);
     if (call == "request" || call == "set" || call == "write") {
       if (!rights_.may_command)
         return fail(ErrorCode::PermissionDenied, "a sensing action can only look at the robot");
@@ -206,8 +207,9 @@ class RobotUse final : public ScriptRobot::Use {
     return preempted_;
   }
 
-  Result<Value> task(const Value& request) {
-    const auto view = robot_->task(detail::message_text(request, "name"));
+  Result<Value> task(const Value& request, const std::stop_token& stop) {
+    const Wait wait(RealClock::instance().now() + kAnswer, stop);
+    const auto view = robot_->task(detail::message_text(request, "name"), wait);
     if (!view) return view.error();
     return Value::map({{"state", view->state}, {"state_name", view->state_name}, {"updates", view->updates}});
   }

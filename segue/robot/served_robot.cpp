@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/robot/served_robot.hpp>
 
+#include <segue/base/life_cycle.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/controller_names.hpp>
 
@@ -289,7 +290,7 @@ Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view control
   const auto taken = taken_over(wait.stop);
   if (!taken) return taken.error();
   if (*taken) return mission::ControllerTrouble{**taken};
-  const auto status = look(wait, [&](const Wait& both) { return service_.status(both); });
+  const auto status = look(wait, [&](const Wait& both) { return service_.running(both); });
   if (!status) return status.error();
   const std::string running = text_at(*status, "controller");
   if (!is_part(controller, running)) return mission::ControllerTrouble{"the robot runs " + name_of(running)};
@@ -353,13 +354,21 @@ Result<void> ServedRobot::write(const mission::Member& port, const Value& value,
       wait, [&](const Wait& both) { return service_.write(port.task, port.name, value, sender(), both); });
 }
 
-Result<mission::TaskView> ServedRobot::task(std::string_view id) {
-  if (auto lost = loss()) return std::move(*lost);
-  const auto report = service_.task(id);
-  if (!report) return report.error();
-  const Value* cycles = report->find("cycles");
-  return mission::TaskView{text_at(*report, "state"), text_at(*report, "state_name"),
-                           cycles != nullptr && cycles->is_integer() ? cycles->as_uint() : 0};
+void ServedRobot::watch(const mission::TaskQuestion& question, const Wait& wait,
+                        mission::TaskAnswer answered) {
+  if (auto lost = loss()) return answered(std::move(*lost));
+  host::LevelQuestion asked{model::TaskId(question.task), std::nullopt, question.each_update};
+  if (question.seen) {
+    asked.seen = host::TaskLevel{task_state_from(question.seen->state).value_or(TaskState::Fatal),
+                                 question.seen->state_name, question.seen->updates};
+  }
+  const auto either = std::make_shared<EitherStop>(wait.stop, lost_.get_token());
+  service_.watch(asked, Wait(wait.deadline, either->token()),
+                 [either, answered = std::move(answered)](Result<host::TaskLevel> level) {
+                   if (!level) return answered(std::move(level.error()));
+                   answered(mission::TaskView{std::string(to_string(level->state)),
+                                              std::move(level->state_name), level->updates});
+                 });
 }
 
 Result<std::unique_ptr<mission::PortSamples>> ServedRobot::open(const mission::Member& port,

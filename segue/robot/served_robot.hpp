@@ -57,7 +57,7 @@ class ServedRobot final : public mission::CommandedRobot {
                            const Wait& wait) override;
   Result<void> set(const mission::Member& property, const type::Value& value, const Wait& wait) override;
   Result<void> write(const mission::Member& port, const type::Value& value, const Wait& wait) override;
-  Result<mission::TaskView> task(std::string_view id) override;
+  void watch(const mission::TaskQuestion& question, const Wait& wait, mission::TaskAnswer answered) override;
   Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port, const Wait& wait) override;
 
  private:

@@ -61,7 +61,8 @@ class FakeService final : public control::RobotService {
  public:
   Value status_answer = Value::map({{"controller", "explore"}, {"unresolved", Value::List{}}});
   Value switch_answer = Value::map({{"outcome", "done"}});
-  Value task_answer;
+  Result<host::TaskLevel> level_answer;
+  host::LevelQuestion watched;
   Value conflicts_answer = Value::list({});
   std::optional<std::string> lost_to;
   std::string requested;
@@ -78,12 +79,17 @@ class FakeService final : public control::RobotService {
   std::promise<void> switches;                 ///< it waits
   std::promise<void>* status_waits = nullptr;  ///< for the same, and says so
 
-  Result<Value> status(const Wait& wait) override {
+  Result<Value> status(const Wait& /*wait*/) override { return status_answer; }
+  Result<Value> task(std::string_view /*id*/) override { return no(); }
+  void watch(const host::LevelQuestion& question, const Wait& /*wait*/, host::LevelAnswer answered) override {
+    watched = question;
+    answered(level_answer);
+  }
+  Result<Value> running(const Wait& wait) override {
     if (!status_waits) return status_answer;
     status_waits->set_value();
     return until_stopped(wait);
   }
-  Result<Value> task(std::string_view /*id*/) override { return task_answer; }
   Result<Value> switch_to(std::string_view controller, const control::SwitchOptions& asked,
                           const Wait& wait) override {
     requested = controller;
@@ -388,13 +394,20 @@ TEST_F(ServedRobotTest, HasControllersPreparedUnderItsLease) {
 }
 
 TEST_F(ServedRobotTest, SeesTasks) {
-  service_.task_answer =
-      Value::map({{"state", "running"}, {"state_name", "arrived"}, {"cycles", std::uint64_t{7}}});
-  const auto task = robot_.task("planner");
+  service_.level_answer = host::TaskLevel{TaskState::Running, "arrived", 7};
+  const auto task = robot_.task("planner", RealClock::instance().now() + std::chrono::seconds(60));
   ASSERT_TRUE(task);
+  EXPECT_EQ(service_.watched.task, model::TaskId("planner"));
+  EXPECT_EQ(service_.watched.seen, std::nullopt);
   EXPECT_EQ(task->state, "running");
   EXPECT_EQ(task->state_name, "arrived");
   EXPECT_EQ(task->updates, 7U);
+}
+
+TEST_F(ServedRobotTest, AsksForWhatIsNotAsItWasSeen) {
+  robot_.watch({"planner", mission::TaskView{"running", "driving", 3}, true}, {}, [](const auto&) {});
+  EXPECT_EQ(service_.watched.seen, (host::TaskLevel{TaskState::Running, "driving", 3}));
+  EXPECT_TRUE(service_.watched.each_update);
 }
 
 }  // namespace

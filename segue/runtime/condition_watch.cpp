@@ -4,8 +4,6 @@
 #include <segue/concurrent/thread.hpp>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 #include <utility>
 #include <variant>
 
@@ -14,7 +12,6 @@ namespace segue::runtime::detail {
 namespace {
 
 constexpr std::size_t kBuffer = 64;
-constexpr Duration kBetweenCalls = std::chrono::milliseconds(10);
 
 TimePoint now() {
   return RealClock::instance().now();
@@ -36,16 +33,42 @@ ConditionWatch::~ConditionWatch() {
 }
 
 void ConditionWatch::work(const std::stop_token& stop) {
-  std::mutex mutex;
-  std::condition_variable_any never;
   while (!stop.stop_requested()) {
+    next_look_ = TimePoint::max();
     const bool seen = look();
     if (holds_.exchange(seen) != seen) {
       changed_();
     }
-    std::unique_lock lock(mutex);
-    never.wait_for(lock, stop, kPeriod, [] { return false; });
+    bell_->wait({next_look_, stop});
   }
+}
+
+bool ConditionWatch::follow(const std::string& task, Updates updates) {
+  auto answer = question_.take();
+  if (answer && *answer) {
+    level_ = std::move(**answer);
+    first_update_ = first_update_.value_or(level_->updates);
+  } else if (answer) {
+    level_.reset();
+    first_update_.reset();
+    ask_at_ = now() + kAgain;
+  }
+  if (!question_.is_asked() && now() >= ask_at_) {
+    const bool each = updates == Updates::Each || (updates == Updates::First && !has_news());
+    question_.ask(now() + kPatience, [&](const Wait& wait, host::LevelAnswer answered) {
+      host_.watch({model::TaskId(task), level_, each}, wait, std::move(answered));
+    });
+  }
+  if (!question_.is_asked()) {
+    next_look_ = std::min(next_look_, ask_at_);
+  }
+  return answer.has_value();
+}
+
+/// Whether what the task says counts.
+bool ConditionWatch::has_news() const {
+  return level_ &&
+         (from_ == From::Now || level_->state != TaskState::Running || level_->updates != *first_update_);
 }
 
 bool ConditionWatch::look() {
@@ -53,21 +76,13 @@ bool ConditionWatch::look() {
 }
 
 bool ConditionWatch::look(const model::TaskReaches& when) {
-  const auto report = host_.report(model::TaskId(when.task), now() + kLook);
-  if (!report) {
-    first_cycle_.reset();
-    return false;
-  }
-  if (!first_cycle_) {
-    first_cycle_ = report->timing.cycles;
-  }
-  const bool is_new =
-      from_ == From::Now || report->state != TaskState::Running || report->timing.cycles != *first_cycle_;
-  return is_new && (to_string(report->state) == when.state || report->state_name == when.state);
+  follow(when.task, Updates::First);
+  return has_news() && (to_string(level_->state) == when.state || level_->state_name == when.state);
 }
 
 /// The last sample counts until the next one, and each that came between two looks.
 bool ConditionWatch::look(const model::SampleShows& when) {
+  next_look_ = now() + kPeriod;
   if (!reader_) {
     auto opened = host_.open_reader({model::TaskId(when.port.task), when.port.name}, kBuffer);
     if (!opened) {
@@ -76,7 +91,7 @@ bool ConditionWatch::look(const model::SampleShows& when) {
     reader_ = std::move(*opened);
     last_.reset();
   }
-  if (!host_.report(model::TaskId(when.port.task), now() + kLook)) {
+  if (follow(when.port.task, Updates::None) && !level_) {
     reader_.reset();  // its task is gone
     return false;
   }
@@ -90,12 +105,15 @@ bool ConditionWatch::look(const model::SampleShows& when) {
 }
 
 bool ConditionWatch::look(const model::OperationAnswers& when) {
-  if (now() < next_call_) {
+  is_due_ = follow(when.operation.task, Updates::Each) || is_due_;
+  if (!is_due_ || now() < next_call_) {
+    next_look_ = std::min(next_look_, is_due_ ? next_call_ : TimePoint::max());
     return holds_;
   }
-  next_call_ = now() + kBetweenCalls;
+  is_due_ = false;
+  ask_at_ = next_call_ = now() + kBetweenCalls;
   const auto answer =
-      host_.call(model::TaskId(when.operation.task), when.operation.name, type::ValueMap{}, now() + kLook);
+      host_.call(model::TaskId(when.operation.task), when.operation.name, type::ValueMap{}, now() + kCall);
   return answer && *answer == when.is;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/question.hpp>
 #include <segue/host/task_host.hpp>
 #include <segue/model/robot_condition.hpp>
 #include <segue/type/value.hpp>
@@ -13,17 +14,26 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <thread>
 
 namespace segue::runtime::detail {
 
 /// Watches one condition on the robot, in a thread of its own, so that a process that is silent delays no
-/// other condition. What holds when the watch begins counts: conditions are levels, not edges.
+/// other condition. Its task says when it changes (TaskHost::watch). What holds when the watch begins counts:
+/// conditions are levels, not edges.
 class ConditionWatch {
  public:
+  /// How often samples are looked at.
   static constexpr Duration kPeriod = std::chrono::milliseconds(5);
-  /// How long one look may take; what does not answer by then is not seen.
-  static constexpr Duration kLook = std::chrono::milliseconds(200);
+  /// How long an operation may take; what does not answer by then is not seen.
+  static constexpr Duration kCall = std::chrono::milliseconds(200);
+  /// Between two calls of an operation, at least.
+  static constexpr Duration kBetweenCalls = std::chrono::milliseconds(10);
+  /// How long a question for a task waits, and an operation of a task that does not update is not called.
+  static constexpr Duration kPatience = std::chrono::milliseconds(500);
+  /// After which a task that is not there is asked for again.
+  static constexpr Duration kAgain = std::chrono::milliseconds(10);
 
   enum class From {
     Now,     ///< whatever the task has said
@@ -42,7 +52,11 @@ class ConditionWatch {
   [[nodiscard]] const model::RobotCondition& condition() const { return condition_; }
 
  private:
+  enum class Updates { None, First, Each };  ///< that are to be told
   void work(const std::stop_token& stop);
+  /// Takes in what the host has said of that task, and asks again; whether it has said something.
+  bool follow(const std::string& task, Updates updates);
+  [[nodiscard]] bool has_news() const;
   bool look();
   bool look(const model::TaskReaches& when);
   bool look(const model::SampleShows& when);
@@ -54,10 +68,16 @@ class ConditionWatch {
   const std::function<void()> changed_;
   std::atomic<bool> holds_ = false;
   // Of the thread:
-  std::optional<std::uint64_t> first_cycle_;  ///< of the task, when it was seen first
-  std::unique_ptr<host::PortReader> reader_;  ///< null: not open
-  std::optional<type::Value> last_;           ///< sample
-  TimePoint next_call_{};                     ///< operations are not asked more often
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
+  Question<host::TaskLevel> question_{bell_};
+  std::optional<host::TaskLevel> level_;       ///< nothing: the task cannot be seen
+  std::optional<std::uint64_t> first_update_;  ///< of the task, when it was seen first
+  TimePoint ask_at_{};                         ///< not before then
+  TimePoint next_look_{};                      ///< although the bell does not ring
+  std::unique_ptr<host::PortReader> reader_;   ///< null: not open
+  std::optional<type::Value> last_;            ///< sample
+  bool is_due_ = false;                        ///< the operation is to be called
+  TimePoint next_call_{};                      ///< not before then
   std::stop_source stop_;
   std::thread thread_;
 };

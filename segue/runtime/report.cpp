@@ -389,6 +389,12 @@ Value status_of(Runtime& runtime) {
         list_of(runtime.unresolved(), [](const UnresolvedFault& fault) { return to_value(fault); })}});
 }
 
+Value running_of(const Runtime& runtime) {
+  return Value::map({{"controller", runtime.belief().name.str()},
+                     {"unresolved", list_of(runtime.unresolved(),
+                                            [](const UnresolvedFault& fault) { return to_value(fault); })}});
+}
+
 Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {
   const auto reports = runtime.host().tasks();
   const auto report =

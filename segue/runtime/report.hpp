@@ -62,6 +62,8 @@ type::Value to_value(const host::ConnectionReport& report);
 /// the robot has none), "state", "controllers", "ready" (a list as above), "pools", "tasks",
 /// "connections", "differences"}: a robot at a glance.
 type::Value status_of(Runtime& runtime);
+/// Of that, what no process is asked for: "controller" and "unresolved".
+type::Value running_of(const Runtime& runtime);
 
 /// One task: the fields of its report, "ports", "properties", "operations", "timing", and unless its process
 /// runs an older Segue "histograms" ("updates", "latencies", each with "p50_us", "p99_us" and "bins": a list

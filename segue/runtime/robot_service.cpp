@@ -140,6 +140,15 @@ Result<type::Value> RuntimeService::task(std::string_view id) {
   return task_report(runtime_, model::TaskId(id));
 }
 
+void RuntimeService::watch(const host::LevelQuestion& question, const Wait& wait,
+                           host::LevelAnswer answered) {
+  runtime_.host().watch(question, wait, std::move(answered));
+}
+
+Result<type::Value> RuntimeService::running(const Wait& /*wait*/) {
+  return running_of(runtime_);
+}
+
 Result<type::Value> RuntimeService::switch_to(std::string_view controller,
                                               const control::SwitchOptions& asked, const Wait& wait) {
   const auto options = options_for(asked);

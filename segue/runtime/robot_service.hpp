@@ -22,6 +22,8 @@ class RuntimeService final : public control::RobotService {
   using control::RobotService::status;
   Result<type::Value> status(const Wait& wait) override;
   Result<type::Value> task(std::string_view id) override;
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override;
+  Result<type::Value> running(const Wait& wait) override;
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
                                 const Wait& wait) override;
   Result<type::Value> switch_to_network(std::string_view text, std::string_view file,

@@ -343,6 +343,10 @@ std::optional<std::string> Task::overdue() const {
   return implementation_->overdue();
 }
 
+void Task::announce_next_update() {
+  implementation_->announces_update.store(true, std::memory_order_seq_cst);
+}
+
 void Task::set_state_listener(StateListener listener) {
   Implementation& self = *implementation_;
   const auto swap = [&]() -> Result<void> {

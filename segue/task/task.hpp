@@ -95,10 +95,15 @@ class Task {
   /// task's thread: "on_update has not returned within 5 s". Nothing if nothing does.
   [[nodiscard]] std::optional<std::string> overdue() const;
 
-  /// Called after every change of state or sub-state, in the thread that caused it. Must not block or call
-  /// the task.
+  /// Called after every change of state or sub-state, and where announce_next_update() has asked for it, in
+  /// the thread that caused it. Must not block or call the task.
   using StateListener = std::function<void(const Task& task, TaskState state)>;
   void set_state_listener(StateListener listener);
+  /// The listener is to be called, once, after the next turn of the task's thread, which updates the task or
+  /// serves operations. Lock free. A turn that ends at this very moment may not be told, since each turn
+  /// would have to pay for a barrier; the next one is. Whoever needs to know of the last one, too, looks
+  /// at the count of updates again after a while.
+  void announce_next_update();
 
   struct Implementation;
 

@@ -92,6 +92,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   [[nodiscard]] bool is_timed() const;
   [[nodiscard]] bool due(std::uint32_t reasons, TimePoint now) const;
   void update(TimePoint& now) noexcept;
+  void announce_update() noexcept;
   [[nodiscard]] TimePoint next_timeout() const noexcept;
   void retrigger_if_pending() noexcept;
   [[nodiscard]] std::uint64_t trigger_samples_read() const noexcept;
@@ -124,8 +125,9 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   /// TaskState in the low byte, above it the index of the sub-state + 1. Any thread reads. Changes are
   /// released and reads acquired, so whoever sees a state sees what led to it.
   std::atomic<std::uint32_t> state_word{0};
-  std::uint32_t deferred = 0;            ///< executor's thread only: reasons of turns that were missed
-  std::uint32_t trigger_on_release = 0;  ///< reasons to run when the ownership is released
+  std::atomic<bool> announces_update{false};  ///< any thread sets it
+  std::uint32_t deferred = 0;                 ///< executor's thread only: reasons of turns that were missed
+  std::uint32_t trigger_on_release = 0;       ///< reasons to run when the ownership is released
   Request request = Request::None;
   bool starting = false;
   bool retired = false;       ///< the component has moved to another task

@@ -32,10 +32,16 @@ bool Task::Implementation::active() const {
   reasons = std::exchange(deferred, 0);
   if (!calls.empty()) serve_calls();
   if (active() && due(reasons, now)) update(now);
+  if (announces_update.load(std::memory_order_relaxed)) announce_update();
   const bool timed = activity.trigger == Trigger::Periodic && active();
   const TimePoint next = timed ? due_at : next_timeout();
   release();
   return next;
+}
+
+void Task::Implementation::announce_update() noexcept {
+  announces_update.store(false, std::memory_order_relaxed);
+  if (listener) listener(*task, state());
 }
 
 [[gnu::hot]] bool Task::Implementation::due(std::uint32_t reasons, TimePoint now) const {

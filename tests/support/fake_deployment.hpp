@@ -4,6 +4,7 @@
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
 #include <segue/host/action_pool.hpp>
+#include <segue/host/watches.hpp>
 #include <support/eventually.hpp>
 #include <support/fake_robot.hpp>
 
@@ -65,6 +66,7 @@ class FakeDeployment final : public deploy::DeploymentService {
  public:
   Gate entered;  ///< a blocking call has begun
   Gate release;  ///< releases blocking calls
+  Gate dropped;  ///< whoever waited for a change of a task waits no longer
   std::atomic<int> open_readers{0};
   std::atomic<int> listeners_set{0};
 
@@ -152,14 +154,29 @@ class FakeDeployment final : public deploy::DeploymentService {
     const std::lock_guard lock(fields_);
     return value;
   }
-  Result<host::TaskReport> report(const model::TaskId& task, TimePoint /*deadline*/) override {
-    if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
-    const std::lock_guard lock(fields_);
-    host::TaskReport one;
-    one.id = task;
-    one.state = TaskState::Running;
-    one.state_name = state_name;
-    return one;
+  /// Keeps a question whose asker has seen the level, until become() or its stop.
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+    if (question.task.str() == "no") return answered(fail(ErrorCode::NotFound, "no task"));
+    watches_.add(wait, [this, question, answered](host::detail::Watches::End end) {
+      if (end == host::detail::Watches::End::Stop) {
+        dropped.open();
+        answered(no_longer_wanted());
+        return true;
+      }
+      std::unique_lock lock(fields_);
+      const host::TaskLevel level{TaskState::Running, state_name, 7};
+      lock.unlock();
+      if (end == host::detail::Watches::End::No && !question.is_news(level)) return false;
+      answered(level);
+      return true;
+    });
+  }
+  void become(std::string name) {
+    {
+      const std::lock_guard lock(fields_);
+      state_name = std::move(name);
+    }
+    watches_.ring();
   }
   Result<host::TaskDetails> details(const model::TaskId& task) override {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
@@ -293,6 +310,7 @@ class FakeDeployment final : public deploy::DeploymentService {
                               if (task == "bad") return fail(ErrorCode::HookFailed, "it is bad", "bad");
                               return {};
                             }};
+  host::detail::Watches watches_;
 };
 
 class FakeProcesses final : public process::ProcessService {

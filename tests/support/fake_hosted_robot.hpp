@@ -149,6 +149,9 @@ class FakeHostedRobot final : public hosts::HostedRobot {
   Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
     return tasks.report(task, deadline);
   }
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+    tasks.watch(question, wait, std::move(answered));
+  }
   Result<host::TaskDetails> details(const model::TaskId& task) override { return tasks.details(task); }
   Result<type::Value> properties(const model::TaskId& task) override { return tasks.properties(task); }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,

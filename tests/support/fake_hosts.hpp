@@ -257,8 +257,12 @@ class WiredRobot final : public HostedRobot {
   Result<type::Value> properties(const model::TaskId& task) override {
     return wire_.pass("properties", [&] { return robot_->properties(task); });
   }
-  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
-    return wire_.pass("report", [&] { return robot_->report(task, deadline); });
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+    const auto asked = wire_.pass("watch", [&]() -> Result<void> {
+      robot_->watch(question, wait, answered);
+      return {};
+    });
+    if (!asked) answered(asked.error());
   }
   Result<host::TaskDetails> details(const model::TaskId& task) override {
     return wire_.pass("details", [&] { return robot_->details(task); });

@@ -3,6 +3,7 @@
 
 #include <segue/control/robot_service.hpp>
 #include <segue/control/server.hpp>
+#include <segue/host/watches.hpp>
 
 #include <gtest/gtest.h>
 
@@ -63,6 +64,24 @@ class FakeRobot : public RobotService {
     if (id == "throws") throw std::runtime_error("a defect");
     if (id != "huge") return type::Value::map({{"id", id}});
     return type::Value(std::string(std::size_t{200} << 20, 'x'));
+  }
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+    watches_.add(wait, [this, question, answered](host::detail::Watches::End end) {
+      using End = host::detail::Watches::End;
+      if (end == End::Stop) {
+        dropped.open();
+        answered(no_longer_wanted());
+      } else if (end == End::No && question.seen) {
+        entered.open();
+        return false;
+      } else {
+        answered(host::TaskLevel{TaskState::Running, question.task.str(), 7});
+      }
+      return true;
+    });
+  }
+  Result<type::Value> running(const Wait& /*wait*/) override {
+    return type::Value::map({{"controller", "fake"}});
   }
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
                                 const Wait& wait) override {
@@ -256,6 +275,7 @@ class FakeRobot : public RobotService {
   type::Value set_;
   Sender sender_;
   std::string set_text_;
+  host::detail::Watches watches_;
 };
 
 /// A server in a runtime folder of its own.

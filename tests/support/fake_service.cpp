@@ -273,13 +273,14 @@ Result<type::Value> FakeService::properties(const model::TaskId& task) {
   return answer<type::Value>("properties", [&]() -> Result<type::Value> { return type::Value(task.str()); });
 }
 
-Result<host::TaskReport> FakeService::report(const model::TaskId& task, TimePoint /*deadline*/) {
-  return answer<host::TaskReport>("report", [&]() -> Result<host::TaskReport> {
-    host::TaskReport report;
-    report.id = task;
-    report.state_name = process_->info.key.process.str() + '/' + task.str();
-    return report;
-  });
+/// At once: whoever waits for changes asks another fake.
+void FakeService::watch(const host::LevelQuestion& question, const Wait& /*wait*/,
+                        host::LevelAnswer answered) {
+  answered(answer<host::TaskLevel>("watch", [&]() -> Result<host::TaskLevel> {
+    host::TaskLevel level;
+    level.state_name = process_->info.key.process.str() + '/' + question.task.str();
+    return level;
+  }));
 }
 
 Result<host::TaskDetails> FakeService::details(const model::TaskId& task) {

@@ -40,7 +40,9 @@ class ForwardingCommandedRobot : public mission::CommandedRobot {
   Result<void> write(const mission::Member& port, const type::Value& value, const Wait& wait) override {
     return inner_->write(port, value, wait);
   }
-  Result<mission::TaskView> task(std::string_view id) override { return inner_->task(id); }
+  void watch(const mission::TaskQuestion& question, const Wait& wait, mission::TaskAnswer answered) override {
+    inner_->watch(question, wait, std::move(answered));
+  }
   Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port, const Wait& wait) override {
     return inner_->open(port, wait);
   }

@@ -51,9 +51,8 @@ class ForwardingHost : public host::TaskHost {
     return inner_.describe(task);
   }
   Result<type::Value> properties(const model::TaskId& task) const override { return inner_.properties(task); }
-  [[nodiscard]] Result<host::TaskReport> report(const model::TaskId& task,
-                                                TimePoint deadline) const override {
-    return inner_.report(task, deadline);
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+    inner_.watch(question, wait, std::move(answered));
   }
   Result<host::TaskDetails> details(const model::TaskId& task) const override { return inner_.details(task); }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,

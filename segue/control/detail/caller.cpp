@@ -12,6 +12,7 @@ namespace {
 
 /// Batches wait for hooks of tasks, on a host for those of many tasks at once.
 constexpr std::size_t kMaxBatchesPerClient = 256;
+constexpr std::size_t kMaxWatchesPerClient = 256;
 constexpr Duration kMaxTimeout = std::chrono::hours(24);
 
 Error refused(ErrorCode code, std::string_view noun, std::string_view why) {
@@ -67,6 +68,17 @@ Result<void> Caller::begin_batch() {
                 "this client has too many batches of actions in progress; wait for one to end");
   }
   ++client_->batches;
+  return {};
+}
+
+Result<void> Caller::begin_watch() {
+  if (core_.stopping) {
+    return refused(ErrorCode::Unavailable, core_.noun(), " is shutting down");
+  }
+  if (client_->watches >= kMaxWatchesPerClient) {
+    return fail(ErrorCode::ResourceExhausted, "this client watches too much at once");
+  }
+  ++client_->watches;
   return {};
 }
 

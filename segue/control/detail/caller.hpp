@@ -43,6 +43,8 @@ class Caller {
   /// The same for a batch of actions, of which there may be more.
   Result<void> begin_batch();
   void end_batch() { --client_->batches; }
+  /// The same for a question that is answered later.
+  Result<void> begin_watch();
 
   /// Runs `job`, which returns a Result<T> and may take a std::stop_token, by which it learns that the client
   /// has dropped the call, then `reply(T&, results)` (for T void: `reply(results)`). Errors,

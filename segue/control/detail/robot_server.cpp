@@ -3,6 +3,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_server.hpp>
+#include <segue/control/detail/watch_server.hpp>
 #include <segue/control/robot_service.hpp>
 #include <segue/control/verbs.hpp>
 
@@ -134,6 +135,19 @@ class RobotServer final : public wire::Robot::Server {
     return caller_.answer_value(
         role_for(Verb::Task), context,
         [&service = service(), id = as_string(context.getParams().getId())] { return service.task(id); });
+  }
+
+  kj::Promise<void> watch(WatchContext context) override {
+    return answer_watch(role_for(Verb::Task), caller_, context,
+                        [&service = service()](const host::LevelQuestion& question, const Wait& wait,
+                                               host::LevelAnswer answered) {
+                          service.watch(question, wait, std::move(answered));
+                        });
+  }
+
+  kj::Promise<void> running(RunningContext context) override {
+    return caller_.answer_value(role_for(Verb::Status), context,
+                                [&service = service()] { return service.running(Wait(TimePoint::max())); });
   }
 
   kj::Promise<void> switchTo(SwitchToContext context) override {

@@ -66,6 +66,7 @@ struct ServerCore {
   CallLimits calls;     ///< likewise
   EventLoop loop;
   Tally batches;  ///< in progress, on threads of the service
+  Tally watches;  ///< questions that the service has not answered yet
   /// Destroyed before the loop, to which its jobs post.
   concurrent::ThreadPool pool{"segue-calls", {kMaxCalls, 8}};
 };
@@ -77,6 +78,7 @@ struct ClientState {
   Peer peer;
   std::size_t calls = 0;
   std::size_t batches = 0;  ///< of actions, in progress
+  std::size_t watches = 0;
   std::size_t streams = 0;
   std::size_t listeners = 0;
 };

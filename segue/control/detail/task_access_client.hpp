@@ -5,6 +5,7 @@
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/stream_client.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
+#include <segue/control/detail/watch_client.hpp>
 #include <segue/deploy/task_access.hpp>
 
 #include <algorithm>
@@ -83,15 +84,10 @@ class TaskAccessClient : public Service {
     });
   }
 
-  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
-    const Duration left = time_left(deadline);
-    return ask<host::TaskReport>(left, [&](wire::TaskAccess::Client tasks) {
-      auto request = tasks.reportRequest();
-      request.setTask(as_text(task.str()));
-      request.setTimeout(left.count());
-      return RpcChannel::send<host::TaskReport>(request,
-                                                [](auto& results) { return decode(results.getReport()); });
-    });
+  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+    send_watch(
+        *channel_, question, wait, std::move(answered),
+        [tasks = tasks_](RpcChannel::Connection& connection) { return tasks(connection).watchRequest(); });
   }
 
   Result<host::TaskDetails> details(const model::TaskId& task) override {

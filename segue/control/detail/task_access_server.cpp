@@ -2,6 +2,7 @@
 #include <segue/control/detail/stream_server.hpp>
 #include <segue/control/detail/task_access_server.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
+#include <segue/control/detail/watch_server.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -81,13 +82,12 @@ kj::Promise<void> TaskAccessServer::properties(PropertiesContext context) {
       });
 }
 
-kj::Promise<void> TaskAccessServer::report(ReportContext context) {
-  const auto params = context.getParams();
-  return caller_.answer(
-      context,
-      [tasks = tasks_, task = model::TaskId(as_string(params.getTask())),
-       deadline = deadline_after(params.getTimeout())] { return tasks->report(task, deadline); },
-      [](host::TaskReport& report, auto results) { encode(report, results.initReport()); });
+kj::Promise<void> TaskAccessServer::watch(WatchContext context) {
+  return answer_watch(
+      Role::Observe, caller_, context,
+      [tasks = tasks_](const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) {
+        tasks->watch(question, wait, std::move(answered));
+      });
 }
 
 kj::Promise<void> TaskAccessServer::details(DetailsContext context) {

@@ -20,7 +20,7 @@ class TaskAccessServer : public virtual wire::TaskAccess::Server {
   kj::Promise<void> restoreState(RestoreStateContext context) override;
   kj::Promise<void> describe(DescribeContext context) override;
   kj::Promise<void> properties(PropertiesContext context) override;
-  kj::Promise<void> report(ReportContext context) override;
+  kj::Promise<void> watch(WatchContext context) override;
   kj::Promise<void> details(DetailsContext context) override;
   kj::Promise<void> setProperty(SetPropertyContext context) override;
   kj::Promise<void> call(CallContext context) override;

@@ -102,6 +102,17 @@ host::TaskReport decode(wire::TaskReport::Reader reader) {
   return report;
 }
 
+void encode(const host::TaskLevel& level, wire::TaskLevel::Builder builder) {
+  builder.setState(static_cast<std::uint8_t>(level.state));
+  builder.setStateName(as_text(level.state_name));
+  builder.setUpdates(level.updates);
+}
+
+host::TaskLevel decode(wire::TaskLevel::Reader reader) {
+  return {enum_from(reader.getState(), TaskState::Fatal), as_string(reader.getStateName()),
+          reader.getUpdates()};
+}
+
 void encode(const host::TaskDetails& details, wire::Details::Builder builder) {
   encode_histogram(details.timing.updates, builder.initUpdates());
   encode_histogram(details.timing.latencies, builder.initLatencies());

@@ -13,6 +13,9 @@ namespace segue::control::detail {
 void encode(const host::TaskReport& report, wire::TaskReport::Builder builder);
 host::TaskReport decode(wire::TaskReport::Reader reader);
 
+void encode(const host::TaskLevel& level, wire::TaskLevel::Builder builder);
+host::TaskLevel decode(wire::TaskLevel::Reader reader);
+
 void encode(const host::TaskDetails& details, wire::Details::Builder builder);
 host::TaskDetails decode(wire::Details::Reader reader);
 
