@@ -23,6 +23,7 @@ struct TaskView {
   std::string state;       ///< "running", "stopped", ...
   std::string state_name;  ///< one that its component declares ("arrived"); may be empty
   std::uint64_t updates = 0;
+  friend bool operator==(const TaskView&, const TaskView&) = default;
 };
 
 /// A question for how a task is, from somebody who wants to hear of changes.
