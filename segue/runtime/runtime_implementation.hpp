@@ -76,8 +76,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep);
   /// Conditions of the halt look at the tasks of the running controller, as the belief has it now.
   void look_at_what_runs();
-  /// Not at tasks whose states the transition changes from its commit on, until the belief has what runs
-  /// then.
+  /// Not at tasks that change with the transition's commit, until the belief has what runs then.
   void look_away_from_changed(const model::Transition& transition);
 
   // Controllers and their files (runtime_apply.cpp)
@@ -104,8 +103,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
 
   // The worker and its transitions (runtime_worker.cpp)
   void work();
-  /// Executes the plan from `current`, fills in the result and updates the belief from a new snapshot.
-  /// Blocks.
+  /// Executes the plan from `current`, fills in the result and takes a new snapshot for the belief. Blocks.
   void carry_out(const model::Network& current, const detail::SwitchPlan& plan, Duration action_deadline,
                  SwitchResult& result);
   /// Returns what was observed to run.
@@ -119,8 +117,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void note_differences(const model::Network& observed);
   /// Between what should run and what was observed, with the reasons that are known.
   [[nodiscard]] std::vector<std::string> differences_from(const model::Network& observed);
-  /// The name of the network that was observed: of `first`, `second` or a known controller; empty if none
-  /// matches.
+  /// Which network was observed: `first`, `second` or a known controller; empty if it is none of them.
   model::NetworkName name_of_running(const model::Network& observed, const model::Network& first,
                                      const model::Network& second) const;
   std::optional<model::Network> known(const model::NetworkName& name) const;
@@ -168,9 +165,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void fall_back(const detail::Observation& seen);
   void look_ahead();
   /// Whether there is anything to prepare, or to answer. With the mutex held.
-  [[nodiscard]] bool looks_ahead() const {
-    return !requests_to_prepare.empty() || prepare_waiting || definitions.halt;
-  }
+  [[nodiscard]] bool looks_ahead() const;
   /// Executes the part of the transition to the desired network, beside which `pools_part` runs, that
   /// concerns `scope`.
   void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope,

@@ -390,6 +390,10 @@ detail::LookAheadPlan Runtime::Implementation::plan_ahead(const model::Network& 
   return detail::look_ahead(controller, all, catalog, options.look_ahead, memory_of(host));
 }
 
+bool Runtime::Implementation::looks_ahead() const {
+  return !requests_to_prepare.empty() || prepare_waiting || definitions.halt;
+}
+
 void Runtime::Implementation::look_ahead() {
   const auto held = belief.held();
   SwitchPlan plan;
