@@ -205,5 +205,24 @@ TEST(ConcurrentMission, APlanRefusesWhatDoesNotFit) {
   EXPECT_EQ(refused({}, {{true, "at", {"{place}"}, {}}}), ErrorCode::InvalidArgument);
 }
 
+/// What is said of how an action is likely to end changes nothing about how the mission ends.
+TEST(ExpectedEnds, OfActionsThatAreExpectedToAbortDecideNothing) {
+  for (const std::string expected : {"ok", "aborted", "preempted"}) {
+    const testing::VirtualRun run(R"x(
+mission: m
+outcomes: [good]
+actions:
+  try: {effects: ["+tried"], outcomes: [ok], expect: {outcome: )x" +
+                                  expected + R"x(}, run: {simulated: {duration: 1s, outcomes: [ok]}}}
+  use: {preconditions: [tried], outcomes: [ok], run: {simulated: {duration: 1s}}}
+start: try
+states:
+  try: {on: {ok: use}}
+  use: {on: {ok: return good}}
+)x");
+    EXPECT_EQ(run.result.outcome, 0) << expected << ": " << run.result.error;
+  }
+}
+
 }  // namespace
 }  // namespace segue::convert

@@ -127,6 +127,7 @@ class Unroller {
   cdtn::NodeSpec& new_spec();
   cdtn::NodeId append(cdtn::NodeSpec& spec, PlannedNode node, std::string_view name);
   ValueSource connect(cdtn::NodeSpec& spec, const Symbol& symbol, std::string_view name);
+  std::optional<cdtn::OutcomeId> expected_end(mission::StateIndex state);
   StateEnd ends_of(const StateEntry& entry, cdtn::NodeId node, const cdtn::NodeSpec& spec);
   void count(cdtn::NodeSpec& spec, PlannedNode& node, const StateEntry& entry);
   void store(ContainerExecution& activation, std::uint32_t slot, BranchEdge when, Symbol value);

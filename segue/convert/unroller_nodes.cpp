@@ -216,6 +216,15 @@ void Unroller::count(NodeSpec& spec, PlannedNode& planned, const StateEntry& ent
   planned.counts = true;
 }
 
+/// How the state ends if it ends as its action says; nothing where that says nothing.
+std::optional<OutcomeId> Unroller::expected_end(StateIndex state) {
+  const StateKind kind = node(state).kind;
+  if (kind != StateKind::Execution && kind != StateKind::Decider) return std::nullopt;
+  const std::string& expected = action(state).expected_outcome;
+  if (expected.empty() || expected == mission::kPreemptedName) return std::nullopt;
+  return plan_.network_.outcome(expected);
+}
+
 StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& spec) {
   const mission::CompiledState& state = node(entry.state);
   StateEnd end;
@@ -234,10 +243,7 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
     outcomes.push_back(plan_.network_.outcome((*state.outcomes)[static_cast<std::size_t>(i)]));
   if (entry.aborts_handled) outcomes.push_back(cdtn::kAborted);
   if (scope_ == PlanScope::EveryEnd) outcomes.push_back(cdtn::kPreempted);
-  const bool leaf = state.kind == StateKind::Execution || state.kind == StateKind::Decider;
-  const bool foreseen = leaf && !action(entry.state).expected_outcome.empty();
-  const auto branch =
-      paths_.add(id, entry.when, outcomes, foreseen ? std::optional(spec.expected) : std::nullopt);
+  const auto branch = paths_.add(id, entry.when, outcomes, expected_end(entry.state));
   for (Outcome i = 0; i < own; ++i)
     end.exits.push_back({i, {{branch, outcomes[static_cast<std::size_t>(i)]}, false, {}}});
   if (scope_ == PlanScope::EveryEnd)
@@ -293,11 +299,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   spec.reads_world = what.reads_world;
   spec.reads_beside = uses_variables(what);
   spec.strict = (entry.strict || what.strict) && !planted(ConversionFault::ForgetsStrict);
-  const std::string& expected = what.expected_outcome;
-  if (!expected.empty())
-    spec.expected = plan_.network_.outcome(expected);
-  else if (!what.outcomes.empty())
-    spec.expected = plan_.network_.outcome(what.outcomes.front());
+  if (!what.outcomes.empty()) spec.expected = plan_.network_.outcome(what.foreseen_outcome());
   declare(entry, spec, planned);
   planned.when = entry.when;
   for (std::size_t i = 0; i < entry.inputs.size(); ++i)

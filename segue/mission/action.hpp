@@ -10,6 +10,7 @@
 #include <segue/mission/port.hpp>
 #include <segue/type/value.hpp>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -130,10 +131,11 @@ struct Action {
   std::string expected_outcome;  ///< empty: not known
   Procedure run;
   SourcePlace where;
-  /// The outcome with which its effects apply: the expected one, or else the first.
+  /// The outcome with which its effects apply: the expected one if it is declared, or else the first. What
+  /// aborts or is preempted has no effects, also where that is expected.
   [[nodiscard]] std::string_view foreseen_outcome() const {
-    if (!expected_outcome.empty() || outcomes.empty()) return expected_outcome;
-    return outcomes.front();
+    const bool declared = std::ranges::find(outcomes, expected_outcome) != outcomes.end();
+    return declared || outcomes.empty() ? std::string_view(expected_outcome) : outcomes.front();
   }
   /// Journal, conversion and drawings all go by this. A decision is pure: it depends only on how states
   /// ended.

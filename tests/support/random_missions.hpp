@@ -86,6 +86,11 @@ class RandomMission {
     return chance(10) ? "{callback: later}" : shared ? "{callback: shared}" : "{callback: mix}";
   }
 
+  std::string_view foreseen(bool two) {
+    if (chance(8)) return chance(50) ? "aborted" : "preempted";
+    return two && chance(40) ? "no" : "ok";
+  }
+
   std::string action(bool back, bool two, const Where& where) {
     const std::string name = fmt::format("a{}", count_++);
     std::string text = fmt::format("  {}:\n    inputs: {{x: {{type: int, default: {}}}", name, under(9));
@@ -109,8 +114,7 @@ class RandomMission {
     if (!opaque && (!pure || chance(60))) text += facts(where);
     if (!opaque) text += resources(pure || remembers);  // what creates or removes units is irreversible
     if (chance(60))
-      text += fmt::format("    expect: {{duration: {}s, outcome: {}}}\n", under(12),
-                          two && chance(40) ? "no" : "ok");
+      text += fmt::format("    expect: {{duration: {}s, outcome: {}}}\n", under(12), foreseen(two));
     text += fmt::format("    run: {}\n", runs(back, !pure && !sensing && !where.is_concurrent(), remembers));
     actions_ += text;
     return name;
