@@ -106,6 +106,7 @@ TEST_F(CommandingHosts, a_second_runtime_takes_the_robot_over) {
   ASSERT_TRUE(wait_until_reachable("b", false));
   const auto state = host_status("a").find("state")->as_string();
   EXPECT_NE(state.find(name_of(*second_)), std::string::npos) << state;
+  EXPECT_NE(status().find("lost")->as_string().find(name_of(*second_)), std::string::npos);
   switch_to("more", "refused");
   EXPECT_EQ(all_deployments(), before);
 
@@ -119,14 +120,35 @@ TEST_F(CommandingHosts, a_second_runtime_takes_the_robot_over) {
   talk_to("runtime");
   runtime_->signal(SIGINT);  // it has nothing to stop any more
   EXPECT_EQ(runtime_->wait(), 1) << runtime_->output();
-  // A host says so when it is asked for something, or when the runtime asks for the robot again.
-  const bool has_said =
-      runtime_->output().find("does not command the robot on this host any more") != std::string::npos ||
-      runtime_->output().find("commands this robot") != std::string::npos;
-  EXPECT_TRUE(has_said) << runtime_->output();
+  EXPECT_NE(runtime_->output().find("another runtime has got the robot"), std::string::npos)
+      << runtime_->output();
   runtime_.reset();
   talk_to("second");
   EXPECT_EQ(what_stays_wrong(HostsTest::network("still")), "");
+}
+
+TEST_F(CommandingHosts, a_runtime_that_has_lost_the_robot_regains_no_host_whose_daemon_starts_again) {
+  make_chain();
+  start_chain("plain");
+  start_second({"--take-over"});
+  ASSERT_TRUE(second_->wait_for("robot " + robot_name_ + " runs")) << second_->output();
+  ASSERT_TRUE(wait_until_reachable("a", false));
+  talk_to("second");
+  host("a").kill_daemon();
+  ASSERT_TRUE(wait_until_reachable("a", false));
+  host("a").start();
+  ASSERT_TRUE(wait_until_reachable("a", true));
+  switch_to("more");
+  EXPECT_EQ(what_stays_wrong(HostsTest::network("more")), "");
+  switch_to("plain");
+  talk_to("runtime");
+  EXPECT_FALSE(host_status("a").find("reachable")->as_bool());
+  switch_to("more", "refused");
+  runtime_->signal(SIGINT);
+  EXPECT_EQ(runtime_->wait(), 1) << runtime_->output();
+  runtime_.reset();
+  talk_to("second");
+  EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
 }
 
 }  // namespace
