@@ -76,11 +76,11 @@ RoverRecording::RoverRecording(const std::filesystem::path& folder) : folder_(fo
         std::vector<std::string>{"/bin/sh", "-c", "exec \"$0\" read \"$1\" --follow --format json > \"$1\"",
                                  segue::paths::kProgram, port},
         folder));
-  }
-  for (const std::string port : kPorts) {
-    EXPECT_TRUE(eventually([&] {
+    const auto has_begun = [&] {
       return std::filesystem::exists(folder / port) && std::filesystem::file_size(folder / port) > 0;
-    })) << port;
+    };
+    EXPECT_TRUE(eventually(has_begun) && !readers_.back()->has_ended())
+        << port << readers_.back()->wait().errors;
   }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The simulated rover is stopped at random moments of its missions, in every way, while its planners work and
 // while it switches. Each time it comes to rest and stays there; how long that took and how far it drove is
-// printed. SEGUE_ROVER_STOPS=100 stops it as often, SEGUE_SEED=n at other moments, SEGUE_STOPS_LOAD=20 beside
+// printed. Beside load, it may miss the time of its robot file; its devices are stopped then.
+// SEGUE_ROVER_STOPS=100 stops it as often, SEGUE_SEED=n at other moments, SEGUE_STOPS_LOAD=20 beside
 // as many threads that compute all the time.
 #include <support/number_from.hpp>
 
@@ -43,7 +44,8 @@ struct Stop {
   By by = By::Stop;
   During during = During::Mission;
   Standstill standstill;
-  double rest = 0;  ///< s from the stop until the robot was at rest
+  double rest = 0;      ///< s from the stop until the robot was at rest, or its devices were stopped
+  bool in_time = true;  ///< it was at rest within the time of its robot file
 };
 
 constexpr std::size_t kFewStops = 4;
@@ -107,6 +109,7 @@ void print_table(const std::vector<Stop>& all) {
   for (const auto& [name, stops] : groups)
     print_rows(name, stops);
   print_rows("all", all);
+  fmt::print("{} of {} were at rest in time\n", std::ranges::count_if(all, &Stop::in_time), all.size());
 }
 
 /// Threads that compute as long as this lives.
@@ -174,13 +177,15 @@ class RoverStops : public SystemTest {
     }));
     pass(random_between(0, 0.1));
   }
+  /// What stops it waits for rest, and fails where that does not come in time; whether it came is asked
+  /// later.
   void stop_robot(By by, const Process& mission) {
     switch (by) {
       case By::Stop:
-        EXPECT_EQ(segue({"stop"}).status, 0);
+        (void)segue({"stop"});
         break;
       case By::MissionStop:
-        EXPECT_EQ(segue({"mission", "stop"}).status, 0);
+        (void)segue({"mission", "stop"});
         break;
       case By::KilledMission:
         mission.signal(SIGKILL);
@@ -190,20 +195,19 @@ class RoverStops : public SystemTest {
         break;
     }
   }
-  /// When the robot was at rest, as it says itself; s since the epoch.
-  double wait_for_rest() {
-    double rest = 0;
-    std::string state;
+  /// Notes when the robot was at rest, as it says itself; s after `stopped`, which is since the epoch.
+  void wait_for_rest(double stopped, Stop& stop) {
+    bool devices_are_stopped = false;
     EXPECT_TRUE(eventually([&] {
       const auto status = json({"status"});
       const auto* halt = status.find("halt");
       if (halt == nullptr || halt->is_null() || halt->find("state")->as_string() == "halting") return false;
-      state = halt->find("state")->as_string();
-      rest = halt->find("time_s")->as_double() + halt->find("duration_s")->as_double();
+      stop.in_time = halt->find("state")->as_string() == "at_rest";
+      devices_are_stopped = !halt->find("stopped")->as_list().empty();
+      stop.rest = halt->find("time_s")->as_double() + halt->find("duration_s")->as_double() - stopped;
       return true;
     }));
-    EXPECT_EQ(state, "at_rest") << segue({"status"}).output;
-    return rest;
+    EXPECT_TRUE(stop.in_time || (load_ > 0 && devices_are_stopped)) << segue({"status"}).output;
   }
   void pass_robot_time(double seconds) {
     const double begin = json({"read", "rover.time"}).as_double();
@@ -220,7 +224,7 @@ class RoverStops : public SystemTest {
     const double stopped_s =
         std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     stop_robot(stop.by, *mission);
-    stop.rest = wait_for_rest() - stopped_s;
+    wait_for_rest(stopped_s, stop);
     const TimePoint rest = RealClock::instance().now();
     pass_robot_time(1);
     recording.end();
@@ -230,19 +234,20 @@ class RoverStops : public SystemTest {
     EXPECT_LT(after.way.distance, 0.005) << "m, that it drove at rest";
     EXPECT_LT(after.way.turn, 0.01) << "rad, that it turned at rest";
     (void)mission->wait();
-    EXPECT_EQ(controller(), "guard+hold");
+    EXPECT_EQ(controller(), stop.in_time ? "guard+hold" : "stopped");
     EXPECT_EQ(this->stop().status, 0);
   }
 
+  const int load_ = number_from("SEGUE_STOPS_LOAD", 0);
   std::mt19937_64 random_{static_cast<std::uint64_t>(number_from("SEGUE_SEED", 1))};
 };
 
 TEST_F(RoverStops, BringItToRestWheneverTheyCome) {
-  const Load load(number_from("SEGUE_STOPS_LOAD", 0));
+  const Load load(load_);
   std::vector<Stop> stops;
   const auto count = static_cast<std::size_t>(number_from("SEGUE_ROVER_STOPS", kFewStops));
   for (std::size_t i = 0; i < count && !HasFailure(); ++i) {
-    Stop stop{kBy.at(i % kBy.size()), kDuring.at(i % kDuring.size()), {}, 0};
+    Stop stop{kBy.at(i % kBy.size()), kDuring.at(i % kDuring.size()), {}, 0, true};
     SCOPED_TRACE(fmt::format("stop {}, by {}, {}", i, kByNames.at(i % kByNames.size()),
                              kDuringNames.at(i % kDuringNames.size())));
     ASSERT_NO_FATAL_FAILURE(stop_once(stop));
