@@ -2,6 +2,7 @@
 #include <segue/type/copy_bytes.hpp>
 #include <segue/type/eigen.hpp>
 #include <segue/type/flat.hpp>
+#include <support/counted_new.hpp>
 #include <support/random_types.hpp>
 
 #include <gtest/gtest.h>
@@ -9,36 +10,12 @@
 #include <rapidcheck/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <new>
 #include <vector>
 
 using namespace std::chrono_literals;
-
-namespace {
-[[maybe_unused]] std::atomic<int> allocations{0};
-}  // namespace
-
-// Counted, so that a test can say "allocates nothing". Sanitizers want to own these themselves. Not inlined,
-// or gcc sees malloc and free of their own where new and delete belong together.
-#if !defined(SEGUE_SANITIZER_ADDRESS) && !defined(SEGUE_SANITIZER_THREAD)
-#define SEGUE_TEST_COUNTS_ALLOCATIONS
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-#endif
 
 namespace demo {
 enum class Gait : std::uint8_t { Walk, Trot = 3, Jump = 4 };
@@ -302,7 +279,7 @@ TEST(Flat, an_object_shrinks_and_grows_to_what_is_read) {
   EXPECT_EQ(value_of(large), large_value);
 }
 
-#ifdef SEGUE_TEST_COUNTS_ALLOCATIONS
+#ifdef SEGUE_COUNTS_NEW
 TEST(Flat, an_object_that_holds_as_much_allocates_nothing) {
   demo::Step step;
   step.name = std::string(100, 'x');
@@ -312,12 +289,13 @@ TEST(Flat, an_object_that_holds_as_much_allocates_nothing) {
   step.remark = std::string(80, 'd');
   Bytes bytes(flat_size(type_info<demo::Step>(), &step));
   demo::Step object;
-  const int at_first = allocations;
+  using testing::allocations;
+  const std::size_t at_first = allocations;
   ASSERT_TRUE(write_flat(type_info<demo::Step>(), &step, bytes));
   EXPECT_EQ(allocations, at_first) << "writing";
   ASSERT_TRUE(read(object, bytes));
   EXPECT_GT(allocations, at_first);
-  const int before = allocations;
+  const std::size_t before = allocations;
   ASSERT_TRUE(read(object, bytes));
   EXPECT_EQ(allocations, before) << "reading";
 }

@@ -55,7 +55,7 @@ SEGUE_TYPE(fuzzed::All, odd, name, samples, points, remark, bits, two, empty, la
 namespace segue::type {
 namespace {
 
-using fuzz::allocated;
+using testing::allocated;
 using fuzz::require;
 
 /// A text or an optional that holds nothing takes four bytes in CDR.

@@ -48,7 +48,7 @@ SEGUE_TYPE(fuzzed::All, name, samples, remark, bits, two, empty, last, texts)
 namespace segue::type {
 namespace {
 
-using fuzz::allocated;
+using testing::allocated;
 using fuzz::require;
 
 /// A sequence in memory has at the most so many times the bytes it has in the layout: of optionals, which
