@@ -10,32 +10,18 @@
 #include <iterator>
 #include <map>
 #include <random>
+#include <string>
 
 #include "system_test.hpp"
+#include "two_goals.hpp"
 
 namespace segue::testing {
 namespace {
 
 using ::testing::HasSubstr;
 
-/// Drives to two goals, one after the other.
-constexpr const char* kTwoGoals = R"(mission: drive
-at_end: keep
-actions:
-  drive_to:
-    inputs: {goal: map}
-    outcomes: [arrived]
-    run:
-      controller: go_to
-      set: {seeker.speed: 2.0}
-      call: {seeker.set_goal: {goal: "{goal}"}}
-      until: [{task: seeker, state: arrived, outcome: arrived}, {after: 5min}]
-outcomes: [done]
-start: first
-states:
-  first: {action: drive_to, inputs: {goal: {x: 0.4, y: 0.0}}, on: {arrived: second}}
-  second: {action: drive_to, inputs: {goal: {x: 0.4, y: 0.4}}, on: {arrived: return done}}
-)";
+/// Its robot runs on at the end.
+const std::string kInterrupted = std::string(kTwoGoals) + "at_end: keep\n";
 
 /// Runs a mission that is killed, and resumed.
 class InterruptedMission : public SystemTest {
@@ -101,7 +87,7 @@ class InterruptedMission : public SystemTest {
 
 TEST_F(InterruptedMission, GoesOnWithoutTellingAnActionTwice) {
   start();
-  write("drive.yaml", kTwoGoals);
+  write("drive.yaml", kInterrupted);
   const int rounds = number_from("SEGUE_INTERRUPTED_MISSIONS", 2);
   std::mt19937 random(std::random_device{}());
   std::map<std::string, std::size_t> entries;
@@ -129,7 +115,7 @@ TEST_F(InterruptedMission, GoesOnWithTheNextRuntime) {
   ASSERT_EQ(segue({"init", "rover"}).status, 0);
   std::ofstream(folder_ / "rover/controllers/go_to.yaml", std::ios::app)
       << "deployments: {motion: {tasks: [drive, odometry, laser, guard, seeker]}}\n";
-  write("drive.yaml", kTwoGoals);
+  write("drive.yaml", kInterrupted);
   for (const std::string mode : {"sequential", "concurrent"}) {
     SCOPED_TRACE(mode);
     start();

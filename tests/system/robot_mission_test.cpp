@@ -5,35 +5,12 @@
 #include <fstream>
 
 #include "system_test.hpp"
+#include "two_goals.hpp"
 
 namespace segue::testing {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// Drives to two goals, one after the other.
-constexpr const char* kDrive = R"(mission: drive
-actions:
-  drive_to:
-    inputs: {goal: map}
-    outputs: {pose: map}
-    outcomes: [arrived]
-    run:
-      controller: go_to
-      set: {seeker.speed: 2.0}
-      call: {seeker.set_goal: {goal: "{goal}"}}
-      until:
-        - {task: seeker, state: arrived, outcome: arrived}
-        - {after: 5min}
-      outputs: {pose: odometry.pose}
-outcomes: [done]
-outputs: {pose: map}
-flows: [second.pose -> outputs.pose]
-start: first
-states:
-  first: {action: drive_to, inputs: {goal: {x: 0.4, y: 0.0}}, on: {arrived: second}}
-  second: {action: drive_to, inputs: {goal: {x: 0.4, y: 0.4}}, on: {arrived: return done}}
-)";
 
 /// Drives to where it never arrives.
 constexpr const char* kEndless = R"(mission: endless
@@ -106,7 +83,7 @@ class RobotMission : public SystemTest {};
 
 TEST_F(RobotMission, DrivesToItsGoalsInBothModes) {
   start();
-  write("drive.yaml", kDrive);
+  write("drive.yaml", kTwoGoals);
   for (const std::string mode : {"sequential", "concurrent"}) {
     SCOPED_TRACE(mode);
     const auto run = json({"mission", "run", "drive.yaml", "--mode", mode});
@@ -367,7 +344,7 @@ TEST_F(RobotMission, EndsWithARobotThatIsSilentWhichComesToRestWhenItIsBack) {
 }
 
 TEST_F(RobotMission, NeedsARobotThatHasTheController) {
-  write("drive.yaml", kDrive);
+  write("drive.yaml", kTwoGoals);
   const auto alone = segue({"mission", "run", "drive.yaml"});
   EXPECT_EQ(alone.status, 3);
   EXPECT_THAT(alone.errors, HasSubstr("no robot is running"));
@@ -384,7 +361,7 @@ TEST_F(RobotMission, NeedsARobotThatHasTheController) {
 
 TEST_F(RobotMission, IsCheckedAgainstTheControllersOfItsRobot) {
   ASSERT_EQ(segue({"init", "rover"}).status, 0);
-  std::string text = kDrive;
+  std::string text = kTwoGoals;
   text.replace(text.find("set_goal"), 8, "set_gaol");
   write("rover/missions/drive.yaml", text);
   std::ofstream(folder_ / "rover" / "robot.yaml", std::ios::app) << "missions: [missions/*.yaml]\n";
@@ -394,7 +371,7 @@ TEST_F(RobotMission, IsCheckedAgainstTheControllersOfItsRobot) {
       checked.output + checked.errors,
       HasSubstr("drive.yaml:10:31: error: action 'drive_to': in controller 'go_to', task 'seeker' has no "
                 "operation 'set_gaol', did you mean 'set_goal'? [unknown-operation]"));
-  write("rover/missions/drive.yaml", kDrive);
+  write("rover/missions/drive.yaml", kTwoGoals);
   EXPECT_EQ(segue({"check", "rover/robot.yaml"}).status, 0);
 }
 
