@@ -33,9 +33,10 @@ class Findings {
   void add(std::string sentence) {
     if (!full()) sentences_.push_back(std::move(sentence));
   }
-  /// Only the first network has it.
-  void add_missing(const std::string& what) {
-    add(what + (wording_ == Wording::Drift ? " is missing" : " is removed"));
+  /// Only the first network has it; `why`, where that is known.
+  void add_missing(const std::string& what, const std::string& why = {}) {
+    const std::string sentence = what + (wording_ == Wording::Drift ? " is missing" : " is removed");
+    add(why.empty() ? sentence : sentence + ": " + why);
   }
   /// Only the second network has it.
   void add_extra(const std::string& what) {
@@ -247,7 +248,8 @@ struct ConnectionEqual {
   bool operator()(const Connection* a, const Connection* b) const { return *a == *b; }
 };
 
-void compare_connections(const Network& a, const Network& b, Findings& findings) {
+void compare_connections(const Network& a, const Network& b, const WhyMissing& why_missing,
+                         Findings& findings) {
   std::unordered_map<const Connection*, int, ConnectionHash, ConnectionEqual> balance;
   balance.reserve(a.connections.size());
   for (const Connection& connection : a.connections)
@@ -256,26 +258,30 @@ void compare_connections(const Network& a, const Network& b, Findings& findings)
     --balance[&connection];
   for (const auto& [connection, count] : balance) {
     if (findings.full()) return;
-    if (count > 0) findings.add_missing("connection " + to_string(*connection));
+    if (count > 0)
+      findings.add_missing("connection " + to_string(*connection),
+                           why_missing ? why_missing(*connection) : std::string());
     if (count < 0) findings.add_extra("connection " + to_string(*connection));
   }
 }
 
-std::vector<std::string> compare(const Network& first, const Network& second, Findings findings) {
+std::vector<std::string> compare(const Network& first, const Network& second, const WhyMissing& why_missing,
+                                 Findings findings) {
   compare_all_tasks(first, second, findings);
   compare_deployments(first, second, findings);
-  compare_connections(first, second, findings);
+  compare_connections(first, second, why_missing, findings);
   return std::move(findings).take();
 }
 
 }  // namespace
 
-std::vector<std::string> differences(const Network& expected, const Network& found, std::size_t limit) {
-  return compare(expected, found, Findings(Wording::Drift, limit));
+std::vector<std::string> differences(const Network& expected, const Network& found, std::size_t limit,
+                                     const WhyMissing& why_missing) {
+  return compare(expected, found, why_missing, Findings(Wording::Drift, limit));
 }
 
 std::vector<std::string> changes(const Network& before, const Network& after, std::size_t limit) {
-  return compare(before, after, Findings(Wording::Edit, limit));
+  return compare(before, after, {}, Findings(Wording::Edit, limit));
 }
 
 bool equivalent(const Network& a, const Network& b) {

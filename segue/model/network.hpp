@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -141,10 +142,17 @@ bool equivalent(const Network& a, const Network& b);
 /// several deployments name a task, the first counts. Linear in the size of the network.
 std::map<TaskId, DeploymentKey> task_processes(const Network& network);
 
+/// Why a connection that was expected is not there; empty where nothing is known.
+using WhyMissing = std::function<std::string(const Connection& connection)>;
+
+inline constexpr std::size_t kMostDifferences = 10;
 /// The first few differences as sentences ("task 'slam' is missing"), for messages and tests; empty if
-/// equivalent().
-std::vector<std::string> differences(const Network& expected, const Network& found, std::size_t limit = 10);
+/// equivalent(). Those of missing connections have the reason that `why_missing` gives.
+std::vector<std::string> differences(const Network& expected, const Network& found,
+                                     std::size_t limit = kMostDifferences,
+                                     const WhyMissing& why_missing = {});
 /// The same of two versions of a controller: "task 'slam' is added", "task 'drive': property 'gain': 1 -> 2".
-std::vector<std::string> changes(const Network& before, const Network& after, std::size_t limit = 10);
+std::vector<std::string> changes(const Network& before, const Network& after,
+                                 std::size_t limit = kMostDifferences);
 
 }  // namespace segue::model

@@ -105,6 +105,15 @@ TEST(EquivalenceTest, differencesAreSentences) {
   EXPECT_EQ(differences(one, other, 1).size(), 1U);
 }
 
+TEST(EquivalenceTest, aMissingConnectionHasItsReason) {
+  const Network one = two_tasks();
+  Network other = one;
+  other.connections.clear();
+  const auto why = [](const Connection& connection) { return "nobody reads " + to_string(connection.from); };
+  EXPECT_THAT(differences(one, other, 1, why), ElementsAre("connection " + to_string(one.connections.at(0)) +
+                                                           " is missing: nobody reads a.out"));
+}
+
 TEST(EquivalenceTest, aSecondConnectionCounts) {
   const Network one = two_tasks();
   Network other = one;

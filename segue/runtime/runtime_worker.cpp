@@ -5,7 +5,10 @@
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace segue::runtime {
 
@@ -289,18 +292,16 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
 
 std::vector<std::string> Runtime::Implementation::differences_from(const model::Network& observed) {
   const model::Network shall = host.condensed(detail::reachable_part(belief.held().desired(), host));
-  auto sentences = differences(shall, host.condensed(observed));
-  if (sentences.empty()) {
-    return sentences;
-  }
-  for (const auto& report : host.connections()) {
-    const std::string missing = "connection " + to_string(report.connection) + " is missing";
-    const auto found = std::find(sentences.begin(), sentences.end(), missing);
-    if (!report.error.empty() && found != sentences.end()) {
-      *found += ": " + report.error;
-    }
-  }
-  return sentences;
+  const auto why_missing = [reports = std::optional<std::vector<host::ConnectionReport>>(),
+                            this](const model::Connection& connection) mutable {
+    if (!reports) reports = host.connections();
+    const auto found = std::ranges::find_if(*reports, [&](const host::ConnectionReport& report) {
+      return report.connection.from == connection.from && report.connection.to == connection.to &&
+             !report.error.empty();
+    });
+    return found == reports->end() ? std::string() : found->error;
+  };
+  return differences(shall, host.condensed(observed), model::kMostDifferences, why_missing);
 }
 
 void Runtime::Implementation::note_differences(const model::Network& observed) {

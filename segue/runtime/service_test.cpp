@@ -11,11 +11,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace segue::runtime {
 namespace {
@@ -131,6 +133,45 @@ TEST(TaskReport, LacksWhatAnOlderProcessCannotTell) {
   EXPECT_NE(task->find("timing"), nullptr);
   EXPECT_EQ(task->find("histograms"), nullptr);
   EXPECT_EQ(task->find("log"), nullptr);
+}
+
+/// Has lost all connections, and says why, once that is wanted.
+class ForgetfulHost final : public segue::testing::ForwardingHost {
+ public:
+  using ForwardingHost::ForwardingHost;
+  std::atomic<bool> forgets{false};
+
+  [[nodiscard]] model::Network observe() const override {
+    auto network = ForwardingHost::observe();
+    if (forgets) network.connections.clear();
+    return network;
+  }
+  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
+    auto reports = ForwardingHost::connections();
+    if (forgets) {
+      for (auto& report : reports)
+        report.error = "it was overwritten";
+    }
+    return reports;
+  }
+};
+
+TEST(StatusReport, says_why_a_connection_is_missing) {
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  ForgetfulHost forgetful(host);
+  Runtime runtime("robot", forgetful, catalog);
+  ASSERT_EQ(runtime
+                .request(testing::network_of("network: only\ntasks: {a: {component: x::A}, b: {component: "
+                                             "x::B}}\nconnections: [a.out -> b.in]\n"))
+                .get()
+                .outcome,
+            Outcome::Done);
+  forgetful.forgets = true;
+  EXPECT_THAT(runtime.observed_differences(),
+              ::testing::ElementsAre("connection a.out -> b.in is missing: it was overwritten"));
+  forgetful.forgets = false;
 }
 
 TEST_F(Service, cancels_nothing_where_nothing_is_requested) {
