@@ -148,6 +148,20 @@ TEST(Halt, takes_the_robot_from_whoever_commands_it) {
   EXPECT_EQ(robot.running(), "hold");
 }
 
+TEST(Halt, that_is_under_way_when_somebody_stops_the_robot_leaves_it_stopped) {
+  Robot robot;
+  std::atomic<bool> stopped = false;
+  robot.asking.ask([&](const model::Action&) -> Result<void> {
+    if (!stopped.exchange(true)) robot.runtime.halt({.who = "ann", .latch = true});
+    return {};
+  });
+  EXPECT_TRUE(robot.runtime.halt({.who = "a mission"}).get().at_rest);
+  robot.asking.ask({});
+  ASSERT_TRUE(stopped) << "the halt takes actions";
+  EXPECT_EQ(robot.switch_to("work").outcome, Outcome::Refused);
+  EXPECT_TRUE(robot.runtime.release("ann"));
+}
+
 TEST(Halt, of_a_robot_that_does_not_say_what_rest_is_stops_its_devices) {
   Robot robot{RuntimeOptions{}};
   const auto rest = robot.runtime.halt({.who = "ann"}).get();
@@ -285,6 +299,14 @@ TEST(Lease, keeps_others_from_setting_calling_and_writing_unless_they_mean_it) {
   for (const auto& event : robot.runtime.events())
     events.push_back(event.message);
   EXPECT_THAT(events, Contains("ann sets x, beside what mission a does"));
+}
+
+TEST(Lease, that_is_lost_permits_nothing_although_another_is_held) {
+  Robot robot;
+  const auto lost = robot.runtime.take_lease("mission a").value();
+  robot.runtime.end_lease(lost, true);
+  ASSERT_TRUE(robot.runtime.take_lease("mission b"));
+  EXPECT_EQ(robot.runtime.allow({"mission a", lost, true}, "sets x").error().code, ErrorCode::InvalidState);
 }
 
 TEST(Lease, that_ends_takes_with_it_what_was_prepared_meanwhile) {
