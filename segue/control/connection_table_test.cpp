@@ -112,6 +112,15 @@ TEST_F(ConnectionTableTest, PlacesAreNotTakenInTurns) {
   EXPECT_EQ(cut_off_, Names());
 }
 
+TEST_F(ConnectionTableTest, WhoHasOneMoreLosesNone) {
+  add_clients(ConnectionTable::kMostClients / 2 - 1, "ann");
+  add_clients(ConnectionTable::kMostClients / 2, "bob");
+  add_clients(1, "cat");
+  Place one_more = add("one more");
+  EXPECT_FALSE(one_more.enter("ann")) << "else they would take it from each other in turns";
+  EXPECT_EQ(cut_off_, Names());
+}
+
 TEST_F(ConnectionTableTest, WhoHasComeInIsInOnce) {
   Place place = add("ann");
   EXPECT_TRUE(place.enter("ann"));
