@@ -55,8 +55,8 @@ SEGUE_TYPE(fuzzed::All, odd, name, samples, points, remark, bits, two, empty, la
 namespace segue::type {
 namespace {
 
-using testing::allocated;
 using fuzz::require;
+using testing::allocated;
 
 /// A text or an optional that holds nothing takes four bytes in CDR.
 constexpr std::size_t kMostGrowth = (sizeof(std::string) + 3) / 4;

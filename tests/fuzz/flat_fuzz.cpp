@@ -48,8 +48,8 @@ SEGUE_TYPE(fuzzed::All, name, samples, remark, bits, two, empty, last, texts)
 namespace segue::type {
 namespace {
 
-using testing::allocated;
 using fuzz::require;
+using testing::allocated;
 
 /// A sequence in memory has at the most so many times the bytes it has in the layout: of optionals, which
 /// take one byte there when they hold nothing.
