@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/host_client.hpp>
@@ -106,6 +107,13 @@ std::vector<Question> all_questions() {
   return {
       {Verb::Status, [](auto& robot) { return outcome(robot.status()); }},
       {Verb::Task, [](auto& robot) { return outcome(robot.task("slam")); }},
+      {Verb::Watch,
+       [](auto& robot) {
+         return outcome(answer_to<host::TaskLevel>(soon(), [&](const Wait& wait, host::LevelAnswer answer) {
+           robot.watch({model::TaskId("slam")}, wait, std::move(answer));
+         }));
+       }},
+      {Verb::Running, [](auto& robot) { return outcome(robot.running(soon())); }},
       {Verb::Events, [](auto& robot) { return outcome(robot.events(3, {})); }},
       {Verb::History, [](auto& robot) { return outcome(robot.history()); }},
       {Verb::Past, [](auto& robot) { return outcome(robot.past(Value("ask"))); }},

@@ -13,6 +13,8 @@ namespace segue::control {
 enum class Verb : std::uint8_t {
   Status,
   Task,
+  Watch,
+  Running,
   Events,
   History,
   Past,
@@ -47,9 +49,11 @@ struct VerbRule {
 };
 
 /// The one place that says who may do what. In the order of the verbs.
-inline constexpr std::array<VerbRule, 27> kVerbRules = {
+inline constexpr std::array<VerbRule, 29> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},
+     {Verb::Watch, "watch", Role::Observe},
+     {Verb::Running, "running", Role::Observe},
      {Verb::Events, "events", Role::Observe},
      {Verb::History, "history", Role::Observe},
      {Verb::Past, "past", Role::Observe},

@@ -40,7 +40,7 @@ Error PlacementTable::unknown(const model::TaskId& id) const {
   for (const auto& [task, incarnations] : table_) {
     known.push_back(task.str());
   }
-  return fail(ErrorCode::NotFound, "no task " + quote(id.str()) + " here" + did_you_mean(id.str(), known),
+  return fail(ErrorCode::NotFound, "no task " + quote(id.str()) + " runs" + did_you_mean(id.str(), known),
               id.str());
 }
 

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <ranges>
+#include <span>
 
 namespace segue::draw {
 
@@ -83,11 +83,11 @@ std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool comp
   const auto out = std::back_inserter(text);
   if (!ahead.empty())
     text = "In a concurrent run that is not strict, these may happen although something earlier fails:\n";
-  for (const cdtn::NamedActsAhead& each : ahead | std::views::take(kMostListed)) {
-    const std::size_t left = each.fails.size() - std::min(each.fails.size(), kMostNamed);
+  for (const cdtn::NamedActsAhead& each : std::span(ahead).first(std::min(ahead.size(), kMostListed))) {
+    const auto named = std::span(each.fails).first(std::min(each.fails.size(), kMostNamed));
+    const std::size_t left = each.fails.size() - named.size();
     fmt::format_to(out, "    {}, although {}{}{} fails\n", each.acts, each.fails.size() > 1 ? "one of " : "",
-                   fmt::join(each.fails | std::views::take(kMostNamed), ", "),
-                   left == 0 ? "" : fmt::format(" or {} more", left));
+                   fmt::join(named, ", "), left == 0 ? "" : fmt::format(" or {} more", left));
   }
   if (ahead.size() > kMostListed)
     fmt::format_to(out, "    and {} more (--json lists all)\n", ahead.size() - kMostListed);

@@ -40,7 +40,7 @@ Result<TaskEntry> TaskTable::find(const model::TaskId& id) const {
   for (const auto& [name, entry] : tasks_) {
     known.push_back(name.str());
   }
-  return fail(ErrorCode::NotFound, "no task " + quote(id.str()) + " here" + did_you_mean(id.str(), known),
+  return fail(ErrorCode::NotFound, "no task " + quote(id.str()) + " runs" + did_you_mean(id.str(), known),
               id.str());
 }
 

@@ -23,8 +23,10 @@ class AskedRobot final : public CommandedRobot {
     asked.push_back({question, wait, std::move(answered)});
   }
   Result<void> request(const ControllerRequest& /*what*/, const Wait& /*wait*/) override { return no(); }
-  Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return no(); }
-  Result<ControllerConflicts> conflicts() override { return no(); }
+  Result<ControllerTrouble> trouble(std::string_view /*controller*/, const Wait& /*wait*/) override {
+    return no();
+  }
+  Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override { return no(); }
   Result<void> prepare(const std::vector<std::string>& /*names*/, const Wait& /*wait*/) override {
     return no();
   }
@@ -38,7 +40,9 @@ class AskedRobot final : public CommandedRobot {
   Result<void> write(const Member& /*port*/, const type::Value& /*value*/, const Wait& /*wait*/) override {
     return no();
   }
-  Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/) override { return no(); }
+  Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/, const Wait& /*wait*/) override {
+    return no();
+  }
 
  private:
   static Error no() { return fail(ErrorCode::Unsupported, "not in this test"); }

@@ -146,9 +146,6 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     return tasks.restore_state(task, state, deadline);
   }
   Result<model::ComponentModel> describe(const model::TaskId& task) override { return tasks.describe(task); }
-  Result<host::TaskReport> report(const model::TaskId& task, TimePoint deadline) override {
-    return tasks.report(task, deadline);
-  }
   void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
     tasks.watch(question, wait, std::move(answered));
   }

@@ -138,7 +138,7 @@ class RobotServer final : public wire::Robot::Server {
   }
 
   kj::Promise<void> watch(WatchContext context) override {
-    return answer_watch(role_for(Verb::Task), caller_, context,
+    return answer_watch(role_for(Verb::Watch), caller_, context,
                         [&service = service()](const host::LevelQuestion& question, const Wait& wait,
                                                host::LevelAnswer answered) {
                           service.watch(question, wait, std::move(answered));
@@ -146,7 +146,7 @@ class RobotServer final : public wire::Robot::Server {
   }
 
   kj::Promise<void> running(RunningContext context) override {
-    return caller_.answer_value(role_for(Verb::Status), context,
+    return caller_.answer_value(role_for(Verb::Running), context,
                                 [&service = service()] { return service.running(Wait(TimePoint::max())); });
   }
 

@@ -58,11 +58,15 @@ kj::Promise<void> answer_later(Role needed, Caller& caller, Context context, Beg
       .attach(kj::mv(ended));
 }
 
-/// The question of a call of watch().
+/// The question of a call of watch(); an error where it has a word that this version does not know.
 template <class Params>
-host::LevelQuestion question_of(Params params) {
+Result<host::LevelQuestion> question_of(Params params) {
   host::LevelQuestion question{model::TaskId(as_string(params.getTask()))};
-  if (params.hasSeen()) question.seen = decode(params.getSeen());
+  try {
+    if (params.hasSeen()) question.seen = decode(params.getSeen());
+  } catch (const WireError& failed) {
+    return failed.error();
+  }
   question.each_update = params.getEachUpdate();
   return question;
 }
@@ -76,7 +80,8 @@ kj::Promise<void> answer_watch(Role needed, Caller& caller, Context context, Wat
       [watch = std::move(watch), question = question_of(params),
        deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped,
                                                        host::LevelAnswer answered) {
-        watch(question, Wait(deadline, dropped), std::move(answered));
+        if (!question) return answered(question.error());
+        watch(*question, Wait(deadline, dropped), std::move(answered));
       },
       [](host::TaskLevel& level, auto results) { encode(level, results.initLevel()); });
 }
