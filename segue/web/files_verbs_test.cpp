@@ -213,15 +213,15 @@ TEST_F(FileVerbsTest, ARobotWithoutFilesHasNothingToEdit) {
   EXPECT_EQ(error("files", nothing_), "unsupported");
 }
 
+struct SlowModels {
+  control::Gate asked;
+  control::Gate found;
+};
+
 /// The models of its robot are found once `found_` is open.
 class SlowModelsTest : public RobotFilesTest {
  protected:
-  SlowModelsTest()
-      : RobotFilesTest([this](const model::Robot&, Diagnostics&) {
-          asked_.open();
-          found_.wait();
-          return model::ComponentCatalog();
-        }) {}
+  SlowModelsTest() : SlowModelsTest(std::make_shared<SlowModels>()) {}
   void SetUp() override {
     RobotFilesTest::SetUp();
     write("robot.yaml", "robot: fake\n");
@@ -231,8 +231,18 @@ class SlowModelsTest : public RobotFilesTest {
     RobotFilesTest::TearDown();
   }
 
-  control::Gate asked_;
-  control::Gate found_;
+  const std::shared_ptr<SlowModels> models_;
+  control::Gate& asked_ = models_->asked;
+  control::Gate& found_ = models_->found;
+
+ private:
+  explicit SlowModelsTest(std::shared_ptr<SlowModels> models)
+      : RobotFilesTest([models](const model::Robot&, Diagnostics&) {
+          models->asked.open();
+          models->found.wait();
+          return model::ComponentCatalog();
+        }),
+        models_(std::move(models)) {}
 };
 
 TEST_F(SlowModelsTest, WhoOnlyObservesLeavesCallsToThoseWhoOperate) {

@@ -73,8 +73,8 @@ class Filling {
         return builder.set(field, values_.number());
       case Type::INT64:
         // Whoever asks for it may wait for hours.
-        return builder.set(
-            field, name == "timeout" || name == "wait" ? -values_.integer() % 1'000'000 : values_.integer());
+        return builder.set(field, name == "timeout" || name == "wait" ? -(values_.integer() % 1'000'000)
+                                                                      : values_.integer());
       case Type::UINT64:
         return builder.set(field, static_cast<std::uint64_t>(values_.integer()));
       case Type::UINT32:
