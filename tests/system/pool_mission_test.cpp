@@ -96,6 +96,15 @@ TEST_F(PoolMission, SaysWhyWhereNoInstanceIsLeft) {
   EXPECT_EQ(segue({"switch", "explore"}).status, 0) << "the controllers do not depend on it";
 }
 
+TEST_F(PoolMission, ACallThatIsNotAnsweredInTimeNamesItsTimeLimit) {
+  start_with_pool("1");
+  const auto late =
+      segue({"call", "planner_1.plan", "from={x: 0.0, y: 0.0}", "to={x: 1.0, y: 0.0}", "--timeout", "100ms"});
+  kill_first();  // or it would plan for an hour
+  EXPECT_EQ(late.status, 1);
+  EXPECT_THAT(late.errors, HasSubstr("planner_1.plan has not answered within 100ms, see --timeout"));
+}
+
 TEST_F(PoolMission, NeedsAPoolOfTheRobot) {
   start();
   write("plan.yaml", kPlan);

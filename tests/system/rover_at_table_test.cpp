@@ -100,9 +100,6 @@ TEST_F(RoverAtTable, BringsABoxToItsPlaceOnTheDeck) {
       segue({"call", "planner_1.plan", "request={goals: [{positions: [0, 0, 9, 0, 0, 0]}]}"});
   EXPECT_EQ(nowhere.status, 1);
   EXPECT_THAT(nowhere.errors, HasSubstr("the arm has 6 joints; from.positions has 0"));
-  const auto hasty =
-      segue({"call", "planner_1.plan", "request={goals: [{positions: []}]}", "--timeout", "1us"});
-  EXPECT_THAT(hasty.errors, HasSubstr("planner_1.plan has not answered within 1us, see --timeout"));
   EXPECT_EQ(stop().status, 0);
 }
 
