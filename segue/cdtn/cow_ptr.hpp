@@ -35,9 +35,8 @@ class CowPtr {
   explicit CowPtr(T* object) : object_(object) { acquire(); }
   CowPtr(const CowPtr& other) : object_(other.object_) { acquire(); }
   CowPtr(CowPtr&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
-  template <class U>
-  CowPtr(CowPtr<U> other)
-      : object_(std::exchange(other.object_, nullptr)) {}  // NOLINT(google-explicit-constructor)
+  template <class U>  // NOLINTNEXTLINE(google-explicit-constructor)
+  CowPtr(CowPtr<U> other) : object_(std::exchange(other.object_, nullptr)) {}
   CowPtr& operator=(CowPtr other) noexcept {
     std::swap(object_, other.object_);
     return *this;
