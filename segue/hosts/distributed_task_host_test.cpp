@@ -620,6 +620,7 @@ TEST_F(LostRobot, IsNotAskedForAgainAlthoughNobodyElseHasIt) {
   ASSERT_TRUE(former_.told("left is lost"));
   ASSERT_TRUE(former_.told("right is lost"));
   ASSERT_TRUE(rival->release());
+  ASSERT_TRUE(eventually([&] { return holder_at(computers_.right).empty(); })) << "its lease is given up";
   const int asked = computers_.left.line.calls("acquire") + computers_.right.line.calls("acquire");
   for (testing::Computer* computer : {&computers_.left, &computers_.right}) {
     computer->boot();
