@@ -66,12 +66,20 @@ void ControllerUnion::withdraw(const std::shared_ptr<Change>& change) {
 void ControllerUnion::work(const std::stop_token& end) {
   Lock lock(mutex_);
   while (changed_.wait(lock, end, [this] { return !waiting_.empty(); })) {
-    // Others may join.
-    changed_.wait_for(lock, end, options_.gather, [] { return false; });
+    // Others may join in a transition; what runs already must not wait for it.
+    if (std::ranges::any_of(waiting_, [this](const auto& change) { return is_transition(*change); }))
+      changed_.wait_for(lock, end, options_.gather, [] { return false; });
     if (end.stop_requested()) return;
     learn_conflicts(lock, end);
     serve_waiting(lock);
   }
+}
+
+/// Whether the robot does not run that yet, as far as is known here.
+bool ControllerUnion::is_transition(const Change& change) const {
+  const auto same = std::ranges::find(members_, change.member.controller, &Member::controller);
+  if (change.stop) return same != members_.end() && same->users == 0;
+  return same == members_.end() || same->properties != change.member.properties;
 }
 
 void ControllerUnion::serve_waiting(Lock& lock) {

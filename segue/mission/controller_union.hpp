@@ -36,7 +36,7 @@ struct ControllerWish {
 /// What the actions of a mission have a robot run: the union of the controllers that they use now and of
 /// those that are kept from earlier ones, as long as nothing needs the robot otherwise and they do not write
 /// to tasks of what is in use. One transition at a time; what is asked meanwhile, or at about the same time,
-/// is one transition. What nobody wants any more is not requested, and a transition that nobody wants any
+/// is one transition; what runs already waits for no others. What nobody wants any more is not requested, and a transition that nobody wants any
 /// more is undone where it has not committed. Thread safe.
 class ControllerUnion {
  public:
@@ -84,6 +84,7 @@ class ControllerUnion {
   Result<void> carry_out(Change change);
   void withdraw(const std::shared_ptr<Change>& change);
   void work(const std::stop_token& end);
+  [[nodiscard]] bool is_transition(const Change& change) const;
   void serve_waiting(Lock& lock);
   Result<void> serve(const Changes& changes, Lock& lock);
   void stop_unwanted(const Changes& changes);

@@ -169,6 +169,13 @@ TEST_F(UnionOfControllers, StopsWhatIsNotKept) {
   EXPECT_THAT(robot_->runs().controllers, IsEmpty());
 }
 
+TEST_F(UnionOfControllers, WaitsForNoOthersWhereTheControllerRunsAlready) {
+  ControllerUnion one(robot_, {.gather = 1h});
+  one.take_over("drive", {});
+  EXPECT_TRUE(one.begin("drive", {})) << "returns at once";
+  EXPECT_THAT(robot_->requests(), SizeIs(1)) << "it may have failed meanwhile: the robot is asked";
+}
+
 TEST_F(UnionOfControllers, StopsNothingThatAnotherActionUses) {
   EXPECT_TRUE(union_.begin("drive", {}));
   EXPECT_TRUE(union_.begin("drive", {}));
