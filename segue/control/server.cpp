@@ -83,6 +83,7 @@ struct Server::Implementation {
       if (sessions) sessions->stop_accepting();
     });
     core.pool.close();
+    core.urgent_pool.close();
     core.batches.wait_for_none();
     close_sessions();
     core.watches.wait_for_none();

@@ -230,8 +230,10 @@ class WaitingCrowd {
       }
     }
   }
-  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
-  [[nodiscard]] std::size_t refused() const { return refused_; }
+  [[nodiscard]] RobotService& connection() const { return *connections_.front(); }
+  [[nodiscard]] bool takes_all_calls() const {
+    return refused_ >= calls_.size() - detail::ServerCore::kMaxCalls;
+  }
 
  private:
   const std::vector<std::unique_ptr<RobotService>> connections_;
@@ -239,20 +241,38 @@ class WaitingCrowd {
   std::vector<std::future<void>> calls_;  // go first
 };
 
-TEST_F(SecureTest, ObserversWhoWaitKeepNobodyElseFromCalling) {
+class CrowdedServer : public SecureTest {
+ protected:
+  std::vector<std::unique_ptr<RobotService>> more_connections_than_calls(const std::string& name) {
+    std::vector<std::unique_ptr<RobotService>> connections;
+    for (std::size_t i = 0; i <= detail::ServerCore::kMaxCalls / detail::CallLimits::kMostOfClient; ++i)
+      connections.push_back(client_of(name));
+    return connections;
+  }
+};
+
+TEST_F(CrowdedServer, ObserversWhoWaitKeepNobodyElseFromCalling) {
   enrol({.name = "olga", .role = Role::Observe});
   enrol({.name = "olaf", .role = Role::Observe});
   serve_tcp();
   const auto ann = client_of("ann");
   const auto olaf = client_of("olaf");
-  std::vector<std::unique_ptr<RobotService>> connections;
-  for (std::size_t i = 0; i <= detail::ServerCore::kMaxCalls / detail::CallLimits::kMostOfClient; ++i)
-    connections.push_back(client_of("olga"));
-  const WaitingCrowd crowd(std::move(connections));
-  ASSERT_TRUE(segue::testing::eventually(
-      [&] { return crowd.refused() >= crowd.calls() - detail::ServerCore::kMaxCalls; }));
+  const WaitingCrowd crowd(more_connections_than_calls("olga"));
+  ASSERT_TRUE(segue::testing::eventually([&] { return crowd.takes_all_calls(); }));
   EXPECT_TRUE(ann->status()) << "who operates";
   EXPECT_TRUE(olaf->status()) << "another observer";
+  server_.reset();  // ends the calls
+}
+
+TEST_F(CrowdedServer, CallsThatWaitKeepNobodyFromStoppingTheRobot) {
+  serve_tcp();
+  const auto ann = client_of("ann");
+  const WaitingCrowd crowd(more_connections_than_calls("ann"));
+  ASSERT_TRUE(segue::testing::eventually([&] { return crowd.takes_all_calls(); }));
+  EXPECT_EQ(ann->status().error().code, ErrorCode::ResourceExhausted);
+  EXPECT_TRUE(ann->stop("ann", RealClock::instance().now() + std::chrono::minutes(1))) << "another client";
+  EXPECT_TRUE(crowd.connection().stop("ann", RealClock::instance().now() + std::chrono::minutes(1)))
+      << "the same client";
   server_.reset();  // ends the calls
 }
 

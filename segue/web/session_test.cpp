@@ -221,6 +221,16 @@ TEST_F(SessionTest, TooManyCallsAndDocumentsAreRefused) {
             "resource-exhausted");
 }
 
+TEST_F(SessionTest, CallsThatTakeLongKeepNobodyFromStoppingTheRobot) {
+  const auto session = browser();
+  for (std::size_t count = 0; count < Verbs::kMostCalls; ++count)
+    session->receive(
+        R"({"id": 1, "verb": "call", "arguments": {"task": "t", "operation": "wait", "value": []}})");
+  EXPECT_EQ(error_code(*session, R"({"id": 2, "verb": "status"})"), "resource-exhausted");
+  EXPECT_EQ(error_code(*session, R"({"id": 3, "verb": "stop"})"), "");
+  robot_.release.open();
+}
+
 TEST_F(SessionTest, AMissionIsPausedWhileItRuns) {
   const auto session = browser();
   const std::string pause = R"({"id": 1, "verb": "mission", "arguments": {"what": "pause"}})";

@@ -277,7 +277,8 @@ void Verbs::begin(Command command, Role role, const std::string& who, Answer ans
                        "too many calls of those who only observe are in progress; try again"));
   }
   auto shared = std::make_shared<Answer>(std::move(answer));
-  const bool accepted = pool_.try_submit([this, command = std::move(command), who, shared, observes] {
+  concurrent::ThreadPool& pool = entry->form.verb == Verb::Stop ? stops_ : pool_;
+  const bool accepted = pool.try_submit([this, command = std::move(command), who, shared, observes] {
     const auto result = execute(command, who);
     if (observes) --calls_of_observers_;
     (*shared)(result);

@@ -37,12 +37,17 @@ class Verbs {
 
   /// At once; what is beyond is refused with ResourceExhausted.
   static constexpr std::size_t kMostCalls = 12;
-  /// Of them those of browsers that may only observe, so that they keep nobody from stopping the robot.
+  /// Of them those of browsers that may only observe, so that they leave calls to those who operate.
   static constexpr std::size_t kMostCallsOfObservers = 8;
+  /// Calls that stop the robot, beside the others: nothing keeps them waiting.
+  static constexpr std::size_t kMostStops = 4;
 
   explicit Verbs(RobotLink& link, ModelsOf models = {});
   /// Waits for the calls in progress, until their deadlines at most.
-  ~Verbs() { pool_.close(); }
+  ~Verbs() {
+    pool_.close();
+    stops_.close();
+  }
   Verbs(const Verbs&) = delete;
   Verbs& operator=(const Verbs&) = delete;
 
@@ -57,6 +62,7 @@ class Verbs {
   FileVerbs files_;
   std::atomic<std::size_t> calls_of_observers_{0};  ///< in progress
   concurrent::ThreadPool pool_{"segue-studio", {.threads = kMostCalls, .idle = 2}};
+  concurrent::ThreadPool stops_{"segue-stops", {.threads = kMostStops, .idle = 1}};
 };
 
 }  // namespace segue::web

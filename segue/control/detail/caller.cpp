@@ -56,7 +56,7 @@ Result<void> Caller::begin() {
   if (core_.stopping) {
     return refused(ErrorCode::Unavailable, core_.noun(), " is shutting down");
   }
-  return core_.calls.begin(*client_);
+  return core_.calls.begin(*client_, lane_);
 }
 
 Result<void> Caller::begin_batch() {
@@ -92,12 +92,12 @@ kj::Promise<Result<void>> Caller::run(Role needed, std::function<void()> job) {
   // Shared because std::function must be copyable; it is only moved, and destroyed in the loop's thread.
   auto fulfiller = std::make_shared<Fulfiller>(kj::mv(pair.fulfiller));
   const bool begun =
-      core_.pool.try_submit([&core = core_, job = std::move(job), fulfiller, client = client_]() mutable {
+      core_.pool_of(lane_).try_submit([caller = *this, job = std::move(job), fulfiller]() mutable {
         job();
         job = nullptr;
-        core.loop.post(
-            [&core, fulfiller = std::move(fulfiller), client = std::move(client)](kj::AsyncIoContext&) {
-              core.calls.end(*client);
+        caller.core_.loop.post(
+            [caller = std::move(caller), fulfiller = std::move(fulfiller)](kj::AsyncIoContext&) mutable {
+              caller.end();
               (*fulfiller)->fulfill(Result<void>());
             });
       });

@@ -27,7 +27,10 @@ TimePoint deadline_after(std::int64_t timeout);
 /// Runs service calls of one client. Only for use in the event loop.
 class Caller {
  public:
-  Caller(ServerCore& core, std::shared_ptr<ClientState> client) : core_(core), client_(std::move(client)) {}
+  Caller(ServerCore& core, std::shared_ptr<ClientState> client, CallLane lane = CallLane::Ordinary)
+      : core_(core), client_(std::move(client)), lane_(lane) {}
+  /// Of the same client, for calls that nothing else may keep waiting.
+  [[nodiscard]] Caller urgent() const { return {core_, client_, CallLane::Urgent}; }
 
   /// PermissionDenied, which is logged too, unless the client's role includes `needed`.
   Result<void> require(Role needed) const;
@@ -39,7 +42,7 @@ class Caller {
   /// For a call that takes none of the pool's threads: it counts as one in progress until end(). Unavailable
   /// or ResourceExhausted where it may not be begun.
   Result<void> begin();
-  void end() { core_.calls.end(*client_); }
+  void end() { core_.calls.end(*client_, lane_); }
   /// The same for a batch of actions, of which there may be more.
   Result<void> begin_batch();
   void end_batch() { --client_->batches; }
@@ -90,6 +93,7 @@ class Caller {
 
   ServerCore& core_;
   std::shared_ptr<ClientState> client_;
+  CallLane lane_;
 };
 
 /// The current exception, thrown by the service, as an error. Only inside a catch block.

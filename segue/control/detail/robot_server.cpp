@@ -279,7 +279,7 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> stop(StopContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
+    return caller_.urgent().answer_value(
         role_for(Verb::Stop), context,
         [&service = service(), who = who_asks(params, peer()),
          deadline = deadline_after(params.getTimeout())] { return service.stop(who, deadline); });

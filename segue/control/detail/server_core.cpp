@@ -16,31 +16,42 @@ constexpr std::array<std::string_view, 4> kKinds = {kRobotKind, kDeploymentKind,
 
 }  // namespace
 
-Result<void> CallLimits::begin(ClientState& client) {
-  if (client.calls >= kMostOfClient)
+Result<void> CallLimits::begin(ClientState& client, CallLane lane) {
+  const bool urgent = lane == CallLane::Urgent;
+  std::size_t& calls = urgent ? client.urgent_calls : client.calls;
+  if (calls >= (urgent ? kMostUrgentOfClient : kMostOfClient))
     return fail(ErrorCode::ResourceExhausted,
                 "this client has too many calls in progress; wait for one to end");
-  if (client.peer.role == Role::Observe) {
-    const auto own = of_observers_.find(client.peer.name);
-    if (own != of_observers_.end() && own->second >= kMostOfObserver)
-      return fail(ErrorCode::ResourceExhausted,
-                  "all connections of " + quote(client.peer.name) +
-                      " together have too many calls in progress; wait for one to end");
-    if (of_all_observers_ >= kMostOfAllObservers)
-      return fail(ErrorCode::ResourceExhausted,
-                  "those who only observe have too many calls in progress; try again");
-    ++of_observers_[client.peer.name];
-    ++of_all_observers_;
+  if (!urgent && client.peer.role == Role::Observe) {
+    if (auto begun = begin_of_observer(client.peer.name); !begun) return begun;
   }
-  ++client.calls;
+  ++calls;
   return {};
 }
 
-void CallLimits::end(ClientState& client) {
-  --client.calls;
-  if (client.peer.role != Role::Observe) return;
+void CallLimits::end(ClientState& client, CallLane lane) {
+  const bool urgent = lane == CallLane::Urgent;
+  --(urgent ? client.urgent_calls : client.calls);
+  if (!urgent && client.peer.role == Role::Observe) end_of_observer(client.peer.name);
+}
+
+Result<void> CallLimits::begin_of_observer(const std::string& name) {
+  const auto own = of_observers_.find(name);
+  if (own != of_observers_.end() && own->second >= kMostOfObserver)
+    return fail(ErrorCode::ResourceExhausted,
+                "all connections of " + quote(name) +
+                    " together have too many calls in progress; wait for one to end");
+  if (of_all_observers_ >= kMostOfAllObservers)
+    return fail(ErrorCode::ResourceExhausted,
+                "those who only observe have too many calls in progress; try again");
+  ++of_observers_[name];
+  ++of_all_observers_;
+  return {};
+}
+
+void CallLimits::end_of_observer(const std::string& name) {
   --of_all_observers_;
-  const auto own = of_observers_.find(client.peer.name);
+  const auto own = of_observers_.find(name);
   if (--own->second == 0) of_observers_.erase(own);
 }
 

@@ -24,6 +24,12 @@ namespace segue::control::detail {
 
 struct ClientState;
 
+/// What a call competes with for a place.
+enum class CallLane : std::uint8_t {
+  Ordinary,
+  Urgent  ///< it ends motion: has places and threads that nothing else takes
+};
+
 /// Which calls may be in progress at once. Observers leave threads to those who command the robot, and to
 /// each other: a person who only observes has as many calls as one client, however many connections are open.
 /// For use in the loop's thread.
@@ -32,12 +38,16 @@ class CallLimits {
   static constexpr std::size_t kMostOfClient = 16;
   static constexpr std::size_t kMostOfObserver = 16;
   static constexpr std::size_t kMostOfAllObservers = 48;
+  static constexpr std::size_t kMostUrgentOfClient = 4;
 
   /// ResourceExhausted where it may not be begun; otherwise it counts until end().
-  Result<void> begin(ClientState& client);
-  void end(ClientState& client);
+  Result<void> begin(ClientState& client, CallLane lane);
+  void end(ClientState& client, CallLane lane);
 
  private:
+  Result<void> begin_of_observer(const std::string& name);
+  void end_of_observer(const std::string& name);
+
   std::map<std::string, std::size_t> of_observers_;  ///< by the names of persons; only those that have calls
   std::size_t of_all_observers_ = 0;
 };
@@ -45,6 +55,7 @@ class CallLimits {
 /// The state that all clients of a server share.
 struct ServerCore {
   static constexpr std::size_t kMaxCalls = 64;
+  static constexpr std::size_t kMaxUrgentCalls = 64;
 
   explicit ServerCore(Served what) : served(what) {}
 
@@ -67,8 +78,12 @@ struct ServerCore {
   EventLoop loop;
   Tally batches;  ///< in progress, on threads of the service
   Tally watches;  ///< questions that the service has not answered yet
-  /// Destroyed before the loop, to which its jobs post.
+  [[nodiscard]] concurrent::ThreadPool& pool_of(CallLane lane) {
+    return lane == CallLane::Urgent ? urgent_pool : pool;
+  }
+  /// Destroyed before the loop, to which their jobs post.
   concurrent::ThreadPool pool{"segue-calls", {kMaxCalls, 8}};
+  concurrent::ThreadPool urgent_pool{"segue-urgent", {kMaxUrgentCalls, 1}};
 };
 
 inline constexpr std::size_t kMaxListenersPerClient = 4;
@@ -77,6 +92,7 @@ inline constexpr std::size_t kMaxListenersPerClient = 4;
 struct ClientState {
   Peer peer;
   std::size_t calls = 0;
+  std::size_t urgent_calls = 0;
   std::size_t batches = 0;  ///< of actions, in progress
   std::size_t watches = 0;
   std::size_t streams = 0;
