@@ -2,13 +2,13 @@
 #include <segue/web/server.hpp>
 
 #include <segue/base/printable.hpp>
+#include <segue/base/refusal_log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/concurrent/thread.hpp>
 #include <segue/control/connection_table.hpp>
 #include <segue/control/tls_server.hpp>
 #include <segue/web/detail/answer.hpp>
 #include <segue/web/detail/browser_stream.hpp>
-#include <segue/web/detail/refusals.hpp>
 #include <segue/web/gate.hpp>
 #include <segue/web/hub.hpp>
 #include <segue/web/session.hpp>
@@ -84,7 +84,7 @@ struct Shared {
   RobotLink calling;
   Hub hub{watching, options.periods};
   Verbs verbs{calling, options.models};
-  detail::Refusals refusals;
+  RefusalLog refusals{"studio"};
   ConnectionTable table;
   std::set<Open*> connections;
   std::uint64_t sockets = 0;  ///< WebSockets so far: their names in logs
@@ -132,7 +132,7 @@ class Open {
  private:
   ConnectionTable::CutOff ender() {
     return [this](const std::string& why) {
-      shared_.refusals.add("a connection from " + from_ + ": " + why);
+      shared_.refusals.tell("a connection from " + from_, why);
       close();
     };
   }
@@ -218,7 +218,7 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
                        problem == asio::ssl::error::stream_truncated ||
                        problem == asio::error::connection_reset ||
                        problem == asio::error::operation_aborted || problem == beast::error::timeout;
-    if (!ended) shared_.refusals.add("a browser's message: " + printable(problem.message()));
+    if (!ended) shared_.refusals.tell("a browser's message", printable(problem.message()));
     close();
   }
 
@@ -262,7 +262,7 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
           const bool ended = problem == http::error::end_of_stream || problem == beast::error::timeout ||
                              problem == asio::ssl::error::stream_truncated ||
                              problem == asio::error::operation_aborted;
-          if (!ended) self->shared_.refusals.add("a request: " + printable(problem.message()));
+          if (!ended) self->shared_.refusals.tell("a request", printable(problem.message()));
         });
   }
 
@@ -276,12 +276,12 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
 
   void refuse(error_code problem) {
     if (place_.is_cut_off()) return;
-    shared_.refusals.add("a TLS handshake from " + from_ + ": " + printable(problem.message()));
+    shared_.refusals.tell("a TLS handshake from " + from_, printable(problem.message()));
   }
 
   void identify() {
     auto person = control::identity_at(*stream_.tls()->native_handle());
-    if (!person) return shared_.refusals.add(person.error().message);
+    if (!person) return shared_.refusals.tell("a browser at " + from_, person.error().message);
     person_ = std::move(*person);
     place_.identify(*person_);
     read();
@@ -324,14 +324,14 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
   }
 
   void refuse(const Error& error) {
-    shared_.refusals.add(error.message);
+    shared_.refusals.tell("a browser at " + from_, error.message);
     send_last(http::status::forbidden,
               "You cannot enter: " + escape_markup(error.message) +
                   ". Open the address that <code>segue studio</code> has printed last.");
   }
 
   void have_no_place() {
-    shared_.refusals.add("a connection from " + from_ + ", since all places are taken");
+    shared_.refusals.tell("a connection from " + from_, "all places are taken");
     send_last(http::status::service_unavailable,
               "There are too many connections already. Close some pages of the studio and try again.");
   }

@@ -95,7 +95,7 @@ void Session::answer(std::uint64_t id, const Result<Value>& result) {
   {
     const std::lock_guard lock(mutex_);
     if (!result && result.error().code == ErrorCode::PermissionDenied)
-      refusals_.add("a request of " + identity_.who + ": " + result.error().message);
+      refusals_.tell("a request of " + identity_.who, result.error().message);
     --in_progress_;
     answers_.push_back(std::move(text));
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/refusal_log.hpp>
 #include <segue/control/peer.hpp>
-#include <segue/web/detail/refusals.hpp>
 #include <segue/web/hub.hpp>
 #include <segue/web/verbs.hpp>
 
@@ -68,7 +68,7 @@ class Session final : public Viewer, public std::enable_shared_from_this<Session
   std::map<std::string, std::shared_ptr<const Document>>
       sent_;  ///< of each document looked at; null: none yet
   std::set<std::string> changed_;
-  detail::Refusals refusals_;
+  RefusalLog refusals_{"studio"};
   std::string last_update_;  ///< the document that was sent last: others come first
 };
 

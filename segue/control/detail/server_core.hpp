@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/refusal_log.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/control/detail/broadcast.hpp>
 #include <segue/control/detail/event_loop.hpp>
 #include <segue/control/detail/lease_owners.hpp>
-#include <segue/control/detail/refusal_log.hpp>
 #include <segue/control/detail/tally.hpp>
 #include <segue/control/peer.hpp>
 #include <segue/control/server.hpp>
@@ -73,8 +73,8 @@ struct ServerCore {
   Broadcast<host::TaskEvent> task_events;
   Broadcast<process::ProcessInfo> process_events;
   LeaseOwners lease_owners;
-  RefusalLog refusals;  ///< used in the loop's thread only
-  CallLimits calls;     ///< likewise
+  RefusalLog refusals{"control"};  ///< used in the loop's thread only
+  CallLimits calls;                ///< likewise
   EventLoop loop;
   Tally batches;  ///< in progress, on threads of the service
   Tally watches;  ///< questions that the service has not answered yet

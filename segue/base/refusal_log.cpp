@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
-#include <segue/control/detail/refusal_log.hpp>
+#include <segue/base/refusal_log.hpp>
 
 #include <algorithm>
 #include <utility>
 
-namespace segue::control::detail {
+namespace segue {
 
 bool RefusalLog::take_line() {
   const TimePoint now = monotonic_now();
@@ -28,14 +28,14 @@ void RefusalLog::tell(const std::string& who, const std::string& why) {
   if (const auto left_out = std::exchange(left_out_, 0); left_out > 0) {
     line += " (before it, " + std::to_string(left_out) + " more refusals were not logged)";
   }
-  log(LogLevel::Warning, "control", line);
+  log(LogLevel::Warning, component_, line);
 }
 
 void RefusalLog::settle() {
   if (left_out_ == 0 || !take_line()) return;
-  log(LogLevel::Warning, "control",
+  log(LogLevel::Warning, component_,
       std::to_string(std::exchange(left_out_, 0)) +
           " more refusals were not logged, since they came too fast");
 }
 
-}  // namespace segue::control::detail
+}  // namespace segue

@@ -5,8 +5,9 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
-namespace segue::control::detail {
+namespace segue {
 
 /// Logs who was refused and why: at once as long as that is rare, and of a flood one line a second, with the
 /// number of those that were left out, so that nobody can fill a disk. For one thread.
@@ -14,6 +15,9 @@ class RefusalLog {
  public:
   static constexpr int kBurst = 20;  ///< lines without a pause
   static constexpr Duration kRefill = std::chrono::seconds(1);
+
+  /// `component`: who refuses, as of log().
+  explicit RefusalLog(std::string component) : component_(std::move(component)) {}
 
   /// One line: "refused WHO: WHY".
   void tell(const std::string& who, const std::string& why);
@@ -23,9 +27,10 @@ class RefusalLog {
  private:
   bool take_line();
 
+  const std::string component_;
   int lines_ = kBurst;  ///< that may be written now
   TimePoint refilled_;
   std::uint64_t left_out_ = 0;
 };
 
-}  // namespace segue::control::detail
+}  // namespace segue
