@@ -3,7 +3,6 @@
 
 #include <segue/control/tasks.capnp.h>
 #include <segue/control/detail/caller.hpp>
-#include <segue/control/detail/listing.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
 #include <segue/host/task_host.hpp>
 
@@ -44,8 +43,8 @@ kj::Promise<void> answer_batch(Context context, Caller caller, std::shared_ptr<v
         auto results = context.getResults();
         if (!outcomes) return encode(outcomes.error(), results.initError());
         try {
-          listing<host::Completed>([](auto list, unsigned size) { return list.initEnded(size); })(*outcomes,
-                                                                                                  results);
+          encode_list(*outcomes, results.initEnded(count_of(*outcomes)),
+                      [](const host::Completed& ended, auto builder) { encode(ended, builder); });
         } catch (const WireError& failed) {
           encode(failed.error(), results.initError());
         }

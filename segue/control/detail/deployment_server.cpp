@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/deployment_wire.hpp>
-#include <segue/control/detail/listing.hpp>
 #include <segue/control/detail/memory_wire.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/services.hpp>
@@ -28,6 +27,15 @@ TimePoint soon() {
 template <class Outcome>
 Result<std::vector<Outcome>> all(std::vector<Outcome> outcomes) {
   return outcomes;
+}
+
+/// Writes a list of outcomes into the list that `init` makes.
+template <class Outcome, class Init>
+auto listing(Init init) {
+  return [init](std::vector<Outcome>& outcomes, auto results) {
+    encode_list(outcomes, init(results, count_of(outcomes)),
+                [](const Outcome& outcome, auto builder) { encode(outcome, builder); });
+  };
 }
 
 constexpr auto kInitOutcomes = [](auto results, unsigned size) { return results.initOutcomes(size); };
