@@ -306,6 +306,21 @@ TEST_F(DeploymentTest, SamplesOfAPortAreReadUntilTheReaderLeaves) {
   EXPECT_TRUE(reader->read(1).empty());
 }
 
+TEST_F(DeploymentTest, SamplesOfAPortAreWaitedFor) {
+  serve();
+  const auto process = client();
+  const auto reader = process->open_reader({TaskId("a"), "out"}, 10).value();
+  const auto next = [&] {
+    std::promise<Result<std::vector<Value>>> answered;
+    reader->next(2, Wait(soon()), [&](auto samples) { answered.set_value(std::move(samples)); });
+    return answered.get_future().get();
+  };
+  EXPECT_EQ(next().value(), (std::vector<Value>{11, 12}));
+  EXPECT_EQ(next().value(), (std::vector<Value>{13, 14}));
+  server_.reset();
+  EXPECT_EQ(next().error().code, ErrorCode::Unavailable);
+}
+
 TEST_F(DeploymentTest, ConnectionsBetweenProcessesAreArranged) {
   deployment_.place = {1, 2, 3, true, "/Pose", 4, "definition", "b.in"};
   serve();

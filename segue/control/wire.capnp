@@ -61,6 +61,8 @@ interface Gate @0xc07a9d1168695c5c {
 
 interface SampleStream {
   read @0 (limit :UInt32) -> (answer :Answer);
+  # Answers when there is a sample; with an empty list after the timeout, in nanoseconds.
+  next @2 (limit :UInt32, timeout :Int64) -> (error :Error, samples :Value);
   # Answers when it has ended. What a client releases without this ends a little later.
   close @1 () -> (answer :Answer);
 }

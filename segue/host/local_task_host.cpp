@@ -3,7 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/host/action_pool.hpp>
-#include <segue/host/port_reader.hpp>
+#include <segue/host/port_tap.hpp>
 #include <segue/host/task_actions.hpp>
 #include <segue/host/task_maker.hpp>
 #include <segue/host/task_table.hpp>
@@ -103,11 +103,12 @@ struct LocalTaskHost::Implementation {
   Result<TaskLevel> level(const LevelQuestion& question);
 
   detail::TaskEvents events;
-  detail::Watches watches;
+  /// Shared with readers of ports, which may outlive this.
+  const std::shared_ptr<detail::Watches> watches = std::make_shared<detail::Watches>();
   detail::TaskMaker maker;
   detail::TaskTable table;
   detail::TaskConnections connections{table, maker};
-  detail::TaskActions actions{table, maker, connections, events, watches};
+  detail::TaskActions actions{table, maker, connections, events, *watches};
   detail::WrittenSamples written;
   /// Of the transitions that this host commits itself.
   const std::shared_ptr<task::CommitWord> word = std::make_shared<task::CommitWord>(0);
@@ -116,7 +117,7 @@ struct LocalTaskHost::Implementation {
   concurrent::ThreadPool threads{"segue-actions", kActionThreads};
   ActionPool pool{threads, [this](const model::Action& action, TimePoint deadline) {
                     auto done = actions.perform(action, deadline);
-                    watches.ring();  // there may be a task more, or one less
+                    watches->ring();  // there may be a task more, or one less
                     return done;
                   }};
 };
@@ -138,7 +139,7 @@ LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::Component
     : implementation_(std::make_unique<Implementation>(libraries, catalog, std::move(options))) {}
 
 LocalTaskHost::~LocalTaskHost() {
-  implementation_->watches.close();
+  implementation_->watches->close();
   implementation_->events.set_listener({});
   implementation_->pool.close();
   implementation_->table.clear();
@@ -199,7 +200,7 @@ void LocalTaskHost::let_reader_finish(const link::PortConnection& connection, co
 
 void LocalTaskHost::conclude(const model::Transition& transition) {
   implementation_->actions.conclude(transition);
-  implementation_->watches.ring();
+  implementation_->watches->ring();
   implementation_->written.forget([this](const model::TaskId& task) {
     const auto entry = implementation_->table.find(task);
     return entry && entry->task->state() == TaskState::Running;
@@ -208,7 +209,7 @@ void LocalTaskHost::conclude(const model::Transition& transition) {
 
 Result<void> LocalTaskHost::perform(const model::Action& action, TimePoint deadline) {
   auto done = implementation_->actions.perform(action, deadline);
-  implementation_->watches.ring();
+  implementation_->watches->ring();
   return done;
 }
 
@@ -255,7 +256,7 @@ std::vector<TaskReport> LocalTaskHost::tasks() const {
 
 void LocalTaskHost::watch(const LevelQuestion& question, const Wait& wait, LevelAnswer answered) {
   using End = detail::Watches::End;
-  implementation_->watches.add(wait, [this, question, answered = std::move(answered)](End end) {
+  implementation_->watches->add(wait, [this, question, answered = std::move(answered)](End end) {
     if (end == End::Stop || end == End::Closed) {
       answered(end == End::Stop ? no_longer_wanted()
                                 : fail(ErrorCode::Unavailable, "its host ends", question.task.str()));
@@ -369,7 +370,7 @@ Result<std::unique_ptr<PortReader>> LocalTaskHost::open_reader(const model::Port
   if (output == nullptr) {
     return no_port("output", port, names_of(held.outputs(component)));
   }
-  return detail::tap(*output, buffer);
+  return detail::tap(*output, buffer, implementation_->watches, entry->task);
 }
 
 Result<void> LocalTaskHost::with_output(const model::PortRef& port, TimePoint deadline,

@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 
 #include <condition_variable>
+#include <future>
+#include <memory>
 #include <mutex>
 #include <semaphore>
 #include <thread>
@@ -285,6 +287,78 @@ TEST_F(LocalHost, fails_where_a_stand_in_is_told_to) {
   expect_done(on_task(ActionKind::Start, "a"));
   EXPECT_FALSE(perform(on_task(ActionKind::Stop, "a")));
   EXPECT_EQ(state_of("a"), TaskState::Exception);
+}
+
+using Samples = Result<std::vector<type::Value>>;
+
+/// Asks for the next samples of a port, and waits for them.
+class Asked {
+ public:
+  Asked(PortReader& reader, const Wait& wait) {
+    reader.next(10, wait, [answer = answer_](Samples samples) { answer->set_value(std::move(samples)); });
+  }
+  Samples answer() { return future_.get(); }
+  [[nodiscard]] bool is_answered() const {
+    return future_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+
+ private:
+  const std::shared_ptr<std::promise<Samples>> answer_ = std::make_shared<std::promise<Samples>>();
+  std::future<Samples> future_ = answer_->get_future();
+};
+
+class WaitsForSamples : public LocalHost {
+ protected:
+  /// Of a task that is configured, and writes once it runs.
+  std::unique_ptr<PortReader> reader() {
+    expect_done(on_process(ActionKind::Deploy, "p"));
+    expect_done(apply(
+        task_of("a", "any::Thing", type::Value::map({{"stand_in", type::Value::map({{"rate", 1000}})}})),
+        "p"));
+    expect_done(on_task(ActionKind::Configure, "a"));
+    return host_.open_reader({model::TaskId("a"), "state"}, 10).value();
+  }
+};
+
+TEST_F(WaitsForSamples, until_one_comes) {
+  const auto reader = this->reader();
+  Asked asked(*reader, Wait(TimePoint::max()));
+  EXPECT_FALSE(asked.is_answered());
+  expect_done(on_task(ActionKind::Start, "a"));
+  const auto samples = asked.answer();
+  ASSERT_TRUE(samples);
+  EXPECT_FALSE(samples->empty());
+}
+
+TEST_F(WaitsForSamples, until_its_wait_is_over) {
+  const auto reader = this->reader();
+  const auto samples = Asked(*reader, Wait(RealClock::instance().now())).answer();
+  ASSERT_TRUE(samples);
+  EXPECT_TRUE(samples->empty());
+}
+
+TEST_F(WaitsForSamples, until_nobody_wants_them_any_more) {
+  const auto reader = this->reader();
+  std::stop_source stop;
+  Asked asked(*reader, Wait(TimePoint::max(), stop.get_token()));
+  stop.request_stop();
+  EXPECT_EQ(asked.answer().error().code, ErrorCode::Cancelled);
+}
+
+TEST_F(WaitsForSamples, until_its_reader_ends) {
+  auto reader = this->reader();
+  Asked asked(*reader, Wait(TimePoint::max()));
+  reader.reset();
+  EXPECT_EQ(asked.answer().error().code, ErrorCode::Cancelled);
+}
+
+TEST_F(WaitsForSamples, until_its_task_is_gone) {
+  const auto reader = this->reader();
+  expect_done(on_task(ActionKind::Cleanup, "a"));
+  reader->read(10);  // that it was cleaned up
+  Asked asked(*reader, Wait(TimePoint::max()));
+  expect_done(on_process(ActionKind::Undeploy, "p"));
+  EXPECT_EQ(asked.answer().error().code, ErrorCode::NotFound);
 }
 
 TEST_F(LocalHost, reads_the_samples_of_a_port) {

@@ -5,6 +5,7 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
+#include <segue/host/port_reader.hpp>
 #include <segue/host/reports.hpp>
 #include <segue/host/task_level.hpp>
 #include <segue/model/component.hpp>
@@ -52,15 +53,6 @@ using Completion = std::function<void(std::vector<Completed>)>;
 /// Calls `begin` with a Completion, waits until it has got `count` actions, and returns their outcomes in the
 /// order of their indices.
 std::vector<Result<void>> wait_for_outcomes(std::size_t count, const std::function<void(Completion)>& begin);
-
-/// Reads the samples of an output port for a person or a tool. Destroying it removes the connection.
-class PortReader {
- public:
-  virtual ~PortReader() = default;
-  /// The samples since the last call, oldest first, at most `limit`. Does not block.
-  virtual std::vector<type::Value> read(std::size_t limit) = 0;
-  [[nodiscard]] virtual std::string type_name() const = 0;
-};
 
 /// Carries out actions on tasks and reports their states. All functions may be called from any thread.
 class TaskHost {

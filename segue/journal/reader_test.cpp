@@ -10,6 +10,7 @@
 namespace segue::journal {
 namespace {
 
+using namespace std::chrono_literals;
 using testing::all_of;
 using testing::change;
 using testing::Folder;

@@ -40,12 +40,18 @@ struct TaskQuestion {
 /// Gets the answer, once, from any thread, also before the function that asks returns. Must not block.
 using TaskAnswer = std::function<void(Result<TaskView>)>;
 
+/// Gets samples, oldest first, once, from any thread, also before the function that asks returns. Must not
+/// block.
+using SamplesAnswer = std::function<void(Result<std::vector<type::Value>>)>;
+
 /// Samples of a port, for one reader.
 class PortSamples {
  public:
   virtual ~PortSamples() = default;
   /// Those that came since the last call, oldest first. Waits for the robot, but for no sample.
   virtual Result<std::vector<type::Value>> take(const Wait& wait) = 0;
+  /// As take(), but answers as soon as there is a sample; with none at the end of the wait. Does not block.
+  virtual void next(const Wait& wait, SamplesAnswer answered) = 0;
 };
 
 /// What the robot is to run: the union of these controllers, with these properties in place of theirs.

@@ -8,6 +8,7 @@
 #include <segue/mission/prepared_controllers.hpp>
 #include <segue/mission/robot_look.hpp>
 #include <segue/mission/upcoming_controllers.hpp>
+#include <segue/mission/watched_ports.hpp>
 #include <segue/mission/watched_tasks.hpp>
 
 #include <algorithm>
@@ -222,30 +223,21 @@ class ControlledRun {
     return {};
   }
 
-  /// Samples count from then on.
+  /// Samples count from then on. A port of both has two readers, since one that is waited for is not read.
   Result<void> open_ports(const std::stop_token& stop) {
     for (const EndCondition& condition : use_.until) {
       const auto* shows = condition_of<SampleShows>(condition);
-      if (shows == nullptr) continue;
-      if (auto opened = open(shows->port, stop); !opened) return opened;
+      if (shows == nullptr || ports_.follows(shows->port)) continue;
+      auto samples = robot_.open(shows->port, look(stop));
+      if (!samples) return samples.error();
+      ports_.follow(shows->port, std::move(*samples));
     }
     for (const OutputSource& one : use_.outputs) {
-      if (auto opened = open(one.port, stop); !opened) return opened;
+      auto opened = PortFeed::open(robot_, one.port, look(stop));
+      if (!opened) return opened.error();
+      outputs_.push_back(std::move(*opened));
     }
     return {};
-  }
-
-  Result<void> open(const Member& port, const std::stop_token& stop) {
-    if (feed(port) != nullptr) return {};
-    auto opened = PortFeed::open(robot_, port, look(stop));
-    if (!opened) return opened.error();
-    feeds_.push_back(std::move(*opened));
-    return {};
-  }
-
-  PortFeed* feed(const Member& port) {
-    const auto found = std::ranges::find(feeds_, port, &PortFeed::port);
-    return found == feeds_.end() ? nullptr : &*found;
   }
 
   /// Until a condition holds, the controller is lost, or the action is preempted.
@@ -262,6 +254,7 @@ class ControlledRun {
       if (!met) return aborted_by(met.error(), stop);
       if (*met < use_.until.size()) return ended_by(*met, stop);
       tasks_.ask();
+      ports_.ask();
       bell_->wait({std::min(look_at_controller, next_look()), stop});
     }
     return preempted();
@@ -276,10 +269,9 @@ class ControlledRun {
     }
   }
 
-  /// When a condition may hold although nothing has been said of a task.
+  /// When a condition may hold although nothing has been said of a task or a port.
   [[nodiscard]] TimePoint next_look() const {
-    TimePoint next = std::min(tasks_.next_question(), next_call_);
-    if (!feeds_.empty()) next = std::min(next, now() + options_.period);
+    TimePoint next = std::min({tasks_.next_question(), ports_.next_question(), next_call_});
     for (const EndCondition& condition : use_.until) {
       if (const auto* time = std::get_if<TimeIsUp>(&condition.when))
         next = std::min(next, begin_ + time->after);
@@ -289,7 +281,7 @@ class ControlledRun {
 
   /// The position of the first condition that holds; their number if none does.
   Result<std::size_t> first_that_holds(const std::stop_token& stop) {
-    if (auto looked = look_at_samples(stop); !looked) return looked.error();
+    if (auto looked = ports_.look(); !looked) return looked.error();
     if (auto looked = tasks_.look(); !looked) return looked.error();
     next_call_ = TimePoint::max();
     for (std::size_t i = 0; i < use_.until.size(); ++i) {
@@ -334,7 +326,7 @@ class ControlledRun {
            (task->updates > told_[when.task] || task->state != "running");
   }
   Result<bool> is_met(const SampleShows& when, const std::stop_token& /*stop*/) {
-    return std::ranges::any_of(feed(when.port)->fresh,
+    return std::ranges::any_of(ports_.fresh(when.port),
                                [&](const Value& sample) { return holds(when.what, sample); });
   }
   Result<bool> is_met(const OperationAnswers& when, const std::stop_token& stop) {
@@ -354,19 +346,12 @@ class ControlledRun {
   }
   static std::string sentence(const RobotCondition& when) { return model::sentence(when); }
 
-  Result<void> look_at_samples(const std::stop_token& stop) {
-    for (PortFeed& one : feeds_) {
-      if (auto looked = one.look(look(stop)); !looked) return looked;
-    }
-    return {};
-  }
-
   Result<void> read_outputs(const std::stop_token& stop, std::vector<Value>& outputs) {
     const TimePoint deadline = answer_by();
     for (std::size_t i = 0; i < use_.outputs.size(); ++i) {
-      PortFeed& one = *feed(use_.outputs[i].port);
+      PortFeed& one = outputs_[i];
       while (true) {
-        if (auto looked = look_at_samples(stop); !looked) return looked;
+        if (auto looked = one.look(look(stop)); !looked) return looked;
         if (one.last) break;
         if (stop.stop_requested() || now() > deadline) {
           return fail(ErrorCode::DeadlineExceeded, "no sample came from " + to_string(one.port) +
@@ -392,6 +377,7 @@ class ControlledRun {
   const ControllerUse& use_;
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   WatchedTasks tasks_{robot_, bell_};
+  WatchedPorts ports_{bell_};
   /// When an operation was called: after which answer of its task, and from when on it may be again.
   struct Called {
     std::uint64_t news = 0;
@@ -401,7 +387,7 @@ class ControlledRun {
   TimePoint next_call_ = TimePoint::max();
   TimePoint begin_{};
   std::map<std::string, std::uint64_t> told_;  ///< how often each task had been updated then
-  std::vector<PortFeed> feeds_;
+  std::vector<PortFeed> outputs_;
 };
 
 }  // namespace

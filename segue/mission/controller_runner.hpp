@@ -13,8 +13,9 @@
 namespace segue::mission {
 
 struct ControllerOptions {
-  /// How often ports are looked at for the end of an action. The states of tasks are told by the robot when
-  /// they change; operations are called after updates of their tasks, every 10 ms at most.
+  /// How often ports are read for outputs that have not come yet. What ends an action is told by the robot:
+  /// states of tasks when they change, samples when they come, every 10 ms at most; operations are called
+  /// after updates of their tasks, every 10 ms at most.
   Duration period = std::chrono::milliseconds(20);
   /// How often it is checked that the controller still runs as it should.
   Duration watch = std::chrono::milliseconds(250);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/mission/commanded_robot.hpp>
+#include <segue/mission/fake_port.hpp>
 
 #include <gtest/gtest.h>
 
@@ -76,7 +77,7 @@ class FakeRobot final : public CommandedRobot {
   }
   Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& /*wait*/) override {
     note("open " + to_string(port));
-    return std::make_unique<Samples>(*this);
+    return port_.open();
   }
 
   void become(const std::string& state) {
@@ -85,9 +86,7 @@ class FakeRobot final : public CommandedRobot {
   void stand_still() {
     change([&] { updates_ = false; });
   }
-  void show(type::Value sample) {
-    change([&] { samples_.push_back(std::move(sample)); });
-  }
+  void show(type::Value sample) { port_.show(std::move(sample)); }
   void fail_by_call() {
     change([&] { failed_ = true; });
   }
@@ -143,22 +142,6 @@ class FakeRobot final : public CommandedRobot {
     runs_ = what.controllers.empty() ? "" : what.controllers.front();
     return {};
   }
-  class Samples final : public PortSamples {
-   public:
-    explicit Samples(FakeRobot& robot) : robot_(robot) {}
-    Result<std::vector<type::Value>> take(const Wait& /*wait*/) override {
-      const std::lock_guard lock(robot_.mutex_);
-      std::vector<type::Value> samples(robot_.samples_.begin() + static_cast<std::ptrdiff_t>(taken_),
-                                       robot_.samples_.end());
-      taken_ = robot_.samples_.size();
-      return samples;
-    }
-
-   private:
-    FakeRobot& robot_;
-    std::size_t taken_ = 0;
-  };
-
   void change(const std::function<void()>& how) {
     const std::lock_guard lock(mutex_);
     how();
@@ -174,6 +157,7 @@ class FakeRobot final : public CommandedRobot {
     asked_one_.notify_all();
   }
 
+  FakePort port_;
   std::mutex mutex_;  ///< protects all below
   std::condition_variable asked_one_;
   std::vector<std::string> asked_;
@@ -190,7 +174,6 @@ class FakeRobot final : public CommandedRobot {
   bool refuses_ = false;
   bool taken_over_ = false;
   bool vanished_ = false;
-  std::vector<type::Value> samples_;
 };
 
 }  // namespace segue::mission

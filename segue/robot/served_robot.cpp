@@ -69,6 +69,9 @@ class StreamSamples final : public mission::PortSamples {
  public:
   explicit StreamSamples(std::unique_ptr<control::SampleStream> stream) : stream_(std::move(stream)) {}
   Result<std::vector<Value>> take(const Wait& wait) override { return stream_->read(kBuffer, wait); }
+  void next(const Wait& wait, mission::SamplesAnswer answered) override {
+    stream_->next(kBuffer, wait, std::move(answered));
+  }
 
  private:
   const std::unique_ptr<control::SampleStream> stream_;

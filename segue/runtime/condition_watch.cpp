@@ -80,22 +80,41 @@ bool ConditionWatch::look(const model::TaskReaches& when) {
   return has_news() && (to_string(level_->state) == when.state || level_->state_name == when.state);
 }
 
+bool ConditionWatch::has_reader(const model::Member& port) {
+  if (!reader_ && now() >= read_at_) {
+    auto opened = host_.open_reader({model::TaskId(port.task), port.name}, kBuffer);
+    if (opened) {
+      reader_ = std::move(*opened);
+    }
+    last_.reset();
+    read_at_ = now() + (opened ? Duration(0) : kAgain);
+  }
+  return reader_ != nullptr;
+}
+
+std::vector<type::Value> ConditionWatch::take_samples() {
+  auto answer = samples_.take();
+  if (answer && !*answer) {
+    reader_.reset();  // its task is gone, or its process
+    last_.reset();
+    read_at_ = now() + kAgain;
+    return {};
+  }
+  if (!samples_.is_asked() && now() >= read_at_) {
+    read_at_ = now() + kBetweenSamples;
+    samples_.ask(now() + kPatience, [&](const Wait& wait, host::SamplesAnswer answered) {
+      reader_->next(kBuffer, wait, std::move(answered));
+    });
+  }
+  return answer ? std::move(**answer) : std::vector<type::Value>();
+}
+
 /// The last sample counts until the next one, and each that came between two looks.
 bool ConditionWatch::look(const model::SampleShows& when) {
-  next_look_ = now() + kPeriod;
-  if (!reader_) {
-    auto opened = host_.open_reader({model::TaskId(when.port.task), when.port.name}, kBuffer);
-    if (!opened) {
-      return false;
-    }
-    reader_ = std::move(*opened);
-    last_.reset();
+  const auto samples = has_reader(when.port) ? take_samples() : std::vector<type::Value>();
+  if (!samples_.is_asked()) {
+    next_look_ = std::min(next_look_, read_at_);
   }
-  if (follow(when.port.task, Updates::None) && !level_) {
-    reader_.reset();  // its task is gone
-    return false;
-  }
-  const auto samples = reader_->read(kBuffer);
   if (!samples.empty()) {
     last_ = samples.back();
   }

@@ -20,19 +20,20 @@
 namespace segue::runtime::detail {
 
 /// Watches one condition on the robot, in a thread of its own, so that a process that is silent delays no
-/// other condition. Its task says when it changes (TaskHost::watch). What holds when the watch begins counts:
+/// other condition. Its task says when it changes (TaskHost::watch), its port when there are samples
+/// (PortReader::next). What holds when the watch begins counts:
 /// conditions are levels, not edges.
 class ConditionWatch {
  public:
-  /// How often samples are looked at.
-  static constexpr Duration kPeriod = std::chrono::milliseconds(5);
+  /// Between two questions for samples, at least.
+  static constexpr Duration kBetweenSamples = std::chrono::milliseconds(5);
   /// How long an operation may take; what does not answer by then is not seen.
   static constexpr Duration kCall = std::chrono::milliseconds(200);
   /// Between two calls of an operation, at least.
   static constexpr Duration kBetweenCalls = std::chrono::milliseconds(10);
   /// How long a question for a task waits, and an operation of a task that does not update is not called.
   static constexpr Duration kPatience = std::chrono::milliseconds(500);
-  /// After which a task that is not there is asked for again.
+  /// After which a task or a port that is not there is asked for again.
   static constexpr Duration kAgain = std::chrono::milliseconds(10);
 
   enum class From {
@@ -56,6 +57,10 @@ class ConditionWatch {
   void work(const std::stop_token& stop);
   /// Takes in what the host has said of that task, and asks again; whether it has said something.
   bool follow(const std::string& task, Updates updates);
+  /// Opens the port where it is time; whether it is open.
+  bool has_reader(const model::Member& port);
+  /// Takes in the samples that have come, and asks for more.
+  std::vector<type::Value> take_samples();
   [[nodiscard]] bool has_news() const;
   bool look();
   bool look(const model::TaskReaches& when);
@@ -75,9 +80,11 @@ class ConditionWatch {
   TimePoint ask_at_{};                         ///< not before then
   TimePoint next_look_{};                      ///< although the bell does not ring
   std::unique_ptr<host::PortReader> reader_;   ///< null: not open
-  std::optional<type::Value> last_;            ///< sample
-  bool is_due_ = false;                        ///< the operation is to be called
-  TimePoint next_call_{};                      ///< not before then
+  Question<std::vector<type::Value>> samples_{bell_};
+  TimePoint read_at_{};              ///< the port is not opened or asked before then
+  std::optional<type::Value> last_;  ///< sample
+  bool is_due_ = false;              ///< the operation is to be called
+  TimePoint next_call_{};            ///< not before then
   std::stop_source stop_;
   std::thread thread_;
 };

@@ -25,6 +25,9 @@ class ReaderStream final : public control::SampleStream {
   Result<std::vector<type::Value>> read(std::size_t limit, const Wait& /*wait*/) override {
     return reader_->read(limit);
   }
+  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
+    reader_->next(limit, wait, std::move(answered));
+  }
   [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
 
  private:

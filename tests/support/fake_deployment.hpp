@@ -292,6 +292,9 @@ class FakeDeployment final : public deploy::DeploymentService {
         samples.emplace_back(++last_);
       return samples;
     }
+    void next(std::size_t limit, const Wait& /*wait*/, host::SamplesAnswer answered) override {
+      answered(read(limit));
+    }
     [[nodiscard]] std::string type_name() const override { return "/int32_t"; }
 
    private:

@@ -240,6 +240,9 @@ class FakeRobot : public RobotService {
         samples.emplace_back(++last_);
       return samples;
     }
+    void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
+      answered(read(limit, wait));
+    }
     [[nodiscard]] std::string type_name() const override { return "/int32_t"; }
 
    private:

@@ -97,6 +97,9 @@ class LeaseStream final : public SampleStream {
       news.push_back(Value::map({{"asked", one.what}, {"number", one.number}, {"arguments", one.arguments}}));
     return news;
   }
+  void next(std::size_t /*limit*/, const Wait& /*wait*/, host::SamplesAnswer answered) override {
+    answered(fail(ErrorCode::Unsupported, "a lease is not waited for; read its news"));
+  }
   [[nodiscard]] std::string type_name() const override { return std::to_string(lease_->number()); }
 
  private:

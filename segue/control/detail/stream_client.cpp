@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/question.hpp>
 #include <segue/control/detail/stream_client.hpp>
 
 #include <algorithm>
@@ -10,6 +11,11 @@ namespace segue::control::detail {
 namespace {
 
 using type::Value;
+
+Result<std::vector<Value>> samples_in(Value answer) {
+  if (!answer.is_list()) return fail(ErrorCode::Internal, "the samples that were sent are not a list");
+  return std::move(answer.as_list());
+}
 
 class ClientStream final : public SampleStream {
  public:
@@ -25,9 +31,24 @@ class ClientStream final : public SampleStream {
     };
     auto answer = channel_->ask(look_timeout(wait), send, wait.stop);
     if (!answer) return answer.error();
-    if (!answer->is_list())
-      return fail(ErrorCode::Internal, channel_->who() + " sent samples that are no list");
-    return std::move(answer->as_list());
+    return samples_in(std::move(*answer));
+  }
+
+  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
+    using Samples = std::vector<Value>;
+    const SureAnswer<Samples> answer(std::move(answered),
+                                     fail(ErrorCode::Unavailable, "the connection is closed"));
+    const Duration left = time_left(wait.deadline);
+    auto begin = [id = id_, limit, left, answer](RpcChannel::Connection& connection) {
+      auto request = connection.held<wire::SampleStream>(id).nextRequest();
+      request.setLimit(static_cast<std::uint32_t>(std::min<std::size_t>(limit, UINT32_MAX)));
+      request.setTimeout(left.count());
+      return RpcChannel::send<Samples>(request,
+                                       [](auto& results) { return samples_in(get(results.getSamples())); })
+          .then([answer](Result<Samples>&& samples) { answer(std::move(samples)); });
+    };
+    channel_->start(
+        left + kGrace, std::move(begin), [answer](Error error) { answer(std::move(error)); }, wait.stop);
   }
 
   [[nodiscard]] std::string type_name() const override { return type_; }

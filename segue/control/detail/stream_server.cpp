@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/answer_later.hpp>
 #include <segue/control/detail/stream_server.hpp>
 
 namespace segue::control::detail {
@@ -25,6 +26,20 @@ class StreamServer final : public wire::SampleStream::Server {
     return caller_.answer_value(context, [held = held_, limit] { return held->read(limit); });
   }
 
+  kj::Promise<void> next(NextContext context) override {
+    const auto params = context.getParams();
+    return answer_later<std::vector<type::Value>>(
+        Role::Observe, caller_, context,
+        [held = held_, limit = std::min<std::size_t>(params.getLimit(), kMaxSamples),
+         deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped,
+                                                         host::SamplesAnswer answered) {
+          held->next(limit, Wait(deadline, dropped), std::move(answered));
+        },
+        [](std::vector<type::Value>& samples, auto results) {
+          put(type::Value(std::move(samples)), results.initSamples());
+        });
+  }
+
   kj::Promise<void> close(CloseContext context) override {
     return caller_.answer_value(context, [held = held_]() -> Result<type::Value> {
       held->close();
@@ -45,6 +60,12 @@ Result<type::Value> HeldStream::read(std::size_t limit) {
   auto samples = stream->read(limit);
   if (!samples) return samples.error();
   return type::Value(std::move(*samples));
+}
+
+void HeldStream::next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) {
+  const std::lock_guard lock(mutex);
+  if (stream == nullptr) return answered(fail(ErrorCode::InvalidState, "the stream is closed"));
+  stream->next(limit, wait, std::move(answered));
 }
 
 void HeldStream::close() {

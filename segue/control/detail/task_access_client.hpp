@@ -26,6 +26,9 @@ class ClientReader final : public host::PortReader {
     auto samples = stream_->read(limit);
     return samples ? std::move(*samples) : std::vector<type::Value>();
   }
+  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
+    stream_->next(limit, wait, std::move(answered));
+  }
   [[nodiscard]] std::string type_name() const override { return stream_->type_name(); }
 
  private:

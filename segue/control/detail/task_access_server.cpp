@@ -22,6 +22,9 @@ class ReaderStream final : public SampleStream {
   Result<std::vector<Value>> read(std::size_t limit, const Wait& /*wait*/) override {
     return reader_->read(limit);
   }
+  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
+    reader_->next(limit, wait, std::move(answered));
+  }
   [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
 
  private:
