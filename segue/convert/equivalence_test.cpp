@@ -8,6 +8,7 @@
 #include <segue/base/file.hpp>
 #include <segue/convert/fault.hpp>
 #include <segue/mission/files.hpp>
+#include <segue/mission/interrupted_journal.hpp>
 #include <segue/type/json.hpp>
 #include <support/check_mission.hpp>
 #include <support/random_missions.hpp>
@@ -127,9 +128,9 @@ std::string difference_after_crash(const std::shared_ptr<const mission::Program>
   const std::string text = read_file(file).value();
   const auto lines = static_cast<std::uint64_t>(std::ranges::count(text, '\n'));
   std::size_t end = 0;
-  for (std::uint64_t left = 1 + seed / 8 % (lines - 1); left > 0; --left)
+  for (std::uint64_t left = 2 + seed / 8 % (lines - 2); left > 0; --left)
     end = text.find('\n', end) + 1;
-  EXPECT_TRUE(write_file(file, text.substr(0, end)));
+  EXPECT_TRUE(write_file(file, mission::interrupted_journal(text, end)));
   auto journal =
       mission::RunJournal::resume(file, program->mission(), true, mission::RunJournal::UnderWay::Again);
   if (!journal) return to_string(journal.error());

@@ -2,19 +2,12 @@
 #include <segue/mission/run_journal.hpp>
 
 #include <segue/base/error.hpp>
-#include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/files.hpp>
-#include <segue/type/json.hpp>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <system_error>
-
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 namespace segue::mission {
 
@@ -23,18 +16,9 @@ namespace {
 using type::Value;
 using type::ValueMap;
 
-constexpr std::uint64_t kVersion = 1;
-
-/// FNV-1a of the mission with its libraries; script files are not included, so that they can be corrected.
+/// Of the mission with its libraries; script files are not included, so that they can be corrected.
 std::string digest(const Mission& mission) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : write_mission(mission))
-    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return std::to_string(hash);
-}
-
-Error not_a_journal(const std::string& why) {
-  return fail(ErrorCode::ParseError, "this is not a journal of a mission run: " + why);
+  return std::to_string(checksum_of(write_mission(mission)));
 }
 
 const Value& part(const Value& line, std::string_view key) {
@@ -94,22 +78,15 @@ ValueMap event(const std::string& kind, const Execution& execution) {
   return line;
 }
 
-Result<Descriptor> open_locked(const std::filesystem::path& path, int flags) {
-  Descriptor file(::open(path.c_str(), flags | O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
-  std::error_code ignored;
-  if (!file.valid() && (errno == ELOOP || errno == EEXIST) && std::filesystem::is_symlink(path, ignored)) {
-    return fail(ErrorCode::PermissionDenied, quote(path.string()) +
-                                                 " is a symbolic link, which a journal must not be: name "
-                                                 "the file itself, or remove the link");
-  }
-  if (!file.valid() && errno == EEXIST) {
-    return fail(ErrorCode::AlreadyExists,
-                quote(path.string()) + " already exists; resume its run, or name another file");
-  }
-  if (!file.valid()) return system_error("cannot open " + quote(path.string()), errno);
-  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0)
-    return fail(ErrorCode::InvalidState, "another run is writing " + quote(path.string()));
-  return file;
+std::string count_of_ended(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " action" : " actions") + " had ended";
+}
+
+std::string cut_text(const RunJournalFile::Contents& contents) {
+  return "the end of the journal was damaged, as an interruption leaves it: " + std::to_string(contents.cut) +
+         (contents.cut == 1 ? " line" : " lines") + " behind " +
+         (contents.entries.empty() ? "its beginning" : "entry " + std::to_string(contents.entries.size())) +
+         (contents.cut == 1 ? " was" : " were") + " cut off";
 }
 
 }  // namespace
@@ -134,11 +111,7 @@ std::map<StateIndex, std::uint32_t> counts_by_state(const ValueMap& map) {
 
 Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::path& file,
                                                        const Mission& mission, Start start, Warn warn) {
-  auto opened = open_locked(file, O_CREAT | O_EXCL);
-  if (!opened) return opened.error();
-  std::unique_ptr<RunJournal> journal(new RunJournal(std::move(*opened), std::move(warn)));
   ValueMap line;
-  line.append("segue_mission_run", kVersion);
   line.append("mission", mission.name);
   line.append("digest", digest(mission));
   line.append("inputs", start.inputs);
@@ -147,9 +120,10 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
   if (start.concurrent) line.append("concurrent", true);
   if (!start.resources.empty()) line.append("resources", counts_value(start.resources));
   if (start.seed != 0) line.append("seed", start.seed);
+  auto created = RunJournalFile::create(file, std::move(line), std::move(warn));
+  if (!created) return created.error();
+  std::unique_ptr<RunJournal> journal(new RunJournal(std::move(*created)));
   journal->start_ = std::move(start);
-  journal->write(line, true);
-  if (!journal->file_.valid()) return fail(ErrorCode::IoError, "cannot write to " + quote(file.string()));
   return journal;
 }
 
@@ -157,14 +131,11 @@ Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::pa
                                                        const Mission& mission, bool concurrent,
                                                        UnderWay under_way, Warn warn,
                                                        const CanGoOn& can_go_on) {
-  auto opened = open_locked(file, 0);
+  auto opened = RunJournalFile::open(file, warn);
   if (!opened) return opened.error();
-  auto text = read_file(file);
-  if (!text) return text.error();
-  std::unique_ptr<RunJournal> journal(new RunJournal(std::move(*opened), std::move(warn)));
-  const std::size_t whole = text->rfind('\n') == std::string::npos ? 0 : text->rfind('\n') + 1;
-  if (auto taken = journal->read(std::string_view(*text).substr(0, whole), mission, file.string()); !taken)
-    return taken.error();
+  std::unique_ptr<RunJournal> journal(new RunJournal(std::move(*opened)));
+  const auto contents = journal->file_->take_contents();
+  if (auto taken = journal->read(contents, mission); !taken) return taken.error();
   if (journal->start_.concurrent != concurrent) {
     return fail(ErrorCode::InvalidArgument, concurrent ? "that run was a sequential one: --mode sequential"
                                                        : "that run was a concurrent one: --mode concurrent");
@@ -174,43 +145,45 @@ Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::pa
     return fail(
         ErrorCode::InvalidState,
         open +
-            " had begun but not ended when the run was interrupted; choose what to do about it: again, "
-            "skip or abort");
+            " had begun but not ended when the run was interrupted; choose what to do about it: --under-way "
+            "again, skip or abort");
   }
   if (under_way == UnderWay::GoOn) {
     if (auto goes_on = journal->go_on(mission, can_go_on); !goes_on) return goes_on.error();
   }
-  if (::ftruncate(journal->file_.get(), static_cast<off_t>(whole)) != 0)
-    return system_error("cannot write " + quote(file.string()), errno);
+  if (auto goes_on = journal->file_->continue_after_contents(); !goes_on) return goes_on.error();
+  if (contents.cut > 0 && warn) warn(cut_text(contents));
   journal->under_way_ = under_way;
   return journal;
 }
 
-Result<void> RunJournal::read(std::string_view text, const Mission& mission, const std::string& name) {
-  std::size_t number = 0;
-  while (!text.empty()) {
-    const auto end = text.find('\n');
-    auto line = type::parse_json(text.substr(0, end), name);
-    text.remove_prefix(end + 1);
-    ++number;
-    if (!line || !line->is_map())
-      return not_a_journal("line " + std::to_string(number) + " is not an object");
-    if (number > 1) {
-      if (auto taken = take(*line); !taken)
-        return not_a_journal("line " + std::to_string(number) + ": " + taken.error().message);
-      continue;
-    }
-    if (part(*line, "segue_mission_run") != Value(kVersion))
-      return not_a_journal("its first line does not identify one");
-    if (text_of(*line, "digest") != digest(mission)) {
-      return fail(ErrorCode::InvalidArgument, "the run was one of " + quote(text_of(*line, "mission")) +
-                                                  " as it was then; this mission is another one");
-    }
-    start_ = {map_of(*line, "inputs"), texts_of(*line, "facts"), text_of(*line, "start_at"),
-              flag_of(*line, "concurrent"), counts_of(*line)};
-    if (const Value& seed = part(*line, "seed"); seed.is_integer()) start_.seed = seed.as_uint();
+Result<void> RunJournal::read(const RunJournalFile::Contents& contents, const Mission& mission) {
+  const Value& first = contents.first;
+  if (text_of(first, "digest") != digest(mission)) {
+    return fail(ErrorCode::InvalidArgument, "the run was one of " + quote(text_of(first, "mission")) +
+                                                " as it was then; this mission is another one");
   }
-  return number > 0 ? Result<void>{} : not_a_journal("it is empty, as a full disk leaves it");
+  start_ = {map_of(first, "inputs"), texts_of(first, "facts"), text_of(first, "start_at"),
+            flag_of(first, "concurrent"), counts_of(first)};
+  if (const Value& seed = part(first, "seed"); seed.is_integer()) start_.seed = seed.as_uint();
+  for (const Value& entry : contents.entries) {
+    if (auto taken = take(entry); !taken)
+      return fail(ErrorCode::ParseError, "the journal cannot be read: " + taken.error().message);
+  }
+  if (!contents.refusal) return {};
+  return fail(ErrorCode::ParseError, "the journal is damaged: " + *contents.refusal +
+                                         ", so nobody knows what the run has done since; until then " +
+                                         known_text() + "; start a new run");
+}
+
+/// "2 actions had ended, the last of them 'look', and 'grasp' had begun"
+std::string RunJournal::known_text() const {
+  std::string text = count_of_ended(ends_.size());
+  if (const auto last = std::ranges::max_element(places_, {}, [](const auto& one) { return one.second; });
+      last != places_.end())
+    text += ", the last of them " + quote(last->first.path);
+  const std::string open = open_actions();
+  return open.empty() ? text : text + ", and " + open + " had begun";
 }
 
 Result<void> RunJournal::take(const Value& line) {
@@ -276,7 +249,7 @@ Result<void> RunJournal::go_on(const Mission& mission, const CanGoOn& can_go_on)
     return fail(ErrorCode::InvalidState,
                 quote(execution.path) +
                     " had begun but not ended when the run was interrupted, and cannot go on: " +
-                    can.error().message + "; choose what to do about it: again, skip or abort");
+                    can.error().message + "; choose what to do about it: --under-way again, skip or abort");
   }
   return {};
 }
@@ -321,18 +294,17 @@ void RunJournal::began(const Execution& execution, bool irreversible, std::strin
   ValueMap line = event("begun", execution);
   if (irreversible) line.append("irreversible", true);
   if (irreversible && !action.empty()) line.append("action", action);
-  write(line, irreversible);
+  file_->add(line, irreversible);
 }
 
 void RunJournal::progressed(const Execution& execution, const Value& progress) {
   ValueMap line = event("progressed", execution);
   line.append("to", progress);
-  write(line, true);
+  file_->add(line, true);
 }
 
 void RunJournal::close() {
-  const std::lock_guard lock(writing_);
-  file_ = Descriptor();
+  file_->close();
 }
 
 void RunJournal::ended(const Execution& execution, const End& end) {
@@ -346,7 +318,7 @@ void RunJournal::ended(const Execution& execution, const End& end) {
   if (!end.facts.empty()) line.append("facts", list(end.facts));
   if (!end.units.empty()) line.append("units", to_value(end.units));
   if (!end.begun.empty()) line.append("states", to_value(end.begun));
-  write(line, false);
+  file_->add(line, false);
 }
 
 void RunJournal::ended(const Execution& execution, End end, const Value& globals) {
@@ -363,33 +335,13 @@ void RunJournal::ended(const Execution& execution, End end, const Value& globals
 }
 
 void RunJournal::first(const Execution& execution) {
-  write(event("first", execution), false);
+  file_->add(event("first", execution), false);
 }
 
 void RunJournal::finished(const std::string& outcome) {
   ValueMap line;
   line.append("finished", outcome);
-  write(line, true);
-}
-
-void RunJournal::write(const ValueMap& line, bool durable) {
-  const std::lock_guard lock(writing_);
-  if (!file_.valid()) return;
-  const std::string text = type::to_json(line, -1) + '\n';
-  std::string_view left = text;
-  while (!left.empty()) {
-    const auto written = ::write(file_.get(), left.data(), left.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) break;
-    left.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (left.empty() && (!durable || ::fdatasync(file_.get()) == 0)) return;
-  const int reason = errno;
-  (void)::ftruncate(file_.get(), 0);
-  file_ = Descriptor();
-  if (warn_) {
-    warn_(system_error("this run can no longer be resumed: its journal cannot be written", reason).message);
-  }
+  file_->add(line, true);
 }
 
 }  // namespace segue::mission

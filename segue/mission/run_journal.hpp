@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
 #include <segue/mission/execution.hpp>
 #include <segue/mission/mission.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/run_journal_file.hpp>
 #include <segue/mission/units.hpp>
 #include <segue/type/value.hpp>
 
@@ -14,7 +14,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -32,9 +31,9 @@ std::map<StateIndex, std::uint32_t> counts_by_state(const type::ValueMap& map);
 /// instead of executing these actions, and so gets to the point at which the earlier run was interrupted. For
 /// one thread, but for progressed().
 ///
-/// A potentially irreversible action is recorded, and the record synced to disk, before it begins. If the
-/// file can no longer be written, the run continues, `warn` is called once, and the file is emptied, since it
-/// would miss actions that were executed. NaN and infinities, which JSON lacks, become null.
+/// A potentially irreversible action is recorded, and the record synced to disk, before it begins. Where the
+/// file cannot be written the run continues, and the file says what it lacks (RunJournalFile), so that no
+/// such action is executed twice unless somebody says so. NaN and infinities, which JSON lacks, become null.
 class RunJournal {
  public:
   /// The parameters of the run.
@@ -70,10 +69,10 @@ class RunJournal {
   /// AlreadyExists if the file exists, IoError, PermissionDenied.
   static Result<std::unique_ptr<RunJournal>> create(const std::filesystem::path& file, const Mission& mission,
                                                     Start start, Warn warn = {});
-  /// NotFound; ParseError if it is not a journal; InvalidArgument if it is that of another mission
-  /// or, with another `concurrent`, of another kind of run; InvalidState if that run has ended, if another
-  /// process writes the file, and with Refuse if actions were running, which it names. An incomplete last
-  /// line is cut off.
+  /// NotFound; ParseError if it is not a journal, or a damaged one; InvalidArgument if it is that of another
+  /// mission or, with another `concurrent`, of another kind of run; InvalidState if that run has ended, if
+  /// another process writes the file, and with Refuse if actions were running, which it names. A damaged end
+  /// is cut off, and `warn` told, where nothing that may not be repeated can have been recorded there.
   static Result<std::unique_ptr<RunJournal>> resume(const std::filesystem::path& file, const Mission& mission,
                                                     bool concurrent, UnderWay under_way, Warn warn = {},
                                                     const CanGoOn& can_go_on = {});
@@ -111,8 +110,8 @@ class RunJournal {
   void close();
 
  private:
-  RunJournal(Descriptor file, Warn warn) : file_(std::move(file)), warn_(std::move(warn)) {}
-  Result<void> read(std::string_view text, const Mission& mission, const std::string& name);
+  explicit RunJournal(std::unique_ptr<RunJournalFile> file) : file_(std::move(file)) {}
+  Result<void> read(const RunJournalFile::Contents& contents, const Mission& mission);
   Result<void> take(const type::Value& line);
   /// What had begun and not ended.
   struct Open {
@@ -121,12 +120,10 @@ class RunJournal {
     type::Value progress{};
   };
   [[nodiscard]] std::string open_actions() const;
+  [[nodiscard]] std::string known_text() const;
   Result<void> go_on(const Mission& mission, const CanGoOn& can_go_on);
-  void write(const type::ValueMap& line, bool durable);
 
-  std::mutex writing_;  ///< protects `file_`, which progress is written to from any thread
-  Descriptor file_;
-  Warn warn_;
+  const std::unique_ptr<RunJournalFile> file_;  ///< which progress is written to from any thread
   Start start_;
   UnderWay under_way_ = UnderWay::Refuse;
   std::vector<End> ends_;

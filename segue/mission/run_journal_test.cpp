@@ -2,6 +2,7 @@
 #include <segue/base/file.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/files.hpp>
+#include <segue/mission/interrupted_journal.hpp>
 
 #include <support/full_disk.hpp>
 
@@ -69,14 +70,14 @@ class RunJournals : public ::testing::Test {
   Result<std::unique_ptr<RunJournal>> create() {
     return RunJournal::create(file_, mission(), {}, [this](const std::string& text) { told_ = text; });
   }
-  /// Runs it all, and cuts the journal after so many lines.
-  void break_off_after(int lines) {
+  /// Leaves what a run does that is killed when its journal has so many entries.
+  void break_off_after(int entries) {
     (void)run(create());
     const std::string text = read_file(file_).value();
     std::size_t end = 0;
-    for (int i = 0; i < lines; ++i)
+    for (int i = 0; i < entries + 2; ++i)
       end = text.find('\n', end) + 1;
-    ASSERT_TRUE(write_file(file_, text.substr(0, end)));
+    ASSERT_TRUE(write_file(file_, interrupted_journal(text, end)));
     looks_ = grasps_ = 0;
   }
 
@@ -91,7 +92,7 @@ class RunJournals : public ::testing::Test {
 };
 
 TEST_F(RunJournals, WhatHasEndedIsNotExecutedAgain) {
-  break_off_after(3);
+  break_off_after(2);
   const auto result = run(resume());
   EXPECT_EQ(result.outcome_name, "held");
   EXPECT_EQ(result.outputs.at(0), type::Value(2.0));
@@ -116,13 +117,13 @@ TEST_F(RunJournals, ARunIsResumedWithWhatItBeganWith) {
 }
 
 TEST_F(RunJournals, PureActionsThatWereUnderWayAreExecutedAgain) {
-  break_off_after(2);
+  break_off_after(1);
   EXPECT_EQ(run(resume()).outcome_name, "held");
   EXPECT_EQ(looks_, 1);
 }
 
 TEST_F(RunJournals, SomebodySaysWhatBecomesOfWhatMayNotBeRepeated) {
-  break_off_after(4);
+  break_off_after(3);
   EXPECT_THAT(to_string(resume().error()), HasSubstr("'grasp' had begun but not ended"));
   const std::string text = read_file(file_).value();
   EXPECT_EQ(run(resume(UnderWay::Skip)).outcome_name, "lost") << "what was expected";
@@ -179,7 +180,7 @@ TEST_F(RunJournals, OthersAreRefused) {
   ASSERT_TRUE(write_file(file_, "{\"name\": 1}\n"));
   EXPECT_THAT(to_string(resume().error()), HasSubstr("its first line does not identify one"));
   std::filesystem::remove(file_);
-  break_off_after(1);
+  break_off_after(0);
   Mission other = mission();
   other.actions.front().pure = false;
   EXPECT_THAT(to_string(RunJournal::resume(file_, other, false, UnderWay::Again).error()),
@@ -198,11 +199,44 @@ TEST_F(RunJournals, ALinkIsNotFollowed) {
   EXPECT_FALSE(std::filesystem::exists(target));
 }
 
-TEST_F(RunJournals, AFullDiskEndsTheJournalAndNotTheRun) {
-  const testing::FullDisk full(250);
-  EXPECT_EQ(run(create()).outcome_name, "held");
-  EXPECT_THAT(told_, HasSubstr("can no longer be resumed"));
-  EXPECT_EQ(std::filesystem::file_size(file_), 0U) << "it would tell of less than was done";
+TEST_F(RunJournals, AJournalThatDoesNotFitOnTheDiskIsNotBegun) {
+  const testing::FullDisk full(100);
+  EXPECT_EQ(create().error().code, ErrorCode::IoError);
+  EXPECT_FALSE(std::filesystem::exists(file_)) << "so that it can be begun when there is room";
+}
+
+TEST_F(RunJournals, WhatAFullDiskDoesNotTakeIsWrittenWhenItHasRoom) {
+  {
+    auto journal = create().value();
+    journal->began({"look"}, false);
+    {
+      const testing::FullDisk full(std::filesystem::file_size(file_) + 20);
+      journal->ended({"look"}, {0, "", false, {type::Value(2.0)}, {}, {}});
+      EXPECT_THAT(told_, HasSubstr("cannot be written"));
+      journal->began({"grasp"}, true, "grasp");
+    }
+    journal->ended({"grasp"}, {0, "", false, {}, {}, {}});
+    EXPECT_THAT(told_, HasSubstr("complete again"));
+  }
+  const auto resumed = resume();
+  ASSERT_TRUE(resumed) << to_string(resumed.error());
+  EXPECT_EQ((*resumed)->size(), 2U);
+}
+
+TEST_F(RunJournals, ARunIsNotResumedWhereAFullDiskHasNotTakenWhatItDid) {
+  {
+    auto journal = create().value();
+    journal->began({"look"}, false);
+    const testing::FullDisk full(std::filesystem::file_size(file_) + 20);
+    journal->began({"grasp"}, true, "grasp");
+    journal->close();
+  }
+  EXPECT_THAT(to_string(resume(UnderWay::Again).error()), HasSubstr("entry 2 is missing at its end"));
+}
+
+TEST_F(RunJournals, OnesOfOlderVersionsAreRefused) {
+  ASSERT_TRUE(write_file(file_, "{\"segue_mission_run\":1,\"mission\":\"m\",\"digest\":\"1\"}\n"));
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("another version of Segue"));
 }
 
 RC_GTEST_PROP(RunJournal, AnyFileIsReadOrRefused, ()) {

@@ -5,6 +5,7 @@
 #include <segue/mission/controller_runner.hpp>
 #include <segue/mission/fake_robot.hpp>
 #include <segue/mission/files.hpp>
+#include <segue/mission/interrupted_journal.hpp>
 #include <segue/session/session.hpp>
 
 #include <support/eventually.hpp>
@@ -75,8 +76,8 @@ class GoingOn : public ::testing::TestWithParam<RunMode> {
     })) << text;
     stop.request_stop();
     running.join();
-    EXPECT_TRUE(
-        write_file((folder_ / "killed").string(), text.substr(0, text.find('\n', text.find(last)) + 1)));
+    EXPECT_TRUE(write_file((folder_ / "killed").string(),
+                           mission::interrupted_journal(text, text.find('\n', text.find(last)) + 1)));
   }
 
   const std::filesystem::path folder_;

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/descriptor.hpp>
+#include <segue/base/error.hpp>
+#include <segue/base/result.hpp>
+#include <segue/type/value.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::mission {
+
+/// FNV-1a with 64 bits. Where `before` is the checksum of a text, that of this text behind it.
+[[nodiscard]] std::uint64_t checksum_of(std::string_view text, std::uint64_t before = 0xcbf29ce484222325U);
+
+/// The file of a RunJournal. Its first line says which run it is, its second one up to which entry it had
+/// been synced to disk, and each further line is an entry. All are JSON and end with their checksums; entries
+/// have numbers and the checksum of the line before, so that it is seen where some were changed, lost,
+/// repeated, or come from another file.
+///
+/// An entry that cannot be written is kept and written with the next one; `tell` is called when the file
+/// falls behind, and when it has all again. The second line is overwritten in place, which a full disk
+/// permits: what a durable entry announces may be done although the entry itself is not in the file, since
+/// the file says that it lacks it. Where even that cannot be written, the file is emptied. For any thread.
+class RunJournalFile {
+ public:
+  using Tell = std::function<void(std::string)>;
+
+  /// What a file says that is to be continued.
+  struct Contents {
+    type::Value first;                 ///< the first line
+    std::vector<type::Value> entries;  ///< those that are there, up to the first that is damaged or missing
+    /// Why the run must not be continued: something is damaged before the end, or something is missing that
+    /// had been synced.
+    std::optional<std::string> refusal{};
+    std::size_t cut = 0;  ///< damaged lines at the end, which continue_after_contents() cuts off
+  };
+
+  /// AlreadyExists, IoError, PermissionDenied. `first` is on disk when this returns.
+  static Result<std::unique_ptr<RunJournalFile>> create(const std::filesystem::path& path,
+                                                        type::ValueMap first, Tell tell);
+  /// NotFound, PermissionDenied, InvalidState if another process writes the file; ParseError if it is no such
+  /// file, or one of a version that cannot be read.
+  static Result<std::unique_ptr<RunJournalFile>> open(const std::filesystem::path& path, Tell tell);
+
+  /// Of the file that was opened, once.
+  [[nodiscard]] Contents take_contents() { return std::move(contents_); }
+  /// Cuts a damaged end off; entries can be added from then on.
+  Result<void> continue_after_contents();
+
+  /// `durable`: on disk when this returns, or known to be missing.
+  void add(const type::ValueMap& entry, bool durable);
+  /// Nothing is added any more.
+  void close();
+
+  RunJournalFile(const RunJournalFile&) = delete;
+  RunJournalFile& operator=(const RunJournalFile&) = delete;
+  ~RunJournalFile() { close(); }
+
+ private:
+  RunJournalFile(Descriptor file, Tell tell) : file_(std::move(file)), tell_(std::move(tell)) {}
+  Result<void> read(std::string_view text);
+  void read_entries(std::string_view text);
+  [[nodiscard]] std::string second_line() const;
+  bool write_pending();
+  bool write_synced();
+  void fell_behind(int reason);
+  void give_up(int reason);
+
+  std::mutex mutex_;  ///< protects all below
+  Descriptor file_;
+  const Tell tell_;
+  Contents contents_;
+  std::uint64_t run_ = 0;      ///< the checksum of the first line
+  std::uint64_t last_ = 0;     ///< the checksum of the last line
+  std::uint64_t entries_ = 0;  ///< how many there have been
+  std::uint64_t synced_ = 0;   ///< of which so many had to be on disk before something was done
+  std::size_t second_at_ = 0;  ///< where the second line begins
+  std::size_t length_ = 0;     ///< up to the end of the last entry that was written
+  std::string pending_;        ///< entries that could not be written yet
+  bool is_behind_ = false;     ///< which has been told
+};
+
+}  // namespace segue::mission
