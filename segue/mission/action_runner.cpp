@@ -25,7 +25,7 @@ const Value& ActionCall::progress() const {
 }
 
 Result<void> ActionRunner::go_on(const Action& /*action*/, const Value& /*progress*/) {
-  return fail(ErrorCode::Unsupported, "it is no controller of a robot, so nobody can see how far it got");
+  return fail(ErrorCode::Unsupported, "nobody can see how far it got, since it is no controller of a robot");
 }
 
 const Action& ActionCall::action() const {

@@ -17,9 +17,10 @@ RunResult run_concurrently(SharedProgram program, const RunRequest& request, std
 RunResult run_network(std::shared_ptr<const cdtn::FlatNetwork> network, const RunRequest& request,
                       std::stop_token stop);
 
-/// What the run begins with: as requested, or as the journal says that it continues. `journal` is set if one
-/// is wanted.
+/// What the run begins with: as requested, or as the journal says that it continues. `runners`: of the run,
+/// which say what can go on. `journal` is set if one is wanted.
 Result<mission::RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
+                                                const mission::Runners& runners,
                                                 std::shared_ptr<mission::RunJournal>& journal);
 
 /// The diagram of a mission, planned as the request says. Blocks.
@@ -29,8 +30,8 @@ Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequ
 Result<std::vector<type::Value>> inputs_by_port(const mission::Program& program, const type::ValueMap& given);
 /// ParseError.
 Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts);
-/// Those of the request, with scripts and simulation as it says; `seed` varies simulated durations.
-mission::Runners runners_for(const RunRequest& request, std::uint64_t seed);
+/// Those of the request, with scripts and simulation as it says.
+mission::Runners runners_for(const RunRequest& request);
 
 inline double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();

@@ -15,6 +15,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
+using ::testing::HasSubstr;
 
 TEST_F(Sessions, AJournalLetsALaterRunContinue) {
   const Session session = load("m.yaml", kGrasp);
@@ -94,6 +95,22 @@ TEST_F(Sessions, ARunIsResumedWithWhatItBeganWith) {
               }),
               EndsWith("there are 2 units of the resource 'foot', as many as the mission says then"));
   EXPECT_EQ(error_with([](RunRequest& /*other*/) {}), "it has been resumed") << "the same again";
+}
+
+TEST_F(Sessions, AScriptThatWasInterruptedIsRefusedForWhatIsMissing) {
+  write("grasp.py", "def execute(self, inputs, outputs, gvm):\n    return 0\n");
+  const Session session = load("m.yaml",
+                               "mission: m\n"
+                               "actions: {grasp: {run: {python: grasp.py}}}\n"
+                               "action: grasp\n");
+  const auto file = folder_ / "journal";
+  mission::RunJournal::create(file, session.program()->mission(), {}).value()->began({""}, true, "grasp");
+  RunRequest wanted = request(RunMode::Sequential);
+  wanted.journal = JournalRequest{file, true, mission::RunJournal::UnderWay::GoOn};
+  const auto run = session.run(wanted);
+  ASSERT_FALSE(run);
+  EXPECT_THAT(run.error().message, HasSubstr("cannot go on: nobody can see how far it got"));
+  EXPECT_THAT(run.error().message, EndsWith("--under-way again, skip or abort"));
 }
 
 }  // namespace

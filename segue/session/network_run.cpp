@@ -99,8 +99,10 @@ class ConcurrentMissionRun final : public NetworkRun {
  public:
   Result<void> prepare(SharedProgram program, const RunRequest& request) {
     convert::RunOptions options;
-    auto start = open_journal(program->mission(), request, options.journal);
+    auto runners = runners_for(request);
+    auto start = open_journal(program->mission(), request, runners, options.journal);
     if (!start) return start.error();
+    runners.vary_durations(start->seed);
     auto inputs = inputs_by_port(*program, start->inputs);
     if (!inputs) return inputs.error();
     auto facts = parse_facts(start->facts);
@@ -114,8 +116,8 @@ class ConcurrentMissionRun final : public NetworkRun {
     options.world_copies = request.world_copies;
     options.warn = request.note;
     options.observe = request.on_action;
-    auto run = convert::Run::create(std::move(program), runners_for(request, start->seed), std::move(*inputs),
-                                    std::move(options));
+    auto run =
+        convert::Run::create(std::move(program), std::move(runners), std::move(*inputs), std::move(options));
     if (!run) return run.error();
     run_ = std::move(*run);
     return {};

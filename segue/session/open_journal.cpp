@@ -50,6 +50,7 @@ Result<void> check_unchanged(const RunJournal::Start& wanted, const RunJournal::
 }  // namespace
 
 Result<RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
+                                       const mission::Runners& runners,
                                        std::shared_ptr<RunJournal>& journal) {
   const bool concurrent = request.mode == RunMode::Concurrent;
   RunJournal::Start start{request.inputs, request.facts,     request.start_at,
@@ -63,7 +64,7 @@ Result<RunJournal::Start> open_journal(const mission::Mission& mission, const Ru
     return start;
   }
   const auto can_go_on = [&](const mission::Action& action, const type::Value& progress) {
-    return request.runners.go_on(action, progress);
+    return runners.go_on(action, progress);
   };
   auto found =
       RunJournal::resume(wanted.file, mission, concurrent, wanted.under_way, request.note, can_go_on);

@@ -25,15 +25,16 @@ class SequentialRun final : public FinishedRun {
     options.warn = request.note;
     options.observe = request.on_action;
     options.backward = request.steps_back;
-    auto start = open_journal(program->mission(), request, options.journal);
+    auto runners = runners_for(request);
+    auto start = open_journal(program->mission(), request, runners, options.journal);
     if (!start) return start.error();
+    runners.vary_durations(start->seed);
     auto facts = parse_facts(start->facts);
     if (!facts) return facts.error();
     options.facts = std::move(*facts);
     options.resources = start->resources;
     options.world_data = request.world_data;
-    auto engine =
-        mission::Engine::create(std::move(program), runners_for(request, start->seed), std::move(options));
+    auto engine = mission::Engine::create(std::move(program), std::move(runners), std::move(options));
     if (!engine) return engine.error();
     engine_ = std::move(*engine);
     for (const auto& [name, value] : start->inputs) {

@@ -171,7 +171,7 @@ Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& t
   return facts;
 }
 
-mission::Runners runners_for(const RunRequest& request, std::uint64_t seed) {
+mission::Runners runners_for(const RunRequest& request) {
   mission::Runners runners = request.runners;
   if (!request.python.empty()) {
     mission::ScriptOptions scripts;
@@ -180,7 +180,6 @@ mission::Runners runners_for(const RunRequest& request, std::uint64_t seed) {
     runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
   }
   if (request.simulate) runners.simulate_all();
-  runners.vary_durations(seed);
   return runners;
 }
 
