@@ -226,14 +226,17 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const robot::Serv
 /// The robot's pools carry out what is a call of one, and there are as many units as instances, unless the
 /// user has said how many.
 Result<void> add_pools(RunRequest& request, const session::Session& plan,
-                       const std::shared_ptr<robot::ServedRobot>& robot) {
+                       const std::shared_ptr<robot::ServedRobot>& robot,
+                       const mission::ControllerOptions& how) {
   if (plan.program() == nullptr || !mission::uses_pools(plan.program()->mission())) return {};
   const auto pools = robot->pools(Wait(TimePoint::max()));
   if (!pools) return pools.error();
   const auto units = mission::pool_units(plan.program()->mission(), *pools);
   if (!units) return units.error();
   request.resources.insert(request.resources.begin(), units->begin(), units->end());
-  request.runners.set_pools(std::make_shared<mission::PoolRunner>(robot));
+  mission::PoolOptions of_pools;
+  of_pools.unreachable = how.unreachable;
+  request.runners.set_pools(std::make_shared<mission::PoolRunner>(robot, of_pools));
   return {};
 }
 
@@ -242,7 +245,7 @@ Result<void> add_pools(RunRequest& request, const session::Session& plan,
 Result<void> run_by_robot(RunRequest& request, const session::Session& plan,
                           const std::shared_ptr<robot::ServedRobot>& robot,
                           const mission::ControllerOptions& how) {
-  if (auto units = add_pools(request, plan, robot); !units) return units;
+  if (auto units = add_pools(request, plan, robot, how); !units) return units;
   const auto controllers = std::make_shared<mission::ControllerUnion>(
       robot, mission::ControllerUnion::Options{.deadline = how.request_deadline});
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how, controllers));

@@ -93,6 +93,7 @@ struct ControllerTrouble {
     std::string why;
   };
   std::vector<Task> tasks{};  ///< that are broken, and will not be mended
+  std::string repair{};       ///< what of it is being mended; empty: nothing
 };
 
 /// An instance of a pool of processes.
@@ -102,6 +103,7 @@ struct PoolInstanceView {
   bool ready = false;     ///< its operations can be called
   bool given_up = false;  ///< it is not likely to become ready again
   std::string reason{};   ///< why it is not ready
+  bool busy = false;      ///< an operation is carried out, for whomever
 };
 struct PoolView {
   std::string name;

@@ -57,7 +57,7 @@ class Instances {
                             [&](const PoolInstanceView& one) { return one.task != lost; });
       for (const PoolInstanceView& one : instances) {
         any_ready = any_ready || one.ready;
-        if (one.ready && busy_.insert(one.task).second) return one;
+        if (one.ready && !one.busy && busy_.insert(one.task).second) return one;
       }
       const bool hopeless = std::ranges::all_of(view->instances, &PoolInstanceView::given_up);
       if (hopeless || (!any_ready && RealClock::instance().now() > give_up))
@@ -90,6 +90,15 @@ class Instances {
       wait_for_next_look(options_.period, stop);
       if (stop.stop_requested()) return false;
     }
+  }
+
+  /// Where the robot cannot be reached, tells whoever is to stop the run, and blocks until it is stopped.
+  bool stops_since_robot_is_gone(const Error& why, const std::stop_token& stop) const {
+    if (!options_.unreachable || robot_->pools(Wait(TimePoint::max(), stop))) return false;
+    if (!stop.stop_requested()) options_.unreachable(why);
+    while (!stop.stop_requested())
+      wait_for_next_look(options_.period, stop);
+    return true;
   }
 
  private:
@@ -168,16 +177,17 @@ class PoolExecution {
     std::string last;
     for (std::size_t attempt = 1;; ++attempt) {
       const auto instance = instances.take(call_.pool, last, stop);
-      if (!instance) return stop.stop_requested() ? Ending{kPreempted, {}} : aborted_by(instance.error());
+      if (!instance) return failed(instance.error(), instances, stop);
       const auto outcome = ask(robot, instances, threads, *instance, stop);
       if (!outcome || stop.stop_requested()) return {kPreempted, {}};
       last = instance->task;
       if (outcome->answer) return ended_with(*outcome->answer, outputs);
-      if (!outcome->lost) return aborted_by(explained(outcome->answer.error(), *instance));
+      if (!outcome->lost) return failed(explained(outcome->answer.error(), *instance), instances, stop);
       const auto pool = instances.look(call_.pool, stop);
       if (!pool || !may_repeat_ || attempt > pool->instances.size())
-        return aborted_by(
-            fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(outcome->answer.error()));
+        return failed(
+            fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(outcome->answer.error()),
+            instances, stop);
     }
   }
 
@@ -197,7 +207,11 @@ class PoolExecution {
     }
   }
 
-  static Ending aborted_by(const Error& error) { return {kAborted, to_string(error)}; }
+  /// Without its robot, the run ends as one that can be resumed.
+  static Ending failed(const Error& error, const Instances& instances, const std::stop_token& stop) {
+    const bool is_preempted = stop.stop_requested() || instances.stops_since_robot_is_gone(error, stop);
+    return is_preempted ? Ending{kPreempted, {}} : Ending{kAborted, to_string(error)};
+  }
 
   /// Names the limit where it was too short.
   [[nodiscard]] Error explained(const Error& error, const PoolInstanceView& instance) const {

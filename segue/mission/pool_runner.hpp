@@ -5,6 +5,7 @@
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/commanded_robot.hpp>
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -17,12 +18,15 @@ struct PoolOptions {
   Duration ready_deadline = std::chrono::seconds(30);
   /// How long it may take the robot to notice that an instance is lost whose connection broke.
   Duration notice = std::chrono::seconds(3);
+  /// As ControllerOptions::unreachable.
+  std::function<void(const Error& why)> unreachable{};
 };
 
 /// Carries out actions that are calls of a pool of processes (PoolCall), each in a thread of its own and on
-/// an instance of its own. Where an instance is lost while it works for a pure action, another one takes its
-/// place: as often as there are instances, and once more. An action that is preempted ends at once; its
-/// instance is free again when it has answered, which is dropped.
+/// an instance that works for nobody else. Where an instance is lost while it works for a pure action,
+/// another one takes its place: as often as there are instances, and once more. An action that is preempted
+/// ends at once; its instance is free again when it has answered, which is dropped. An instance that has not
+/// answered when nobody waits for it any more is ended by the robot, and free when it has been started again.
 class PoolRunner final : public ActionRunner {
  public:
   explicit PoolRunner(std::shared_ptr<CommandedRobot> robot, PoolOptions options = {});

@@ -36,6 +36,7 @@ class PlanningRobot final : public CommandedRobot {
   }
   Result<std::vector<PoolView>> pools(const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
+    if (is_gone_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}}};
   }
   Result<Value> call(const Member& operation, const Value& arguments, const Wait& /*wait*/) override {
@@ -68,6 +69,13 @@ class PlanningRobot final : public CommandedRobot {
   void start_again(const std::string& instance) {
     change(instance, [](PoolInstanceView& one) { one = {one.task, one.pid + 100, true, false, ""}; });
   }
+  void work_for_others(const std::string& instance, bool works) {
+    change(instance, [works](PoolInstanceView& one) { one.busy = works; });
+  }
+  void vanish() {
+    const std::lock_guard lock(mutex_);
+    is_gone_ = true;
+  }
   std::vector<std::string> called() {
     const std::lock_guard lock(mutex_);
     return called_;
@@ -85,6 +93,7 @@ class PlanningRobot final : public CommandedRobot {
   std::mutex mutex_;  ///< protects all below
   std::vector<PoolInstanceView> instances_{{"planner_1", 1, true}, {"planner_2", 2, true}};
   std::vector<std::string> called_;
+  bool is_gone_ = false;
 };
 
 Value route(const char* outcome) {
@@ -117,11 +126,12 @@ class PoolCalls : public RunningMission {
         "flows: [plan.length -> outputs.length]\n"
         "states: {plan: {on: {found: return found, no_route: return no_route}}}\n";
     Runners runners;
-    runners.set_pools(std::make_shared<PoolRunner>(robot_, PoolOptions{1ms, 60s, 60s}));
+    runners.set_pools(std::make_shared<PoolRunner>(robot_, options_));
     begin_mission(text, runners);
   }
 
   std::shared_ptr<PlanningRobot> robot_;
+  PoolOptions options_{.period = 1ms, .ready_deadline = 60s, .notice = 60s};
 };
 
 TEST_F(PoolCalls, EndAsTheAnswerSays) {
@@ -221,6 +231,31 @@ TEST_F(PoolCalls, AbortAtOnceWhereNoInstanceComesBack) {
       HasSubstr("no instance of pool 'planner' is ready: planner_1: its process is gone; planner_2: "));
 }
 
+TEST_F(PoolCalls, EndAsPreemptedWhereTheRobotIsGone) {
+  options_.unreachable = [this](const Error&) { engine_->stop(); };
+  for (const char* declared : {"pure: true", "strict: true"}) {
+    begin(
+        [this](const std::string&, const Value&) -> Result<Value> {
+          robot_->vanish();
+          return connection_broke();
+        },
+        declared);
+    EXPECT_EQ(ended().outcome_name, "preempted") << engine_->result().error;
+  }
+}
+
+TEST_F(PoolCalls, GoToNoInstanceThatWorksForSomebodyElse) {
+  begin([this](const std::string& instance, const Value&) -> Result<Value> {
+    if (robot_->called().size() == 3) return route("found");
+    robot_->lose(instance);
+    robot_->start_again(instance);
+    robot_->work_for_others("planner_1", true);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "found");
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2", "planner_2"));
+}
+
 TEST_F(PoolCalls, LeaveTheirInstanceToNobodyElseBeforeItHasAnswered) {
   std::promise<void> ended_meanwhile;
   auto has_ended = ended_meanwhile.get_future().share();
@@ -230,7 +265,7 @@ TEST_F(PoolCalls, LeaveTheirInstanceToNobodyElseBeforeItHasAnswered) {
     return route("found");
   });
   Runners runners;
-  runners.set_pools(std::make_shared<PoolRunner>(robot_, PoolOptions{1ms, 60s, 60s}));
+  runners.set_pools(std::make_shared<PoolRunner>(robot_, options_));
   begin_mission(
       "mission: m\n"
       "actions:\n"

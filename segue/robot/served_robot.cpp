@@ -45,16 +45,19 @@ bool is_part(std::string_view controller, std::string_view running) {
   return controller.empty() || std::ranges::find(parts, model::NetworkName(controller)) != parts.end();
 }
 
-/// What is broken of the controller, and is not mended.
+bool concerns(const Value& fault, std::string_view controller) {
+  const Value::List controllers = list_at(fault, "controllers");
+  return std::ranges::find(controllers, Value(controller)) != controllers.end();
+}
+
+/// What is broken of the controller, and whether it is mended.
 mission::ControllerTrouble faults_of(std::string_view controller, const Value& status) {
   mission::ControllerTrouble trouble;
-  const Value* unresolved = status.find("unresolved");
-  if (unresolved == nullptr || !unresolved->is_list()) return trouble;
-  for (const Value& fault : unresolved->as_list()) {
-    const Value* controllers = fault.find("controllers");
-    if (controllers == nullptr || !controllers->is_list()) continue;
-    if (std::ranges::find(controllers->as_list(), Value(controller)) == controllers->as_list().end())
-      continue;
+  for (const Value& fault : list_at(status, "in_repair")) {
+    if (concerns(fault, controller)) trouble.repair = text_at(fault, "fault");
+  }
+  for (const Value& fault : list_at(status, "unresolved")) {
+    if (!concerns(fault, controller)) continue;
     const std::string task = text_at(fault, "task");
     if (!task.empty()) {
       trouble.tasks.push_back({task, text_at(fault, "fault")});
@@ -326,9 +329,9 @@ Result<std::vector<mission::PoolView>> ServedRobot::pools(const Wait& wait) {
     mission::PoolView& view = pools.emplace_back(mission::PoolView{text_at(pool, "pool"), {}});
     for (const Value& one : list_at(pool, "instances")) {
       const Value* pid = one.find("pid");
-      view.instances.push_back({text_at(one, "task"),
-                                pid != nullptr && pid->is_integer() ? static_cast<int>(pid->as_int()) : 0,
-                                is_true(one, "ready"), is_true(one, "given_up"), text_at(one, "reason")});
+      view.instances.push_back(
+          {text_at(one, "task"), pid != nullptr && pid->is_integer() ? static_cast<int>(pid->as_int()) : 0,
+           is_true(one, "ready"), is_true(one, "given_up"), text_at(one, "reason"), is_true(one, "busy")});
     }
   }
   return pools;

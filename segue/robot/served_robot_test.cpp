@@ -262,6 +262,28 @@ TEST_F(ServedRobotTest, SeesWhetherAControllerRunsAsItShould) {
   EXPECT_EQ(robot_.trouble("arm", soon())->why, "");
 }
 
+TEST_F(ServedRobotTest, SeesWhetherAControllerIsBeingRepaired) {
+  const Value fault = Value::map({{"fault", "process 'p' is gone"}, {"controllers", Value::list({"drive"})}});
+  service_.status_answer = Value::map({{"controller", "arm+drive"}, {"in_repair", Value::list({fault})}});
+  EXPECT_EQ(robot_.trouble("drive", soon())->repair, "process 'p' is gone");
+  EXPECT_EQ(robot_.trouble("drive", soon())->why, "");
+  EXPECT_EQ(robot_.trouble("arm", soon())->repair, "");
+}
+
+TEST_F(ServedRobotTest, SeesWhichInstancesOfPoolsWork) {
+  const auto instance = [](const char* task, bool busy) {
+    return Value::map({{"task", task}, {"ready", true}, {"pid", 7}, {"busy", busy}});
+  };
+  service_.status_answer = Value::map(
+      {{"pools", Value::list({Value::map({{"pool", "planner"},
+                                          {"instances", Value::list({instance("planner_1", true),
+                                                                     instance("planner_2", false)})}})})}});
+  const auto pools = robot_.pools(soon());
+  ASSERT_TRUE(pools);
+  EXPECT_TRUE(pools->at(0).instances.at(0).busy);
+  EXPECT_FALSE(pools->at(0).instances.at(1).busy);
+}
+
 TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {
   EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
   EXPECT_EQ(robot_.trouble("explore", soon())->why, "");

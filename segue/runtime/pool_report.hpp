@@ -16,6 +16,7 @@ struct PoolInstance {
   /// As many attempts to start it as the policies permit have failed, or it is left as it is.
   bool given_up = false;
   std::string reason;  ///< why it is not ready
+  bool busy = false;   ///< an operation is under way
 };
 struct PoolReport {
   std::string pool;

@@ -2,12 +2,16 @@
 #include <segue/runtime/runtime.hpp>
 
 #include <support/eventually.hpp>
+#include <support/forwarding_host.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <future>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include "test_support.hpp"
 
@@ -118,6 +122,42 @@ TEST(RobotPools, WhoseInstancesCannotStartSayWhy) {
   EXPECT_FALSE(report.instances[1].ready);
   EXPECT_THAT(report.instances[1].reason, HasSubstr("attempts to start it have not helped"));
   EXPECT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
+}
+
+/// Operations of its tasks end when the test says so.
+class SlowOperations final : public segue::testing::ForwardingHost {
+ public:
+  using ForwardingHost::ForwardingHost;
+  Result<type::Value> call(const model::TaskId& /*task*/, std::string_view /*operation*/,
+                           const type::Value& /*arguments*/, TimePoint /*deadline*/) override {
+    end_.get_future().wait();
+    return fail(ErrorCode::Unavailable, "its process has ended");
+  }
+  void end() { end_.set_value(); }
+
+ private:
+  std::promise<void> end_;
+};
+
+TEST(RobotPools, WhoseInstancesWorkForNobodyAreMadeAnew) {
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  SlowOperations slow(host);
+  Runtime runtime("robot", slow, catalog, with_pool(pool_of(2)));
+  ASSERT_TRUE(eventually([&] { return all_ready(runtime); }));
+  const auto starts = runtime.history().size();
+  std::stop_source stop;
+  std::jthread caller([&] {
+    (void)runtime.call(model::TaskId("planner_1"), "plan", {}, Wait(TimePoint::max(), stop.get_token()));
+  });
+  ASSERT_TRUE(eventually([&] { return runtime.pools().at(0).instances.at(0).busy; }));
+  EXPECT_TRUE(runtime.pools().at(0).instances.at(0).ready);
+  EXPECT_FALSE(runtime.pools().at(0).instances.at(1).busy);
+  stop.request_stop();
+  EXPECT_TRUE(eventually([&] { return runtime.history().size() > starts; }));
+  EXPECT_EQ(runtime.history().back().cause, Cause::Pool);
+  slow.end();
 }
 
 TEST(RobotPools, KeepTheirNames) {

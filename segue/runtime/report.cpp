@@ -310,7 +310,8 @@ Value to_value(const PoolReport& pool) {
                                            {"ready", one.ready},
                                            {"pid", one.pid},
                                            {"given_up", one.given_up},
-                                           {"reason", one.reason}});
+                                           {"reason", one.reason},
+                                           {"busy", one.busy}});
                       })}});
 }
 
@@ -390,9 +391,10 @@ Value status_of(Runtime& runtime) {
 }
 
 Value running_of(const Runtime& runtime) {
+  const auto value_of = [](const UnresolvedFault& fault) { return to_value(fault); };
   return Value::map({{"controller", runtime.belief().name.str()},
-                     {"unresolved", list_of(runtime.unresolved(),
-                                            [](const UnresolvedFault& fault) { return to_value(fault); })}});
+                     {"unresolved", list_of(runtime.unresolved(), value_of)},
+                     {"in_repair", list_of(runtime.in_repair(), value_of)}});
 }
 
 Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {

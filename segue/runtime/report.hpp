@@ -34,7 +34,7 @@ type::Value to_value(const FileChange& change);
 type::Value to_value(const Diagnostics& diagnostics);
 
 /// {"pool", "size", "ready" (how many instances are), "instances" (a list of {"task", "ready", "pid",
-/// "given_up", "reason"})}
+/// "given_up", "reason", "busy"})}
 type::Value to_value(const PoolReport& pool);
 type::Value to_value(const UnresolvedFault& fault);
 
@@ -62,7 +62,7 @@ type::Value to_value(const host::ConnectionReport& report);
 /// the robot has none), "state", "controllers", "ready" (a list as above), "pools", "tasks",
 /// "connections", "differences"}: a robot at a glance.
 type::Value status_of(Runtime& runtime);
-/// Of that, what no process is asked for: "controller" and "unresolved".
+/// Of that, what no process is asked for: "controller" and "unresolved"; and like that "in_repair".
 type::Value running_of(const Runtime& runtime);
 
 /// One task: the fields of its report, "ports", "properties", "operations", "timing", and unless its process

@@ -414,7 +414,7 @@ Result<type::Value> RuntimeService::call(std::string_view task, std::string_view
   if (auto allowed = allow(sender, "calls", task, operation, wait); !allowed) {
     return std::move(allowed.error());
   }
-  return runtime_.host().call(model::TaskId(task), operation, arguments, wait.deadline);
+  return runtime_.call(model::TaskId(task), operation, arguments, wait);
 }
 
 Result<void> RuntimeService::write(std::string_view task, std::string_view port, const type::Value& value,

@@ -208,6 +208,11 @@ std::map<model::DeploymentKey, std::string> Runtime::ended_processes() const {
   return implementation_->ended;
 }
 
+Result<type::Value> Runtime::call(const model::TaskId& task, std::string_view operation,
+                                  const type::Value& arguments, const Wait& wait) {
+  return implementation_->instance_calls.call(task, operation, arguments, wait);
+}
+
 std::vector<PoolReport> Runtime::pools() const {
   return implementation_->report_pools();
 }
@@ -215,6 +220,11 @@ std::vector<PoolReport> Runtime::pools() const {
 std::vector<UnresolvedFault> Runtime::unresolved() const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->unresolved;
+}
+
+std::vector<UnresolvedFault> Runtime::in_repair() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->in_repair;
 }
 
 std::vector<SwitchResult> Runtime::history() const {

@@ -14,6 +14,7 @@
 #include <segue/runtime/event.hpp>
 #include <segue/runtime/halt.hpp>
 #include <segue/runtime/pool_report.hpp>
+#include <segue/runtime/readiness.hpp>
 #include <segue/runtime/request_options.hpp>
 #include <segue/runtime/runtime_options.hpp>
 #include <segue/runtime/switch_result.hpp>
@@ -50,15 +51,6 @@ struct ControllerConflict {
   model::NetworkName b;
   solve::Conflict conflict;
   bool influence = false;
-};
-
-/// How far a standby controller is prepared.
-struct Readiness {
-  model::NetworkName controller;
-  bool ready = false;        ///< prepared as far as the running controller permits
-  std::size_t prepared = 0;  ///< number of its tasks that are configured, running ones included
-  std::size_t tasks = 0;
-  std::string reason;  ///< why it is not ready
 };
 
 /// Owns a thread that executes requests sequentially. A newer request supersedes one that waits and one whose
@@ -176,10 +168,16 @@ class Runtime {
   /// Processes of the running controller that have ended and are still missing: why, and the last lines of
   /// their logs.
   [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;
+  /// As host().call(). An instance of a pool that has begun to carry it out when `wait` ends, and does so for
+  /// nobody then, is ended and started again. Blocks until it has ended, or the instance has.
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, const Wait& wait);
   /// The pools of RuntimeOptions as they are now. Blocks while the host is asked.
   [[nodiscard]] std::vector<PoolReport> pools() const;
   /// Faults and leftovers that lasted longer than the policies permit attempts. From the last supervision.
   [[nodiscard]] std::vector<UnresolvedFault> unresolved() const;
+  /// Faults that are being mended, or will be: for as long as the policies permit further attempts.
+  [[nodiscard]] std::vector<UnresolvedFault> in_repair() const;
 
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;

@@ -4,6 +4,7 @@
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/event_log.hpp>
 #include <segue/runtime/halts.hpp>
+#include <segue/runtime/instance_calls.hpp>
 #include <segue/runtime/journaling.hpp>
 #include <segue/runtime/leases.hpp>
 #include <segue/runtime/look_ahead.hpp>
@@ -15,9 +16,6 @@
 #include <segue/runtime/worker_memory.hpp>
 #include <segue/solve/repair.hpp>
 
-#include <atomic>
-#include <condition_variable>
-#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -140,7 +138,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   [[nodiscard]] model::Network without_pools(const model::Network& network) const;
   /// Why a network cannot be requested: it names what belongs to a pool.
   [[nodiscard]] std::optional<detail::Refusal> refusal_for_pools(const model::Network& network) const;
-  /// Starts instances that do not run, each by a transition of its own.
+  /// Starts instances that do not run, or work for nobody, each by a transition of its own.
   void look_after_pools();
   /// Takes a snapshot, and notes which instances run.
   std::vector<detail::DetectedFault> find_pool_faults();
@@ -148,7 +146,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void note_pool_faults(const std::vector<detail::DetectedFault>& faults);
   [[nodiscard]] std::vector<PoolReport> report_pools() const;
 
-  // Supervision between requests, in the worker thread (runtime_supervise.cpp)
+  // Supervision between requests, in the worker thread (runtime_supervise.cpp, runtime_faults.cpp)
   /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
   void supervise();
   /// Does what is left to do, where the robot is still commanded; returns what cannot be done.
@@ -161,6 +159,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   std::vector<UnresolvedFault> collect_leftovers(const detail::Observation& seen);
   /// Forgets processes that ended if they are there again, or are no longer wanted.
   void forget_ended(const model::Network& observed);
+  void note_in_repair(const std::vector<detail::DetectedFault>& faults);
   void report_given_up(const std::vector<detail::DetectedFault>& faults);
   void fall_back(const detail::Observation& seen);
   void look_ahead();
@@ -185,6 +184,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   detail::EventLog log;
   detail::JournalKeeper journal{options.journal, log};
   detail::Leases leases{log, journal};
+  detail::InstanceCalls instance_calls{host, pools, [this] { wake_worker(); }};
   detail::Belief belief{host};
   const detail::TransitionContext context{host, catalog, log};
 

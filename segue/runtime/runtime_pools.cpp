@@ -3,6 +3,8 @@
 #include <segue/model/pools.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -87,6 +89,13 @@ void Runtime::Implementation::look_after_pools() {
   if (pools.empty() || !pools_run) {
     return;
   }
+  for (const auto& [life, why] : instance_calls.abandoned()) {
+    start_instance({life.instance, model::FailurePolicy::Restart, why, true});
+    // In the process of the runtime the same one is made anew, since that cannot be ended.
+    if (life.pid == ::getpid()) {
+      instance_calls.forget(life);
+    }
+  }
   const auto faults = find_pool_faults();
   std::vector<DetectedFault> to_start;
   std::ranges::remove_copy_if(faults, std::back_inserter(to_start), is_left_alone);
@@ -103,8 +112,13 @@ void Runtime::Implementation::look_after_pools() {
 }
 
 void Runtime::Implementation::start_instance(const DetectedFault& fault) {
-  const Observation seen = belief.observe();
+  Observation seen = belief.observe();
   const model::TaskId instance = instance_of(fault);
+  for (model::Task& task : seen.network.tasks) {
+    if (task.id == instance && fault.needs_process) {
+      task.state = TaskState::Fatal;  // whatever it says: its process is to be replaced
+    }
+  }
   solve::RepairScope scope;
   if (const auto* process = std::get_if<model::DeploymentKey>(&fault.subject)) {
     scope.processes.push_back(*process);
@@ -159,7 +173,13 @@ std::vector<PoolReport> Runtime::Implementation::report_pools() const {
       const auto fault = pool_faults.find(one.task);
       if (task != tasks.end()) {
         one.pid = task->second.pid;
-        one.ready = task->second.state == TaskState::Running && !task->second.unknown;
+        const std::string abandoned = instance_calls.why_abandoned({one.task, one.pid});
+        one.busy = instance_calls.is_busy({one.task, one.pid});
+        one.ready = task->second.state == TaskState::Running && !task->second.unknown && abandoned.empty();
+        if (!abandoned.empty()) {
+          one.reason = abandoned + "; it is being ended, and started again";
+          continue;
+        }
       }
       if (one.ready) {
         continue;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/model/controller_names.hpp>
 #include <segue/model/network_sets.hpp>
 #include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
@@ -17,6 +16,8 @@ namespace segue::runtime {
 using detail::DetectedFault;
 using detail::Observation;
 using detail::quoted_name;
+using detail::scope_of;
+using detail::sentence_of;
 using detail::SwitchPlan;
 
 namespace {
@@ -47,18 +48,6 @@ detail::MemoryOf memory_of(const host::TaskHost& host) {
   };
 }
 
-solve::RepairScope scope_of(const std::vector<DetectedFault>& faults) {
-  solve::RepairScope scope;
-  for (const auto& fault : faults) {
-    if (const auto* task = std::get_if<model::TaskId>(&fault.subject)) {
-      scope.tasks.push_back(*task);
-    } else {
-      scope.processes.push_back(std::get<model::DeploymentKey>(fault.subject));
-    }
-  }
-  return scope;
-}
-
 /// Why nothing can be prepared while `controller` should run and `seen` was observed.
 std::string drift_of(const model::Network& controller, const model::Network& seen) {
   const auto sentences = differences(controller, seen, 1);
@@ -71,53 +60,6 @@ std::vector<Readiness> unready(std::vector<Readiness> all, const std::string& re
     one = {one.controller, false, 0, one.tasks, reason};
   }
   return all;
-}
-
-std::string names_of(const std::vector<DetectedFault>& faults) {
-  std::vector<std::string> names;
-  for (const auto& fault : faults) {
-    names.push_back(fault.name() + " " + fault.symptom);
-  }
-  return listed(names);
-}
-
-/// The running controllers that have the part; all where it is in none of them, such as a gateway.
-std::vector<model::NetworkName> controllers_with(const DetectedFault& fault, const model::Network& running,
-                                                 const Controllers& known) {
-  std::vector<model::TaskId> tasks;
-  if (const auto* task = std::get_if<model::TaskId>(&fault.subject)) {
-    tasks.push_back(*task);
-  } else {
-    for (const auto& [placed, process] : model::task_processes(running)) {
-      if (process == std::get<model::DeploymentKey>(fault.subject)) {
-        tasks.push_back(placed);
-      }
-    }
-  }
-  const auto names = model::controllers_in(running.name.str());
-  std::vector<model::NetworkName> with;
-  std::ranges::copy_if(names, std::back_inserter(with), [&](const model::NetworkName& name) {
-    const auto found = known.find(name);
-    return found != known.end() && std::ranges::any_of(tasks, [&](const model::TaskId& task) {
-             return found->second.find_task(task) != nullptr;
-           });
-  });
-  return with.empty() ? names : with;
-}
-
-/// Left so by its policy. A task that has stopped may have done so on purpose; one that is broken, or without
-/// its process, has not.
-bool is_left_broken(const DetectedFault& fault, const model::Network& observed) {
-  if (fault.policy != model::FailurePolicy::Report) return false;
-  const auto* task = std::get_if<model::TaskId>(&fault.subject);
-  const model::Task* seen = task == nullptr ? nullptr : observed.find_task(*task);
-  return task == nullptr ||
-         (seen != nullptr && (seen->state == TaskState::Exception || seen->state == TaskState::Fatal));
-}
-
-std::string sentence_of(const DetectedFault& fault, const detail::RepairScheduler& scheduler) {
-  return fault.name() + " " + fault.symptom + "; " + std::to_string(scheduler.attempts(fault)) +
-         " attempts have not helped";
 }
 
 /// The result of a transition that was not requested, before it is executed.
@@ -237,55 +179,6 @@ void Runtime::Implementation::bring_back(const std::set<model::HostName>& hosts,
     }
   }
   repair(Cause::Repair, seen, scope, pool_part(seen.network));
-}
-
-std::vector<UnresolvedFault> Runtime::Implementation::handle_faults(const Observation& seen) {
-  const auto held = belief.held();
-  if (!held.wanted) {
-    return {};
-  }
-  const auto faults = detail::find_faults(detail::reachable_part(*held.wanted, host), seen.network,
-                                          options.policies.on_failure);
-  const auto decision = repairs.decide(faults, RealClock::instance().now());
-  report_given_up(decision.given_up);
-  if (decision.fallback) {
-    fall_back(seen);
-  } else if (!decision.repair.empty()) {
-    log.add(EventKind::Repair, held.controller.name.str(), names_of(decision.repair));
-    for (const auto& fault : decision.repair) {
-      journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
-    }
-    repair(Cause::Repair, seen, scope_of(decision.repair), pool_part(seen.network));
-  }
-  const model::Network desired = belief.held().desired();
-  std::vector<UnresolvedFault> left;
-  const std::lock_guard lock(mutex);
-  const auto add = [&](const DetectedFault& fault, std::string sentence) {
-    const auto* task = std::get_if<model::TaskId>(&fault.subject);
-    left.push_back({std::move(sentence), controllers_with(fault, desired, definitions.controllers),
-                    task == nullptr ? std::nullopt : std::optional(*task)});
-  };
-  for (const auto& fault : repairs.exhausted(faults)) {
-    add(fault, sentence_of(fault, repairs));
-  }
-  for (const auto& fault : faults) {
-    if (is_left_broken(fault, seen.network)) {
-      add(fault, fault.name() + " " + fault.symptom + ", and is left so, as its 'on_failure' says");
-    }
-  }
-  return left;
-}
-
-void Runtime::Implementation::report_given_up(const std::vector<DetectedFault>& faults) {
-  for (const auto& fault : faults) {
-    const int attempts = repairs.attempts(fault);
-    journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "given up");
-    log.add(EventKind::GivenUp, fault.name(),
-            fault.symptom +
-                (attempts == 0 ? ", and only a new process would help, which its policy 'recover' excludes"
-                               : " still, after " + std::to_string(attempts) + " attempts") +
-                "; the next request tries again");
-  }
 }
 
 void Runtime::Implementation::fall_back(const Observation& seen) {

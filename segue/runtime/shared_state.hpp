@@ -48,6 +48,7 @@ struct SharedState {
   std::vector<Readiness> readiness;
   bool look_ahead_due = false;
   std::vector<UnresolvedFault> unresolved;
+  std::vector<UnresolvedFault> in_repair;    ///< faults that are being mended, or will be
   std::set<model::HostName> returned_hosts;  ///< reachable again, not yet brought to what they should run
   std::map<model::DeploymentKey, std::string> ended;  ///< processes that ended and are still missing, and why
   std::map<model::TaskId, PoolInstance> pool_faults;  ///< instances of pools that do not run

@@ -206,4 +206,21 @@ int RepairScheduler::attempts(const DetectedFault& fault) const {
   return found == cases_.end() ? 0 : found->second.attempts;
 }
 
+solve::RepairScope scope_of(const std::vector<DetectedFault>& faults) {
+  solve::RepairScope scope;
+  for (const auto& fault : faults) {
+    if (const auto* task = std::get_if<model::TaskId>(&fault.subject)) {
+      scope.tasks.push_back(*task);
+    } else {
+      scope.processes.push_back(std::get<model::DeploymentKey>(fault.subject));
+    }
+  }
+  return scope;
+}
+
+std::string sentence_of(const DetectedFault& fault, const detail::RepairScheduler& scheduler) {
+  return fault.name() + " " + fault.symptom + "; " + std::to_string(scheduler.attempts(fault)) +
+         " attempts have not helped";
+}
+
 }  // namespace segue::runtime::detail

@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
+#include <segue/solve/repair.hpp>
 
 #include <map>
 #include <optional>
@@ -80,5 +81,10 @@ class RepairScheduler {
   std::map<std::string, Case> cases_;  ///< by name
   TimePoint decided_;                  ///< when decide() was called last
 };
+
+/// All of them are to be repaired.
+solve::RepairScope scope_of(const std::vector<DetectedFault>& faults);
+/// Of one that was given up: what it is, and how many attempts have not helped.
+std::string sentence_of(const DetectedFault& fault, const RepairScheduler& scheduler);
 
 }  // namespace segue::runtime::detail

@@ -168,6 +168,23 @@ TEST(Supervision, repairs_a_task_as_often_as_its_policy_permits) {
   EXPECT_FALSE(robot.runtime.observed_differences().empty()) << "and the drift is reported";
 }
 
+TEST(Supervision, says_what_it_mends_for_as_long_as_it_may_try_again) {
+  RuntimeOptions slow = quick(3);
+  slow.policies.restart.backoff = 1h;
+  testing::StandInRobot waits(std::move(slow));
+  ASSERT_EQ(waits.runtime.switch_to(failing("recover")).outcome, Outcome::Done);
+  ASSERT_TRUE(eventually([&] { return !waits.runtime.in_repair().empty(); }));
+  EXPECT_EQ(waits.runtime.in_repair().front().task, model::TaskId("a"));
+  EXPECT_THAT(waits.runtime.in_repair().front().controllers,
+              ::testing::ElementsAre(model::NetworkName("failing")));
+  EXPECT_THAT(waits.runtime.unresolved(), ::testing::IsEmpty());
+
+  testing::StandInRobot gives_up(quick(1));
+  ASSERT_EQ(gives_up.runtime.switch_to(failing("recover")).outcome, Outcome::Done);
+  EXPECT_TRUE(eventually([&] { return !gives_up.runtime.unresolved().empty(); }));
+  EXPECT_THAT(gives_up.runtime.in_repair(), ::testing::IsEmpty());
+}
+
 /// A leftover that cannot be removed is an event, stands in the status, and is removed as soon as that works.
 TEST(Supervision, pursues_leftovers_for_ever) {
   testing::StandInRobot robot(quick(2));

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "system_test.hpp"
 
@@ -49,9 +50,16 @@ class PoolMission : public SystemTest {
     wait_until([&] { return pool().find("ready")->as_int() == pool().find("size")->as_int(); });
   }
   type::Value pool() { return json({"status"}).find("pools")->as_list().at(0); }
-  void kill_first() {
-    const auto instances = pool().find("instances")->as_list();
-    ::kill(static_cast<int>(instances.at(0).find("pid")->as_int()), SIGKILL);
+  type::Value first() { return pool().find("instances")->as_list().at(0); }
+  int pid_of_first() { return static_cast<int>(first().find("pid")->as_int()); }
+  void kill_first() { ::kill(pid_of_first(), SIGKILL); }
+  /// Another process than that one has it, and it can be used.
+  void wait_until_first_is_anew(int before) {
+    wait_until([&] {
+      const auto instance = first();
+      return instance.find("ready")->as_bool() && instance.find("pid")->as_int() != before;
+    });
+    EXPECT_FALSE(first().find("busy")->as_bool());
   }
   void wait_until_planning() {
     wait_until([&] {
@@ -96,13 +104,52 @@ TEST_F(PoolMission, SaysWhyWhereNoInstanceIsLeft) {
   EXPECT_EQ(segue({"switch", "explore"}).status, 0) << "the controllers do not depend on it";
 }
 
-TEST_F(PoolMission, ACallThatIsNotAnsweredInTimeNamesItsTimeLimit) {
+/// Or it would plan for an hour.
+TEST_F(PoolMission, ACallThatIsNotAnsweredInTimeNamesItsTimeLimitAndEndsTheInstance) {
   start_with_pool("1");
+  const int before = pid_of_first();
   const auto late =
       segue({"call", "planner_1.plan", "from={x: 0.0, y: 0.0}", "to={x: 1.0, y: 0.0}", "--timeout", "100ms"});
-  kill_first();  // or it would plan for an hour
   EXPECT_EQ(late.status, 1);
   EXPECT_THAT(late.errors, HasSubstr("planner_1.plan has not answered within 100ms, see --timeout"));
+  wait_until_first_is_anew(before);
+}
+
+TEST_F(PoolMission, AnInstanceThatWorksForAMissionThatWasKilledBeginsAnew) {
+  start_with_pool("1");
+  const int before = pid_of_first();
+  Process mission(command({"mission", "run", "plan.yaml"}), folder_);
+  wait_until_planning();
+  wait_until([&] { return first().find("busy")->as_bool(); });
+  mission.signal(SIGKILL);
+  mission.wait();
+  wait_until_first_is_anew(before);
+}
+
+TEST_F(PoolMission, OneThatLosesItsRuntimeIsResumed) {
+  start_with_pool("1");
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
+    std::vector<std::string> line = {"mission", "run",       "plan.yaml",      "--mode",
+                                     mode,      "--journal", "journal." + mode};
+    Process mission(command(line), folder_);
+    wait_until_planning();
+    wait_until([&] { return first().find("busy")->as_bool(); });
+    const int before = pid_of_first();
+    robot_->signal(SIGKILL);
+    robot_->wait();
+    const auto lost = mission.wait();
+    EXPECT_EQ(lost.status, 1);
+    EXPECT_THAT(lost.errors, HasSubstr("when it runs again, the mission goes on with --resume"));
+    start();
+    wait_until_first_is_anew(before);
+    ASSERT_EQ(segue({"set", "planner_1.effort=0ms"}).status, 0);
+    line.emplace_back("--resume");
+    const auto resumed = segue(line);
+    EXPECT_EQ(resumed.status, 0) << resumed.errors;
+    EXPECT_THAT(resumed.output, HasSubstr("plan: found"));
+    ASSERT_EQ(segue({"set", "planner_1.effort=1h"}).status, 0);
+  }
 }
 
 TEST_F(PoolMission, NeedsAPoolOfTheRobot) {

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/base/wait.hpp>
+#include <segue/host/task_host.hpp>
+#include <segue/model/ids.hpp>
+#include <segue/model/network.hpp>
+#include <segue/type/value.hpp>
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace segue::runtime::detail {
+
+/// What the instances of pools carry out, and which of them do so for nobody: whoever called waits no longer,
+/// but an operation that has begun cannot be taken back. An instance carries calls out in the order in which
+/// they come, so only the oldest one has begun. Thread safe.
+class InstanceCalls {
+ public:
+  /// `host` and `pools` must outlive this. `notify` is called, from any thread, when an instance is to be
+  /// ended; it must not block.
+  InstanceCalls(host::TaskHost& host, const model::Network& pools, std::function<void()> notify)
+      : host_(host), pools_(pools), notify_(std::move(notify)) {}
+
+  /// As TaskHost::call(), of any task. Blocks until it has ended, also where the wait has been stopped.
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, const Wait& wait);
+
+  /// Tells lives of an instance apart.
+  struct Life {
+    model::TaskId instance;
+    int pid = 0;
+    friend auto operator<=>(const Life&, const Life&) = default;
+  };
+
+  /// A call is about to be made; the result names it.
+  std::uint64_t begin(Life life);
+  /// Nobody waits for its answer any more, while it is under way.
+  void no_longer_wanted(std::uint64_t call);
+  /// It is not under way any more. Unless it was answered, it may still be carried out if it had begun.
+  void ended(std::uint64_t call, bool is_answered);
+  /// All that are there may carry out what nobody waits for.
+  void abandon_all(const std::string& why);
+
+  [[nodiscard]] bool is_busy(const Life& life) const;
+  /// Why the instance must be ended; empty: it need not.
+  [[nodiscard]] std::string why_abandoned(const Life& life) const;
+  /// Those that are there, and why they are to be ended. Forgets those that have begun another life.
+  [[nodiscard]] std::map<Life, std::string> abandoned();
+  /// That life begins anew.
+  void forget(const Life& life);
+
+ private:
+  struct Call {
+    std::uint64_t number = 0;
+    bool is_wanted = true;
+  };
+
+  [[nodiscard]] std::map<model::TaskId, int> processes() const;
+
+  host::TaskHost& host_;
+  const model::Network& pools_;
+  const std::function<void()> notify_;
+  mutable std::mutex mutex_;  ///< protects all below; not held while the host is asked
+  std::uint64_t last_ = 0;
+  std::map<Life, std::deque<Call>> calls_;  ///< under way, the oldest first
+  std::map<Life, std::string> abandoned_;   ///< and why
+};
+
+}  // namespace segue::runtime::detail

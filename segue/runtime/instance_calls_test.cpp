@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/local_task_host.hpp>
+#include <segue/runtime/instance_calls.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace segue::runtime::detail {
+namespace {
+
+using ::testing::HasSubstr;
+
+const InstanceCalls::Life kPlanner{model::TaskId("planner_1"), 7};
+
+/// Of a host that has no tasks.
+class CallsOfInstances : public ::testing::Test {
+ protected:
+  model::ComponentCatalog catalog_;
+  host::LibrarySet libraries_;
+  host::LocalTaskHost host_{
+      libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  model::Network pools_;
+  InstanceCalls calls{host_, pools_, [] {}};
+};
+
+TEST_F(CallsOfInstances, MakeThemBusyUntilTheyAreAnswered) {
+  const auto call = calls.begin(kPlanner);
+  EXPECT_TRUE(calls.is_busy(kPlanner));
+  calls.ended(call, true);
+  EXPECT_FALSE(calls.is_busy(kPlanner));
+  EXPECT_EQ(calls.why_abandoned(kPlanner), "");
+}
+
+TEST_F(CallsOfInstances, AbandonThemWhereNobodyWaitsForTheAnswer) {
+  const auto stopped = calls.begin(kPlanner);
+  calls.no_longer_wanted(stopped);
+  EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits"));
+  calls.ended(stopped, true);
+  EXPECT_EQ(calls.why_abandoned(kPlanner), "") << "it was answered all the same";
+  calls.ended(calls.begin(kPlanner), false);
+  EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits"));
+  EXPECT_EQ(calls.why_abandoned({kPlanner.instance, 8}), "") << "its next process does nothing yet";
+  calls.forget(kPlanner);
+  EXPECT_EQ(calls.why_abandoned(kPlanner), "");
+}
+
+TEST_F(CallsOfInstances, AbandonNoneThatHasNotBegunWithThem) {
+  const auto first = calls.begin(kPlanner);
+  const auto second = calls.begin(kPlanner);
+  calls.ended(second, false);
+  EXPECT_EQ(calls.why_abandoned(kPlanner), "") << "it still works for who called first";
+  const auto third = calls.begin(kPlanner);
+  calls.no_longer_wanted(third);
+  EXPECT_EQ(calls.why_abandoned(kPlanner), "");
+  calls.ended(first, true);
+  EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits")) << "that one has begun now";
+}
+
+}  // namespace
+}  // namespace segue::runtime::detail
