@@ -3,6 +3,7 @@
 
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/text.hpp>
+#include <segue/mission/controller_progress.hpp>
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/prepared_controllers.hpp>
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
+#include <set>
 #include <stop_token>
 #include <utility>
 
@@ -40,55 +42,6 @@ ControllerUse filled(ControllerUse use, const ActionCall& call) {
 
 Ending aborted(const Error& error) {
   return {kAborted, to_string(error)};
-}
-
-/// How far an action has got, as its run's journal has it. Told: with its controller, the properties that it
-/// set, and how often each task that it watches had been updated then.
-struct Progress {
-  enum class Stage : std::uint8_t { Begins, Tells, Told };
-  Stage stage = Stage::Begins;
-  std::string controller;
-  std::vector<MemberValue> properties{};
-  std::map<std::string, std::uint64_t> updates{};
-
-  [[nodiscard]] Value to_value() const;
-  static Progress of(const Value& value);
-};
-
-constexpr const char* kTells = "tells";
-constexpr const char* kTold = "told";
-
-Value Progress::to_value() const {
-  type::ValueMap set;
-  for (const MemberValue& one : properties)
-    set.append(to_string(one.member), one.value);
-  type::ValueMap counts;
-  for (const auto& [task, count] : updates)
-    counts.append(task, count);
-  return Value::map({{"stage", stage == Stage::Told ? kTold : kTells},
-                     {"controller", controller},
-                     {"set", std::move(set)},
-                     {"updates", std::move(counts)}});
-}
-
-Progress Progress::of(const Value& value) {
-  Progress progress;
-  if (value.is_null()) return progress;
-  progress.stage = Stage::Tells;
-  const Value* stage = value.find("stage");
-  const Value* controller = value.find("controller");
-  const Value* set = value.find("set");
-  const Value* updates = value.find("updates");
-  if (stage == nullptr || *stage != Value(kTold) || controller == nullptr || !controller->is_string() ||
-      set == nullptr || !set->is_map() || updates == nullptr || !updates->is_map())
-    return progress;
-  progress.stage = Stage::Told;
-  progress.controller = controller->as_string();
-  for (const auto& [name, one] : set->as_map())
-    progress.properties.push_back({parse_member(name), one, {}});
-  for (const auto& [task, count] : updates->as_map())
-    progress.updates.emplace(task, count.is_integer() ? count.as_uint() : 0);
-  return progress;
 }
 
 /// The condition if it is one of that kind on the robot; else null.
@@ -135,7 +88,7 @@ class ControlledRun {
     std::vector<std::size_t> output_places;  ///< of each of `use.outputs`
     std::uint64_t number = 0;                ///< of the execution
     std::vector<UpcomingController> ahead{};
-    Progress progress{};  ///< of an earlier run
+    ControllerProgress progress{};  ///< of an earlier run
     ControllerUser user{};
     std::function<void(const Value&)> record{};
   };
@@ -175,7 +128,7 @@ class ControlledRun {
     return ending;
   }
 
-  [[nodiscard]] bool is_told() const { return task_.progress.stage == Progress::Stage::Told; }
+  [[nodiscard]] bool is_told() const { return task_.progress.stage == ControllerProgress::Stage::Told; }
 
   static Ending preempted() { return {kPreempted, {}}; }
 
@@ -195,20 +148,27 @@ class ControlledRun {
     return preempted();
   }
 
-  void record(Progress::Stage stage) {
+  void record(ControllerProgress::Stage stage) {
     task_.progress = {stage, use_.controller, use_.set, told_};
     if (task_.record) task_.record(task_.progress.to_value());
   }
 
-  /// Says what to do, and from when on tasks count. An action that is preempted meanwhile says nothing more.
-  Result<void> tell(const std::stop_token& stop) {
-    if (!use_.call.empty() || !use_.write.empty()) record(Progress::Stage::Tells);
+  /// Says to its tasks, or only to those, what to do, and from when on they count. An action that is
+  /// preempted meanwhile says nothing more.
+  Result<void> tell(const std::stop_token& stop, const std::set<std::string>* only = nullptr) {
+    const auto is_told = [&](const MemberValue& one) {
+      return only == nullptr || only->contains(one.member.task);
+    };
+    if (std::ranges::any_of(use_.call, is_told) || std::ranges::any_of(use_.write, is_told))
+      record(ControllerProgress::Stage::Tells);
     for (const MemberValue& one : use_.call) {
+      if (!is_told(one)) continue;
       if (stop.stop_requested()) return no_longer_wanted();
       if (auto called = robot_.call(one.member, one.value, {answer_by(), stop}); !called)
         return called.error();
     }
     for (const MemberValue& one : use_.write) {
+      if (!is_told(one)) continue;
       if (stop.stop_requested()) return no_longer_wanted();
       if (auto written = robot_.write(one.member, one.value, {answer_by(), stop}); !written) return written;
     }
@@ -219,7 +179,7 @@ class ControlledRun {
         told_.emplace(reaches->task, task->updates);
       }
     }
-    record(Progress::Stage::Told);
+    record(ControllerProgress::Stage::Told);
     return {};
   }
 
@@ -232,10 +192,12 @@ class ControlledRun {
       if (!samples) return samples.error();
       ports_.follow(shows->port, std::move(*samples));
     }
-    for (const OutputSource& one : use_.outputs) {
-      auto opened = PortFeed::open(robot_, one.port, look(stop));
+    outputs_.resize(use_.outputs.size());
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+      if (outputs_[i]) continue;
+      auto opened = PortFeed::open(robot_, use_.outputs[i].port, look(stop));
       if (!opened) return opened.error();
-      outputs_.push_back(std::move(*opened));
+      outputs_[i] = std::move(*opened);
     }
     return {};
   }
@@ -251,8 +213,12 @@ class ControlledRun {
         look_at_controller = now() + options_.watch;
       }
       const auto met = first_that_holds(stop);
-      if (!met) return aborted_by(met.error(), stop);
-      if (*met < use_.until.size()) return ended_by(*met, stop);
+      if (!met) {
+        if (auto ending = await_repair(met.error(), stop)) return *ending;
+      } else if (*met < use_.until.size()) {
+        return ended_by(*met, stop);
+      }
+      if (auto ending = tell_again(stop)) return *ending;
       tasks_.ask();
       ports_.ask();
       bell_->wait({std::min(look_at_controller, next_look()), stop});
@@ -267,6 +233,71 @@ class ControlledRun {
       if (const auto* answers = condition_of<OperationAnswers>(condition))
         tasks_.follow(answers->operation.task, UINT64_MAX, kBetweenCallsWithoutUpdates);
     }
+    for (const auto* told : {&use_.call, &use_.write}) {
+      for (const MemberValue& one : *told)
+        tasks_.follow_life(one.member.task);
+    }
+    for (const EndCondition& condition : use_.until) {
+      if (const auto* shows = condition_of<SampleShows>(condition)) tasks_.follow_life(shows->port.task);
+    }
+    for (const OutputSource& one : use_.outputs)
+      tasks_.follow_life(one.port.task);
+  }
+
+  /// Until the robot has mended its controller; the ending where it does not, or the time is up before.
+  std::optional<Ending> await_repair(const Error& error, const std::stop_token& stop) {
+    TimePoint give_up = now() + options_.notice;
+    while (!stop.stop_requested()) {
+      const auto trouble = robot_.trouble(use_.controller, look(stop));
+      if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
+      if (auto lost = loss_by(*trouble)) return lost;
+      if (const auto up = time_is_up()) return ended_by(*up, stop);
+      if (!trouble->repair.empty()) {
+        give_up = now() + options_.notice;
+      } else if (watched_tasks_run(stop)) {
+        return std::nullopt;
+      } else if (now() > give_up) {
+        return aborted(error);
+      }
+      wait(stop);
+    }
+    return preempted();
+  }
+
+  [[nodiscard]] bool is_up(const TimeIsUp& when) const { return now() - begin_ >= when.after; }
+  [[nodiscard]] std::optional<std::size_t> time_is_up() const {
+    for (std::size_t i = 0; i < use_.until.size(); ++i) {
+      const auto* time = std::get_if<TimeIsUp>(&use_.until[i].when);
+      if (time != nullptr && is_up(*time)) return i;
+    }
+    return std::nullopt;
+  }
+
+  bool watched_tasks_run(const std::stop_token& stop) {
+    return std::ranges::all_of(tasks_.ids_to_be_seen(), [&](const std::string& id) {
+      const auto task = robot_.task(id, {answer_by(), stop});
+      return task && task->state == "running";
+    });
+  }
+
+  /// Tasks that have begun anew know nothing of what they were told; feeds of their ports have ended. The
+  /// ending where they cannot be told.
+  std::optional<Ending> tell_again(const std::stop_token& stop) {
+    for (std::string& task : tasks_.take_begun_anew()) {
+      ports_.forget(task);
+      for (auto& output : outputs_) {
+        if (output && output->port.task == task) output.reset();
+      }
+      told_.erase(task);
+      begun_anew_.insert(std::move(task));
+    }
+    if (begun_anew_.empty()) return std::nullopt;
+    auto told = tell(stop, &begun_anew_);
+    if (told) told = open_ports(stop);
+    if (!told) return stop.stop_requested() ? preempted() : await_repair(told.error(), stop);
+    begun_anew_.clear();
+    follow_tasks();
+    return std::nullopt;
   }
 
   /// When a condition may hold although nothing has been said of a task or a port.
@@ -284,6 +315,7 @@ class ControlledRun {
     if (auto looked = ports_.look(); !looked) return looked.error();
     if (auto looked = tasks_.look(); !looked) return looked.error();
     next_call_ = TimePoint::max();
+    if (tasks_.has_begun_anew() || !begun_anew_.empty()) return use_.until.size();  // these are told first
     for (std::size_t i = 0; i < use_.until.size(); ++i) {
       const auto met = std::visit([&](const auto& when) { return is_met(when, stop); }, use_.until[i].when);
       if (!met) return met.error();
@@ -303,7 +335,10 @@ class ControlledRun {
   std::optional<Ending> loss(const std::stop_token& stop) {
     const auto trouble = robot_.trouble(use_.controller, look(stop));
     if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
-    return ending_by(*trouble, use_.controller,
+    return loss_by(*trouble);
+  }
+  [[nodiscard]] std::optional<Ending> loss_by(const ControllerTrouble& trouble) const {
+    return ending_by(trouble, use_.controller,
                      [this](const std::string& task) { return awaits_failure_of(task); });
   }
   /// Whether it ends, as it says itself, when that task fails.
@@ -314,9 +349,7 @@ class ControlledRun {
     });
   }
 
-  Result<bool> is_met(const TimeIsUp& when, const std::stop_token& /*stop*/) const {
-    return now() - begin_ >= when.after;
-  }
+  Result<bool> is_met(const TimeIsUp& when, const std::stop_token& /*stop*/) const { return is_up(when); }
   Result<bool> is_met(const RobotCondition& when, const std::stop_token& stop) {
     return std::visit([&](const auto& one) { return is_met(one, stop); }, when);
   }
@@ -349,7 +382,7 @@ class ControlledRun {
   Result<void> read_outputs(const std::stop_token& stop, std::vector<Value>& outputs) {
     const TimePoint deadline = answer_by();
     for (std::size_t i = 0; i < use_.outputs.size(); ++i) {
-      PortFeed& one = outputs_[i];
+      PortFeed& one = *outputs_[i];
       while (true) {
         if (auto looked = one.look(look(stop)); !looked) return looked;
         if (one.last) break;
@@ -386,8 +419,9 @@ class ControlledRun {
   std::map<std::string, Called> called_;
   TimePoint next_call_ = TimePoint::max();
   TimePoint begin_{};
-  std::map<std::string, std::uint64_t> told_;  ///< how often each task had been updated then
-  std::vector<PortFeed> outputs_;
+  std::map<std::string, std::uint64_t> told_;     ///< how often each task had been updated then
+  std::vector<std::optional<PortFeed>> outputs_;  ///< of each of `use_.outputs`
+  std::set<std::string> begun_anew_;              ///< tasks that are to be told again
 };
 
 }  // namespace
@@ -404,7 +438,7 @@ class ControllerRunner::Implementation {
     if (!name) return aborted(name.error());
     ControlledRun::Task task{filled(use, call), {}, {}, ++executions_};
     task.use.controller = std::move(*name);
-    task.progress = Progress::of(call.progress());
+    task.progress = ControllerProgress::of(call.progress());
     task.user = {call.path(), call.iteration()};
     task.record = call.recorder();
     for (const EndCondition& condition : use.until)
@@ -420,9 +454,9 @@ class ControllerRunner::Implementation {
     return std::nullopt;
   }
 
-  Result<void> go_on(const Action& action, const Progress& progress) {
-    if (progress.stage == Progress::Stage::Begins) return {};
-    if (progress.stage == Progress::Stage::Tells) {
+  Result<void> go_on(const Action& action, const ControllerProgress& progress) {
+    if (progress.stage == ControllerProgress::Stage::Begins) return {};
+    if (progress.stage == ControllerProgress::Stage::Tells) {
       return fail(ErrorCode::InvalidState,
                   "the run was interrupted while its controller was being told what to do");
     }
@@ -450,7 +484,7 @@ ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, Contro
 ControllerRunner::~ControllerRunner() = default;
 
 Result<void> ControllerRunner::go_on(const Action& action, const Value& progress) {
-  return implementation_->go_on(action, Progress::of(progress));
+  return implementation_->go_on(action, ControllerProgress::of(progress));
 }
 
 std::optional<Ending> ControllerRunner::start(ActionCall& call) {

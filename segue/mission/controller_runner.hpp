@@ -25,6 +25,8 @@ struct ControllerOptions {
   /// For a request, and for everything else that the robot is asked.
   Duration request_deadline = std::chrono::seconds(60);
   Duration answer_deadline = std::chrono::seconds(10);
+  /// How long it may take the robot to notice that a task is gone, and to run it after its repair.
+  Duration notice = std::chrono::seconds(3);
   /// Called, on some thread, where the robot cannot be reached any more: then the run must be stopped, so
   /// that it can be resumed when the robot is back, and actions end as it preempts them. Null: they abort.
   std::function<void(const Error& why)> unreachable{};
@@ -34,6 +36,10 @@ struct ControllerOptions {
 /// where the robot refuses what it is asked, and where its controller is replaced or fails: no action
 /// succeeds without its controller. Conditions on a task and on its ports count from its first update after
 /// it was told what to do, so what it said of an earlier goal does not end the action.
+///
+/// Where a task that it watches is gone and the robot mends it, an action waits as long as that goes on,
+/// which its robot limits, or until its own time is up. Tasks that have begun anew are told again what they
+/// were told. It aborts where the repair is given up.
 ///
 /// Actions whose controllers can run at once do (ControllerUnion). While they run, what the mission is likely
 /// to need next is prepared (upcoming_controllers).

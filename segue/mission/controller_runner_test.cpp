@@ -7,6 +7,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace segue::mission {
 namespace {
 
@@ -14,6 +22,69 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using type::Value;
+
+/// May lose its task, and mends it when the test says so.
+class MendingRobot final : public FakeRobot {
+ public:
+  void watch(const TaskQuestion& question, const Wait& wait, TaskAnswer answered) override {
+    const auto once = std::make_shared<Once>(std::move(answered));
+    {
+      const std::lock_guard lock(mutex_);
+      open_.push_back(once);
+    }
+    if (is_gone()) return once->answer(gone());
+    FakeRobot::watch(question, wait, [once](Result<TaskView> view) { once->answer(std::move(view)); });
+  }
+  Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override {
+    auto trouble = FakeRobot::trouble(controller, wait);
+    const std::lock_guard lock(mutex_);
+    if (trouble) trouble->repair = repair_;
+    if (!repair_.empty()) ++waits_;
+    waited_.notify_all();
+    return trouble;
+  }
+
+  void lose_task() {
+    std::vector<std::shared_ptr<Once>> open;
+    {
+      const std::lock_guard lock(mutex_);
+      repair_ = "task 'planner' is gone";
+      open.swap(open_);
+    }
+    for (const auto& one : open)
+      one->answer(gone());
+  }
+  void mend_task() {
+    const std::lock_guard lock(mutex_);
+    repair_.clear();
+  }
+  /// An action has been told that the task is being mended.
+  void wait_until_waited_for() {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(waited_.wait_for(lock, 60s, [&] { return waits_ > 2; }));
+  }
+
+ private:
+  struct Once {
+    explicit Once(TaskAnswer to) : answered(std::move(to)) {}
+    void answer(Result<TaskView> view) {
+      if (!is_answered.exchange(true)) answered(std::move(view));
+    }
+    std::atomic<bool> is_answered = false;
+    const TaskAnswer answered;
+  };
+  static Error gone() { return fail(ErrorCode::NotFound, "no task planner runs"); }
+  bool is_gone() {
+    const std::lock_guard lock(mutex_);
+    return !repair_.empty();
+  }
+
+  std::mutex mutex_;  ///< protects all below
+  std::condition_variable waited_;
+  std::vector<std::shared_ptr<Once>> open_;
+  std::string repair_;
+  int waits_ = 0;
+};
 
 class ControllerActions : public RunningMission {
  protected:
@@ -201,6 +272,43 @@ TEST_F(ControllerActions, NameAController) {
   begin("controller: '{where}/..', until: []");
   EXPECT_EQ(ended().outcome_name, "aborted");
   EXPECT_THAT(engine_->result().error, HasSubstr("'home/..' is no name of a controller"));
+}
+
+class ActionsWhoseTaskIsLost : public ControllerActions {
+ protected:
+  ActionsWhoseTaskIsLost() { robot_ = mending_; }
+  void begin_and_lose(const std::string& until) {
+    begin("controller: go_home, call: {planner.set_goal: {goal: home}}, " + until);
+    robot_->wait_until_asked("call planner.set_goal home");
+    robot_->wait_until_watched(3);
+    mending_->lose_task();
+    mending_->wait_until_waited_for();
+  }
+
+  const std::shared_ptr<MendingRobot> mending_ = std::make_shared<MendingRobot>();
+};
+
+TEST_F(ActionsWhoseTaskIsLost, WaitForItsRepairAndTellItAgain) {
+  begin_and_lose(kArrived);
+  robot_->become("arrived");
+  EXPECT_FALSE(is_over_);
+  mending_->mend_task();
+  EXPECT_EQ(ended().outcome_name, "arrived") << engine_->result().error;
+  EXPECT_THAT(robot_->asked(),
+              ElementsAre("request go_home", "call planner.set_goal home", "call planner.set_goal home"));
+}
+
+TEST_F(ActionsWhoseTaskIsLost, AbortWhereItsRepairIsGivenUp) {
+  begin_and_lose(kArrived);
+  robot_->lose("task 'planner' is gone; 3 attempts have not helped");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("3 attempts have not helped"));
+}
+
+TEST_F(ActionsWhoseTaskIsLost, EndMeanwhileWhenTheirOwnTimeIsUp) {
+  begin_and_lose(
+      "until: [{task: planner, state: arrived, outcome: arrived}, {after: 50ms, outcome: blocked}]");
+  EXPECT_EQ(ended().outcome_name, "blocked");
 }
 
 }  // namespace

@@ -9,6 +9,10 @@ void WatchedPorts::follow(const Member& port, std::unique_ptr<PortSamples> sampl
   ports_.emplace_back(port, std::move(samples), bell_);
 }
 
+void WatchedPorts::forget(std::string_view task) {
+  std::erase_if(ports_, [&](const One& one) { return one.port.task == task; });
+}
+
 Result<void> WatchedPorts::look() {
   for (One& one : ports_) {
     one.fresh.clear();

@@ -10,6 +10,7 @@
 #include <list>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,8 @@ class WatchedPorts {
 
   [[nodiscard]] bool follows(const Member& port) const { return find(port) != nullptr; }
   void follow(const Member& port, std::unique_ptr<PortSamples> samples);
+  /// The ports of that task are not followed any more.
+  void forget(std::string_view task);
   /// Takes in the answers that have come. The error of a port that cannot be read.
   Result<void> look();
   /// Asks for samples of the ports that are not being asked of, where it is time.

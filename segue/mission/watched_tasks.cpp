@@ -6,11 +6,27 @@
 
 namespace segue::mission {
 
+namespace {
+
+/// Between questions for a task that cannot be seen.
+constexpr Duration kBetweenTries = std::chrono::milliseconds(250);
+
+}  // namespace
+
+WatchedTasks::One& WatchedTasks::one_of(const std::string& task) {
+  const auto found = std::ranges::find(tasks_, task, &One::task);
+  return found == tasks_.end() ? tasks_.emplace_back(task, bell_) : *found;
+}
+
 void WatchedTasks::follow(const std::string& task, std::uint64_t after, Duration patience) {
-  auto found = std::ranges::find(tasks_, task, &One::task);
-  if (found == tasks_.end()) found = tasks_.emplace(tasks_.end(), task, bell_);
-  found->after = std::max(found->after, after);
-  found->patience = std::min(found->patience, patience);
+  One& one = one_of(task);
+  one.after = std::max(one.after, after);
+  one.patience = std::min(one.patience, patience);
+  one.must_be_seen = true;
+}
+
+void WatchedTasks::follow_life(const std::string& task) {
+  one_of(task);
 }
 
 Result<void> WatchedTasks::look() {
@@ -31,14 +47,55 @@ Result<void> WatchedTasks::take(One& one) {
   auto answer = one.question.take();
   if (!answer) return {};
   if (!*answer) {
-    if (!std::exchange(one.view, std::nullopt)) return answer->error();
+    const ErrorCode code = answer->error().code;
+    const bool is_gone = code == ErrorCode::NotFound || code == ErrorCode::Unavailable;
+    const bool was_seen = std::exchange(one.view, std::nullopt).has_value();
+    one.is_gone = one.is_gone || (was_seen && is_gone);
+    one.ask_at = was_seen ? TimePoint() : RealClock::instance().now() + kBetweenTries;
+    return was_seen || !one.must_be_seen ? Result<void>() : answer->error();
+  }
+  const bool runs = (*answer)->state == "running";
+  if (one.is_gone && !runs) {
+    one.ask_at = RealClock::instance().now() + kBetweenUpdates;
     return {};
   }
+  note_life(one, **answer, runs);
   const bool has_changed = TaskQuestion{one.task, one.view, false}.is_news(**answer);
   one.ask_at = has_changed ? TimePoint() : RealClock::instance().now() + kBetweenUpdates;
   one.view = std::move(**answer);
   ++one.news;
   return {};
+}
+
+/// Its updates are counted from its last start.
+void WatchedTasks::note_life(One& one, const TaskView& now, bool runs) {
+  if (one.view && one.view->state == "running" && !runs) one.has_stopped = true;
+  if (runs && (one.is_gone || one.has_stopped || now.updates < one.updates)) {
+    one.is_anew = true;
+    one.is_gone = one.has_stopped = false;
+    if (one.after != UINT64_MAX) one.after = 0;
+  }
+  one.updates = now.updates;
+}
+
+bool WatchedTasks::has_begun_anew() const {
+  return std::ranges::any_of(tasks_, &One::is_anew);
+}
+
+std::vector<std::string> WatchedTasks::ids_to_be_seen() const {
+  std::vector<std::string> ids;
+  for (const One& one : tasks_) {
+    if (one.must_be_seen) ids.push_back(one.task);
+  }
+  return ids;
+}
+
+std::vector<std::string> WatchedTasks::take_begun_anew() {
+  std::vector<std::string> anew;
+  for (One& one : tasks_) {
+    if (std::exchange(one.is_anew, false)) anew.push_back(one.task);
+  }
+  return anew;
 }
 
 void WatchedTasks::ask(One& one) {

@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace segue::mission {
 
@@ -29,8 +30,10 @@ class WatchedTasks {
   WatchedTasks(CommandedRobot& robot, std::shared_ptr<Bell> bell) : robot_(robot), bell_(std::move(bell)) {}
 
   /// Follows that task; its updates are changes, too, while there have been no more than `after`.
-  /// `patience`: how long a question waits.
+  /// `patience`: how long a question waits. One that was gone is seen again when it runs.
   void follow(const std::string& task, std::uint64_t after, Duration patience = kPatience);
+  /// Follows it only to know whether it has begun anew; that it cannot be seen is no error.
+  void follow_life(const std::string& task);
   /// Takes in the answers that have come. The error of a task that cannot be seen: where one is gone, the
   /// robot may have it anew, so only a question for its present level can fail.
   Result<void> look();
@@ -39,6 +42,12 @@ class WatchedTasks {
   /// When ask() has something to do although the bell does not ring.
   [[nodiscard]] TimePoint next_question() const;
 
+  /// Those that are followed for more than their life.
+  [[nodiscard]] std::vector<std::string> ids_to_be_seen() const;
+  /// Those that have begun anew since this was called last: they were gone, or have run before and do so
+  /// again, and know nothing of what they were told before. Their updates count from the beginning.
+  [[nodiscard]] std::vector<std::string> take_begun_anew();
+  [[nodiscard]] bool has_begun_anew() const;
   /// As of the last look(). Null: nothing is known yet.
   [[nodiscard]] const TaskView* view(std::string_view task) const;
   /// Counts answers.
@@ -52,11 +61,18 @@ class WatchedTasks {
     Duration patience = kPatience;
     std::optional<TaskView> view{};
     std::uint64_t news = 0;
+    bool must_be_seen = false;
+    std::uint64_t updates = 0;  ///< as of the last answer
+    bool is_gone = false;       ///< it was seen, and has not run since
+    bool has_stopped = false;   ///< it has run, and does not any more
+    bool is_anew = false;
     TimePoint ask_at{};
     Question<TaskView> question;
   };
 
+  One& one_of(const std::string& task);
   Result<void> take(One& one);
+  static void note_life(One& one, const TaskView& now, bool runs);
   void ask(One& one);
   [[nodiscard]] const One* find(std::string_view task) const;
 

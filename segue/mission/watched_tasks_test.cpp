@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/watched_tasks.hpp>
 
+#include <support/eventually.hpp>
+
 #include <gtest/gtest.h>
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -119,6 +122,42 @@ TEST_F(TasksThatAreWatched, AreAskedHowTheyAreOnceTheyCanBeSeenAgain) {
   EXPECT_EQ(last().seen, std::nullopt);
   EXPECT_TRUE(answer(arrived_));
   EXPECT_EQ(*tasks_.view("planner"), arrived_);
+}
+
+TEST_F(TasksThatAreWatched, HaveBegunAnewOnceTheyRunAfterTheyWereGone) {
+  tasks_.follow("planner", 0);
+  tasks_.ask();
+  EXPECT_TRUE(answer(driving_));
+  EXPECT_TRUE(answer(fail(ErrorCode::NotFound, "no task planner runs")));
+  EXPECT_TRUE(answer(TaskView{"stopped", "", 0}));
+  EXPECT_EQ(tasks_.view("planner"), nullptr) << "it is being started";
+  EXPECT_FALSE(tasks_.has_begun_anew());
+  const auto questions = robot_.asked.size();
+  ASSERT_TRUE(segue::testing::eventually([&] {
+    tasks_.ask();
+    return robot_.asked.size() > questions;
+  }));
+  EXPECT_TRUE(answer(driving_));
+  EXPECT_EQ(tasks_.take_begun_anew(), std::vector<std::string>{"planner"});
+  EXPECT_TRUE(tasks_.take_begun_anew().empty());
+}
+
+TEST_F(TasksThatAreWatched, HaveBegunAnewWhereTheirUpdatesAreCountedAnew) {
+  tasks_.follow_life("planner");
+  tasks_.ask();
+  EXPECT_TRUE(answer(arrived_));
+  EXPECT_FALSE(tasks_.has_begun_anew());
+  EXPECT_TRUE(answer(driving_));
+  EXPECT_TRUE(tasks_.has_begun_anew());
+}
+
+TEST_F(TasksThatAreWatched, HaveNotBegunAnewWhereTheyOnlyDoNotAnswer) {
+  tasks_.follow("planner", 0);
+  tasks_.ask();
+  EXPECT_TRUE(answer(driving_));
+  EXPECT_TRUE(answer(fail(ErrorCode::DeadlineExceeded, "its process does not answer")));
+  EXPECT_TRUE(answer(arrived_));
+  EXPECT_FALSE(tasks_.has_begun_anew());
 }
 
 TEST_F(TasksThatAreWatched, FailWhereTheyCannotBeSeenAtAll) {

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <random>
 
 #include "system_test.hpp"
@@ -24,6 +26,17 @@ actions:
     run:
       controller: go_to
       call: {seeker.set_goal: {goal: {x: 1000.0, y: 0.0}}}
+      until: [{task: seeker, state: arrived}]
+action: drive_to
+)";
+
+/// Drives for some seconds.
+constexpr const char* kFar = R"(mission: far
+actions:
+  drive_to:
+    run:
+      controller: go_to
+      call: {seeker.set_goal: {goal: {x: 2.0, y: 0.0}}}
       until: [{task: seeker, state: arrived}]
 action: drive_to
 )";
@@ -59,6 +72,10 @@ class KilledInMission : public SystemTest {
   }
   void append(const std::string& file, const std::string& text) const {
     std::ofstream(folder_ / "rover" / file, std::ios::app) << text;
+  }
+  [[nodiscard]] std::string read(const std::string& file) const {
+    std::ifstream stream(folder_ / file);
+    return {std::istreambuf_iterator<char>(stream), {}};
   }
   std::map<std::string, pid_t> deployments() const { return deployments_of(folder_ / "runtime"); }
   std::int64_t last_event() { return json({"events"}).as_list().back().find("number")->as_int(); }
@@ -120,6 +137,36 @@ TEST_F(KilledInMission, AControllerThatIsLostIsReported) {
                 AnyOf(HasSubstr("mind"), HasSubstr("no task 'seeker' runs")));
     EXPECT_EQ(segue({"switch", "explore"}).status, 0) << "the robot goes on";
   }
+}
+
+TEST_F(KilledInMission, AnActionGoesOnWhereTheRobotRepairsItsController) {
+  ASSERT_NO_FATAL_FAILURE(start_robot("restart"));
+  write("far.yaml", kFar);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    for (const std::string process : {"mind", "base"}) {
+      SCOPED_TRACE(mode + ", " + process);
+      const std::string journal = "journal." + mode + "." + process;
+      Process mission(command({"mission", "run", "far.yaml", "--mode", mode, "--journal", journal}), folder_);
+      ASSERT_TRUE(eventually([&] { return read(journal).find("\"told\"") != std::string::npos; }));
+      ASSERT_EQ(::kill(deployments().at(process), SIGKILL), 0);
+      const auto finished = mission.wait();
+      EXPECT_EQ(finished.status, 0) << finished.output << finished.errors;
+      EXPECT_EQ(segue({"switch", "explore"}).status, 0);
+    }
+  }
+}
+
+TEST_F(KilledInMission, AnActionAbortsWhereTheRepairIsGivenUp) {
+  ASSERT_NO_FATAL_FAILURE(start_robot("restart"));
+  write("endless.yaml", kEndless);
+  Process mission(command({"mission", "run", "endless.yaml"}), folder_);
+  for (int kills = 0; kills < 50 && !mission.has_ended(); ++kills) {
+    ASSERT_TRUE(eventually([&] { return mission.has_ended() || deployments().contains("mind"); }));
+    if (const auto all = deployments(); all.contains("mind")) ::kill(all.at("mind"), SIGKILL);
+  }
+  const auto finished = mission.wait();
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_THAT(finished.output + finished.errors, HasSubstr("attempts have not helped"));
 }
 
 TEST_F(KilledInMission, WhatWasAbortedIsDoneAgainOnARobotThatRepairsItself) {
