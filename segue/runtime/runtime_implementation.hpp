@@ -166,9 +166,9 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   /// Whether there is anything to prepare, or to answer. With the mutex held.
   [[nodiscard]] bool looks_ahead() const;
   /// Executes the part of the transition to the desired network, beside which `pools_part` runs, that
-  /// concerns `scope`.
+  /// concerns `scope`. `force`: processes that it replaces are killed.
   void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope,
-              const model::Network& pools_part);
+              const model::Network& pools_part, bool force = false);
   [[nodiscard]] std::vector<detail::PrepareRequest> known_prepare_requests(
       const model::Network& controller) const;
   [[nodiscard]] detail::LookAheadPlan plan_ahead(const model::Network& controller) const;

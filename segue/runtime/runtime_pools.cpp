@@ -129,7 +129,9 @@ void Runtime::Implementation::start_instance(const DetectedFault& fault) {
   if (pool_instances_seen.contains(instance)) {
     journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
   }
-  repair(Cause::Pool, seen, scope, model::unite(only(instance, pools), pool_part(seen.network)));
+  // What an instance carries out cannot be interrupted, so a process that is to be replaced is killed.
+  repair(Cause::Pool, seen, scope, model::unite(only(instance, pools), pool_part(seen.network)),
+         fault.needs_process);
 }
 
 void Runtime::Implementation::note_pool_faults(const std::vector<DetectedFault>& faults) {

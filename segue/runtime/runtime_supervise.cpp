@@ -229,7 +229,7 @@ std::vector<UnresolvedFault> Runtime::Implementation::collect_leftovers(const Ob
 }
 
 void Runtime::Implementation::repair(Cause cause, const Observation& seen, const solve::RepairScope& scope,
-                                     const model::Network& pools_part) {
+                                     const model::Network& pools_part, bool force) {
   const auto held = belief.held();
   SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
@@ -237,7 +237,7 @@ void Runtime::Implementation::repair(Cause cause, const Observation& seen, const
   plan.target =
       model::without_hosts(model::unite(model::unite(plan.controller, standby), pools_part), plan.lost);
   auto transition = solve::repair(seen.network, plan.target, catalog,
-                                  detail::solve_options(host, model::Order::Seamless, false), scope);
+                                  detail::solve_options(host, model::Order::Seamless, force), scope);
   if (!transition) {
     log.add(EventKind::TransitionFailed, plan.controller.name.str(), to_string(transition.error()));
     return;
