@@ -262,7 +262,7 @@ TEST_F(ControllerActions, ThatBeginAfterTheRobotWasTakenOverAbortAsThoseUnderWay
 
 TEST_F(ControllerActions, ArePreemptedAndStopTheRobotIfTheySaySo) {
   begin("controller: go_home, until: [{task: planner, state: arrived}], afterwards: stop");
-  robot_->wait_until_asked("request go_home");
+  robot_->wait_until_watched(1);  // the action knows that its controller runs
   engine_->stop();
   EXPECT_EQ(ended().outcome_name, "preempted");
   EXPECT_THAT(robot_->asked(), ElementsAre("request go_home", "request"));
