@@ -232,13 +232,11 @@ class ControlledRun {
         tasks_.follow(reaches->task, told_[reaches->task]);
       if (const auto* answers = condition_of<OperationAnswers>(condition))
         tasks_.follow(answers->operation.task, UINT64_MAX, kBetweenCallsWithoutUpdates);
+      if (const auto* shows = condition_of<SampleShows>(condition)) tasks_.follow_life(shows->port.task);
     }
     for (const auto* told : {&use_.call, &use_.write}) {
       for (const MemberValue& one : *told)
         tasks_.follow_life(one.member.task);
-    }
-    for (const EndCondition& condition : use_.until) {
-      if (const auto* shows = condition_of<SampleShows>(condition)) tasks_.follow_life(shows->port.task);
     }
     for (const OutputSource& one : use_.outputs)
       tasks_.follow_life(one.port.task);
