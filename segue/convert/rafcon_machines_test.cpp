@@ -129,6 +129,12 @@ TEST_P(RafconMachine, givesScriptsAllOfRafconsInterface) {
       R"("all":{"other":[1,{"x":null}],"text":"b"},"there":[true,false],"reference":"b","deleted":false})");
 }
 
+TEST_P(RafconMachine, passesLiveObjectsByReferenceThroughGlobalVariables) {
+  const Ran ran = run("live_objects");
+  EXPECT_EQ(ran.result.outcome_name, "success") << ran.result.error;
+  EXPECT_EQ(type::to_json(ran.globals, -1), R"({"poses":[1,2,3],"published":["pose"]})");
+}
+
 INSTANTIATE_TEST_SUITE_P(Runs, RafconMachine, ::testing::Values(How::AsWritten, How::Concurrently),
                          [](const auto& one) {
                            return one.param == How::AsWritten ? "AsWritten" : "Concurrently";

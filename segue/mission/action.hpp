@@ -79,10 +79,11 @@ struct Callback {
 };
 
 /// A Python script with execute(self, inputs, outputs, gvm): a file, relative to that of the mission, or
-/// text.
+/// text. All scripts of a mission share one interpreter, but `isolated` ones: such an action has its own.
 struct Script {
   std::string file;
   std::string text;
+  bool isolated = false;
   friend bool operator==(const Script&, const Script&) = default;
 };
 

@@ -236,6 +236,7 @@ Script read_script(const Value& value, const std::string& what, const Source& so
   Fields fields(value, "the script of " + what, source);
   script.file = fields.text("file");
   script.text = fields.text("text");
+  script.isolated = fields.boolean("isolated", false);
   fields.finish();
   if (script.file.empty() == script.text.empty())
     source.error("bad-script", fields.what() + ": give either 'file' or 'text'", value);

@@ -137,8 +137,11 @@ Value write_action(const Action& action) {
 }
 
 Value write_script(const Script& script) {
-  if (script.text.empty()) return script.file;
-  return Value::map({{"text", script.text}});
+  if (script.text.empty() && !script.isolated) return script.file;
+  ValueMap map;
+  map.append(script.text.empty() ? "file" : "text", script.text.empty() ? script.file : script.text);
+  if (script.isolated) map.append("isolated", true);
+  return map;
 }
 
 Value write_resource(const Resource& resource) {

@@ -3,6 +3,8 @@
 #include <segue/mission/files.hpp>
 #include <segue/mission/globals_store.hpp>
 
+#include <algorithm>
+#include <array>
 #include <set>
 
 namespace segue::mission {
@@ -31,6 +33,14 @@ std::string type_of(const type::Value& value) {
   return "any";
 }
 
+/// Whether a variable of type `wanted` may hold an object of type `kind`. Types that missions do not know
+/// accept anything, as accepts() does.
+bool may_hold(std::string_view wanted, std::string_view kind) {
+  constexpr std::array<std::string_view, 6> kKnown = {"bool", "int", "float", "text", "list", "map"};
+  return std::ranges::find(kKnown, wanted) == kKnown.end() || wanted == kind ||
+         (wanted == "float" && kind == "int");
+}
+
 Error locked(const std::string& name) {
   return fail(ErrorCode::PermissionDenied,
               "the global variable " + quote(name) + " is locked by another holder");
@@ -46,24 +56,44 @@ Globals::Globals(const std::vector<Port>& declared) : variables_(std::make_share
 }
 
 std::optional<type::Value> Globals::get(std::string_view name) const {
+  auto found = content(name);
+  if (!found) return std::nullopt;
+  return std::move(found->value);
+}
+
+std::optional<GlobalContent> Globals::content(std::string_view name) const {
   const std::lock_guard guard(variables_->mutex);
   const Variable variable = look(name);
   if (!variable.content) return std::nullopt;
-  return variable.content->value;
+  return GlobalContent{variable.content->shown(), variable.content->object};
 }
 
 Result<void> Globals::set(const std::string& name, type::Value value, Key key, std::string_view type) {
+  const std::string kind(type::describe(value.kind()));
+  return set(name, Content{std::move(value), std::string(type), {}}, key, kind);
+}
+
+Result<void> Globals::set_object(const std::string& name, std::shared_ptr<const GlobalObject> object,
+                                 std::string_view kind, Key key, std::string_view type) {
+  return set(name, Content{{}, std::string(type), std::move(object)}, key, std::string(kind));
+}
+
+/// `kind` says what the content is, for messages, and for an object also which variables may hold it. The
+/// content has the type that a new variable gets.
+Result<void> Globals::set(const std::string& name, Content content, Key key, const std::string& kind) {
   const std::lock_guard guard(variables_->mutex);
   Variable variable = look(name);
   if (variable.holder != 0 && variable.holder != key) return locked(name);
-  const std::string wanted = variable.content ? variable.content->type
-                             : type.empty()   ? type_of(value)
-                                              : std::string(type);
-  if (!accepts(wanted, value)) {
-    return fail(ErrorCode::TypeMismatch, "the global variable " + quote(name) + " is of type " + wanted +
-                                             ", not " + std::string(type::describe(value.kind())));
+  if (variable.content)
+    content.type = variable.content->type;
+  else if (content.type.empty())
+    content.type = content.object ? "any" : type_of(content.value);
+  const bool fits = content.object ? may_hold(content.type, kind) : accepts(content.type, content.value);
+  if (!fits) {
+    return fail(ErrorCode::TypeMismatch,
+                "the global variable " + quote(name) + " is of type " + content.type + ", not " + kind);
   }
-  variable.content = std::make_shared<const Content>(Content{std::move(value), wanted});
+  variable.content = std::make_shared<const Content>(std::move(content));
   return put(name, std::move(variable));
 }
 
@@ -103,6 +133,13 @@ bool Globals::is_locked(std::string_view name, Key key) const {
 }
 
 type::Value Globals::snapshot() const {
+  type::ValueMap map;
+  for (auto& [name, content] : contents())
+    map.append(name, std::move(content.value));
+  return map;
+}
+
+std::vector<std::pair<std::string, GlobalContent>> Globals::contents() const {
   const std::lock_guard guard(variables_->mutex);
   std::set<std::string, std::less<>> names;
   for (const auto& [name, entry] : variables_->by_name)
@@ -112,11 +149,12 @@ type::Value Globals::snapshot() const {
     for (const auto& [name, use] : view_->uses)
       names.insert(name);
   }
-  type::ValueMap map;
+  std::vector<std::pair<std::string, GlobalContent>> found;
   for (const std::string& name : names) {
-    if (const Variable variable = look(name); variable.content) map.append(name, variable.content->value);
+    if (const Variable variable = look(name); variable.content)
+      found.emplace_back(name, GlobalContent{variable.content->shown(), variable.content->object});
   }
-  return map;
+  return found;
 }
 
 }  // namespace segue::mission

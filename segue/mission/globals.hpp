@@ -13,9 +13,28 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace segue::mission {
+
+/// What a variable can hold in place of a value: something that only its maker can use, such as an object of
+/// a Python process. It ends with the last variable, copy or version that refers to it. Thread safe.
+class GlobalObject {
+ public:
+  GlobalObject() = default;
+  virtual ~GlobalObject() = default;
+  GlobalObject(const GlobalObject&) = delete;
+  GlobalObject& operator=(const GlobalObject&) = delete;
+  /// What everybody else sees of it: a copy, or a text that says what it is.
+  [[nodiscard]] virtual type::Value shown() const = 0;
+};
+
+/// The value of a variable, or what it holds in place of one, with what that shows.
+struct GlobalContent {
+  type::Value value;
+  std::shared_ptr<const GlobalObject> object;  ///< null: a value
+};
 
 /// The global variables of a run. A handle: copies refer to the same variables and may outlive the run.
 /// Thread safe; values are copied in and out. A variable keeps its declared type, or without a declaration
@@ -27,10 +46,15 @@ class Globals {
 
   explicit Globals(const std::vector<Port>& declared = {});
 
+  /// The value, or what an object shows.
   [[nodiscard]] std::optional<type::Value> get(std::string_view name) const;
+  [[nodiscard]] std::optional<GlobalContent> content(std::string_view name) const;
   /// TypeMismatch; PermissionDenied if the variable is locked and `key` is not its key. A missing variable is
   /// created, of type `type` or else of the type of the value.
   Result<void> set(const std::string& name, type::Value value, Key key = 0, std::string_view type = {});
+  /// Likewise; the object is one of type `kind`.
+  Result<void> set_object(const std::string& name, std::shared_ptr<const GlobalObject> object,
+                          std::string_view kind, Key key = 0, std::string_view type = {});
   /// PermissionDenied if it is locked. Erasing a missing variable is no error.
   Result<void> erase(const std::string& name);
 
@@ -44,6 +68,7 @@ class Globals {
 
   /// All variables, by name.
   [[nodiscard]] type::Value snapshot() const;
+  [[nodiscard]] std::vector<std::pair<std::string, GlobalContent>> contents() const;
 
   // For concurrent runs, where actions do not begin and end in program order.
 
@@ -76,6 +101,7 @@ class Globals {
 
   [[nodiscard]] Variable look(std::string_view name) const;
   Result<void> put(const std::string& name, Variable variable);
+  Result<void> set(const std::string& name, Content content, Key key, const std::string& kind);
 
   std::shared_ptr<Variables> variables_;
   std::shared_ptr<View> view_;  ///< null: neither at() nor kept_aside_at()

@@ -12,6 +12,9 @@ namespace segue::mission {
 struct Globals::Content {
   type::Value value;
   std::string type = "any";
+  std::shared_ptr<const GlobalObject> object{};  ///< null: a value
+
+  [[nodiscard]] type::Value shown() const { return object ? object->shown() : value; }
 };
 
 /// Cheap to copy. Without content the variable does not exist.

@@ -230,7 +230,7 @@ Globals::Changes Globals::changes() const {
   for (const auto& [name, use] : view_->uses) {
     if (!use.changed) continue;
     if (use.own.content)
-      changes.set.append(name, use.own.content->value);
+      changes.set.append(name, use.own.content->shown());
     else
       changes.erased.push_back(name);
   }

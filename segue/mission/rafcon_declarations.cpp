@@ -54,6 +54,11 @@ void with_declarations(const RafconState& state, Diagnostics& diagnostics, Read&
 void declare(Action& action, const RafconState& state, Diagnostics& diagnostics) {
   with_declarations(state, diagnostics, [&](Fields& fields, const Source& source) {
     read_declarations(action, fields, source);
+    const Value* isolated = fields.find("isolated");
+    if (auto* script = std::get_if<Script>(&action.run); script != nullptr)
+      script->isolated = fields.boolean("isolated", false);
+    else if (isolated != nullptr)
+      source.error("bad-script", fields.what() + ": only a script can be 'isolated'", *isolated);
     if (fields.find("run") != nullptr) action.run = read_run(fields, source);
   });
 }

@@ -48,8 +48,6 @@ Result<Value> inputs_of(const ActionCall& call) {
     }
     inputs.append(ports[i].name, call.inputs()[i]);
   }
-  if (!call.error_before().empty() && inputs.find("error") == nullptr)
-    inputs.append("error", call.error_before());
   return Value(std::move(inputs));
 }
 
@@ -241,6 +239,7 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("mission_folder", folder_of(program.mission()));
   add_script(message, call.action(), program.mission());
   message.append("inputs", std::move(*inputs));
+  if (!call.error_before().empty()) message.append("error_before", call.error_before());
   message.append("outputs", outputs_of(call));
   message.append("outcomes", Value::List(call.action().outcomes.begin(), call.action().outcomes.end()));
   if (state.kind == StateKind::Decider) message.append("branches", branches_of(call));
@@ -266,19 +265,48 @@ Answer done(const Result<T>& result) {
   }
 }
 
-/// A list with the value, empty if there is no such variable; null while another holder has its lock.
-Answer get(const Globals& globals, const std::string& name, Globals::Key key) {
-  if (globals.is_locked(name, key)) {
-    if (key == 0) return Value();
-    return fail(ErrorCode::PermissionDenied, "wrong access key for the global variable " + quote(name));
-  }
-  auto value = globals.get(name);
-  if (value && not_finite(*value)) {
+/// What a script gets of a variable; the number of an object goes into `held`.
+Answer passed(const std::string& name, GlobalContent content, const ScriptObjects& objects, ValueMap& held) {
+  if (content.object) {
+    const auto number = objects.number_of(*content.object);
+    if (!number) {
+      return fail(ErrorCode::InvalidState,
+                  "the global variable " + quote(name) +
+                      " holds an object of another Python process, or of one that has ended");
+    }
+    held.append(name, *number);
+  } else if (not_finite(content.value)) {
     return fail(ErrorCode::InvalidArgument,
                 "the global variable " + quote(name) +
                     " is infinite or not a number, which cannot be passed to a script");
   }
-  return Value(value ? Value::List{std::move(*value)} : Value::List{});
+  return std::move(content.value);
+}
+
+/// A list with the value, empty if there is no such variable; null while another holder has its lock.
+Answer get(const Globals& globals, const std::string& name, Globals::Key key, const ScriptObjects& objects,
+           ValueMap& held) {
+  if (globals.is_locked(name, key)) {
+    if (key == 0) return Value();
+    return fail(ErrorCode::PermissionDenied, "wrong access key for the global variable " + quote(name));
+  }
+  auto content = globals.content(name);
+  if (!content) return Value(Value::List{});
+  auto value = passed(name, std::move(*content), objects, held);
+  if (!value) return value.error();
+  return Value(Value::List{std::move(*value)});
+}
+
+/// All values by name. Objects of other processes are passed as what they show.
+Answer all(const Globals& globals, const ScriptObjects& objects, ValueMap& held) {
+  ValueMap values;
+  for (auto& [name, content] : globals.contents()) {
+    if (content.object) {
+      if (const auto number = objects.number_of(*content.object)) held.append(name, *number);
+    }
+    values.append(name, std::move(content.value));
+  }
+  return Value(std::move(values));
 }
 
 /// The key; null while another holder has the lock.
@@ -288,32 +316,52 @@ Answer lock(Globals& globals, const std::string& name) {
   return done(key);
 }
 
-Answer serve(Globals& globals, const Value& request) {
+/// Sets it to the value of the request, or to the object that the process keeps under a number.
+Answer set(Globals& globals, const std::string& name, const std::shared_ptr<ScriptObjects>& objects,
+           const Value& request) {
+  const Value* given = request.find("value");
+  Value value = given == nullptr ? Value() : *given;
+  const std::string type = message_text(request, "type");
+  const Value* number = request.find("object");
+  if (number == nullptr || !number->is_integer())
+    return done(globals.set(name, std::move(value), key_of(request), type));
+  auto object = ScriptObjects::hold(objects, number->as_uint(), std::move(value));
+  return done(
+      globals.set_object(name, std::move(object), message_text(request, "kind"), key_of(request), type));
+}
+
+Answer erase(Globals& globals, const std::string& name) {
+  if (!globals.content(name)) return fail(ErrorCode::NotFound, "there is no global variable " + quote(name));
+  return done(globals.erase(name));
+}
+
+Answer serve(Globals& globals, const std::shared_ptr<ScriptObjects>& objects, const Value& request,
+             ValueMap& held) {
   const std::string call = message_text(request, "call");
   const std::string name = message_text(request, "name");
   const Globals::Key key = key_of(request);
-  if (call == "get") return get(globals, name, key);
-  if (call == "set") {
-    const Value* value = request.find("value");
-    return done(globals.set(name, value == nullptr ? Value() : *value, key, message_text(request, "type")));
-  }
+  if (call == "get") return get(globals, name, key, *objects, held);
+  if (call == "set") return set(globals, name, objects, request);
   if (call == "lock") return lock(globals, name);
   if (call == "unlock") {
     const Value* force = request.find("force");
     return done(globals.unlock(name, key, force != nullptr && force->is_bool() && force->as_bool()));
   }
-  if (call == "delete") return done(globals.erase(name));
+  if (call == "delete") return erase(globals, name);
   if (call == "is_locked") return Value(globals.is_locked(name));
-  if (call == "all") return globals.snapshot();
+  if (call == "all") return all(globals, *objects, held);
   return fail(ErrorCode::Unsupported, "there is no operation " + quote(call) + " of global variables");
 }
 
 }  // namespace
 
-ValueMap answer_about_globals(Globals& globals, const Value& request) {
+ValueMap answer_about_globals(Globals& globals, const std::shared_ptr<ScriptObjects>& objects,
+                              const Value& request) {
   ValueMap answer;
-  if (auto value = serve(globals, request)) {
+  ValueMap held;
+  if (auto value = serve(globals, objects, request, held)) {
     answer.append("value", std::move(*value));
+    if (!held.empty()) answer.append("objects", std::move(held));
   } else {
     answer.append("error", value.error().message);
     answer.append("code", std::string(to_string(value.error().code)));

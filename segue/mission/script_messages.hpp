@@ -3,10 +3,12 @@
 
 #include <segue/base/result.hpp>
 #include <segue/mission/action_runner.hpp>
+#include <segue/mission/script_objects.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,7 +59,9 @@ std::string path_of(const ActionCall& call);
 Result<type::Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call,
                                     bool has_robot, const WorldView* world);
 
-/// Carries out a request of a script about global variables: returns "value", or "error" and "code".
-type::ValueMap answer_about_globals(Globals& globals, const type::Value& request);
+/// Carries out a request of a script about global variables: returns "value", and "objects" where variables
+/// hold objects of its process, the numbers by the variables' names; or "error" and "code".
+type::ValueMap answer_about_globals(Globals& globals, const std::shared_ptr<ScriptObjects>& objects,
+                                    const type::Value& request);
 
 }  // namespace segue::mission::detail

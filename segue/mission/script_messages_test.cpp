@@ -73,19 +73,51 @@ TEST(ScriptLines, arriveWholeOrCut) {
 TEST(ScriptAnswers, areErrorsWhereTheQuestionIsNone) {
   Globals globals;
   for (const Value& request : {Value(), Value::map({{"call", 3}}), Value::map({{"call", "fly"}})})
-    EXPECT_NE(answer_about_globals(globals, request).find("error"), nullptr);
+    EXPECT_NE(answer_about_globals(globals, std::make_shared<ScriptObjects>(), request).find("error"),
+              nullptr);
 }
 
 TEST(ScriptAnswers, tellALockedVariableFromOneThatIsNotThere) {
   Globals globals;
+  const auto objects = std::make_shared<ScriptObjects>();
   const auto get = [&](const std::string& name, Globals::Key key) {
-    return answer_about_globals(globals, Value::map({{"call", "get"}, {"name", name}, {"key", key}}));
+    return answer_about_globals(globals, objects,
+                                Value::map({{"call", "get"}, {"name", name}, {"key", key}}));
   };
   const auto key = globals.lock("locked", Duration::zero()).value();
   EXPECT_EQ(*get("nothing", 0).find("value"), Value(Value::List{}));
   EXPECT_TRUE(get("locked", 0).find("value")->is_null());
   EXPECT_EQ(*get("locked", key).find("value"), Value::list({Value()}));
   EXPECT_NE(get("locked", key + 1).find("error"), nullptr);
+}
+
+TEST(ScriptAnswers, tellTheProcessWhichObjectsNoVariableHoldsAnyMore) {
+  Globals globals;
+  const auto objects = std::make_shared<ScriptObjects>();
+  const auto ask = [&](const char* call, std::uint64_t number) {
+    return answer_about_globals(
+        globals, objects, Value::map({{"call", call}, {"name", "v"}, {"object", number}, {"value", "it"}}));
+  };
+  EXPECT_EQ(ask("set", 1).find("error"), nullptr);
+  EXPECT_EQ(*ask("get", 0).find("objects"), Value::map({{"v", 1}}));
+  EXPECT_EQ(objects->take_released(), std::vector<std::uint64_t>{});
+  EXPECT_EQ(ask("set", 2).find("error"), nullptr);
+  EXPECT_EQ(objects->take_released(), std::vector<std::uint64_t>{1});
+  EXPECT_EQ(ask("delete", 0).find("error"), nullptr);
+  EXPECT_EQ(objects->take_released(), std::vector<std::uint64_t>{2});
+}
+
+TEST(ScriptAnswers, passNoObjectOfAnotherProcess) {
+  Globals globals;
+  const auto first = std::make_shared<ScriptObjects>();
+  const auto second = std::make_shared<ScriptObjects>();
+  const Value get = Value::map({{"call", "get"}, {"name", "v"}});
+  answer_about_globals(globals, first,
+                       Value::map({{"call", "set"}, {"name", "v"}, {"object", 1}, {"value", "it"}}));
+  EXPECT_NE(answer_about_globals(globals, second, get).find("error"), nullptr);
+  first->end();
+  EXPECT_NE(answer_about_globals(globals, first, get).find("error"), nullptr);
+  EXPECT_EQ(globals.get("v"), Value("it")) << "what it has shown last";
 }
 
 }  // namespace

@@ -60,18 +60,19 @@ class ScriptRunner::Impl {
     return {id, runs_ + run_number(id)};
   }
 
-  /// Hands the execution to the worker that accepts more, or to a new one.
-  void begin(std::uint64_t id, detail::ScriptExecution execution, const std::string& message) {
+  /// Hands the execution to the worker of the owner that accepts more, or to a new one.
+  void begin(std::uint64_t id, const std::string& owner, detail::ScriptExecution execution,
+             const std::string& message) {
     const std::lock_guard guard(mutex_);
-    std::erase_if(workers_, [](const auto& worker) { return worker->ended(); });
-    for (const auto& worker : workers_) {
-      if (worker->begin(id, execution, message)) return;
+    std::erase_if(workers_, [](const Owned& each) { return each.worker->ended(); });
+    for (const auto& [whose, worker] : workers_) {
+      if (whose == owner && worker->begin(id, execution, message)) return;
     }
     auto worker = std::make_unique<detail::ScriptWorker>(options_);
     if (paused_) worker->pause(true);
     try {
       (void)worker->begin(id, execution, message);
-      workers_.push_back(std::move(worker));
+      workers_.push_back({owner, std::move(worker)});
     } catch (const std::system_error& failed) {
       execution.completer({kAborted, std::string("no thread for Python: ") + failed.what()},
                           std::move(execution.outputs));
@@ -81,14 +82,14 @@ class ScriptRunner::Impl {
   void pause(bool paused) {
     const std::lock_guard guard(mutex_);
     paused_ = paused;
-    for (const auto& worker : workers_)
+    for (const auto& [owner, worker] : workers_)
       worker->pause(paused);
   }
 
   [[nodiscard]] std::optional<pid_t> process() const {
     const std::lock_guard guard(mutex_);
-    for (const auto& worker : workers_) {
-      if (worker->takes_more()) return worker->process();
+    for (const auto& [owner, worker] : workers_) {
+      if (owner.empty() && worker->takes_more()) return worker->process();
     }
     return std::nullopt;
   }
@@ -96,9 +97,15 @@ class ScriptRunner::Impl {
   [[nodiscard]] const ScriptOptions& options() const { return options_; }
 
  private:
+  /// A worker, and the isolated action whose scripts it executes; empty: those of all others.
+  struct Owned {
+    std::string owner;
+    std::unique_ptr<detail::ScriptWorker> worker;
+  };
+
   void preempt(std::uint64_t id) {
     const std::lock_guard guard(mutex_);
-    for (const auto& worker : workers_)
+    for (const auto& [owner, worker] : workers_)
       worker->preempt(id);
   }
 
@@ -106,7 +113,7 @@ class ScriptRunner::Impl {
   const std::string runs_;
   const std::shared_ptr<detail::Reach<Impl>> reach_ = std::make_shared<detail::Reach<Impl>>(*this);
   mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<detail::ScriptWorker>> workers_;
+  std::vector<Owned> workers_;
   std::uint64_t last_id_ = 0;
   bool paused_ = false;
 };
@@ -139,7 +146,8 @@ std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   execution.outputs.assign(call.outputs().begin(), call.outputs().end());
   execution.completer = call.defer(impl_->preemption_of(id));
   if (rights) execution.robot = impl_->options().robot->begin(std::move(*rights), impl_->preemption_of(id));
-  impl_->begin(id, std::move(execution), *text);
+  const bool isolated = std::get<Script>(call.action().run).isolated;
+  impl_->begin(id, isolated ? call.action().name.str() : std::string(), std::move(execution), *text);
   return std::nullopt;
 }
 

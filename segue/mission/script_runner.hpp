@@ -30,9 +30,9 @@ struct ScriptOptions {
   std::shared_ptr<ScriptRobot> robot{};
 };
 
-/// Executes Python scripts (docs/missions.md) in a child process, which is started with the first script.
-/// Concurrent scripts run there in threads. What they print and log goes to segue::log, with the path of the
-/// state as the source.
+/// Executes Python scripts (docs/missions.md) in a child process, which is started with the first script;
+/// those of an isolated action in one of its own. Concurrent scripts run there in threads. What they print
+/// and log goes to segue::log, with the path of the state as the source.
 ///
 /// If the process ends, the executions in it abort, and the next script starts another process. Once a script
 /// has ignored its preemption beyond the grace, its process gets no further scripts, which start in a new
@@ -53,7 +53,8 @@ class ScriptRunner final : public ActionRunner {
   /// Sets what scripts see, and can wait for, as `paused`. To be called by whoever pauses the engine.
   void set_paused(bool paused);
 
-  /// The process that executes scripts; nothing before the first script and after the end of the process.
+  /// The process that executes scripts that are not isolated; nothing before the first script and after the
+  /// end of the process.
   [[nodiscard]] std::optional<pid_t> process() const;
 
  private:

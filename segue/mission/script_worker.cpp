@@ -68,6 +68,7 @@ bool ScriptWorker::begin(std::uint64_t id, ScriptExecution& execution, const std
   if (!open_) return false;
   if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
   executions_.emplace(id, std::move(execution));
+  forget_released();
   for (const auto& [which, counts] : memory_->take_decisions())
     enqueue(Value::map({{"do", "decide"}, {"id", which}, {"counts", counts}}));
   enqueue_text(message);
@@ -207,6 +208,7 @@ void ScriptWorker::handle_end(const Value& message) {
   ScriptExecution execution = std::move(found->second);
   executions_.erase(found);
   guard.unlock();
+  show_objects(message);
   const Value* written = message.find("outputs");
   for (std::size_t i = 0; written != nullptr && i < execution.outputs.size(); ++i) {
     if (const Value* value = written->find(execution.output_names[i])) execution.outputs[i] = *value;
@@ -217,6 +219,17 @@ void ScriptWorker::handle_end(const Value& message) {
         ScriptMemory::changes(memory_, execution.path, number_of(message, "id").value_or(0), *from);
   }
   complete(std::move(execution), std::move(ending));
+}
+
+/// What the objects that the execution has used show now.
+void ScriptWorker::show_objects(const Value& message) {
+  const Value* shown = message.find("objects");
+  if (shown == nullptr || !shown->is_list()) return;
+  for (const Value& each : shown->as_list()) {
+    const auto number = number_of(each, "number");
+    const Value* value = each.find("value");
+    if (number && value != nullptr) objects_->show(*number, *value);
+  }
 }
 
 /// Once it uses the robot no more.
@@ -250,7 +263,7 @@ void ScriptWorker::handle_question(const Value& message) {
                                                      : "the script may not use the robot");
     reply.append("code", "invalid-state");
   } else {
-    reply = answer_about_globals(found->second.globals, message);
+    reply = answer_about_globals(found->second.globals, objects_, message);
     const Value* value = reply.find("value");
     if (message_text(message, "call") == "lock" && value != nullptr && value->is_integer())
       found->second.locks.emplace_back(message_text(message, "name"), value->as_uint());
@@ -271,6 +284,7 @@ void ScriptWorker::answer(ValueMap reply, std::uint64_t number) {
   reply.append("number", number);
   const std::lock_guard guard(mutex_);
   enqueue(std::move(reply));
+  forget_released();
 }
 
 /// If scripts have ignored their preemption, the worker accepts no others, and is killed once only such
@@ -337,6 +351,7 @@ std::string ScriptWorker::end_text(const std::string& how) const {
 /// Aborts the remaining executions and releases their locks, whose keys only this side still has.
 void ScriptWorker::abort_all(const std::string& error) {
   memory_->end();
+  objects_->end();
   std::map<std::uint64_t, ScriptExecution> left;
   {
     const std::lock_guard guard(mutex_);
@@ -351,7 +366,13 @@ void ScriptWorker::abort_all(const std::string& error) {
   }
 }
 
-/// Requires the mutex, as does enqueue_text().
+/// Requires the mutex, as do enqueue() and enqueue_text().
+void ScriptWorker::forget_released() {
+  const auto released = objects_->take_released();
+  if (!released.empty())
+    enqueue(Value::map({{"do", "forget"}, {"objects", Value::List(released.begin(), released.end())}}));
+}
+
 void ScriptWorker::enqueue(const Value& message) {
   auto text = framed(message, options_.largest_message);
   if (text) return enqueue_text(*text);

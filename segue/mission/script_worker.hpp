@@ -6,6 +6,7 @@
 #include <segue/mission/script_data.hpp>
 #include <segue/mission/script_memory.hpp>
 #include <segue/mission/script_messages.hpp>
+#include <segue/mission/script_objects.hpp>
 #include <segue/mission/script_process.hpp>
 #include <segue/mission/script_robot.hpp>
 
@@ -68,6 +69,7 @@ class ScriptWorker {
   bool read_output(ScriptProcess& process);
   void handle(const type::Value& message);
   void handle_end(const type::Value& message);
+  void show_objects(const type::Value& message);
   void handle_question(const type::Value& message);
   void ask_robot(const std::shared_ptr<ScriptRobot::Use>& robot, const type::Value& message);
   void answer(type::ValueMap answer, std::uint64_t number);
@@ -80,12 +82,14 @@ class ScriptWorker {
   void kill_at(TimePoint when, const std::string& reason);
   [[nodiscard]] std::string end_text(const std::string& how) const;
   void abort_all(const std::string& error);
+  void forget_released();
   void enqueue(const type::Value& message);
   void enqueue_text(std::string_view text);
 
   const ScriptOptions options_;
   const std::shared_ptr<Reach<ScriptWorker>> reach_ = std::make_shared<Reach<ScriptWorker>>(*this);
   const std::shared_ptr<ScriptMemory> memory_ = std::make_shared<ScriptMemory>();
+  const std::shared_ptr<ScriptObjects> objects_ = std::make_shared<ScriptObjects>();
   Descriptor wake_;
   std::atomic<bool> ended_{false};
 

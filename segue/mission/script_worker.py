@@ -393,6 +393,7 @@ class Worker:
         self._scripts = Scripts()
         self._memories = interface.Memories()
         self._errors = Errors()
+        self._objects = interface.Objects()
         self._states = {}
         self._paused = False
         self._lock = threading.Lock()
@@ -403,7 +404,7 @@ class Worker:
 
     def run(self):
         actions = {"execute": self._execute, "preempt": self._preempt, "pause": self._pause,
-                   "decide": self._memories.decide, "answer": self._channel.answer}
+                   "decide": self._memories.decide, "answer": self._answer, "forget": self._forget}
         for message in self._channel.messages():
             actions[message["do"]](message)
 
@@ -421,6 +422,15 @@ class Worker:
         except RuntimeError as error:
             self._end(message["id"], error=f"no thread for the script: {error}")
 
+    def _answer(self, message):
+        """Objects are looked up here, in the order of messages: a later one can say that nobody holds them any more."""
+        if "objects" in message:
+            message["held"] = self._objects.find(message["objects"])
+        self._channel.answer(message)
+
+    def _forget(self, message):
+        self._objects.forget(message["objects"])
+
     def _preempt(self, message):
         state = self._states.get(message["id"])
         if state is not None:
@@ -437,8 +447,12 @@ class Worker:
             output.begin(message["path"])
         outputs = message["outputs"]
         declared = list(outputs)
+        gvm = interface.GlobalVariables(self._channel, message["id"], state, self._objects)
+        if "error_before" in message:
+            error = self._errors.find(message["error_before"])
+            message["inputs"]["error"] = "" if error is None else error
         try:
-            ending = self._call(message, state, outputs, declared)
+            ending = self._call(message, state, outputs, declared, gvm)
         except interface.Preempted:
             ending = {"outcome": -2, "outputs": self._plain_ones(outputs, declared)}
         except BaseException as error:  # including SystemExit: only this execution ends
@@ -446,6 +460,8 @@ class Worker:
                 self._channel.log("debug" if state.preempted else "error", message["path"], line)
             text = describe(error, script_name(message))
             ending = {"error": self._errors.remember(text, error), "outputs": self._plain_ones(outputs, declared)}
+        if objects := gvm._shown():
+            ending["objects"] = objects
         if state._memory.came_from is not None:
             ending["memory"] = state._memory.came_from
         for output in self._outputs:
@@ -462,14 +478,13 @@ class Worker:
                 kept[key] = interface.plain(outputs[key], key)
         return kept
 
-    def _call(self, message, state, outputs, declared):
+    def _call(self, message, state, outputs, declared, gvm):
         names = self._scripts.module(message)
         name = "backward_execute" if message["backward"] else "execute"
         if name not in names:
             if message["backward"]:
                 return {"outcome": 0}
             return {"error": f"{script_name(message)}: it has no execute(self, inputs, outputs, gvm)"}
-        gvm = interface.GlobalVariables(self._channel, message["id"], state)
         answer = names[name](state, message["inputs"], outputs, gvm)
         for key in outputs.keys() - set(declared):
             state.logger.warning("outputs[%r] is not one of its outputs; ignored", key)

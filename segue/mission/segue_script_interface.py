@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The interface of the Python scripts of missions: `self` and `gvm` of execute(self, inputs, outputs, gvm), and the
 conversion of values for the engine. script_worker.py executes the scripts."""
+import contextlib
 import copy
 import itertools
 import math
@@ -8,6 +9,7 @@ import queue
 import re
 import threading
 import time
+import traceback
 from collections.abc import Mapping
 
 DEEPEST = 180  # lists and maps within each other; the engine refuses more than 200
@@ -43,10 +45,88 @@ def plain(value, what, depth=0):
         return [plain(item, f"{what}[{i}]", depth + 1) for i, item in enumerate(value)]
     if isinstance(value, Mapping):
         return {key_of(key, what): plain(item, f"{what}[{key!r}]", depth + 1) for key, item in value.items()}
+    if isinstance(value, BaseException):
+        return clean(traceback.format_exception_only(type(value), value)[-1].strip())
     if callable(getattr(value, "tolist", None)):  # arrays and scalars of numpy and the like
         return plain(value.tolist(), what, depth + 1)
     raise TypeError(f"{what}: a value of type {type(value).__name__} cannot be passed on; make it a bool, number, "
                     "text, list or map")
+
+
+def is_exact(value, around=()):
+    """Whether JSON represents the value as it is, with its type: a tuple would become a list."""
+    kind = type(value)
+    if kind in (list, dict):
+        if len(around) > DEEPEST or id(value) in around:
+            return False
+        around = (*around, id(value))
+    if kind is list:
+        return all(is_exact(item, around) for item in value)
+    if kind is dict:
+        return all(type(key) is str and is_exact(key) and is_exact(item, around) for key, item in value.items())
+    if value is None or kind in (bool, int, float, str):
+        with contextlib.suppress(ValueError):
+            plain(value, "")
+            return True
+    return False
+
+
+def kind_of(value):
+    """The type of a value as missions name it."""
+    return next((name for kind, name in SCRIPT_TYPES.items() if isinstance(value, kind)), "any")
+
+
+def is_small(value, budget=10_000):
+    """Whether lists and maps have so few entries that it costs little to copy them."""
+    waiting = [value]
+    while waiting and budget > 0:
+        item = waiting.pop()
+        budget -= 1
+        if isinstance(item, str):
+            budget -= len(item) // 100
+        elif callable(getattr(item, "tolist", None)):
+            budget -= item.size if isinstance(getattr(item, "size", None), int) else budget
+        elif isinstance(item, (list, tuple, Mapping)):
+            budget -= len(item)
+            if budget > 0:
+                waiting.extend(item.values() if isinstance(item, Mapping) else item)
+    return budget > 0
+
+
+def shown(value):
+    """What all but scripts see of an object: a copy, where values of missions can represent it and it is small, or a
+    text that says what it is."""
+    with contextlib.suppress(Exception):
+        if is_small(value):
+            return plain(value, "")
+    return clean(f"an object of type {type(value).__name__}")
+
+
+class Objects:
+    """What global variables hold that is no value of a mission: objects that were given by reference, and copies of
+    those that JSON does not represent. The engine says which ones no variable holds any more."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._numbers = itertools.count(1)
+        self._kept = {}
+
+    def keep(self, value, by_reference):
+        number = next(self._numbers)
+        with self._lock:
+            self._kept[number] = (value, by_reference)
+        return number
+
+    def find(self, numbers):
+        """Those of an answer of the engine by the names of the variables, each with its number and whether it was
+        given by reference."""
+        with self._lock:
+            return {name: (number, *self._kept[number]) for name, number in numbers.items()}
+
+    def forget(self, numbers):
+        with self._lock:
+            for number in numbers:
+                self._kept.pop(number, None)
 
 
 def key_of(key, what):
@@ -486,16 +566,24 @@ class GlobalVariables:
 
     LONGEST_PAUSE = 0.05  # seconds between two attempts to get a lock
 
-    def __init__(self, channel, execution, state):
+    def __init__(self, channel, execution, state, objects):
         self._channel = channel
         self._execution = execution
         self._state = state
+        self._objects = objects
+        self._used = {}  # by variable: the objects that it has used by reference, with their numbers
+        self._lock = threading.Lock()
 
     def _ask(self, call, **arguments):
+        return self._answer(call, **arguments).get("value")
+
+    def _answer(self, call, **arguments):
+        """With "held" where variables hold objects: as Objects.find() has them."""
         answer = self._channel.ask(execution=self._execution, call=call, **arguments)
         if "error" not in answer:
-            return answer.get("value")
-        raise (TypeError if answer["code"] == "type-mismatch" else RuntimeError)(answer["error"])
+            return answer
+        kinds = {"type-mismatch": TypeError, "not-found": AttributeError}
+        raise kinds.get(answer["code"], RuntimeError)(answer["error"])
 
     def _retry(self, attempt):
         """Repeats the request until it has a result; None if the state was preempted meanwhile."""
@@ -506,28 +594,77 @@ class GlobalVariables:
                 return result
             pause = min(2 * pause, self.LONGEST_PAUSE)
 
+    def _use(self, key, number, value):
+        with self._lock:
+            self._used[key] = (number, value)
+
+    def _leave(self, key):
+        with self._lock:
+            self._used.pop(key, None)
+
+    def _shown(self):
+        """What the objects show at the end of the execution that it has used by reference."""
+        with self._lock:
+            return [{"number": number, "value": shown(value)} for number, value in self._used.values()]
+
     def set_variable(self, key, value, per_reference=False, access_key=None, data_type=None):
+        """Keeps a copy of the value, or with `per_reference` the object itself."""
+        key = name_of(key)
         if data_type not in (None, type(None)) and value is not None and not isinstance(value, data_type):
             raise TypeError(f"the global variable {key!r} shall be of type {data_type.__name__}, not "
                             f"{type(value).__name__}")
-        self._ask("set", name=key, value=plain(value, key), key=access_key or 0,
-                  type=SCRIPT_TYPES.get(data_type, "any"))
+        request = {"name": key, "key": access_key or 0, "type": SCRIPT_TYPES.get(data_type, "any")}
+        if is_exact(value) and not (per_reference and isinstance(value, (list, dict))):
+            self._ask("set", value=value, **request)
+            self._leave(key)
+            return
+        number = self._objects.keep(value if per_reference else copied(value, key), bool(per_reference))
+        self._ask("set", object=number, kind=kind_of(value), value=shown(value), **request)
+        self._leave(key)
+        if per_reference:
+            self._use(key, number, value)
 
     def get_variable(self, key, per_reference=None, access_key=None, default=None):
-        found = self._retry(lambda: self._ask("get", name=key, key=access_key or 0))
+        """A copy of the value, or the object itself where the variable was set by reference and `per_reference` is not
+        False."""
+        key = name_of(key)
+
+        def attempt():
+            answer = self._answer("get", name=key, key=access_key or 0)
+            return None if answer["value"] is None else answer
+
+        found = self._retry(attempt)
         if found is None:
             raise RuntimeError(f"preempted while the global variable {key!r} was locked")
-        return found[0] if found else default
+        if not found["value"]:
+            return default
+        value = found["value"][0]
+        number, held, by_reference = found.get("held", {}).get(key, (None, value, not isinstance(value, (list, dict))))
+        if per_reference and not by_reference:
+            raise RuntimeError(f"the global variable {key!r} was not set by reference, so it cannot be got so")
+        if number is None:
+            return value
+        if not by_reference or per_reference is False:
+            return copied(held, key)
+        self._use(key, number, held)
+        return held
+
+    def variable_can_be_referenced(self, key):
+        """Whether the variable was set by reference."""
+        held = self._answer("all").get("held", {}).get(name_of(key))
+        return held is not None and held[2]
 
     def lock_variable(self, key, block=False):
         """An access key; False if another holder has the lock (with `block`: if the state was preempted meanwhile)."""
+        key = name_of(key)
+
         def attempt():
             return self._ask("lock", name=key)
 
         return (self._retry(attempt) if block else attempt()) or False
 
     def unlock_variable(self, key, access_key, force=False):
-        self._ask("unlock", name=key, key=access_key or 0, force=bool(force))
+        self._ask("unlock", name=name_of(key), key=access_key or 0, force=bool(force))
         return True
 
     def set_locked_variable(self, key, access_key, value):
@@ -537,25 +674,48 @@ class GlobalVariables:
         return self.get_variable(key, access_key=access_key, default=default)
 
     def is_locked(self, key):
-        return self._ask("is_locked", name=key)
+        return self._ask("is_locked", name=name_of(key))
 
     def delete_variable(self, key):
+        """AttributeError if there is none."""
+        key = name_of(key)
         self._ask("delete", name=key)
+        self._leave(key)
 
     def variable_exist(self, key):
-        return key in self.get_all_variables()
+        return name_of(key) in self._ask("all")
 
     variable_exists = variable_exist
 
     def get_all_keys(self):
-        return list(self.get_all_variables())
+        return list(self._ask("all"))
 
     def get_all_keys_starting_with(self, start):
         return [key for key in self.get_all_keys() if key.startswith(start)]
 
     def get_all_variables(self):
-        return self._ask("all")
+        """Copies by name; of variables that were set by reference the objects themselves."""
+        answer = self._answer("all")
+        values = answer["value"]
+        for key, (number, held, by_reference) in answer.get("held", {}).items():
+            values[key] = held if by_reference else copied(held, key)
+            if by_reference:
+                self._use(key, number, held)
+        return values
 
     @property
     def global_variable_dictionary(self):
         return self.get_all_variables()
+
+
+def name_of(key):
+    """Keys of global variables are texts; others become their text, as in RAFCON."""
+    return plain(str(key), f"the key {key!r}")
+
+
+def copied(value, key):
+    try:
+        return copy.deepcopy(value)
+    except Exception as error:
+        raise TypeError(f"the global variable {key!r}: an object of type {type(value).__name__} cannot be copied: "
+                        f"{error}; set it with per_reference=True") from error
