@@ -294,6 +294,10 @@ TEST(KindOfFileTest, byContentThenByName) {
   EXPECT_EQ(kind_of_file("a.yaml", "stand_ins: {default: {rate: 1}}"), FileKind::StandIns);
   EXPECT_EQ(kind_of_file("a.yaml", "stand_ins: [\n"), FileKind::StandIns);
   EXPECT_EQ(kind_of_file("plan", "; cost 2\n(move a b)\n"), FileKind::Pddl);
+  for (const char* plan :
+       {"\xef\xbb\xbf(define (domain d))", "0.000: (move a b) [1]\n", "STEP 0: move(a,b)\n",
+        "SequentialPlan:\n    move(a, b)\n", "ff: found legal plan as follows\n\nstep 0: MOVE A B\n"})
+    EXPECT_EQ(kind_of_file("plan", plan), FileKind::Pddl) << plan;
   EXPECT_EQ(kind_of_file("empty.cnd", " \n"), FileKind::Cnd);
   EXPECT_EQ(kind_of_file("a.txt", "; nothing"), FileKind::Unknown);
 }

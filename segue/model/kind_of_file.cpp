@@ -57,8 +57,23 @@ FileKind kind_of_broken(std::string_view text, const std::string& name) {
   return FileKind::Unknown;
 }
 
+/// Plans that begin otherwise: "0: (move a b)", "STEP 0: move(a,b)", "SequentialPlan:", and the output of FF.
+bool is_plan(std::string_view text) {
+  if (text.find("found legal plan as follows") != std::string_view::npos) return true;
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return false;
+  text.remove_prefix(first);
+  for (const std::string_view title : {"SequentialPlan:", "TimeTriggeredPlan:"}) {
+    if (text.starts_with(title)) return true;
+  }
+  if (text.starts_with("STEP ") || text.starts_with("step ")) text.remove_prefix(5);
+  const auto end = text.find_first_not_of("0123456789. ");
+  return end != std::string_view::npos && end > 0 && text[end] == ':';
+}
+
 /// The first character of PDDL is a parenthesis, after comments.
 bool is_pddl(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   while (true) {
     const auto first = text.find_first_not_of(" \t\r\n");
     if (first == std::string_view::npos) return false;
@@ -80,10 +95,14 @@ FileKind kind_of_file(const std::filesystem::path& file, std::string_view text) 
   }
   if (is_pddl(text)) return FileKind::Pddl;
   const auto root = type::parse_yaml(text, name);
-  if (!root) return kind_of_broken(text, name);
+  if (!root) {
+    const FileKind kind = kind_of_broken(text, name);
+    return kind == FileKind::Unknown && is_plan(text) ? FileKind::Pddl : kind;
+  }
   const FileKind kind = root->is_map() ? kind_of_map(*root, name) : kind_of_name(name);
   const bool network = kind == FileKind::Unknown && text[first] == '{' && root->find("nodes") != nullptr;
-  return network ? FileKind::TaskNetwork : kind;
+  if (network) return FileKind::TaskNetwork;
+  return kind == FileKind::Unknown && is_plan(text) ? FileKind::Pddl : kind;
 }
 
 }  // namespace segue::model

@@ -2,11 +2,13 @@
 #include <segue/pddl/pddl.hpp>
 
 #include <segue/base/file.hpp>
+#include <segue/pddl/pddl_plan.hpp>
 #include <segue/pddl/pddl_task.hpp>
 
 namespace segue::pddl {
 
 std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics) {
+  if (!detail::begins_with_definition(text.text)) return PddlPart::Plan;
   const auto terms = detail::parse_pddl(text.text, text.file, diagnostics);
   if (!terms) return std::nullopt;
   const bool defines =
@@ -18,16 +20,18 @@ std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics) 
 std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
                                            const PddlText& plan, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.error_count();
+  const auto failed = [&] { return diagnostics.error_count() > before; };
   const auto domain_terms = detail::parse_pddl(domain.text, domain.file, diagnostics);
   const auto problem_terms = detail::parse_pddl(problem.text, problem.file, diagnostics);
-  const auto plan_terms = detail::parse_pddl(plan.text, plan.file, diagnostics);
-  if (!domain_terms || !problem_terms || !plan_terms) return std::nullopt;
+  const auto steps = detail::parse_plan(plan.text, plan.file, diagnostics);
+  if (!domain_terms || !problem_terms || !steps) return std::nullopt;
   std::optional<cdtn::TaskNetwork> network(std::in_place);
   detail::PddlTask task(*network, diagnostics);
+  // What is wrong in one text makes others look wrong.
   task.read_domain(*domain_terms);
-  task.read_problem(*problem_terms);
-  if (diagnostics.error_count() == before) task.read_plan(*plan_terms);
-  if (diagnostics.error_count() > before) return std::nullopt;
+  if (!failed()) task.read_problem(*problem_terms);
+  if (!failed()) task.read_plan(*steps);
+  if (failed()) return std::nullopt;
   return network;
 }
 

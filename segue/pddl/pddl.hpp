@@ -21,12 +21,15 @@ enum class PddlPart { Domain, Problem, Plan };
 /// What a text is; nothing, and diagnostics, where it cannot be parsed.
 std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics);
 
-/// A domain, a problem and a sequential plan as a network: each step is an irreversible node of 1 s that
-/// uses no resource; the goal is that of the problem. Supports STRIPS with typing (including `either`),
-/// negative preconditions, equality, constants, conditional and `forall` effects; numeric costs are ignored.
-/// Names are case-insensitive. A conditional effect becomes the effect that it has at its place in the plan,
-/// with the facts that decide it as preconditions. The plan is simulated step by step: a precondition or a
-/// goal that does not hold is an error with its place. If there are errors, nothing is returned.
+/// A domain, a problem and a sequential or time-stamped plan, as planners write it, as a network: each step
+/// is an irreversible node of 1 s that uses no resource; the goal is that of the problem. Supports STRIPS
+/// with typing (including `either`), negative preconditions, equality, constants, conditional and `forall`
+/// effects; numeric costs are ignored. Everything else that PDDL has (constraints, numeric conditions,
+/// processes, ...) is refused by name. Steps are in the order of their times, of which and of durations
+/// nothing else is kept. Names are case-insensitive. A conditional effect becomes the effect that it has at
+/// its place in the plan, with the facts that decide it as preconditions. The plan is simulated step by step:
+/// a precondition or a goal that does not hold is an error with its place. If there are errors, nothing is
+/// returned.
 std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
                                            const PddlText& plan, Diagnostics& diagnostics);
 /// Likewise from files. Blocks.

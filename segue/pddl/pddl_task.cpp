@@ -4,6 +4,7 @@
 #include <segue/base/text.hpp>
 
 #include <algorithm>
+#include <set>
 
 namespace segue::pddl::detail {
 
@@ -23,15 +24,18 @@ const std::vector<PddlTerm>* PddlTask::definition(const std::vector<PddlTerm>& t
 void PddlTask::read_domain(const std::vector<PddlTerm>& terms) {
   const auto* sections = definition(terms, "domain");
   if (sections == nullptr) return;
+  if ((*sections)[1].list.size() > 1) domain_ = (*sections)[1].list[1].word;
+  check_sections(*sections, {":requirements", ":types", ":constants", ":predicates", ":functions", ":action"},
+                 ":action", diagnostics_);
   for (const PddlTerm& section : *sections) {
     if (section.begins_with(":types")) read_types(section);
   }
   for (const PddlTerm& section : *sections) {
     if (section.begins_with(":constants")) read_constants(section);
     if (section.begins_with(":predicates")) read_predicates(section);
+  }
+  for (const PddlTerm& section : *sections) {
     if (section.begins_with(":action")) read_action(section);
-    if (section.begins_with(":durative-action") || section.begins_with(":derived"))
-      error("unsupported", section.list.front().word + " is not supported", section.where);
   }
 }
 
@@ -44,13 +48,32 @@ void PddlTask::read_types(const PddlTerm& section) {
 }
 
 void PddlTask::read_constants(const PddlTerm& section) {
+  std::set<std::string> here;
   for (const PddlTyped& constant : read_typed_list(section.list, 1, diagnostics_)) {
-    const auto declared = network_.facts.declare_constant(constant.name, constant.types);
-    if (declared)
-      objects_.push_back(constant.name);
-    else if (declared.error().code != ErrorCode::AlreadyExists)  // domain and problem may both name it
-      error("bad-constant", declared.error().message, constant.where);
+    if (here.insert(constant.name).second)
+      declare_constant(constant);
+    else
+      error("bad-constant", "a second object " + quote(constant.name), constant.where);
   }
+}
+
+/// Domain and problem may both name it, with the same types.
+void PddlTask::declare_constant(const PddlTyped& constant) {
+  check_name(constant.name, constant.where, diagnostics_);
+  const auto [known, fresh] = constants_.try_emplace(constant.name, constant.types);
+  if (!fresh) {
+    if (known->second != constant.types)
+      error("bad-constant",
+            quote(constant.name) + " is of type " + listed(known->second) + " in the domain, not " +
+                listed(constant.types),
+            constant.where);
+    return;
+  }
+  const auto declared = network_.facts.declare_constant(constant.name, constant.types);
+  if (declared)
+    objects_.push_back(constant.name);
+  else
+    error("bad-constant", declared.error().message, constant.where);
 }
 
 void PddlTask::read_predicates(const PddlTerm& section) {
@@ -63,6 +86,8 @@ void PddlTask::read_predicates(const PddlTerm& section) {
     std::vector<std::vector<std::string>> parameters;
     for (const PddlTyped& parameter : read_typed_list(predicate.list, 1, diagnostics_))
       parameters.push_back(parameter.types);
+    check_name(predicate.list.front().word, predicate.where, diagnostics_);
+    arities_.emplace(predicate.list.front().word, parameters.size());
     const auto declared =
         network_.facts.declare_predicate(predicate.list.front().word, std::move(parameters));
     if (!declared) error("bad-predicate", declared.error().message, predicate.where);
@@ -70,42 +95,91 @@ void PddlTask::read_predicates(const PddlTerm& section) {
 }
 
 void PddlTask::read_action(const PddlTerm& section) {
-  Action action;
   const auto& parts = section.list;
   if (parts.size() < 2 || parts[1].word.empty())
     return error("bad-action", "an action needs a name", section.where);
-  for (std::size_t i = 2; i + 1 < parts.size(); i += 2) {
-    if (parts[i].word == ":parameters")
-      action.parameters = read_typed_list(parts[i + 1].list, 0, diagnostics_);
-    else if (parts[i].word == ":precondition")
-      action.precondition = parts[i + 1];
-    else if (parts[i].word == ":effect")
-      action.effect = parts[i + 1];
-    else
-      error("bad-action", "unknown part " + quote(parts[i].word) + " of action " + quote(parts[1].word),
-            parts[i].where);
+  check_name(parts[1].word, parts[1].where, diagnostics_);
+  Action action;
+  read_parts(action, section);
+  std::set<std::string> names;
+  for (const PddlTyped& parameter : action.parameters) {
+    if (!names.insert(parameter.name).second)
+      error("bad-action", "a second parameter " + quote(parameter.name), parameter.where);
+    for (const std::string& type : parameter.types) {
+      if (!network_.facts.has_type(type)) error("bad-type", "no type " + quote(type), parameter.where);
+    }
   }
+  PddlForms forms(arities_, diagnostics_);
+  forms.check_condition(action.precondition, action.parameters);
+  forms.check_effect(action.effect, action.parameters);
   if (!actions_.emplace(parts[1].word, std::move(action)).second)
     error("bad-action", "a second action " + quote(parts[1].word), section.where);
+}
+
+void PddlTask::read_parts(Action& action, const PddlTerm& section) {
+  const auto& parts = section.list;
+  std::set<std::string> seen;
+  for (std::size_t i = 2; i < parts.size(); i += 2) {
+    const std::string& name = parts[i].word;
+    if (i + 1 == parts.size()) return error("bad-action", "nothing follows " + quote(name), parts[i].where);
+    if (!seen.insert(name).second) error("bad-action", "a second part " + quote(name), parts[i].where);
+    if (name == ":parameters")
+      action.parameters = read_typed_list(parts[i + 1].list, 0, diagnostics_);
+    else if (name == ":precondition")
+      action.precondition = parts[i + 1];
+    else if (name == ":effect")
+      action.effect = parts[i + 1];
+    else
+      error("bad-action", "unknown part " + quote(name) + " of action " + quote(parts[1].word),
+            parts[i].where);
+  }
+}
+
+void PddlTask::check_domain_name(const std::vector<PddlTerm>& sections) {
+  for (const PddlTerm& section : sections) {
+    if (!section.begins_with(":domain") || section.list.size() != 2 || section.list[1].word == domain_)
+      continue;
+    error("other-domain",
+          "the problem is of the domain " + quote(section.list[1].word) + ", not of " + quote(domain_),
+          section.where);
+  }
 }
 
 void PddlTask::read_problem(const std::vector<PddlTerm>& terms) {
   const auto* sections = definition(terms, "problem");
   if (sections == nullptr) return;
   if ((*sections)[1].list.size() > 1) network_.name = (*sections)[1].list[1].word;
+  check_domain_name(*sections);
+  check_sections(*sections, {":domain", ":requirements", ":objects", ":init", ":goal", ":metric", ":length"},
+                 {}, diagnostics_);
   for (const PddlTerm& section : *sections) {
     if (section.begins_with(":objects")) read_constants(section);
   }
+  PddlForms forms(arities_, diagnostics_);
+  bool has_goal = false;
   for (const PddlTerm& section : *sections) {
     if (section.begins_with(":init")) read_initial(section);
-    if (section.begins_with(":goal") && section.list.size() == 2)
-      collect(section.list[1], {}, true, network_.goal);
+    if (!section.begins_with(":goal")) continue;
+    has_goal = true;
+    if (section.list.size() != 2) {
+      error("bad-goal", "a goal is one condition: (:goal (and ...))", section.where);
+      continue;
+    }
+    const std::size_t before = diagnostics_.error_count();
+    forms.check_condition(section.list[1], {});
+    if (diagnostics_.error_count() == before) collect(section.list[1], {}, true, network_.goal);
   }
+  if (!has_goal) error("missing-goal", "the problem has no (:goal ...)", terms[0].where);
 }
 
 void PddlTask::read_initial(const PddlTerm& section) {
   for (std::size_t i = 1; i < section.list.size(); ++i) {
-    if (section.list[i].begins_with("=")) continue;  // costs
+    const PddlTerm& entry = section.list[i];
+    if (entry.begins_with("=") && entry.list.size() == 3 && entry.list[1].is_list()) continue;  // costs
+    if (is_timed_literal(entry)) {
+      error("unsupported", "a timed initial literal is not supported", entry.where);
+      continue;
+    }
     const bool negative = section.list[i].begins_with("not") && section.list[i].list.size() == 2;
     const auto fact = ground(negative ? section.list[i].list[1] : section.list[i], {});
     if (fact && !negative) network_.initial_world.set({*fact, true});
@@ -140,13 +214,6 @@ std::optional<cdtn::FactId> PddlTask::ground(const PddlTerm& atom, const Binding
   return std::nullopt;
 }
 
-std::optional<bool> PddlTask::equal(const PddlTerm& term, const Binding& binding) {
-  if (term.list.size() == 3 && !term.list[1].is_list() && !term.list[2].is_list())
-    return value_of(term.list[1], binding) == value_of(term.list[2], binding);
-  error("unsupported", "numbers cannot be compared here", term.where);
-  return std::nullopt;
-}
-
 /// Collects a conjunction of literals. An equality that does not hold is an error of the plan.
 void PddlTask::collect(const PddlTerm& condition, const Binding& binding, bool positive,
                        std::vector<cdtn::Literal>& literals) {
@@ -158,14 +225,10 @@ void PddlTask::collect(const PddlTerm& condition, const Binding& binding, bool p
   }
   if (condition.begins_with("not") && condition.list.size() == 2)
     return collect(condition.list[1], binding, !positive, literals);
-  if (condition.begins_with("=")) {
-    const auto same = equal(condition, binding);
-    if (same && *same != positive) error("false-precondition", "this does not hold", condition.where);
+  if (condition.begins_with("=") && condition.list.size() == 3) {
+    const bool same = value_of(condition.list[1], binding) == value_of(condition.list[2], binding);
+    if (same != positive) error("false-precondition", "this does not hold", condition.where);
     return;
-  }
-  for (const std::string_view word : {"and", "or", "imply", "forall", "exists", "when"}) {
-    if (condition.begins_with(word))
-      return error("unsupported", quote(word) + " is not supported here", condition.where);
   }
   if (const auto fact = ground(condition, binding)) literals.push_back({*fact, positive});
 }
@@ -182,8 +245,7 @@ void PddlTask::add_effect(const PddlTerm& effect, const Binding& binding, Step& 
       add_effect(effect.list[i], binding, step);
     return;
   }
-  if (effect.begins_with("increase") || effect.begins_with("decrease") || effect.begins_with("assign"))
-    return;
+  if (is_numeric_effect(effect)) return;
   if (effect.begins_with("when")) return add_conditional(effect, binding, step);
   if (effect.begins_with("forall")) return add_for_all(effect, binding, step);
   const bool positive = !(effect.begins_with("not") && effect.list.size() == 2);
@@ -240,16 +302,14 @@ bool PddlTask::bind(const Action& action, const PddlTerm& term, Binding& binding
   return true;
 }
 
-void PddlTask::read_plan(const std::vector<PddlTerm>& terms) {
+void PddlTask::read_plan(const std::vector<PddlTerm>& steps) {
   std::uint32_t number = 0;
-  for (const PddlTerm& term : terms) {
-    if (!term.is_list() && (term.word.ends_with(':') || term.word.starts_with('['))) continue;  // "0:", "[1]"
-    read_step(term, number++);
-  }
+  for (const PddlTerm& step : steps)
+    read_step(step, number++);
   for (const cdtn::Literal& literal : network_.goal) {
     if (!world_.holds(literal)) {
       error("goal-missed", "the plan does not reach the goal " + network_.facts.text(literal),
-            terms.empty() ? SourceLocation{} : terms.back().where);
+            steps.empty() ? SourceLocation{} : steps.back().where);
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/cdtn/task_network.hpp>
+#include <segue/pddl/pddl_forms.hpp>
 #include <segue/pddl/pddl_text.hpp>
 
 #include <map>
@@ -19,7 +20,8 @@ class PddlTask {
       : network_(network), diagnostics_(diagnostics) {}
   void read_domain(const std::vector<PddlTerm>& terms);
   void read_problem(const std::vector<PddlTerm>& terms);
-  void read_plan(const std::vector<PddlTerm>& terms);
+  /// Requires a domain and a problem without errors. `steps` as of parse_plan().
+  void read_plan(const std::vector<PddlTerm>& steps);
 
  private:
   using Binding = std::map<std::string, std::string>;
@@ -35,18 +37,20 @@ class PddlTask {
   };
 
   void error(std::string code, std::string message, const SourceLocation& where);
+  void check_domain_name(const std::vector<PddlTerm>& sections);
   const std::vector<PddlTerm>* definition(const std::vector<PddlTerm>& terms, std::string_view kind);
   void read_types(const PddlTerm& section);
   void read_constants(const PddlTerm& section);
+  void declare_constant(const PddlTyped& constant);
   void read_predicates(const PddlTerm& section);
   void read_action(const PddlTerm& section);
+  void read_parts(Action& action, const PddlTerm& section);
   void read_initial(const PddlTerm& section);
   void read_step(const PddlTerm& term, std::uint32_t number);
   bool bind(const Action& action, const PddlTerm& term, Binding& binding);
 
   std::optional<cdtn::FactId> ground(const PddlTerm& atom, const Binding& binding);
   std::string value_of(const PddlTerm& term, const Binding& binding);
-  std::optional<bool> equal(const PddlTerm& term, const Binding& binding);
   void collect(const PddlTerm& condition, const Binding& binding, bool positive,
                std::vector<cdtn::Literal>& literals);
   void add_effect(const PddlTerm& effect, const Binding& binding, Step& step);
@@ -58,6 +62,9 @@ class PddlTask {
   Diagnostics& diagnostics_;
   std::unordered_map<std::string, Action> actions_;
   std::vector<std::string> objects_;
+  std::string domain_;
+  PddlForms::Arities arities_;
+  std::map<std::string, std::vector<std::string>> constants_;  ///< with their types
   cdtn::VersionedWorld world_;
 };
 

@@ -2,6 +2,7 @@
 #include <segue/base/file.hpp>
 #include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/critical_path.hpp>
+#include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/simulation.hpp>
 #include <segue/pddl/pddl.hpp>
 #include <support/shared_data.hpp>
@@ -147,6 +148,7 @@ Read read(std::string_view domain, std::string_view problem, std::string_view pl
   Read result;
   result.network = read_pddl({domain, "domain"}, {problem, "problem"}, {plan, "plan"}, diagnostics);
   result.problems = to_string(diagnostics);
+  if (result.problems.ends_with('\n')) result.problems.pop_back();
   return result;
 }
 
@@ -169,11 +171,160 @@ TEST(Pddl, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(read(kDomain, kProblem, "\n (light hall a)").problems, HasSubstr("plan:2:9"));
   EXPECT_THAT(read(kDomain, kProblem, "(fly a)").problems, HasSubstr("unknown-action"));
   EXPECT_THAT(read(kDomain, kProblem, "(light a)").problems, HasSubstr("takes 2 arguments"));
-  EXPECT_THAT(read(kDomain, "(define (problem x) (:init (on c)))", "").problems, HasSubstr("no constant"));
-  EXPECT_THAT(read(kDomain, "(define (problem x) (:init (off a)))", "").problems, HasSubstr("no predicate"));
+  EXPECT_THAT(read(kDomain, "(define (problem x) (:init (on c)) (:goal ()))", "").problems,
+              HasSubstr("no constant"));
+  EXPECT_THAT(read(kDomain, "(define (problem x) (:init (off a)) (:goal ()))", "").problems,
+              HasSubstr("no predicate"));
   EXPECT_THAT(read("(define", kProblem, "").problems, HasSubstr("domain:1:1: error: a '(' without"));
   EXPECT_THAT(read(")", kProblem, "").problems, HasSubstr("without its '('"));
   EXPECT_THAT(read(std::string(300, '('), kProblem, "").problems, HasSubstr("nested too deeply"));
+}
+
+/// A domain with the text where it says so, a problem likewise, and what is said of them.
+struct Texts {
+  std::string sections{};
+  std::string precondition = "(p ?x)";
+  std::string effect = "(q ?x)";
+  std::string init = "(p a)";
+  std::string goal = "(q a)";
+  std::string of_problem{};
+  std::string parameters = "(?x - t)";
+  std::string plan = "(act a)";
+};
+std::string told(const Texts& texts) {
+  const std::string domain =
+      "(define (domain d) (:types t) (:predicates (p ?x - t) (q ?x - t) (at ?x - t ?y - t))\n" +
+      texts.sections + "\n(:action act :parameters " + texts.parameters + " :precondition\n" +
+      texts.precondition + "\n:effect\n" + texts.effect + "))";
+  const std::string problem = "(define (problem x) (:domain d) (:objects a b - t)\n(:init " + texts.init +
+                              ")\n(:goal " + texts.goal + ")\n" + texts.of_problem + ")";
+  return read(domain, problem, texts.plan).problems;
+}
+
+TEST(Pddl, RefusesByNameWhatChangesTheMeaning) {
+  const std::string no = " is not supported [unsupported]";
+  for (const std::string section : {":constraints", ":derived", ":durative-action", ":axiom", ":event",
+                                    ":process", ":method", ":task", ":htn"}) {
+    EXPECT_EQ(told({.sections = "(" + section + " x)"}), "domain:2:1: error: " + section + no);
+    if (section != ":task") {
+      EXPECT_EQ(told({.of_problem = "(" + section + " x)"}), "problem:4:1: error: " + section + no);
+    }
+  }
+  EXPECT_EQ(told({.precondition = "(>= (fuel) 2)"}), "domain:4:1: error: a numeric condition" + no);
+  EXPECT_EQ(told({.precondition = "(= (fuel) 2)"}), "domain:4:1: error: a numeric condition" + no);
+  EXPECT_EQ(told({.effect = "(when (< (fuel) 2) (q ?x))"}), "domain:6:7: error: a numeric condition" + no);
+  EXPECT_EQ(told({.goal = "(preference g (q a))"}), "problem:3:8: error: a preference" + no);
+  EXPECT_EQ(told({.precondition = "(or (p ?x) (q ?x))"}), "domain:4:1: error: 'or'" + no);
+  EXPECT_EQ(told({.effect = "(oneof (p ?x) (q ?x))"}), "domain:6:1: error: an effect by chance" + no);
+  EXPECT_EQ(told({.init = "(p a) (at 5 (p b))"}), "problem:2:14: error: a timed initial literal" + no);
+}
+
+TEST(Pddl, NamesTheFirstCauseOnceAndWhereItIs) {
+  EXPECT_EQ(told({.effect = "(q ?y)"}), "domain:6:4: error: nothing gives '?y' a value [unbound-variable]");
+  EXPECT_EQ(told({.effect = "(r ?x)", .plan = "(act a) (act a)"}),
+            "domain:6:1: error: no predicate 'r' [unknown-predicate]");
+  EXPECT_EQ(told({.precondition = "(at ?x)"}), "domain:4:1: error: 'at' takes 2 arguments, not 1 [bad-fact]");
+  EXPECT_EQ(read("(define (domain d) (:predicates (p)) (:action a :effect (p)))",
+                 "(define (problem x) (:domain other) (:init) (:goal (p)))", "(a)")
+                .problems,
+            "problem:1:21: error: the problem is of the domain 'other', not of 'd' [other-domain]");
+}
+
+TEST(Pddl, RefusesWhatIsThereTwiceOrNotAtAll) {
+  using testing::HasSubstr;
+  EXPECT_THAT(told({.sections = "(:predicates (r))"}),
+              HasSubstr("domain:2:1: error: a second section :predicates"));
+  EXPECT_THAT(told({.of_problem = "(:goal (q b))"}), HasSubstr("problem:4:1: error: a second section :goal"));
+  EXPECT_THAT(told({.sections = "(:action act :effect ())"}), HasSubstr("a second action 'act'"));
+  EXPECT_THAT(told({.parameters = "(?x - t ?x - t)"}), HasSubstr("a second parameter '?x'"));
+  EXPECT_THAT(told({.effect = "(q ?x) :effect (p ?x)"}), HasSubstr("a second part ':effect'"));
+  EXPECT_THAT(told({.effect = "(q ?x) :effect"}), HasSubstr("nothing follows ':effect'"));
+  EXPECT_THAT(told({.sections = "(:constants a - object)"}),
+              HasSubstr("'a' is of type object in the domain, not t"));
+  EXPECT_THAT(read(kDomain, "(define (problem x) (:objects c c - lamp) (:init) (:goal ()))", "").problems,
+              HasSubstr("a second object 'c'"));
+  EXPECT_THAT(read(kDomain, "(define (problem x) (:init))", "").problems,
+              HasSubstr("the problem has no (:goal ...)"));
+  EXPECT_THAT(told({.goal = "(q a) (q b)"}), HasSubstr("a goal is one condition"));
+  EXPECT_THAT(told({.sections = "(:constants a,b - t)"}), HasSubstr("'a,b' is not a name"));
+  EXPECT_THAT(told({.sections = "(:constants a#1 - t)"}), HasSubstr("'a#1' is not a name"));
+}
+
+TEST(Pddl, ReadsTypesWithoutABlankBeforeThemAndAByteOrderMark) {
+  EXPECT_EQ(told({.parameters = "(?x -t)"}), "");
+  EXPECT_EQ(read("\xef\xbb\xbf(define (domain d) (:predicates (p)) (:action a :effect (p)))",
+                 "\xef\xbb\xbf(define (problem x) (:domain d) (:init) (:goal (p)))", "\xef\xbb\xbf(a)")
+                .problems,
+            "");
+}
+
+/// The names of the steps that came of a plan, in a domain in which every step is possible; or what is wrong.
+std::string steps_of(std::string_view plan) {
+  const auto [network, problems] = read(
+      "(define (domain d) (:predicates (p)) (:action go :parameters (?x ?y) :effect (p)) (:action wait "
+      ":effect ()))",
+      "(define (problem x) (:domain d) (:objects a b c) (:init) (:goal ()))", plan);
+  if (!network) return problems;
+  std::string names;
+  for (std::uint32_t i = 0; i < network->size(); ++i)
+    names += (i == 0 ? "" : "; ") + network->names.name((*network)[NodeId{i}].name);
+  return names;
+}
+
+TEST(PddlPlan, IsInTheOrderOfItsTimes) {
+  EXPECT_EQ(steps_of("1.0: (go b c) [1]\n0.0: (go a b) [1]\n"), "go a b; go b c");
+  EXPECT_EQ(steps_of("10: (wait)\n9: (go b c)\n9: (go a b)\n"), "go b c; go a b; wait");
+  EXPECT_EQ(steps_of("1: (wait)\n(go a b)"),
+            "plan:2:1: error: this step has no time, but others have [bad-plan]");
+}
+
+TEST(PddlPlan, IsReadAsPlannersPrintIt) {
+  const std::string expected = "go a b; wait; go b c";
+  EXPECT_EQ(steps_of("(go a b)\n(wait)\n(go b c)\n; cost = 3 (unit cost)\n"), expected);
+  EXPECT_EQ(steps_of("(go a\n  b) (wait) (go b c)"), expected);
+  EXPECT_EQ(steps_of("0.0003:   (GO A B)   [D:1.0000; C:0.1000]\n1.0005: (WAIT) [1]\n2 : (GO B C) [1]\n"),
+            expected);
+  EXPECT_EQ(steps_of("0:\n(go a b)\n1:\n(wait)\n2:\n(go b c)"), expected);
+  EXPECT_EQ(
+      steps_of("ff: parsing domain file\ndomain 'D' defined\n ... done.\n\n"
+               "ff: found legal plan as follows\n\nstep    0: GO A B\n        1: WAIT\n        2: GO B C\n"
+               "     \n\ntime spent:    0.00 seconds instantiating 6 easy, 0 hard action templates\n"),
+      expected);
+  EXPECT_EQ(steps_of("STEP 0: go(a,b) wait()\nSTEP 1: go(b,c)\n"), expected);
+  EXPECT_EQ(steps_of("SequentialPlan:\n    go(a, b)\n    wait\n    go(b, c)\n"), expected);
+  EXPECT_EQ(
+      steps_of("TimeTriggeredPlan:\n    2.0: go(b, c) [1.0]\n    0.0: go(a, b) [1.0]\n    1.0: wait [1.0]\n"),
+      expected);
+}
+
+TEST(PddlPlan, IsRefusedWithOneCauseWhereItIsNone) {
+  using testing::AllOf;
+  using testing::HasSubstr;
+  using testing::Not;
+  const auto one = [](const std::string& place) {
+    return AllOf(HasSubstr(place + ": error: this is no step of a plan such as"), Not(HasSubstr("\n")));
+  };
+  EXPECT_THAT(
+      steps_of("INFO Running search.\n[t=0.01s] Solution found!\ngo a b (1)\nwait (1)\nPlan length: 2\n"),
+      one("plan:1:1"));
+  EXPECT_THAT(steps_of("go a b (1)\nwait (1)\n"), one("plan:1:1"));
+  EXPECT_THAT(steps_of("(go a b)\nPlan cost: 1\n"), one("plan:2:1"));
+  EXPECT_THAT(steps_of("PartialOrderPlan:\n  actions:\n"), HasSubstr("'partialorderplan:' is not supported"));
+}
+
+TEST(PddlPlan, IsReadAgainWhereItWasWritten) {
+  const auto [network, problems] = read(
+      "(define (domain d) (:predicates (p ?x) (q)) (:action a.b+c :parameters (?x) :precondition (not (q)) "
+      ":effect (p ?x)))",
+      "(define (problem odd/name) (:domain d) (:objects x-1 y=2 <z>) (:init) (:goal (and (p x-1) (not "
+      "(q)))))",
+      "(a.b+c x-1)(a.b+c y=2)(a.b+c <z>)(a.b+c x-1)");
+  ASSERT_TRUE(network) << problems;
+  const std::string text = write_flat_network({*network, {}});
+  Diagnostics diagnostics;
+  const auto again = read_flat_network(text, "again", diagnostics);
+  ASSERT_TRUE(again) << to_string(diagnostics);
+  EXPECT_EQ(write_flat_network(*again), text);
 }
 
 }  // namespace

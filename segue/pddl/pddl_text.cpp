@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 
+#include <algorithm>
 #include <cctype>
 
 namespace segue::pddl::detail {
@@ -15,6 +16,7 @@ class Parser {
       : text_(text), file_(file), diagnostics_(diagnostics) {}
 
   std::optional<std::vector<PddlTerm>> parse() {
+    if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
     std::vector<PddlTerm> terms;
     for (skip(); place_ < text_.size(); skip()) {
       auto parsed = term(0);
@@ -26,6 +28,7 @@ class Parser {
 
  private:
   static constexpr int kDeepest = 200;
+  static constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
   [[nodiscard]] SourceLocation here() const { return {file_, line_, column_}; }
 
@@ -112,11 +115,50 @@ std::optional<std::vector<PddlTerm>> parse_pddl(std::string_view text, const std
   return Parser(text, file, diagnostics).parse();
 }
 
-std::vector<PddlTyped> read_typed_list(const std::vector<PddlTerm>& terms, std::size_t first,
+bool begins_with_definition(std::string_view text) {
+  constexpr std::string_view kDefine = "define";
+  for (;;) {
+    const auto first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf(");
+    if (first == std::string_view::npos) return false;
+    const bool in_list = text.substr(0, first).find('(') != std::string_view::npos;
+    text.remove_prefix(first);
+    if (text.front() != ';') {
+      const auto same = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
+      return in_list && std::ranges::equal(text.substr(0, kDefine.size()), kDefine, same);
+    }
+    const auto end = text.find('\n');
+    if (end == std::string_view::npos) return false;
+    text.remove_prefix(end);
+  }
+}
+
+namespace {
+
+/// With "-t" as two words.
+std::vector<PddlTerm> with_dashes_apart(const std::vector<PddlTerm>& terms, std::size_t first) {
+  std::vector<PddlTerm> result;
+  for (std::size_t i = first; i < terms.size(); ++i) {
+    const PddlTerm& term = terms[i];
+    if (!term.word.starts_with('-')) {
+      result.push_back(term);
+      continue;
+    }
+    result.push_back({"-", {}, term.where});
+    if (term.word.size() == 1) continue;
+    result.push_back({term.word.substr(1), {}, term.where});
+    ++result.back().where.column;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<PddlTyped> read_typed_list(const std::vector<PddlTerm>& given, std::size_t first,
                                        Diagnostics& diagnostics) {
+  const std::vector<PddlTerm> terms = with_dashes_apart(given, first);
   std::vector<PddlTyped> result;
   std::size_t untyped = 0;
-  for (std::size_t i = first; i < terms.size(); ++i) {
+  for (std::size_t i = 0; i < terms.size(); ++i) {
     if (terms[i].word != "-") {
       if (terms[i].is_list()) diagnostics.error("bad-name", "a name was expected here", terms[i].where);
       result.push_back({terms[i].word, {"object"}, terms[i].where});

@@ -23,11 +23,15 @@ struct PddlTerm {
   }
 };
 
-/// All terms of a text; `;` begins a comment. Refuses nesting beyond 200; problems become diagnostics.
+/// Whether the text, after comments and a byte order mark, begins with "(define".
+bool begins_with_definition(std::string_view text);
+
+/// All terms of a text; `;` begins a comment, and a byte order mark may precede it. Refuses nesting beyond
+/// 200; problems become diagnostics.
 std::optional<std::vector<PddlTerm>> parse_pddl(std::string_view text, const std::string& file,
                                                 Diagnostics& diagnostics);
 
-/// "a b - t c - (either t u)": names with their types; without any they are of type object.
+/// "a b - t c - (either t u)": names with their types; without any they are of type object. "-t" is "- t".
 struct PddlTyped {
   std::string name;
   std::vector<std::string> types;

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/pddl/pddl_text.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::pddl::detail {
+
+/// The steps of a plan in the order of their times, or without times in that of the file: each a list of an
+/// action and its objects. Reads what planners write: "(move a b)", "0: (move a b) [1]", the steps in the
+/// output of FF ("step 0: MOVE A B"), Madagascar ("STEP 0: move(a,b) move(c,d)"), and unified-planning
+/// ("move(a, b)"). Anything else is one error that names the first line that is no step.
+std::optional<std::vector<PddlTerm>> parse_plan(std::string_view text, const std::string& file,
+                                                Diagnostics& diagnostics);
+
+}  // namespace segue::pddl::detail
