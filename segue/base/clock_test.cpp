@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/time_after.hpp>
+#include <segue/base/varied_duration.hpp>
 #include <segue/base/virtual_clock.hpp>
 
 #include <support/eventually.hpp>
@@ -42,6 +44,24 @@ TEST(VirtualClock, WakesAllWhoWait) {
     EXPECT_TRUE(testing::eventually([&] { return sleeper.returned(); }));
   for (std::size_t i = 0; i < sleepers.size(); ++i)
     clock.advance({});  // so that the test ends even if some were forgotten
+}
+
+TEST(TimeAfter, IsAnErrorWhereNoTimeIsSoLate) {
+  constexpr Duration kAll = Duration::max();
+  EXPECT_EQ(time_after(TimePoint(Duration(3)), Duration(4)).value(), TimePoint(Duration(7)));
+  EXPECT_EQ(time_after(TimePoint{}, kAll).value(), TimePoint::max());
+  EXPECT_EQ(time_after(TimePoint(Duration(1)), kAll).error().code, ErrorCode::InvalidArgument);
+}
+
+TEST(TimeAfter, SumsOfDurationsEndAtTheLongest) {
+  EXPECT_EQ(sum_of_durations(Duration(3), Duration(4)), Duration(7));
+  EXPECT_EQ(sum_of_durations(Duration(1), Duration::max()), Duration::max());
+  EXPECT_EQ(sum_of_durations(Duration(-1), Duration::min()), Duration::min());
+}
+
+TEST(TimeAfter, VariedDurationsEndAtTheLongest) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed)
+    EXPECT_GT(varied(Duration::max(), seed, 0, 0), Duration::zero());
 }
 
 TEST(RealClock, SleepingIntoThePastReturnsAtOnce) {

@@ -21,7 +21,9 @@ Duration varied(Duration expected, std::uint64_t seed, std::uint64_t what, std::
   if (seed == 0) return expected;
   const std::uint64_t number = mixed(mixed(mixed(seed) ^ what) ^ turn);
   const double exponent = static_cast<double>(number >> 11) * 0x1p-53 * 2 - 1;
-  return Duration(static_cast<Duration::rep>(static_cast<double>(expected.count()) * std::exp2(exponent)));
+  const double count = static_cast<double>(expected.count()) * std::exp2(exponent);
+  constexpr double kEnd = 0x1p63;
+  return count < kEnd ? Duration(static_cast<Duration::rep>(count)) : Duration::max();
 }
 
 Duration varied(Duration expected, std::uint64_t seed, std::string_view what, std::uint64_t turn) {

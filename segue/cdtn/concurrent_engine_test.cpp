@@ -52,6 +52,22 @@ TEST(ConcurrentEngine, TakesTheBranchThatWasChosen) {
   EXPECT_THAT(result.world.texts(flat.network.facts), testing::ElementsAre("done()"));
 }
 
+TEST(ConcurrentEngine, AbortsANodeThatWouldEndAfterAllTimeThatThereIs) {
+  std::string nodes;
+  for (int i = 0; i < 10; ++i)
+    nodes += std::string(i == 0 ? "" : ",") + R"({"name": "n)" + std::to_string(i) +
+             R"(", "duration_s": 1000000000})";
+  const FlatNetwork flat = read(nodes);
+  SimulatedEnvironment environment(flat.network, flat.trials);
+  const auto expect_error = [](const RunResult& result) {
+    ASSERT_FALSE(result.done());
+    EXPECT_THAT(to_string(*result.error), HasSubstr("it would end after more than 292 years"));
+    EXPECT_EQ(seconds(result.makespan), 9e9);
+  };
+  expect_error(run(flat));
+  expect_error(run_sequential(flat.network, environment));
+}
+
 TEST(ConcurrentEngine, AnAbortWithAHandlerIsABranch) {
   const RunResult result = run(read(R"j({"name": "grasp", "pia": true, "effects": [], "fails": true},
     {"name": "lift", "pia": true, "effects": [], "condition_deps": ["grasp"]},

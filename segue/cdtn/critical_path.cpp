@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "critical_path.hpp"
 
+#include <segue/base/time_after.hpp>
+
 #include <algorithm>
 
 namespace segue::cdtn {
@@ -79,7 +81,7 @@ class LongestPath {
         later(own.start, own.cause, ahead ? from.end : from.commit, dependency.from);
       later(gate, gate_cause, from.commit, dependency.from);
     }
-    own.end = own.commit = own.start + duration(node);
+    own.end = own.commit = sum_of_durations(own.start, duration(node));
     later(own.commit, own.cause, gate, NodeId{gate_cause});
   }
 
@@ -100,10 +102,10 @@ CriticalPath critical_path(const TaskNetwork& network, const Order& order, const
 }
 
 std::vector<std::uint64_t> critical_path_priorities(const TaskNetwork& network, const Order& order) {
-  std::vector<Duration::rep> to_end(network.size(), 0);
-  Duration::rep longest = 0;
+  std::vector<Duration> to_end(network.size());
+  Duration longest{};
   for (std::uint32_t i = network.size(); i-- > 0;) {
-    to_end[i] += network[NodeId{i}].duration.count();
+    to_end[i] = sum_of_durations(to_end[i], network[NodeId{i}].duration);
     longest = std::max(longest, to_end[i]);
     for (const Dependency& dependency : order.before(NodeId{i})) {
       const std::uint32_t from = index(dependency.from);
@@ -111,8 +113,8 @@ std::vector<std::uint64_t> critical_path_priorities(const TaskNetwork& network, 
     }
   }
   std::vector<std::uint64_t> priorities;
-  for (const Duration::rep length : to_end)
-    priorities.push_back(static_cast<std::uint64_t>(longest - length));
+  for (const Duration length : to_end)
+    priorities.push_back(static_cast<std::uint64_t>((longest - length).count()));
   return priorities;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation.hpp"
 
+#include <segue/base/time_after.hpp>
 #include <segue/base/varied_duration.hpp>
 
 namespace segue::cdtn {
@@ -21,8 +22,14 @@ ReportPtr SimulatedEnvironment::report(NodeId node) const {
 
 void SimulatedEnvironment::start(NodeContext& context, Completions& completions) {
   const NodeId node = context.node();
-  completions.finish_at(completions.now() + duration(node, context.attempt()), node, context.attempt(),
-                        report(node));
+  const auto when = time_after(completions.now(), duration(node, context.attempt()));
+  auto ending = report(node);
+  if (!when) {
+    ending = std::make_unique<Report>();
+    ending->outcome = kAborted;
+    ending->error = when.error().message;
+  }
+  completions.finish_at(when.value_or(completions.now()), node, context.attempt(), std::move(ending));
 }
 
 void SimulatedEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& completions) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/time_after.hpp>
 #include <segue/base/virtual_clock.hpp>
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/all_changes.hpp>
@@ -148,9 +149,11 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
     };
   }
   void end_after(Duration duration, Ending ending) override {
+    const auto when = time_after(completions_.now(), duration);
+    if (!when) ending = {kAborted, when.error().message};
     auto report = reporter_->report(ending, std::move(outputs_));
     environment_.running_[index(node_)] = {reporter_, nullptr, report->outputs};
-    completions_.finish_at(completions_.now() + duration, node_, attempt_, std::move(report));
+    completions_.finish_at(when.value_or(completions_.now()), node_, attempt_, std::move(report));
   }
 
   std::vector<Value>& results() { return outputs_; }
@@ -449,7 +452,9 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
     auto report = carry_out();
     occupy(nullptr);
     const Duration taken = clock->now() - VirtualClock().now();
-    return completions.finish_at(completions.now() + taken, context.node(), context.attempt(),
+    const auto when = time_after(completions.now(), taken);
+    if (!when) report = reports->report({kAborted, when.error().message}, {});
+    return completions.finish_at(when.value_or(completions.now()), context.node(), context.attempt(),
                                  std::move(report));
   }
   running_[index(context.node())] = {reports, [engine] { engine->stop(); }};

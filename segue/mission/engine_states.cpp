@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/base/time_after.hpp>
 #include <segue/mission/engine_core.hpp>
 #include <segue/mission/index.hpp>
 
@@ -57,9 +58,10 @@ class EngineCore::LeafCall final : public ActionCall {
     };
   }
   void end_after(Duration duration, Ending ending) override {
-    activation_.timed = std::move(ending);
+    const auto when = time_after(engine_.now(), duration);
+    activation_.timed = when ? std::move(ending) : Ending{kAborted, when.error().message};
     engine_.timers_.push(
-        {engine_.now() + duration, ++engine_.timer_order_, &activation_, activation_.generation});
+        {when.value_or(engine_.now()), ++engine_.timer_order_, &activation_, activation_.generation});
   }
 
  private:

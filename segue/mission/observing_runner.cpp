@@ -2,6 +2,7 @@
 #include <segue/mission/observing_runner.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/base/time_after.hpp>
 
 #include <algorithm>
 #include <mutex>
@@ -183,7 +184,9 @@ class ObservedCall final : public ActionCall {
     };
   }
   void end_after(Duration duration, Ending ending) override {
-    run_->ends_at(clock_now() + duration, std::move(ending), {outputs().begin(), outputs().end()});
+    const auto when = time_after(clock_now(), duration);
+    if (!when) ending = {kAborted, when.error().message};
+    run_->ends_at(when.value_or(clock_now()), std::move(ending), {outputs().begin(), outputs().end()});
     defer(nullptr);
   }
 
