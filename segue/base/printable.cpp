@@ -14,6 +14,12 @@ std::size_t announced_length(unsigned char first) {
   return first >= 0xF0 && first <= 0xF4 ? 4 : 0;
 }
 
+/// Characters that change the order in which others are shown, or begin a line or a paragraph.
+bool moves_text(char32_t code) {
+  return code == 0x61C || code == 0x200E || code == 0x200F || (code >= 0x2028 && code <= 0x202E) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
 }  // namespace
 
 std::size_t printable_length(std::string_view text) {
@@ -31,7 +37,7 @@ std::size_t printable_length(std::string_view text) {
   // Forms that are longer than needed, halves of pairs, and numbers without a character are no UTF-8.
   constexpr char32_t kLeast[] = {0, 0, kEndOfControls, 0x800, 0x10000};
   const bool half = code >= 0xD800 && code <= 0xDFFF;
-  return code >= kLeast[length] && code <= 0x10FFFF && !half ? length : 0;
+  return code >= kLeast[length] && code <= 0x10FFFF && !half && !moves_text(code) ? length : 0;
 }
 
 std::string printable(std::string_view text) {

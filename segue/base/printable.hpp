@@ -7,7 +7,8 @@
 namespace segue {
 
 /// Text of unknown origin, safe for a terminal: control characters other than line feeds and tabs (of one or
-/// two bytes), and bytes that are no UTF-8, are escaped as in "\x1b".
+/// two bytes), those that change the order in which text is shown (U+202E), and bytes that are no UTF-8, are
+/// escaped as in "\x1b".
 std::string printable(std::string_view text);
 
 /// How many bytes the character has with which `text` begins; 0 where printable() escapes its first byte.

@@ -50,6 +50,8 @@ TEST(Printable, EscapesBytesThatAreNoUtf8) {
       << "CSI for a terminal in Latin 1";
   EXPECT_EQ(printable("\xc0\x9b \xe0\x80\x9b \xe2\x82"), "\\xc0\\x9b \\xe0\\x80\\x9b \\xe2\\x82")
       << "overlong, cut";
+  EXPECT_EQ(printable("a\u202eb\u2066\u200f"), "a\\xe2\\x80\\xaeb\\xe2\\x81\\xa6\\xe2\\x80\\x8f")
+      << "right to left";
   EXPECT_EQ(printable("\u20ac \U0001f916"), "\u20ac \U0001f916");
 }
 

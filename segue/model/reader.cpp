@@ -227,8 +227,7 @@ void Fields::finish() {
 bool check_name(std::string_view name, std::string_view what, const Value& at, const Source& source) {
   if (is_identifier(name)) return true;
   source.error("bad-name",
-               std::string(what) + ": " + quote(name) +
-                   " is not a name: letters, digits, '_', '-', '.' and ':' only, at most 255",
+               std::string(what) + ": " + quote(name) + " is not a name: " + std::string(kIdentifierRule),
                at);
   return false;
 }

@@ -40,8 +40,7 @@ class StructureCheck {
 
   void check_identifier(const std::string& name, const std::string& what, const SourceLocation& where) {
     if (is_identifier(name)) return;
-    error("bad-name",
-          what + ": " + quote(name) + " is not a name: letters, digits, '_', '-', '.' and ':' only", where);
+    error("bad-name", what + ": " + quote(name) + " is not a name: " + std::string(kIdentifierRule), where);
   }
 
   void check_task(const Task& task) {
