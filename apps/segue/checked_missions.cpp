@@ -18,6 +18,7 @@ void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diag
                             const RobotControllers* robot) {
   const auto plan = session::Session::load(file, libraries_, diagnostics);
   if (!plan) return;
+  if (plan->program() != nullptr) scripts_.check(plan->program()->mission(), diagnostics);
   if (robot != nullptr && plan->program() != nullptr) {
     const mission::Mission& mission = plan->program()->mission();
     mission::check_controllers(mission, robot->networks, robot->catalog, diagnostics);

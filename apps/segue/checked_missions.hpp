@@ -3,6 +3,7 @@
 
 #include <segue/base/diagnostic.hpp>
 #include <segue/convert/ahead.hpp>
+#include <segue/mission/script_check.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
@@ -27,7 +28,8 @@ class CheckedMissions {
  public:
   explicit CheckedMissions(const std::vector<std::string>& libraries) : libraries_(libraries) {}
 
-  /// Reads and validates the file; blocks. With `robot`, what the mission asks of it too.
+  /// Reads and validates the file, and compiles its scripts; blocks. With `robot`, what the mission asks of
+  /// it too.
   void check(const std::filesystem::path& file, Diagnostics& diagnostics,
              const RobotControllers* robot = nullptr);
   /// What may happen, for people.
@@ -41,6 +43,7 @@ class CheckedMissions {
     convert::AheadOfFailures found;
   };
   const std::vector<std::string>& libraries_;
+  mission::ScriptCompiler scripts_;
   std::vector<Entry> entries_;  ///< only where there is something to tell
 };
 

@@ -84,6 +84,8 @@ struct Script {
   std::string file;
   std::string text;
   bool isolated = false;
+  /// Where the text begins; without a line, it is all of that file.
+  SourcePlace where{};
   friend bool operator==(const Script&, const Script&) = default;
 };
 

@@ -237,6 +237,7 @@ Script read_script(const Value& value, const std::string& what, const Source& so
   script.file = fields.text("file");
   script.text = fields.text("text");
   script.isolated = fields.boolean("isolated", false);
+  if (const Value* text = fields.find("text")) script.where = source.at(*text);
   fields.finish();
   if (script.file.empty() == script.text.empty())
     source.error("bad-script", fields.what() + ": give either 'file' or 'text'", value);

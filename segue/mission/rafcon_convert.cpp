@@ -3,6 +3,7 @@
 #include <segue/mission/rafcon_state.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 #include <unordered_map>
 
@@ -167,7 +168,10 @@ class Converter {
     action.outputs = ports(raw.outputs, shown.outputs);
     action.outcomes = outcomes(shown);
     action.where = raw.where;
-    if (!raw.script.empty()) action.run = Script{{}, raw.script};
+    if (!raw.script.empty()) {
+      const auto file = std::filesystem::path(raw.where.file).parent_path() / "script.py";
+      action.run = Script{{}, raw.script, false, SourceLocation{file.string(), 0, 0}};
+    }
     declare(action, raw, diagnostics_);
     check_numbers(raw, shown);
     std::string name = id;

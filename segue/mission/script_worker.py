@@ -24,6 +24,7 @@ import sys
 import threading
 import time
 import traceback
+import warnings
 
 # Scripts must not import from the folder of this file, and no compiled files are written to it.
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -213,14 +214,18 @@ class Scripts:
         if known and known[0] == stamp:
             return known[1]
         if source is None:
-            with open(name, "rb") as file:
-                source = file.read()
+            source = read(name)
             linecache.checkcache(name)
         else:
             linecache.cache[name] = (len(source), None, source.splitlines(True), name)
         code = compile(source, name, "exec", dont_inherit=True)
         self._compiled[name] = (stamp, code)
         return code
+
+
+def read(name):
+    with open(name, "rb") as file:
+        return file.read()
 
 
 def script_name(message):
@@ -404,7 +409,8 @@ class Worker:
 
     def run(self):
         actions = {"execute": self._execute, "preempt": self._preempt, "pause": self._pause,
-                   "decide": self._memories.decide, "answer": self._answer, "forget": self._forget}
+                   "decide": self._memories.decide, "answer": self._answer, "forget": self._forget,
+                   "compile": self._compile}
         for message in self._channel.messages():
             actions[message["do"]](message)
 
@@ -421,6 +427,25 @@ class Worker:
             self._pool.submit(self._in_thread, message, state)
         except RuntimeError as error:
             self._end(message["id"], error=f"no thread for the script: {error}")
+
+    def _compile(self, message):
+        """Says which texts are no Python, without executing any. Files that cannot be read are left out."""
+        errors = []
+        for number, script in enumerate(message["scripts"]):
+            try:
+                source = script["text"] if "text" in script else read(script["file"])
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    compile(source, "script", "exec", dont_inherit=True)
+            except OSError:
+                pass
+            except SyntaxError as error:
+                errors.append({"script": number, "line": error.lineno or 1, "column": error.offset or 1,
+                               "message": f"{type(error).__name__}: {interface.clean(error.msg)}"})
+            except (ValueError, RecursionError, MemoryError) as error:  # null bytes, nested too deeply
+                errors.append({"script": number, "line": 1, "column": 1,
+                               "message": f"{type(error).__name__}: {interface.clean(error)}"})
+        self._channel.send(do="compiled", errors=errors)
 
     def _answer(self, message):
         """Objects are looked up here, in the order of messages: a later one can say that nobody holds them any more."""

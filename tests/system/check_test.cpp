@@ -54,6 +54,15 @@ TEST_F(Check, TheFolderOfARafconMachineIsChecked) {
   expect_problem({"machine"}, "machine/core_data.json:2:");
 }
 
+TEST_F(Check, ScriptsThatAreNoPythonAreFoundWithFileLineAndColumn) {
+  write("m.yaml", "mission: m\nactions: {a: {run: {python: a.py}}}\naction: a\n");
+  write("a.py", "def execute(self, inputs, outputs, gvm):\n    return 0\n");
+  const auto good = segue({"check", "m.yaml"});
+  EXPECT_EQ(good.status, 0) << good.errors;
+  write("a.py", "def execute(self, inputs, outputs, gvm):\n    return = 0\n");
+  expect_problem({"m.yaml"}, "a.py:2:12: error: action 'a': SyntaxError");
+}
+
 TEST_F(Check, APlanIsCheckedWithItsDomainAndItsProblem) {
   write("domain.pddl", kDomain);
   write("problem.pddl", kProblem);
