@@ -122,7 +122,7 @@ TEST_P(RafconMachine, givesScriptsAllOfRafconsInterface) {
   EXPECT_EQ(ran.result.outcome_name, "all") << ran.result.error;
   EXPECT_EQ(
       ran.output("told"),
-      R"({"name":"asks","id":"ASKSAA","path":"asks","inputs":{"text":"given","things":[1,2]},)"
+      R"({"name":"asks","id":"ASKSAA","path":"interface/asks","inputs":{"text":"given","things":[1,2]},)"
       R"("outcomes":{"-2":[-2,"preempted"],"-1":[-1,"aborted"],"0":[0,"all"],"1":[1,"some"]},"run_id":true,)"
       R"("flags":[false,false,true],"waits":[false,false,true],"typed":true,"default":4,"locked":[true,false,true],)"
       R"("text":"b","wrong_key":true,"keys":["other","text"],"starting":["text"],)"

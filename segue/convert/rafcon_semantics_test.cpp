@@ -110,6 +110,67 @@ states:
   }
 }
 
+TEST_P(RafconSemantics, PathsByNameAreOfTitlesInAnyAlphabet) {
+  run(R"(
+mission: m
+actions:
+  look: {outputs: {seen: any}, run: )" +
+      python("outputs['seen'] = [self.get_path(by_name=True), self.get_path(), "
+             "self.parent.get_path(by_name=True)]") +
+      R"(}
+outputs: {seen: any}
+start: outer
+flows: [outer.seen -> outputs.seen]
+states:
+  outer:
+    title: Äußere
+    outputs: {seen: any}
+    start: look
+    flows: [look.seen -> outputs.seen]
+    states: {look: {title: 日本語, on: {success: return success}}}
+    on: {success: return success}
+)");
+  EXPECT_EQ(result_.outcome, 0) << result_.error;
+  EXPECT_EQ(output(), R"(["m/Äußere/日本語","outer/look","m/Äußere"])");
+}
+
+TEST_P(RafconSemantics, AttributesThatAScriptSetsOfItsStateStayForItsNextExecution) {
+  run(R"(
+mission: m
+actions:
+  count: {outputs: {n: int}, outcomes: [success, again], run: )" +
+      python("self.n = getattr(self, 'n', 0) + 1\noutputs['n'] = self.n\n"
+             "if self.n < 3: return 'again'") +
+      R"(}
+outputs: {n: int}
+start: count
+flows: [count.n -> outputs.n]
+states:
+  count: {on: {success: return success, again: count}}
+)");
+  EXPECT_EQ(result_.outcome, 0) << result_.error;
+  EXPECT_EQ(output(), "3");
+}
+
+TEST_P(RafconSemantics, PortsOfTypeTupleGiveScriptsTuples) {
+  run(R"(
+mission: m
+actions:
+  first: {outputs: {pose: {type: tuple, default: [1, 2]}}, run: )" +
+      python("outputs['pose'] = outputs['pose'] + (3,)") + R"(}
+  second: {inputs: {pose: tuple}, outputs: {ends: any}, run: )" +
+      python("outputs['ends'] = [type(inputs['pose']).__name__, inputs['pose'] + (4,)]") + R"(}
+outputs: {ends: any}
+start: first
+flows: [first.pose -> second.pose, second.ends -> outputs.ends]
+states:
+  first: {on: {success: second}}
+  second: {on: {success: return success}}
+)");
+  EXPECT_EQ(result_.outcome, 0) << result_.error;
+  EXPECT_EQ(output(), R"(["tuple",[1,2,3,4]])");
+}
+
 TEST_P(RafconSemantics, ScriptsKnowTheStatesAroundThem) {
   run(R"(
 mission: m

@@ -15,14 +15,18 @@ using type::Value;
 /// Counters saturate here: a machine can contain its libraries exponentially often.
 constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
 
-/// Turns a name into an id of letters, digits, '_' and '-'.
-std::string identifier(const std::string& name) {
+/// Turns a name into an id of letters, digits, '_' and '-'. A name without any letter or digit of ASCII, as
+/// in most alphabets, tells nothing then: the id is made of `otherwise`, which is RAFCON's id.
+std::string identifier(const std::string& name, const std::string& otherwise = {}) {
   std::string id;
+  bool tells = false;
   for (const char c : name) {
-    const bool fits =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-    id += fits ? c : '_';
+    const bool says = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    const bool continues = (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;  // a character of UTF-8
+    tells = tells || says;
+    if (!continues) id += says || c == '_' || c == '-' ? c : '_';
   }
+  if (!tells && !otherwise.empty()) return identifier(otherwise);
   if (id.empty() || id.front() == '-') id.insert(0, "_");
   if (id == "inputs" || id == "outputs" || id == "variables") id += "_";
   return id.substr(0, 200);
@@ -51,7 +55,7 @@ class Converter {
   std::optional<RafconImport> run() {
     const std::size_t errors_before = diagnostics_.error_count();
     name_libraries();
-    mission_.name = identifier(files_.root->name.empty() ? files_.root->id : files_.root->name);
+    mission_.name = identifier(files_.root->name, files_.root->id);
     add(*files_.root, kNoState, mission_.name);
     if (is_container(files_.root->kind)) declare(mission_, *files_.root, diagnostics_);
     mission_.states.front().title = files_.root->name == mission_.name ? "" : files_.root->name;
@@ -140,6 +144,7 @@ class Converter {
       state.library = library_names_.at(raw.library);
       give(state.input_values, raw.input_values, shown.inputs);
       give(state.output_values, raw.output_values, shown.outputs);
+      declare_library(state, raw, diagnostics_);
     } else if (!is_container(raw.kind)) {
       state.action = add_action(raw, shown, id);
     } else {
@@ -147,7 +152,10 @@ class Converter {
       state.outputs = ports(raw.outputs, shown.outputs);
       state.outcomes = outcomes(shown);
       state.variables = ports(raw.variables, shown.variables);
-      if (parent != kNoState) declare(state, raw, diagnostics_);
+      if (parent != kNoState)
+        declare(state, raw, diagnostics_);
+      else if (&raw != files_.root.get())
+        declare_library(state, raw, diagnostics_);
     }
     const StateIndex index = mission_.add(parent, std::move(state));
     if (is_container(raw.kind)) add_inside(raw, index);
@@ -206,7 +214,7 @@ class Converter {
     Children children;
     std::set<std::string> taken;
     for (const auto& child : raw.children) {
-      const std::string id = unique(identifier(child->name.empty() ? child->id : child->name), taken);
+      const std::string id = unique(identifier(child->name, child->id), taken);
       const StateIndex added = add(*child, index, id);
       if (!children.emplace(child->id, Inside{child.get(), added}).second)
         error("duplicate-state", "two states have the id " + quote(child->id), child->where);

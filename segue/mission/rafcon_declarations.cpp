@@ -70,6 +70,23 @@ void declare(State& container, const RafconState& state, Diagnostics& diagnostic
   });
 }
 
+void declare_library(State& library, const RafconState& state, Diagnostics& diagnostics) {
+  with_declarations(state, diagnostics, [&](Fields& fields, const Source& source) {
+    library.strict = fields.boolean("strict", library.strict);
+    const bool root = state.kind != StateKind::Library;
+    if (root) fields.ignore("world");
+    const Value* resources = fields.find("resources");
+    for (const Value* needs : {fields.find("preconditions"), resources}) {
+      if (needs == nullptr || (root && needs == resources && needs->is_map())) continue;
+      source.error("unsupported",
+                   fields.what() +
+                       ": a library cannot declare preconditions and resources; declare them of "
+                       "its states, or of a state around it",
+                   *needs);
+    }
+  });
+}
+
 void declare(Mission& mission, const RafconState& root, Diagnostics& diagnostics) {
   with_declarations(root, diagnostics, [&](Fields& fields, const Source& source) {
     mission.world = read_world(fields, source);

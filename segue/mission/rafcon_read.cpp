@@ -44,7 +44,7 @@ std::string type_name(const Value& value) {
     if (name.starts_with(module)) name.remove_prefix(module.size());
   }
   constexpr std::pair<std::string_view, std::string_view> kTypes[] = {
-      {"str", "text"}, {"unicode", "text"}, {"dict", "map"},  {"tuple", "list"},
+      {"str", "text"}, {"unicode", "text"}, {"dict", "map"},
       {"long", "int"}, {"NoneType", "any"}, {"object", "any"}};
   for (const auto& [python, ours] : kTypes) {
     if (name == python) return std::string(ours);

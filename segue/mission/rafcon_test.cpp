@@ -160,6 +160,68 @@ TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
   std::filesystem::remove_all(folder);
 }
 
+/// A copy of one of our machines, to be changed.
+class ChangedMachine : public ::testing::Test {
+ protected:
+  void copy(const std::string& name) {
+    folder_ =
+        std::filesystem::path(::testing::TempDir()) / ("segue_changed_" + name + std::to_string(::getpid()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::copy(kOurs / name, folder_, std::filesystem::copy_options::recursive);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void write(const std::filesystem::path& file, const std::string& text) {
+    ASSERT_TRUE(write_file(folder_ / file, text));
+  }
+  void replace(const std::filesystem::path& file, const std::string& from, const std::string& to) {
+    std::string text = read_file(folder_ / file).value();
+    const auto at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << text;
+    write(file, text.replace(at, from.size(), to));
+  }
+  std::optional<RafconImport> import(const std::filesystem::path& libraries = kOurs / "libraries") {
+    return import_rafcon(folder_, {{"own", libraries}}, diagnostics_);
+  }
+
+  std::filesystem::path folder_;
+  Diagnostics diagnostics_;
+};
+
+TEST_F(ChangedMachine, withTitlesInOtherAlphabetsHasIdentifiersThatTell) {
+  copy("live_objects");
+  replace("opens_OPENAA/core_data.json", "\"opens\"", "\"\u958b\u304f\"");
+  replace("uses_USESAA/core_data.json", "\"uses\"", "\"Gr\u00f6\u00dfe\"");
+  const auto machine = import();
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  std::vector<std::string> states;
+  for (const State& state : machine->mission.states)
+    states.push_back(state.id.str() + " = " + state.title);
+  EXPECT_EQ(states, (std::vector<std::string>{"live_objects = live objects", "OPENAA = \u958b\u304f",
+                                              "Gr__e = Gr\u00f6\u00dfe"}));
+}
+
+TEST_F(ChangedMachine, declaresThatALibraryIsStrictAndRefusesByNameWhatLibrariesCannotDeclare) {
+  copy("count_down");
+  write("show_SHOWAA/semantic_data.json", R"j({"segue": {"strict": "true"}})j");
+  const auto machine = import();
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  const auto library = std::ranges::find(machine->mission.states, StateKind::Library, &State::kind);
+  EXPECT_TRUE(library->strict);
+  write("show_SHOWAA/semantic_data.json", R"j({"segue": {"preconditions": "ready()"}})j");
+  EXPECT_FALSE(import());
+  EXPECT_THAT(to_string(diagnostics_), AllOf(HasSubstr("show_SHOWAA/semantic_data.json"),
+                                             HasSubstr("a library cannot declare preconditions")));
+}
+
+TEST_F(ChangedMachine, hasPortsOfTypeTuple) {
+  copy("interface");
+  replace("asks_ASKSAA/core_data.json", "__builtin__.list", "__builtin__.tuple");
+  const auto machine = import();
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  EXPECT_TRUE(std::ranges::any_of(machine->mission.actions.front().inputs,
+                                  [](const Port& port) { return port.type == "tuple"; }));
+}
+
 TEST_F(OwnMachine, librariesOfAnyNameAreFoundInAFolderWithoutOne) {
   EXPECT_TRUE(import_rafcon(kOurs / "count_down", {{"", kOurs / "libraries"}}, diagnostics_))
       << to_string(diagnostics_);

@@ -59,6 +59,15 @@ Value outputs_of(ActionCall& call) {
   return outputs;
 }
 
+/// The ports of the type "tuple", which are lists to all but scripts.
+Value tuples_of(const std::vector<Port>& ports) {
+  Value::List names;
+  for (const Port& port : ports) {
+    if (port.type == "tuple") names.emplace_back(port.name);
+  }
+  return names;
+}
+
 std::string name_of(const Program& program, StateIndex index) {
   const State& state = program.state(index);
   return state.title.empty() ? state.id.str() : state.title;
@@ -234,12 +243,16 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("path", path_of(call));
   message.append("state", program.mission().script_id(call.state()));
   message.append("name", name_of(program, call.state()));
+  message.append("description", state.description);
+  message.append("notes", state.notes);
   message.append("parents", parents_of(call));
   message.append("mission", program.mission().name);
   message.append("mission_folder", folder_of(program.mission()));
   add_script(message, call.action(), program.mission());
   message.append("inputs", std::move(*inputs));
   if (!call.error_before().empty()) message.append("error_before", call.error_before());
+  message.append("input_tuples", tuples_of(call.action().inputs));
+  message.append("output_tuples", tuples_of(call.action().outputs));
   message.append("outputs", outputs_of(call));
   message.append("outcomes", Value::List(call.action().outcomes.begin(), call.action().outcomes.end()));
   if (state.kind == StateKind::Decider) message.append("branches", branches_of(call));

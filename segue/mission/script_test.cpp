@@ -317,6 +317,21 @@ TEST_F(Scripts, knowTheirState) {
   EXPECT_EQ(result.outcome, 0) << result.error;
 }
 
+TEST_F(Scripts, areToldByNameWhatTheirStateDoesNotHave) {
+  EXPECT_THAT(error_of("self.scoped_data\nreturn 0"),
+              HasSubstr("AttributeError: scripts have no self.scoped_data"));
+  EXPECT_THAT(error_of("self.preempted = True\nreturn 0"), HasSubstr("AttributeError"));
+}
+
+TEST_F(Scripts, seeWhatTheirStateIsGiven) {
+  const auto& result = run_body(
+      "assert self.input_data is inputs and self.output_data is outputs\n"
+      "assert self.description == '' and self.semantic_data == {} and not self.backward_execution\n"
+      "assert self.is_root_state\nself.own = 1\nassert self.own == 1\ndel self.own\n"
+      "assert not hasattr(self, 'own')\nreturn 0");
+  EXPECT_EQ(result.outcome, 0) << result.error;
+}
+
 TEST_F(Scripts, printAndLogLinesThatNameTheState) {
   run_body(
       "import logging, os, sys\nself.logger.info('to %s', 'log')\nself.logger.verbose('much')\n"

@@ -472,6 +472,10 @@ class Worker:
             output.begin(message["path"])
         outputs = message["outputs"]
         declared = list(outputs)
+        for values, names in ((message["inputs"], message["input_tuples"]), (outputs, message["output_tuples"])):
+            for name in names:
+                if isinstance(values[name], list):
+                    values[name] = tuple(values[name])
         gvm = interface.GlobalVariables(self._channel, message["id"], state, self._objects)
         if "error_before" in message:
             error = self._errors.find(message["error_before"])

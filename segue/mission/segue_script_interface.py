@@ -157,10 +157,17 @@ class ParentState:
         self._machine = machine
 
     def get_path(self, by_name=False):
-        return self._path
+        """By name: the names of the states around it, the outermost first, and its own, as in RAFCON."""
+        return path_by_name(self) if by_name else self._path
 
     def get_state_machine(self):
         return self._machine
+
+
+def path_by_name(state):
+    if isinstance(state.parent, StateMachine):
+        return state.name
+    return f"{path_by_name(state.parent)}/{state.name}"
 
 
 class StateMachine:
@@ -174,6 +181,14 @@ class StateMachine:
             self.innermost = ParentState(parent, self.innermost or self, self)
             self.root_state = self.root_state or self.innermost
         self.innermost = self.innermost or self
+
+
+class Variables(dict):
+    """The persistent variables of a state, and the attributes that its scripts have set of `self`."""
+
+    def __init__(self, *values):
+        super().__init__(*values)
+        self.attributes = {}
 
 
 class Memory:
@@ -222,11 +237,11 @@ class Memories:
         if message["discardable"]:
             return MemoryCopy(self, message)
         with self._lock:
-            return Memory(self._kept.setdefault(message["path"], (0, {}))[1])
+            return Memory(self._kept.setdefault(message["path"], (0, Variables()))[1])
 
     def copy(self, message):
         with self._lock:
-            came_from, values = self._kept.get(message["path"], (0, {}))
+            came_from, values = self._kept.get(message["path"], (0, Variables()))
         try:
             values = copy.deepcopy(values)
         except Exception as error:
@@ -437,16 +452,46 @@ def seconds(value):
 
 
 class ScriptState:
-    """`self` in execute()."""
+    """`self` in execute(). Attributes that scripts set stay for the next execution of the state, as in RAFCON, where
+    the state is the same object."""
 
     def __init__(self, message, logger, memory, paused):
+        self.__dict__["_memory"] = memory  # __setattr__() asks for what is not here
+        self.__dict__["_own"] = frozenset()
+        self._begin(message, logger, paused)
+        self._own = frozenset(self.__dict__) | {"_errors", "_robot", "_compute"}
+
+    def __setattr__(self, name, value):
+        if not self._own or name in self._own or hasattr(type(self), name):
+            object.__setattr__(self, name, value)
+        else:
+            self._memory.values().attributes[name] = value
+
+    def __getattr__(self, name):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        attributes = self._memory.values().attributes
+        if name not in attributes:
+            raise AttributeError(f"scripts have no self.{name}: no execution of this state has set it, and Segue has "
+                                 "none (docs: Missions, Python)")
+        return attributes[name]
+
+    def __delattr__(self, name):
+        if self._memory.values().attributes.pop(name, self) is self:
+            raise AttributeError(f"self.{name} cannot be deleted")
+
+    def _begin(self, message, logger, paused):
         self.name = message["name"]
         self.state_id = message["state"]
+        self.description = message["description"]
+        self.semantic_data = message["notes"]
+        self.backward_execution = message["backward"]
+        self.input_data = message["inputs"]
+        self.output_data = message["outputs"]
         self.run_id = message["run"]
         self._world = message.get("world")
         self._world_data = message.get("world_data")
         self._computed_data = message.get("computed_data")
-        self._memory = memory
         self.logger = logger
         self.outcomes = dict(enumerate(map(Outcome, itertools.count(), message["outcomes"])))
         self.outcomes[-1] = Outcome(-1, "aborted")
@@ -493,6 +538,10 @@ class ScriptState:
         return self._paused
 
     @property
+    def is_root_state(self):
+        return isinstance(self.parent, StateMachine)
+
+    @property
     def started(self):
         return not self._paused
 
@@ -509,7 +558,8 @@ class ScriptState:
         return self._going_on.wait(timeout)
 
     def get_path(self, by_name=False):
-        return self._path
+        """By name: as of its parents."""
+        return path_by_name(self) if by_name else self._path
 
     def get_state_machine(self):
         return self._machine
@@ -535,8 +585,8 @@ class ScriptState:
 class ScriptDecider(ScriptState):
     """`self` of deciders, which also says how its siblings ended."""
 
-    def __init__(self, message, logger, memory, paused):
-        super().__init__(message, logger, memory, paused)
+    def _begin(self, message, logger, paused):
+        super()._begin(message, logger, paused)
         self._branches = message["branches"]
 
     def _find(self, key, value):
