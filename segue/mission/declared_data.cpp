@@ -29,6 +29,8 @@ DeclaredData read_one(const std::string& name, const Value& value, const Source&
     data.initial = *initial;
   if (const Value* script = fields.require("python", "the script with the functions that 'effects' names"))
     data.functions = read_script(*script, fields.what(), source);
+  if (data.functions.isolated)
+    source.error("bad-script", fields.what() + ": only the scripts of actions can be 'isolated'", value);
   const Value* effects = fields.find("effects", Value::Kind::Map);
   fields.finish();
   if (effects == nullptr) return data;

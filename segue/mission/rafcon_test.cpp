@@ -140,7 +140,7 @@ TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
   declare("", R"j({"segue": {"world": "[\"at(robot, dock)\"]", "resources": {"arm": {"count": "2"}}}})j");
   declare("step down_STEPAA", R"j({"other": "x", "segue": {"pure": "true", "expect": {},
       "preconditions": "at(robot, dock)", "effects": ["+counted()", "-fresh()"],
-      "resources": "[{block: arm, count: 2}]"}})j");
+      "resources": "[{block: arm, count: 2}]", "isolated": "true"}})j");
   auto machine = import_rafcon(folder, {{"own", kOurs / "libraries"}}, diagnostics_);
   ASSERT_TRUE(machine) << to_string(diagnostics_);
   const Mission& mission = machine->mission;
@@ -149,6 +149,7 @@ TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
   EXPECT_EQ(step->preconditions.size(), 1U);
   EXPECT_EQ(step->effects.size(), 2U);
   EXPECT_EQ(step->resources.at(0).count, 2);
+  EXPECT_TRUE(std::get<Script>(step->run).isolated);
   EXPECT_EQ(mission.world.size(), 1U);
   EXPECT_EQ(mission.resources.at(0).name, "arm");
   EXPECT_TRUE(validate(mission).empty()) << to_string(validate(mission));

@@ -19,7 +19,8 @@ class ScriptObjects::Held final : public GlobalObject {
 
   [[nodiscard]] type::Value shown() const override {
     const std::lock_guard guard(objects_->mutex_);
-    return objects_->shown_.at(number_);
+    const auto found = objects_->shown_.find(number_);
+    return found == objects_->shown_.end() ? type::Value() : found->second;
   }
   [[nodiscard]] bool is_of(const ScriptObjects& objects) const { return objects_.get() == &objects; }
   [[nodiscard]] std::uint64_t number() const { return number_; }

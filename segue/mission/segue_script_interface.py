@@ -121,7 +121,7 @@ class Objects:
         """Those of an answer of the engine by the names of the variables, each with its number and whether it was
         given by reference."""
         with self._lock:
-            return {name: (number, *self._kept[number]) for name, number in numbers.items()}
+            return {name: (number, *self._kept[number]) for name, number in numbers.items() if number in self._kept}
 
     def forget(self, numbers):
         with self._lock:

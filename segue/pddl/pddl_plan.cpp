@@ -15,10 +15,12 @@ namespace {
 /// What FF prints before the steps of its plan.
 constexpr std::string_view kFfBegin = "found legal plan as follows";
 
+/// Without signs, infinity and what is no number.
 std::optional<double> number(std::string_view text) {
+  if (text.empty() || text.front() < '0' || text.front() > '9') return std::nullopt;
   double value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc{} || end != text.data() + text.size() || text.front() == '-') return std::nullopt;
+  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
 
@@ -111,7 +113,7 @@ class PlanParser {
       word.remove_suffix(1);
     else
       return false;
-    const auto time = word.empty() ? std::nullopt : number(word);
+    const auto time = number(word);
     if (!time) return false;
     time_ = time;
     line = rest.subspan(used);

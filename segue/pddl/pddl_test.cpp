@@ -309,6 +309,8 @@ TEST(PddlPlan, IsRefusedWithOneCauseWhereItIsNone) {
       one("plan:1:1"));
   EXPECT_THAT(steps_of("go a b (1)\nwait (1)\n"), one("plan:1:1"));
   EXPECT_THAT(steps_of("(go a b)\nPlan cost: 1\n"), one("plan:2:1"));
+  for (const char* time : {"nan", "inf", "-1", "1e999"})
+    EXPECT_THAT(steps_of(std::string(time) + ": (go a b)\n0: (wait)\n"), one("plan:1:1")) << time;
   EXPECT_THAT(steps_of("PartialOrderPlan:\n  actions:\n"), HasSubstr("'partialorderplan:' is not supported"));
 }
 
