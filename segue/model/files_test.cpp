@@ -73,11 +73,21 @@ TEST(NetworkFileTest, aNetworkWithoutANameIsNamedAfterItsFile) {
 }
 
 TEST(NetworkFileTest, emptyMapsAndNullsAreTheEmptyNetwork) {
-  for (const char* text : {"", "tasks:\ndeployments:\nconnections:\n",
+  for (const char* text : {"tasks:\ndeployments:\nconnections:\n",
                            "{tasks: {}, deployments: {}, connections: {}}", "network: empty"}) {
     const Read result = read(text);
     ASSERT_TRUE(result.network) << text << to_string(result.diagnostics);
     EXPECT_TRUE(result.network->empty());
+  }
+}
+
+TEST(NetworkFileTest, aFileThatSaysNothingOfANetworkIsNone) {
+  for (const char* text : {"", "\n", "# network: go\n", "---\n", "null", "~", "{}", "speed: 3\n"}) {
+    for (const char* file : {"go.yaml", "go.cnd"}) {
+      const Read result = read(text, file);
+      EXPECT_FALSE(result.network) << text;
+      EXPECT_EQ(result.diagnostics.items().front().code, "no-network") << to_string(result.diagnostics);
+    }
   }
 }
 

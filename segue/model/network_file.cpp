@@ -132,6 +132,17 @@ std::string other_kind(const Value& root) {
   return {};
 }
 
+/// Why a file that says nothing of a network is none: as one it would be empty, and take down what runs.
+std::string missing_network(const Value& root) {
+  constexpr std::string_view kKeys[] = {"network", "tasks", "deployments", "connections"};
+  if (root.is_null()) return "this file is empty; a network without tasks says `tasks: {}`";
+  const bool says = std::ranges::any_of(kKeys, [&](auto key) { return root.find(key) != nullptr; });
+  if (says || !root.is_map()) return {};
+  return "this is no network: it has none of 'network', 'tasks', 'deployments' and 'connections'; one "
+         "without "
+         "tasks says `tasks: {}`";
+}
+
 /// "controllers/goal.cnd.yml" names the network "goal".
 std::string name_from_file(const std::string& file) {
   std::string name = std::filesystem::path(file).filename().string();
@@ -224,7 +235,9 @@ std::optional<Network> read_network_parts(std::string_view text, const std::stri
   const Source source(file, diagnostics);
   const auto root = source.parse(text);
   if (!root) return std::nullopt;
-  if (auto problem = other_kind(*root); !problem.empty()) {
+  auto problem = other_kind(*root);
+  if (problem.empty()) problem = missing_network(*root);
+  if (!problem.empty()) {
     source.error("no-network", std::move(problem), *root);
     return std::nullopt;
   }

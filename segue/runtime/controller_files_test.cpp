@@ -85,6 +85,13 @@ TEST_F(ControllerFilesTest, all_problems_of_all_files_are_reported) {
     EXPECT_THAT(found, HasSubstr(part));
 }
 
+TEST_F(ControllerFilesTest, a_file_without_content_is_no_controller) {
+  for (const char* text : {"", "# saved in part\n"}) {
+    write("controllers/go.yaml", text);
+    EXPECT_THAT(problems(), HasSubstr("go.yaml: error: this file is empty"));
+  }
+}
+
 TEST_F(ControllerFilesTest, what_needs_a_restart_is_said) {
   write("robot.yaml", "robot: rover\ncontrollers: [controllers/*.yaml]\npolicies: {watch: 2s}\n");
   EXPECT_THAT(problems(),
