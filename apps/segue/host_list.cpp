@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
 #include <segue/hosts/clock_reading.hpp>
 #include <segue/model/files.hpp>
@@ -110,7 +111,7 @@ std::string robots_cell(const Answer& answer) {
 }
 
 std::string signed_seconds(Duration duration) {
-  return (duration < Duration(0) ? "-" : "+") + format_duration(std::chrono::abs(duration));
+  return (duration < Duration(0) ? "-" : "+") + format_seconds(std::chrono::abs(duration));
 }
 
 void print_hosts(const std::vector<Answer>& answers) {
@@ -129,7 +130,7 @@ void print_hosts(const std::vector<Answer>& answers) {
       continue;
     }
     table.add({answer.host.name.str(), answer.host.address, answer.info.software, answer.info.architecture,
-               format_duration(answer.clock.round_trip), signed_seconds(answer.clock.offset),
+               format_seconds(answer.clock.round_trip), signed_seconds(answer.clock.offset),
                fmt::format("{}", answer.info.libraries.size()), printable(robots_cell(answer))});
   }
   print(table.text());

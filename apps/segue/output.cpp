@@ -283,12 +283,6 @@ double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-std::string format_seconds(double seconds) {
-  if (seconds >= 1.0) return fmt::format("{:.3g} s", seconds);
-  if (seconds >= 1e-3) return fmt::format("{:.3g} ms", seconds * 1e3);
-  return fmt::format("{:.3g} us", seconds * 1e6);
-}
-
 double number_at(const Value& map, std::string_view key) {
   const Value* value = map.find(key);
   return value != nullptr && value->is_number() ? value->as_double() : 0.0;

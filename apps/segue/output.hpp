@@ -5,6 +5,7 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/error.hpp>
 #include <segue/base/printable.hpp>
+#include <segue/base/rounded_text.hpp>
 #include <segue/type/value.hpp>
 
 #include <string>
@@ -60,7 +61,6 @@ int failed(const Context& context, const Error& error);
 
 double seconds(Duration duration);
 /// "1.25 ms", "3.2 s": three digits, for tables.
-std::string format_seconds(double seconds);
 /// The number at `key` of a map, 0 where there is none; likewise text.
 double number_at(const type::Value& map, std::string_view key);
 std::string text_at(const type::Value& map, std::string_view key);

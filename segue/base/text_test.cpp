@@ -4,6 +4,7 @@
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/log.hpp>
 #include <segue/base/printable.hpp>
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
 #include <segue/base/utf8.hpp>
 
@@ -160,6 +161,18 @@ TEST(IsoTime, IsInUtcWithMilliseconds) {
   using namespace std::chrono;
   EXPECT_EQ(iso_time(system_clock::time_point(seconds(1'795'000'000) + milliseconds(7))),
             "2026-11-18T11:06:40.007Z");
+}
+
+TEST(RoundedText, is_three_digits_with_a_unit) {
+  using namespace std::chrono_literals;
+  EXPECT_EQ(format_seconds(79749ns), "79.7 us");
+  EXPECT_EQ(format_seconds(4109974658ns), "4.11 s");
+  EXPECT_EQ(format_seconds(128us), "128 us");
+  EXPECT_EQ(format_seconds(999600ns), "1 ms") << "not 1e+03 us";
+  EXPECT_EQ(format_seconds(0.9996), "1 s");
+  EXPECT_EQ(format_seconds(1.5), "1.5 s");
+  EXPECT_EQ(format_seconds(12345s), "12345 s");
+  EXPECT_EQ(format_seconds(0.0), "0 us");
 }
 
 }  // namespace

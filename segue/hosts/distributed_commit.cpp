@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/hosts/distributed_commit.hpp>
 
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
 #include <segue/deploy/action_ids.hpp>
 
@@ -123,9 +124,9 @@ Result<void> DistributedCommit::promise(const std::set<const Site*>& sites, std:
     auto voted = robot.vote(number, promise_);
     const Duration took = clock_.now() - begin;
     if (voted && took > promise_ / 2) {
-      return fail(ErrorCode::InvalidState, "it took " + format_duration(took) +
+      return fail(ErrorCode::InvalidState, "it took " + format_seconds(took) +
                                                " to promise, too long for a promise of " +
-                                               format_duration(promise_));
+                                               format_seconds(promise_));
     }
     return voted;
   };

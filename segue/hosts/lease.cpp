@@ -3,6 +3,7 @@
 
 #include <segue/base/file.hpp>
 #include <segue/base/printable.hpp>
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/secret.hpp>
 #include <segue/base/text.hpp>
 
@@ -82,7 +83,7 @@ std::optional<Error> Lease::refusal_of(const Claim& claim) const {
   }
   return fail(ErrorCode::AlreadyExists,
               "runtime " + quote(last_.holder) + " commands this robot, for another " +
-                  format_duration(remaining) + " at least; wait until it has ended, or take it over",
+                  format_seconds(remaining) + " at least; wait until it has ended, or take it over",
               robot_);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/hosts/task_host_part.hpp>
 
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
 #include <segue/host/ordered_actions.hpp>
 
@@ -102,7 +103,7 @@ Result<void> TaskHostPart::wait_for(const LinkWait& link, TimePoint deadline) {
     return fail(ErrorCode::DeadlineExceeded,
                 "has found " + std::to_string(static_cast<int>(matched)) + " of " +
                     std::to_string(link.count) + " counterparts on other hosts within " +
-                    format_duration(left) +
+                    format_seconds(left) +
                     "; check the addresses of the hosts, and that UDP passes between them",
                 link.task.str());
   }
@@ -140,7 +141,7 @@ Result<void> TaskHostPart::commit(std::uint64_t number) {
   armed_ = 0;
   if (const Duration late = clock_.now() - until_; late > Duration(0)) {
     return fail(ErrorCode::InvalidState, "the order to commit transition " + std::to_string(number) +
-                                             " came " + format_duration(late) + " too late");
+                                             " came " + format_seconds(late) + " too late");
   }
   return tasks_.commit();
 }

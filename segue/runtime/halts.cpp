@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/halts.hpp>
 
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
 #include <segue/concurrent/thread.hpp>
 
@@ -237,7 +238,7 @@ void Halts::bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_to
   result.trouble = trouble.value_or("");
   result.duration = RealClock::instance().now() - under_way_->begin;
   log_.add(EventKind::Halt, "",
-           result.at_rest ? "the robot is at rest after " + format_duration(result.duration)
+           result.at_rest ? "the robot is at rest after " + format_seconds(result.duration)
                           : "the robot was not at rest in time: " + result.trouble);
   last_ = under_way_->halted;
   last_->result = result;

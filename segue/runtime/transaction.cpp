@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/transaction.hpp>
 
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/network_sets.hpp>
 #include <segue/runtime/leftovers.hpp>
@@ -306,7 +307,7 @@ std::optional<Transaction::Failure> Transaction::failure_of(const Execution& exe
 
 void Transaction::retire(Execution& execution, SwitchResult& result) {
   context_.log.add(EventKind::TransitionCommitted, plan_.transition.to.str(),
-                   "after " + format_duration(execution.window(model::Phase::Commit)) + " of commit");
+                   "after " + format_seconds(execution.window(model::Phase::Commit)) + " of commit");
   const bool retired = enter(Stage::Retire) && execution.run(model::Phase::Retire);
   context_.host.conclude(plan_.transition);
   const ActionRecord* failed = retired ? nullptr : execution.failure();
@@ -439,7 +440,7 @@ void Transaction::on_action(const ActionRecord& record) {
   if (record.error) {
     context_.log.add(EventKind::ActionFailed, record.action.label(), to_string(*record.error));
   } else {
-    context_.log.add(EventKind::ActionDone, record.action.label(), format_duration(record.duration));
+    context_.log.add(EventKind::ActionDone, record.action.label(), format_seconds(record.duration));
   }
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/socket.hpp>
@@ -107,7 +108,7 @@ void RpcChannel::shake_hands(kj::Own<SecureStream> stream, const Credentials& cr
   auto late = loop_.timer().afterDelay(to_kj(timeout)).then([this, timeout] {
     return Result<Identity>(
         fail(ErrorCode::DeadlineExceeded,
-             who_ + " did not answer within " + format_duration(timeout) + " in the TLS handshake"));
+             who_ + " did not answer within " + format_seconds(timeout) + " in the TLS handshake"));
   });
   auto handshake = stream->handshake();
   calls_->add(handshake.exclusiveJoin(kj::mv(late))
@@ -165,7 +166,7 @@ bool RpcChannel::start(Duration timeout, Begin begin, Failed failed, std::stop_t
                           if (end == End::Answer) return;
                           if (end == End::Stop) return failed(no_longer_wanted());
                           failed(fail(ErrorCode::DeadlineExceeded,
-                                      who_ + " did not answer within " + format_duration(timeout)));
+                                      who_ + " did not answer within " + format_seconds(timeout)));
                         },
                         [this, failed](kj::Exception&& exception) { failed(translate(exception)); });
     calls_->add(kj::mv(call));
