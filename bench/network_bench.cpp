@@ -8,8 +8,10 @@
 #include <segue/host/local_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -106,9 +108,35 @@ void exchange(Table& table, std::size_t relays) {
             measure(kRepeats, swap));
 }
 
+double seconds_of(const std::function<void()>& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// How the time for each task grows with the size of the network: not at all where it is linear.
+void curve() {
+  std::printf("%8s %12s %12s %12s   (us for each task of a chain in one thread group)\n", "tasks", "up",
+              "exchange", "down");
+  for (const std::size_t relays : {10U, 100U, 1000U, 3000U, 10'000U}) {
+    Robot robot;
+    const model::Network before = grouped(chain(relays, relays));
+    const model::Network after = grouped(chain(relays, relays / 2));
+    const auto each = [&](const model::Network& network) {
+      return seconds_of([&] { robot.to(network); }) * 1e6 / static_cast<double>(relays);
+    };
+    const double up = each(before);
+    const double swap = each(after);
+    std::printf("%8zu %12.1f %12.1f %12.1f\n", relays, up, swap, each({}));
+  }
+}
+
 }  // namespace
 
-int main() {
+/// `network_bench curve`: only the curve.
+int main(int argc, char** argv) {
+  curve();
+  if (argc > 1 && std::string(argv[1]) == "curve") return 0;
   Table up("Bring-up and tear-down of a chain through the runtime (floor: as many bare threads)");
   for (const std::size_t relays : {25U, 50U, 250U})
     bring_up(up, "a thread each", relays, false);

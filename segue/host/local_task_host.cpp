@@ -202,7 +202,7 @@ void LocalTaskHost::conclude(const model::Transition& transition) {
   implementation_->actions.conclude(transition);
   implementation_->watches->ring();
   implementation_->written.forget([this](const model::TaskId& task) {
-    const auto entry = implementation_->table.find(task);
+    const auto entry = implementation_->table.look_up(task);
     return entry && entry->task->state() == TaskState::Running;
   });
 }

@@ -183,7 +183,7 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
   auto done = kind == ActionKind::Configure ? task.configure(deadline)
               : kind == ActionKind::Cleanup ? task.cleanup(deadline)
                                             : task.recover(deadline);
-  table_.drop_ended_connections();
+  table_.drop_ended_connections_of(entry.definition.id);
   return done;
 }
 
@@ -201,7 +201,7 @@ Result<type::Value> TaskActions::call(const model::TaskId& id, std::string_view 
 std::map<model::TaskId, std::string> TaskActions::hanging() {
   std::map<model::TaskId, std::string> hanging;
   for (auto& late : verbs_.overdue()) {
-    const auto entry = table_.find(late.id);
+    const auto entry = table_.look_up(late.id);
     // One that was removed meanwhile hangs on, but the task that has its id now does not.
     if ((entry ? entry->task.get() : nullptr) == late.task) {
       hanging.emplace(std::move(late.id), std::move(late.why));
@@ -238,7 +238,7 @@ Result<void> TaskActions::restore_state(const model::TaskId& id, const task::Sav
     return busy(*entry);
   }
   auto done = entry->task->restore_state(state, deadline);
-  table_.drop_ended_connections();
+  table_.drop_ended_connections_of(id);
   return done;
 }
 
@@ -318,7 +318,7 @@ Result<void> TaskActions::apply_config(const model::ConfigAction& action, TimePo
                 "properties: expected a map, got " + type::describe(action.definition.properties));
   }
   const ProcessEntry* place = process ? &*process : nullptr;
-  auto entry = table_.find(action.definition.id);
+  auto entry = table_.look_up(action.definition.id);
   const task::Task* const present = entry ? entry->task.get() : nullptr;
   const VerbWatch::Verb verb(verbs_, action.definition.id, present, "applying the configuration", deadline);
   if (!entry) {
@@ -412,7 +412,7 @@ Result<void> TaskActions::renew(TaskEntry& entry, const Activity& activity, cons
 void TaskActions::conclude(const model::Transition& transition) {
   const auto hangs = hanging();
   for (const auto& id : transition.removes) {
-    const auto entry = table_.find(id);
+    const auto entry = table_.look_up(id);
     // One that hangs in a process of its own ends with that.
     const bool dropped = entry && entry->process.is_runtime() && hangs.contains(id);
     if (entry && (!entry->configured() || dropped)) {

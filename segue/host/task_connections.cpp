@@ -82,7 +82,7 @@ Result<void> TaskConnections::disconnect(const model::Connection& connection, Ti
 
 void TaskConnections::let_reader_finish(const link::PortConnection& connection, const model::TaskId& reader,
                                         TimePoint deadline) const {
-  const auto entry = table_.find(reader);
+  const auto entry = table_.look_up(reader);
   if (!entry) {
     return;
   }

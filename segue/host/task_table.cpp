@@ -3,15 +3,12 @@
 
 #include <segue/base/text.hpp>
 
+#include <iterator>
 #include <utility>
 
 namespace segue::host::detail {
 
 namespace {
-
-bool ends_at(const model::Connection& connection, const model::TaskId& id) {
-  return connection.from.task == id || connection.to.task == id;
-}
 
 Error removed_meanwhile(const model::TaskId& id) {
   return fail(ErrorCode::NotFound, "task " + quote(id.str()) + " has been removed meanwhile", id.str());
@@ -31,11 +28,17 @@ Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoin
   return lock;
 }
 
-Result<TaskEntry> TaskTable::find(const model::TaskId& id) const {
+std::optional<TaskEntry> TaskTable::look_up(const model::TaskId& id) const {
   const std::shared_lock lock(mutex_);
-  if (const auto found = tasks_.find(id); found != tasks_.end()) {
-    return found->second;
+  const auto found = tasks_.find(id);
+  return found == tasks_.end() ? std::nullopt : std::optional(found->second);
+}
+
+Result<TaskEntry> TaskTable::find(const model::TaskId& id) const {
+  if (auto entry = look_up(id)) {
+    return std::move(*entry);
   }
+  const std::shared_lock lock(mutex_);
   std::vector<std::string> known;
   for (const auto& [name, entry] : tasks_) {
     known.push_back(name.str());
@@ -166,7 +169,7 @@ Result<void> TaskTable::add_connection(ConnectionEntry entry, const task::Task* 
     const std::string name = to_string(connection);
     return fail(ErrorCode::AlreadyExists, "is already connected", name);
   }
-  connections_.insert_or_assign(connection, std::move(entry));
+  readers_.insert(&connections_.insert_or_assign(connection, std::move(entry)).first->first);
   return {};
 }
 
@@ -177,14 +180,27 @@ Result<ConnectionEntry> TaskTable::take_connection(const model::Connection& conn
     const std::string name = to_string(connection);
     return fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected", name);
   }
-  ConnectionEntry entry = std::move(found->second);
-  connections_.erase(found);
-  return entry;
+  return take(found);
 }
 
 void TaskTable::drop_ended_connections() {
   const std::unique_lock lock(mutex_);
-  std::erase_if(connections_, [](const auto& item) { return !item.second.handle.is_connected(); });
+  for (auto place = connections_.begin(); place != connections_.end();) {
+    const auto next = std::next(place);
+    if (!place->second.handle.is_connected()) {
+      take(place);
+    }
+    place = next;
+  }
+}
+
+void TaskTable::drop_ended_connections_of(const model::TaskId& id) {
+  const std::unique_lock lock(mutex_);
+  for (const auto& place : connections_of(id)) {
+    if (!place->second.handle.is_connected()) {
+      take(place);
+    }
+  }
 }
 
 std::vector<ConnectionEntry> TaskTable::take_connections_of(const model::TaskId& id) {
@@ -192,16 +208,33 @@ std::vector<ConnectionEntry> TaskTable::take_connections_of(const model::TaskId&
   return erase_connections_of(id);
 }
 
-/// With the lock held. Dropping a handle calls no task.
+std::vector<TaskTable::Connections::iterator> TaskTable::connections_of(const model::TaskId& id) {
+  std::vector<Connections::iterator> places;
+  const auto [first, last] = connections_.equal_range(id);
+  for (auto place = first; place != last; ++place) {
+    places.push_back(place);
+  }
+  const auto [first_read, last_read] = readers_.equal_range(id);
+  for (auto read = first_read; read != last_read; ++read) {
+    if ((*read)->from.task != id) {  // else it is there already
+      places.push_back(connections_.find(**read));
+    }
+  }
+  return places;
+}
+
+/// Dropping a handle calls no task.
+ConnectionEntry TaskTable::take(Connections::iterator place) {
+  ConnectionEntry entry = std::move(place->second);
+  readers_.erase(&place->first);
+  connections_.erase(place);
+  return entry;
+}
+
 std::vector<ConnectionEntry> TaskTable::erase_connections_of(const model::TaskId& id) {
   std::vector<ConnectionEntry> taken;
-  for (auto place = connections_.begin(); place != connections_.end();) {
-    if (!ends_at(place->first, id)) {
-      ++place;
-      continue;
-    }
-    taken.push_back(std::move(place->second));
-    place = connections_.erase(place);
+  for (const auto& place : connections_of(id)) {
+    taken.push_back(take(place));
   }
   return taken;
 }
@@ -226,8 +259,9 @@ std::vector<ConnectionEntry> TaskTable::all_connections() const {
 
 void TaskTable::clear() {
   std::map<model::TaskId, TaskEntry> tasks;
-  std::map<model::Connection, ConnectionEntry, ByIdentity> connections;
+  Connections connections;
   const std::unique_lock lock(mutex_);
+  readers_.clear();
   tasks.swap(tasks_);
   connections.swap(connections_);
   processes_.clear();

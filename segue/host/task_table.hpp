@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <shared_mutex>
 #include <tuple>
 #include <vector>
@@ -47,9 +48,31 @@ Error busy(const TaskEntry& entry);
 /// Locks the entry's ports for reading; DeadlineExceeded where a hook holds them too long.
 Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoint deadline);
 
-struct ByIdentity {
+/// Those of one writer stand together.
+struct ByWriter {
+  using is_transparent = void;
   bool operator()(const model::Connection& a, const model::Connection& b) const {
     return std::tie(a.from, a.to, a.policy) < std::tie(b.from, b.to, b.policy);
+  }
+  bool operator()(const model::Connection& a, const model::TaskId& writer) const {
+    return a.from.task < writer;
+  }
+  bool operator()(const model::TaskId& writer, const model::Connection& b) const {
+    return writer < b.from.task;
+  }
+};
+
+/// Those of one reader stand together.
+struct ByReader {
+  using is_transparent = void;
+  bool operator()(const model::Connection* a, const model::Connection* b) const {
+    return std::tie(a->to, a->from, a->policy) < std::tie(b->to, b->from, b->policy);
+  }
+  bool operator()(const model::Connection* a, const model::TaskId& reader) const {
+    return a->to.task < reader;
+  }
+  bool operator()(const model::TaskId& reader, const model::Connection* b) const {
+    return reader < b->to.task;
   }
 };
 
@@ -59,10 +82,13 @@ struct ConnectionEntry {
 };
 
 /// The tasks, processes and connections of this process. Thread safe; every function is short and calls no
-/// hook.
+/// hook. What concerns one task takes a time that does not grow with the number of all others.
 class TaskTable {
  public:
+  /// NotFound, with the most similar name.
   [[nodiscard]] Result<TaskEntry> find(const model::TaskId& id) const;
+  /// For whoever expects that it may be missing: find() composes its error from all names.
+  [[nodiscard]] std::optional<TaskEntry> look_up(const model::TaskId& id) const;
   [[nodiscard]] std::vector<TaskEntry> all() const;
   [[nodiscard]] std::vector<TaskEntry> in_process(const model::DeploymentKey& process) const;
   /// Adds a task, or puts it in the place of another one, which is returned, so that it is destroyed without
@@ -88,8 +114,10 @@ class TaskTable {
   /// Those that have not ended.
   [[nodiscard]] std::optional<ConnectionHandle> find_connection(const model::Connection& connection) const;
   [[nodiscard]] std::vector<ConnectionEntry> all_connections() const;
-  /// Removes connections that have ended because a port was removed.
+  /// Removes connections that have ended.
   void drop_ended_connections();
+  /// Only those of a task, of which ports were removed.
+  void drop_ended_connections_of(const model::TaskId& id);
   /// Removes all connections of a task from the table.
   std::vector<ConnectionEntry> take_connections_of(const model::TaskId& id);
 
@@ -97,12 +125,17 @@ class TaskTable {
 
  private:
   [[nodiscard]] bool holds(const model::TaskId& id, const task::Task* task) const;
+  using Connections = std::map<model::Connection, ConnectionEntry, ByWriter>;
+  /// With the lock held, as the following.
+  [[nodiscard]] std::vector<Connections::iterator> connections_of(const model::TaskId& id);
+  ConnectionEntry take(Connections::iterator place);
   std::vector<ConnectionEntry> erase_connections_of(const model::TaskId& id);
 
   mutable std::shared_mutex mutex_;  ///< protects all below; no task is called while it is held
   std::map<model::TaskId, TaskEntry> tasks_;
   std::map<model::DeploymentKey, ProcessEntry> processes_;
-  std::map<model::Connection, ConnectionEntry, ByIdentity> connections_;
+  Connections connections_;
+  std::set<const model::Connection*, ByReader> readers_;  ///< the keys of connections_
 };
 
 }  // namespace segue::host::detail
