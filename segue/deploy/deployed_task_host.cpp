@@ -101,8 +101,8 @@ DeployedTaskHost::~DeployedTaskHost() {
   implementation_->fleet->close();
 }
 
-model::Depth DeployedTaskHost::validation_depth() const {
-  return implementation_->local.validation_depth();
+bool DeployedTaskHost::stands_in(const model::ComponentName& component) const {
+  return implementation_->local.stands_in(component);
 }
 
 Result<void> DeployedTaskHost::can_make(const model::ComponentName& component) const {
@@ -118,6 +118,7 @@ Diagnostics DeployedTaskHost::check(const model::Network& network) const {
 
 void DeployedTaskHost::end_processes(TimePoint deadline) {
   implementation_->fleet->end_all(deadline);
+  findings.append(implementation_->local.check(network));
 }
 
 void DeployedTaskHost::expect(const model::Network& target) {

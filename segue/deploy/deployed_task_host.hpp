@@ -50,7 +50,7 @@ class DeployedTaskHost final : public host::TaskHost {
   /// between processes however many they are.
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
 
-  [[nodiscard]] model::Depth validation_depth() const override;
+  [[nodiscard]] bool stands_in(const model::ComponentName& component) const override;
   Result<void> can_make(const model::ComponentName& component) const override;
   /// Refuses processes on other computers, and connections between processes with another link than shared
   /// memory.

@@ -145,8 +145,18 @@ LocalTaskHost::~LocalTaskHost() {
   implementation_->table.clear();
 }
 
-model::Depth LocalTaskHost::validation_depth() const {
-  return implementation_->maker.makes_stand_ins() ? model::Depth::Structure : model::Depth::Full;
+bool LocalTaskHost::stands_in(const model::ComponentName& component) const {
+  return implementation_->maker.is_unchecked(component);
+}
+
+Diagnostics LocalTaskHost::check(const model::Network& network) const {
+  Diagnostics findings;
+  for (const auto& task : network.tasks) {
+    if (auto problem = implementation_->maker.problem_of_behaviour(task)) {
+      findings.error("bad-stand-in", "task " + quote(task.id.str()) + ": " + *problem, task.where);
+    }
+  }
+  return findings;
 }
 
 Result<void> LocalTaskHost::can_make(const model::ComponentName& component) const {

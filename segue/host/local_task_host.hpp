@@ -38,8 +38,9 @@ class LocalTaskHost final : public TaskHost {
   /// Waits for hooks that have not returned.
   ~LocalTaskHost() override;
 
-  /// Structure where stand-ins may be created.
-  [[nodiscard]] model::Depth validation_depth() const override;
+  [[nodiscard]] bool stands_in(const model::ComponentName& component) const override;
+  /// How stand-ins are to behave.
+  [[nodiscard]] Diagnostics check(const model::Network& network) const override;
   Result<void> can_make(const model::ComponentName& component) const override;
   /// A stand-in without a model gets the ports that connections of expected networks name.
   void expect(const model::Network& target) override;

@@ -499,7 +499,7 @@ TEST(LocalHostWithoutStandIns, names_the_missing_component) {
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::NotFound);
   EXPECT_THAT(done.error().message, HasSubstr("missing::Thing"));
-  EXPECT_EQ(host.validation_depth(), model::Depth::Full);
+  EXPECT_FALSE(host.stands_in(model::ComponentName("missing::Thing")));
 }
 
 }  // namespace

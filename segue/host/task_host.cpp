@@ -38,6 +38,10 @@ Result<void> TaskHost::can_make(const model::ComponentName& /*component*/) const
   return {};
 }
 
+bool TaskHost::stands_in(const model::ComponentName& /*component*/) const {
+  return false;
+}
+
 Diagnostics TaskHost::check(const model::Network& /*network*/) const {
   return {};
 }

@@ -59,9 +59,9 @@ class TaskHost {
  public:
   virtual ~TaskHost() = default;
 
-  /// How strictly a network must be validated before it may run here. Stand-ins accept any component and
-  /// port.
-  [[nodiscard]] virtual model::Depth validation_depth() const { return model::Depth::Full; }
+  /// Whether tasks of this component are stand-ins here (model::StandsIn), or its code is there without a
+  /// model among stand-ins.
+  [[nodiscard]] virtual bool stands_in(const model::ComponentName& component) const;
   /// Whether tasks of this component can be made here; NotFound with what to install where not.
   virtual Result<void> can_make(const model::ComponentName& component) const;
   /// Other reasons why a network cannot run here, such as tasks on computers that cannot be reached or links

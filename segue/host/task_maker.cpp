@@ -40,7 +40,7 @@ std::vector<std::string> property_names(const model::Task& definition) {
 }  // namespace
 
 Result<void> TaskMaker::can_make(const model::ComponentName& component) const {
-  if (makes_stand_ins() || libraries_.has(component)) {
+  if (stands_in(component) || libraries_.has(component)) {
     return {};
   }
   if (auto made = libraries_.create(component); !made) {
@@ -62,12 +62,26 @@ void TaskMaker::expect(const model::Network& network) {
   }
 }
 
-bool TaskMaker::wants_stand_in(const model::ComponentName& component) const {
+bool TaskMaker::stands_in(const model::ComponentName& component) const {
   const auto& real = options_.never_stand_ins;
   if (std::find(real.begin(), real.end(), component) != real.end()) {
     return false;
   }
   return options_.only_stand_ins || (options_.stand_in && !libraries_.has(component));
+}
+
+bool TaskMaker::is_unchecked(const model::ComponentName& component) const {
+  const bool makes_any = options_.stand_in || options_.only_stand_ins;
+  return stands_in(component) || (makes_any && catalog_.find(component) == nullptr);
+}
+
+std::optional<std::string> TaskMaker::problem_of_behaviour(const model::Task& definition) const {
+  const type::Value* own = definition.properties.find(kStandInProperty);
+  if (own == nullptr || !stands_in(definition.component)) {
+    return std::nullopt;
+  }
+  auto behaviour = read_behaviour(*own, {}, kStandInProperty);
+  return behaviour ? std::nullopt : std::optional(std::move(behaviour.error().message));
 }
 
 StandInBehaviour TaskMaker::behaviour_of(const model::Task& definition) const {
@@ -152,7 +166,7 @@ Result<void> TaskMaker::complete(const TaskEntry& entry, const model::Task& defi
 }
 
 Result<TaskEntry> TaskMaker::make(const model::Task& definition, const ProcessEntry* process) const {
-  const bool stand_in = wants_stand_in(definition.component);
+  const bool stand_in = stands_in(definition.component);
   auto component = make_component(definition, stand_in);
   if (!component) {
     return std::move(component.error());

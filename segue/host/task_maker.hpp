@@ -8,6 +8,8 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace segue::host::detail {
@@ -19,7 +21,8 @@ class TaskMaker {
   TaskMaker(const LibrarySet& libraries, const model::ComponentCatalog& catalog, LocalOptions options)
       : libraries_(libraries), catalog_(catalog), options_(std::move(options)) {}
 
-  [[nodiscard]] bool makes_stand_ins() const { return options_.stand_in || options_.only_stand_ins; }
+  /// As TaskHost::stands_in.
+  [[nodiscard]] bool is_unchecked(const model::ComponentName& component) const;
   Result<void> can_make(const model::ComponentName& component) const;
   /// Stand-ins made from now on have the ports that `network` names.
   void expect(const model::Network& network);
@@ -37,6 +40,8 @@ class TaskMaker {
   /// The activity of the task: as the network specifies it, else the component, else the process.
   [[nodiscard]] Activity activity_for(const model::Task& definition, const ProcessEntry* process,
                                       const task::Component& component, bool stand_in) const;
+  /// What is wrong with how the task's stand-in is to behave.
+  [[nodiscard]] std::optional<std::string> problem_of_behaviour(const model::Task& definition) const;
   /// How a task's stand-in behaves now.
   [[nodiscard]] StandInBehaviour behaviour_of(const model::Task& definition) const;
 
@@ -44,7 +49,7 @@ class TaskMaker {
   [[nodiscard]] static Result<std::shared_ptr<task::Executor>> executor_for(const model::TaskId& task,
                                                                             const Activity& activity,
                                                                             const ProcessEntry* process);
-  [[nodiscard]] bool wants_stand_in(const model::ComponentName& component) const;
+  [[nodiscard]] bool stands_in(const model::ComponentName& component) const;
   Result<std::unique_ptr<task::Component>> make_component(const model::Task& definition, bool stand_in) const;
   [[nodiscard]] std::unique_ptr<task::Component> make_stand_in_for(const model::Task& definition) const;
 

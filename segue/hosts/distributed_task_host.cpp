@@ -267,8 +267,8 @@ void DistributedTaskHost::end_processes(TimePoint deadline) {
       [deadline](const Site&, HostedRobot& robot) { return robot.end_processes(deadline); });
 }
 
-model::Depth DistributedTaskHost::validation_depth() const {
-  return implementation_->own.validation_depth();
+bool DistributedTaskHost::stands_in(const model::ComponentName& component) const {
+  return implementation_->own.stands_in(component);
 }
 
 Result<void> DistributedTaskHost::can_make(const model::ComponentName& component) const {

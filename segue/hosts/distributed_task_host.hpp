@@ -59,7 +59,7 @@ class DistributedTaskHost final : public host::TaskHost {
   /// Ends the robot's processes on all hosts that can be reached, whatever they hold. Blocks until then.
   void end_processes(TimePoint deadline);
 
-  [[nodiscard]] model::Depth validation_depth() const override;
+  [[nodiscard]] bool stands_in(const model::ComponentName& component) const override;
   Result<void> can_make(const model::ComponentName& component) const override;
   /// Refuses unknown hosts, components that their host does not offer, component libraries that differ
   /// between hosts, and links that do not lead from host to host.

@@ -4,7 +4,7 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
-#include <segue/model/network_index.hpp>
+#include <segue/model/validate.hpp>
 
 #include <array>
 #include <string>
@@ -61,8 +61,8 @@ SourceLocation place(const SourceLocation& where, const Network& network);
 /// Checks names, references and identities, without knowledge of components.
 void check_structure(const Network& network, const NetworkIndex& index, Diagnostics& diagnostics);
 
-/// Checks components, ports, types, properties and devices.
+/// Checks components, ports, types, properties and devices. Without `stands_in` no task is a stand-in.
 void check_components(const Network& network, const NetworkIndex& index, const ComponentCatalog& catalog,
-                      Diagnostics& diagnostics);
+                      const StandsIn& stands_in, Diagnostics& diagnostics);
 
 }  // namespace segue::model::detail

@@ -75,7 +75,16 @@ Diagnostics validate(const Network& network, const ComponentCatalog& catalog, De
   Diagnostics diagnostics;
   const detail::NetworkIndex index(network, catalog);
   detail::check_structure(network, index, diagnostics);
-  if (depth == Depth::Full) detail::check_components(network, index, catalog, diagnostics);
+  if (depth == Depth::Full) detail::check_components(network, index, catalog, {}, diagnostics);
+  diagnostics.sort();
+  return diagnostics;
+}
+
+Diagnostics validate(const Network& network, const ComponentCatalog& catalog, const StandsIn& stands_in) {
+  Diagnostics diagnostics;
+  const detail::NetworkIndex index(network, catalog);
+  detail::check_structure(network, index, diagnostics);
+  detail::check_components(network, index, catalog, stands_in, diagnostics);
   diagnostics.sort();
   return diagnostics;
 }

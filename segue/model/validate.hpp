@@ -6,6 +6,8 @@
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
 
+#include <functional>
+
 namespace segue::model {
 
 enum class Depth {
@@ -19,6 +21,14 @@ enum class Depth {
 /// components, abstract components, unknown ports, output to output, types that do not match, properties that
 /// do not exist or have the wrong type, devices claimed twice. Linear in the size of the network.
 Diagnostics validate(const Network& network, const ComponentCatalog& catalog, Depth depth);
+
+/// Whether tasks of a component are stand-ins.
+using StandsIn = std::function<bool(const ComponentName&)>;
+
+/// As with Depth::Full, for a network whose tasks may be stand-ins. Their components may be unknown or
+/// abstract, and they take properties and, if their model is incomplete, ports that it lacks. All else that
+/// the model of a stand-in says holds for it, too: a value that has the wrong type is an error.
+Diagnostics validate(const Network& network, const ComponentCatalog& catalog, const StandsIn& stands_in);
 
 /// Of a network whose file has errors (read_network_parts()): only what it refers to by a name that does not
 /// exist, has another type or direction, or is used twice, as far as that does not follow from the parts that

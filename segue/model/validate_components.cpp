@@ -21,8 +21,12 @@ std::string hexadecimal(std::uint64_t hash) {
 class ComponentCheck {
  public:
   ComponentCheck(const Network& network, const NetworkIndex& index, const ComponentCatalog& catalog,
-                 Diagnostics& diagnostics)
-      : network_(network), index_(index), catalog_(catalog), diagnostics_(diagnostics) {}
+                 const StandsIn& stands_in, Diagnostics& diagnostics)
+      : network_(network),
+        index_(index),
+        catalog_(catalog),
+        stands_in_(stands_in),
+        diagnostics_(diagnostics) {}
 
   void run() {
     for (const Task& task : network_.tasks) {
@@ -40,10 +44,12 @@ class ComponentCheck {
                       place(where, network_)});
   }
 
+  bool stands_in(const Task& task) const { return stands_in_ && stands_in_(task.component); }
+
   void check_component(const Task& task) {
     const std::string what = "task " + quote(task.id.str());
     const ComponentIndex* component = index_.component(task.component);
-    if (task.component.empty()) return;  // a problem of structure
+    if (task.component.empty() || stands_in(task)) return;  // the former is a problem of structure
     if (component == nullptr) {
       report(false, "unknown-component",
              what + ": there is no component " + quote(task.component.str()) +
@@ -70,10 +76,12 @@ class ComponentCheck {
   void check_properties(const Task& task) {
     const ComponentIndex* component = index_.component(task.component);
     if (component == nullptr || !task.properties.is_map()) return;
+    const bool is_stand_in = stands_in(task);
     for (const auto& [name, value] : task.properties.as_map()) {
       const PropertyModel* property = component->find_property(name);
       const SourceLocation where = place_of(value, task);
       if (property == nullptr) {
+        if (is_stand_in) continue;
         report(component->model().incomplete, "unknown-property",
                "task " + quote(task.id.str()) + ": component " + quote(task.component.str()) +
                    " has no property " + quote(name) + did_you_mean(name, component->property_names()),
@@ -81,7 +89,7 @@ class ComponentCheck {
         continue;
       }
       const Type* type = property->type.empty() ? nullptr : catalog_.types().find(property->type);
-      if (type == nullptr) continue;
+      if (type == nullptr || (is_stand_in && !type->is_complete())) continue;
       type::check_value(value, *type, task.id.str() + "." + name, where.file, diagnostics_);
     }
   }
@@ -116,11 +124,19 @@ class ComponentCheck {
   void check_connection(const Connection& connection) {
     const auto from = find_end(connection.from, Direction::Output, connection);
     const auto to = find_end(connection.to, Direction::Input, connection);
-    if (from.empty() || to.empty()) return;
+    if (from.empty() || to.empty() || is_undecided(connection, *from.front(), *to.front())) return;
     const bool fits = std::ranges::any_of(from, [&](const PortModel* output) {
       return std::ranges::any_of(to, [&](const PortModel* input) { return same_type(*output, *input); });
     });
     if (!fits) report_mismatch(*from.front(), *to.front(), connection);
+  }
+
+  /// A port of a stand-in whose type is not known to this program has none, and fits all.
+  bool is_undecided(const Connection& connection, const PortModel& output, const PortModel& input) {
+    const bool simulated =
+        stands_in(*index_.task(connection.from.task)) || stands_in(*index_.task(connection.to.task));
+    return simulated &&
+           (catalog_.types().find(output.type) == nullptr || catalog_.types().find(input.type) == nullptr);
   }
 
   std::vector<const PortModel*> find_end(const PortRef& end, Direction direction,
@@ -129,7 +145,8 @@ class ComponentCheck {
     const ComponentIndex* component = task == nullptr ? nullptr : index_.component(task->component);
     if (component == nullptr) return {};
     auto ports = component->find_ports(end.port, direction);
-    if (ports.empty()) report_unknown_port(end, direction, *component, connection);
+    const bool grows = component->model().incomplete && stands_in(*task);
+    if (ports.empty() && !grows) report_unknown_port(end, direction, *component, connection);
     return ports;
   }
 
@@ -181,6 +198,7 @@ class ComponentCheck {
   const Network& network_;
   const NetworkIndex& index_;
   const ComponentCatalog& catalog_;
+  const StandsIn& stands_in_;
   Diagnostics& diagnostics_;
   std::unordered_map<std::string, const Task*> devices_;
   std::unordered_map<ComponentName, std::string> suggestions_;
@@ -189,8 +207,8 @@ class ComponentCheck {
 }  // namespace
 
 void check_components(const Network& network, const NetworkIndex& index, const ComponentCatalog& catalog,
-                      Diagnostics& diagnostics) {
-  ComponentCheck(network, index, catalog, diagnostics).run();
+                      const StandsIn& stands_in, Diagnostics& diagnostics) {
+  ComponentCheck(network, index, catalog, stands_in, diagnostics).run();
 }
 
 }  // namespace segue::model::detail

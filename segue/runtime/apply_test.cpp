@@ -3,6 +3,7 @@
 // Files that are applied to a running runtime, beside other requests.
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/test_support.hpp>
+#include <segue/task/component.hpp>
 
 #include <gmock/gmock.h>
 
@@ -11,6 +12,16 @@
 #include <future>
 #include <memory>
 #include <string>
+
+namespace runtime_apply_test {
+
+class Motor final : public segue::task::Component {
+  segue::task::Property<double> speed_{*this, "speed", 1};
+};
+
+}  // namespace runtime_apply_test
+
+SEGUE_COMPONENT(runtime_apply_test::Motor)
 
 namespace segue::runtime {
 namespace {
@@ -113,6 +124,45 @@ TEST_F(ApplyTest, a_network_that_cannot_run_here_leaves_everything_as_it_was) {
   EXPECT_EQ(result.outcome, Outcome::Refused);
   EXPECT_TRUE(result.diagnostics.has_errors());
   EXPECT_EQ(runtime_.controller(kWork)->version, work(1).version);
+  expect_runs(work(1));
+}
+
+TEST_F(ApplyTest, among_stand_ins_a_wrong_value_of_an_installed_component_is_refused_before_any_action) {
+  auto models = robot_.libraries.export_models("", robot_.catalog.types());
+  ASSERT_TRUE(models);
+  for (auto& model : *models)
+    robot_.catalog.add(std::move(model));
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  const auto refused = [&](const std::string& text) {
+    const auto result = apply({network_of("network: work\n" + text)});
+    EXPECT_EQ(result.outcome, Outcome::Refused) << text;
+    EXPECT_FALSE(result.transition) << text;
+    expect_runs(work(1));
+    return to_string(result.diagnostics);
+  };
+  const std::string motor = "tasks: {motor: {component: \"runtime_apply_test::Motor\"";
+  EXPECT_THAT(refused(motor + ", properties: {speed: fast}}}\n"), HasSubstr("motor.speed"));
+  EXPECT_THAT(refused(motor + ", properties: {sped: 1}}}\n"), HasSubstr("no property 'sped'"));
+  EXPECT_THAT(refused(motor + "}, arm: {component: a::Arm}}\nconnections: [motor.turns -> arm.in]\n"),
+              HasSubstr("no output port 'turns'"));
+  EXPECT_THAT(refused("tasks: {arm: {component: a::Arm, properties: {stand_in: {configure: soon}}}}\n"),
+              HasSubstr("stand_in"));
+  EXPECT_EQ(apply({network_of("network: work\n" + motor + ", properties: {speed: 2.5}}}\n")}).outcome,
+            Outcome::Done);
+}
+
+TEST_F(ApplyTest, among_stand_ins_a_value_that_the_model_excludes_is_refused_before_any_action) {
+  Diagnostics diagnostics;
+  model::read_components(
+      "components: {a::Arm: {ports: [{name: in, direction: input, type: /double}], "
+      "properties: [{name: gain, type: /double}]}}\n",
+      "arm.yaml", robot_.catalog, diagnostics);
+  ASSERT_TRUE(diagnostics.empty()) << to_string(diagnostics);
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  const auto result =
+      apply({network_of("network: work\ntasks: {arm: {component: a::Arm, properties: {gain: high}}}\n")});
+  EXPECT_EQ(result.outcome, Outcome::Refused);
+  EXPECT_THAT(to_string(result.diagnostics), HasSubstr("arm.gain"));
   expect_runs(work(1));
 }
 

@@ -95,7 +95,8 @@ Result<void> check_phases(const model::Transition& transition) {
 
 Diagnostics check_runnable(const model::Network& network, const host::TaskHost& host,
                            const model::ComponentCatalog& catalog) {
-  Diagnostics findings = model::validate(network, catalog, host.validation_depth());
+  Diagnostics findings = model::validate(
+      network, catalog, [&](const model::ComponentName& component) { return host.stands_in(component); });
   std::set<model::ComponentName> seen;
   for (const auto& task : network.tasks) {
     if (!seen.insert(task.component).second || catalog.find(task.component) == nullptr) {

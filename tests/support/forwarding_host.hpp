@@ -27,7 +27,9 @@ class ForwardingHost : public host::TaskHost {
   [[nodiscard]] bool side_by_side() const override { return inner_.side_by_side(); }
   void withdraw() override { inner_.withdraw(); }
 
-  [[nodiscard]] model::Depth validation_depth() const override { return inner_.validation_depth(); }
+  [[nodiscard]] bool stands_in(const model::ComponentName& component) const override {
+    return inner_.stands_in(component);
+  }
   Result<void> can_make(const model::ComponentName& name) const override { return inner_.can_make(name); }
   [[nodiscard]] Diagnostics check(const model::Network& network) const override {
     return inner_.check(network);
