@@ -68,7 +68,12 @@ struct DeployedTaskHost::Implementation {
     if (!located) {
       return located.error();
     }
-    const auto service = located->record->service();
+    const detail::ProcessRecord& record = *located->record;
+    if (!record.answers()) {
+      return fail(ErrorCode::Unavailable, detail::silence_text(record.key(), record.process().pid),
+                  task.str());
+    }
+    const auto service = record.service();
     if (service == nullptr) {
       Error error = located->record->unreachable();
       error.subject = task.str();

@@ -555,10 +555,40 @@ TEST(DeployedTaskHost, ShowsAHungProcessAsFatalAndReplacesIt) {
                               [](const auto& report) { return report.id == model::TaskId("c"); });
   ASSERT_NE(c, reports.end());
   EXPECT_EQ(c->state, TaskState::Fatal);
+  EXPECT_EQ(c->state_name, "fatal");
   EXPECT_NE(c->error.find("does not answer"), std::string::npos);
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   EXPECT_NE(world.find("p2"), hung);
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+}
+
+TEST(DeployedTaskHost, AsksAProcessThatDoesNotAnswerForNothingAboutItsTasks) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const auto hung = world.find("p2");
+  world.change([&] { hung->hangs = true; });
+  EXPECT_EQ(text(robot.wrong()), "");
+  std::atomic<int> asked{0};
+  world.on_call([&](const std::string& what, const FakePtr& process) {
+    if (process == hung && what != "snapshot") ++asked;
+  });
+  const model::TaskId c("c");
+  const auto expect_refused = [](const auto& answer) {
+    ASSERT_FALSE(answer);
+    EXPECT_EQ(answer.error().code, ErrorCode::Unavailable);
+    EXPECT_THAT(answer.error().message,
+                ::testing::HasSubstr("process 'localhost/p2' (pid 102) does not answer"));
+  };
+  expect_refused(robot.host.properties(c));
+  expect_refused(robot.host.describe(c));
+  expect_refused(robot.host.details(c));
+  expect_refused(robot.host.set_property(c, "gain", 1, soon()));
+  expect_refused(robot.host.call(c, "reset", {}, soon()));
+  expect_refused(robot.host.write({c, "in"}, 1, soon()));
+  expect_refused(robot.host.open_reader({c, "out"}, 1));
+  world.on_call(nullptr);
+  EXPECT_EQ(asked, 0);
 }
 
 /// Actions that a process does not end: what it was asked for is held up, and then it stops answering.

@@ -96,6 +96,7 @@ class Merger {
     }
     if (std::string why = trouble(process, report.id); !why.empty()) {
       report.state = TaskState::Fatal;
+      report.state_name = to_string(TaskState::Fatal);
       report.error = std::move(why);
     }
     report.id = called(report.id, process);
