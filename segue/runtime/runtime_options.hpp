@@ -5,6 +5,7 @@
 #include <segue/model/ids.hpp>
 #include <segue/model/robot.hpp>
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -19,6 +20,8 @@ struct RuntimeOptions {
   model::LookAhead look_ahead;        ///< resource limits of standby controllers
   std::filesystem::path journal;      ///< the journal file (journal/journal.hpp); empty: none is kept
   std::vector<model::Pool> pools{};   ///< run beside every controller
+  /// Of the results of requests that are kept, roughly; the newest is kept whatever it takes.
+  std::size_t kept_bytes = std::size_t{32} << 20;
 };
 
 }  // namespace segue::runtime

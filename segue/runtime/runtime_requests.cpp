@@ -14,6 +14,13 @@ using detail::quoted_name;
 
 namespace {
 constexpr std::size_t kKeptResults = 100;
+/// Of texts and properties of an action, on average.
+constexpr std::size_t kBytesOfTexts = 512;
+
+std::size_t bytes_of(const SwitchResult& result) {
+  const std::size_t actions = result.actions.size() + (result.undo ? result.undo->actions.size() : 0);
+  return sizeof(SwitchResult) + actions * (sizeof(ActionRecord) + kBytesOfTexts);
+}
 }  // namespace
 
 model::NetworkName detail::name_of(const Request& request) {
@@ -264,7 +271,12 @@ void Runtime::Implementation::remember(SwitchResult result) {
     served.reset();
   }
   history.push_back(std::move(result));
-  if (history.size() > kKeptResults) {
+  std::size_t bytes = 0;
+  for (const auto& kept : history) {
+    bytes += bytes_of(kept);
+  }
+  while (history.size() > kKeptResults || (bytes > options.kept_bytes && history.size() > 1)) {
+    bytes -= bytes_of(history.front());
     history.pop_front();
   }
 }

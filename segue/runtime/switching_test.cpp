@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Many switches in one process: the Artemis controllers, and random networks.
+// Many switches in one process: the Artemis controllers, and random networks; and what is kept of their
+// results.
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/test_support.hpp>
 
@@ -91,6 +92,36 @@ TEST(RandomNetworks, hundreds_of_switches_reach_their_targets_and_leak_nothing) 
   ASSERT_EQ(robot.runtime.switch_to(model::Network{}).outcome, Outcome::Done);
   EXPECT_LE(settled_threads(threads), threads);
   EXPECT_LE(settled_descriptors(descriptors), descriptors);
+}
+
+TEST(KeptResults, take_a_bounded_memory) {
+  RuntimeOptions options;
+  options.kept_bytes = std::size_t{64} << 10;
+  testing::StandInRobot robot(options);
+  std::string many = "network: many\ntasks:\n";
+  for (int i = 0; i < 10; ++i)
+    many += "  t" + std::to_string(i) + ": {component: x::A}\n";
+  const auto full = testing::network_of(many);
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_EQ(robot.runtime.switch_to(full).outcome, Outcome::Done);
+    ASSERT_EQ(robot.runtime.switch_to(model::NetworkName()).outcome, Outcome::Done);
+  }
+  std::size_t actions = 0;
+  for (const auto& result : robot.runtime.history())
+    actions += result.actions.size();
+  EXPECT_GT(actions, 0U);
+  EXPECT_LT(actions * sizeof(ActionRecord), options.kept_bytes);
+}
+
+TEST(KeptResults, are_the_newest_one_at_least) {
+  RuntimeOptions options;
+  options.kept_bytes = 1;
+  testing::StandInRobot robot(options);
+  ASSERT_EQ(
+      robot.runtime.switch_to(testing::network_of("network: one\ntasks: {a: {component: x::A}}\n")).outcome,
+      Outcome::Done);
+  ASSERT_EQ(robot.runtime.switch_to(model::NetworkName()).outcome, Outcome::Done);
+  EXPECT_THAT(robot.runtime.history(), ::testing::SizeIs(1));
 }
 
 TEST(EmbeddedRobotFile, reports_all_problems_of_all_files) {
