@@ -66,6 +66,10 @@ TEST_F(ControlTest, RequestsForFilesAndNetworksTravelWithAllTheirArguments) {
           .value(),
       Value::map(
           {{"force", true}, {"order", "paper"}, {"who", "a test"}, {"lease", 7}, {"take_over", true}}));
+  EXPECT_EQ(
+      robot->repair({.force = true, .order = "paper", .who = "a test", .lease = 7, .take_over = true}, soon())
+          .value(),
+      Value::map({{"repaired", true}, {"who", "a test"}, {"lease", 7}, {"take_over", true}}));
   const auto sent = robot->switch_to_network(
       "tasks: {}", "n.yaml", {.dry_run = true, .force = true, .order = "paper", .who = "a test"}, soon());
   EXPECT_EQ(sent.value(), Value::map({{"text", "tasks: {}"},

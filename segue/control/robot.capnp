@@ -57,4 +57,6 @@ interface Robot {
   watch @26 (task :Text, seen :Tasks.TaskLevel, eachUpdate :Bool, timeout :Int64)
       -> (error :Wire.Error, level :Tasks.TaskLevel);
   running @27 () -> (answer :Wire.Answer);
+  repair @28 (force :Bool, order :Text, who :Text, timeout :Int64, lease :UInt64, takeOver :Bool)
+      -> (answer :Wire.Answer);
 }

@@ -156,6 +156,19 @@ class Client final : public RobotService {
     });
   }
 
+  Result<Value> repair(const SwitchOptions& options, const Wait& wait) override {
+    return ask(wait, [&](RpcChannel::Connection& connection, Duration left) {
+      auto request = connection.as<wire::Robot>().repairRequest();
+      request.setForce(options.force);
+      request.setOrder(as_text(options.order));
+      request.setWho(as_text(options.who));
+      request.setLease(options.lease);
+      request.setTakeOver(options.take_over);
+      request.setTimeout(left.count());
+      return RpcChannel::send(request);
+    });
+  }
+
   Result<Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) override {
     return look(wait, [&](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().conflictsRequest();

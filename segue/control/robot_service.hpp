@@ -78,20 +78,21 @@ class RobotService {
   virtual ~RobotService() = default;
 
   /// {"robot", "file" (the robot file; null: none), "controller", "version", "loaded_version",
-  /// "changed_files", "state", "controllers", "requests" (that have not ended: {"request", "to", "who",
-  /// "state"
+  /// "changed_files", "state", "controllers", "requests" (not ended: {"request", "to", "who", "state"
   /// ("waiting", "planning", "prepare", "commit", "retire", "undo"), "cancelled_by"}), "pools", "pid",
   /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "lost", "doing", "halt" (null, or
   /// {"who", "why", "time_s" (since 1970), "state" ("halting", "at_rest", "not_at_rest"), "stopped",
-  /// "trouble"}), "stopped_by" (who has called stop() and is waited for to release_stop(); null: nobody)}
+  /// "trouble"}), "stopped_by" (until release_stop(); null: nobody), "health" ({"state" ("healthy",
+  /// "in_transition", "in_trouble", "lost"), "troubles": [{"kind" ("robot", "host", "process", "task",
+  /// "connection", "pool"), "name", "what", "why", "since", "for_s", "repair", "on_request"}]})}
   virtual Result<type::Value> status(const Wait& wait) = 0;
   Result<type::Value> status() { return status(Wait(TimePoint::max())); }
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;
   /// How a task is, once that is not as whoever asks has seen it; as host::TaskHost::watch().
   virtual void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) = 0;
-  /// {"controller", "unresolved"} of status(), for which no process is asked, and like the latter
-  /// "in_repair", faults that are being mended, or will be.
+  /// {"controller", "unresolved"} of status(), and like the latter "in_repair", faults that are being mended, or
+  /// will be; no process is asked.
   virtual Result<type::Value> running(const Wait& wait) = 0;
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
   /// dry_run: the JSON of `diff`.
@@ -112,6 +113,7 @@ class RobotService {
   /// Takes the robot's files as they are now, and then the controller that runs to its new version; answers
   /// when both are done: {"outcome", "changes", "diagnostics", "transition" (as of `switch`), "error"}.
   virtual Result<type::Value> apply(const SwitchOptions& options, TimePoint deadline) = 0;
+  virtual Result<type::Value> repair(const SwitchOptions& options, const Wait& wait) = 0;  ///< as switch_to()
   /// Sets which controllers are kept ready, the likeliest first, in place of those set before; with a lease,
   /// until that ends (InvalidState where it has). Returns when it is done: a list of {"controller", "ready",
   /// "prepared", "tasks", "reason"}.

@@ -80,6 +80,7 @@ TEST_F(SecureTest, ALeaseServesOnlyWhoGotIt) {
          return outcome(robot.switch_to_network("tasks: {}", "n.yaml", {.lease = number}, soon()));
        }},
       {"apply", [&](auto& robot) { return outcome(robot.apply({.lease = number}, soon())); }},
+      {"repair", [&](auto& robot) { return outcome(robot.repair({.lease = number}, soon())); }},
       {"prepare", [&](auto& robot) { return outcome(robot.prepare({"a"}, number, soon())); }},
       {"report", [&](auto& robot) { return outcome(robot.report(number, Value())); }},
       {"set", [&](auto& robot) { return outcome(robot.set_property("a", "b", Value(1), sender, soon())); }},
@@ -133,6 +134,8 @@ std::vector<Question> all_questions() {
        true},
       {Verb::Apply, [](auto& robot) { return outcome(robot.apply({}, soon())); }},
       {Verb::Apply, [taking](auto& robot) { return outcome(robot.apply(taking, soon())); }, true},
+      {Verb::Repair, [](auto& robot) { return outcome(robot.repair({}, soon())); }},
+      {Verb::Repair, [taking](auto& robot) { return outcome(robot.repair(taking, soon())); }, true},
       {Verb::Prepare, [](auto& robot) { return outcome(robot.prepare({"drive"}, 0, soon())); }},
       {Verb::Cancel, [](auto& robot) { return outcome(robot.cancel(1, "a test", soon())); }},
       {Verb::ApplyTransition,

@@ -24,6 +24,7 @@ enum class Verb : std::uint8_t {
   Plan,
   Switch,
   Apply,
+  Repair,
   Prepare,
   Cancel,
   ApplyTransition,
@@ -49,7 +50,7 @@ struct VerbRule {
 };
 
 /// The one place that says who may do what. In the order of the verbs.
-inline constexpr std::array<VerbRule, 29> kVerbRules = {
+inline constexpr std::array<VerbRule, 30> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},
      {Verb::Watch, "watch", Role::Observe},
@@ -63,6 +64,7 @@ inline constexpr std::array<VerbRule, 29> kVerbRules = {
      {Verb::Plan, "plan", Role::Observe},
      {Verb::Switch, "switch", Role::Operate},
      {Verb::Apply, "apply", Role::Operate},
+     {Verb::Repair, "repair", Role::Operate},
      {Verb::Prepare, "prepare", Role::Operate},
      {Verb::Cancel, "cancel", Role::Operate},
      {Verb::ApplyTransition, "apply_transition", Role::Operate},

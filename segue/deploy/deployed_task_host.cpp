@@ -75,7 +75,7 @@ struct DeployedTaskHost::Implementation {
     }
     const auto service = record.service();
     if (service == nullptr) {
-      Error error = located->record->unreachable();
+      Error error = record.unreachable();
       error.subject = task.str();
       return error;
     }
@@ -118,12 +118,12 @@ Diagnostics DeployedTaskHost::check(const model::Network& network) const {
   Diagnostics findings;
   check_hosts(network, implementation_->hosts, findings);
   check_links(network, findings);
+  findings.append(implementation_->local.check(network));
   return findings;
 }
 
 void DeployedTaskHost::end_processes(TimePoint deadline) {
   implementation_->fleet->end_all(deadline);
-  findings.append(implementation_->local.check(network));
 }
 
 void DeployedTaskHost::expect(const model::Network& target) {

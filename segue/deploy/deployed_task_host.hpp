@@ -82,12 +82,7 @@ class DeployedTaskHost final : public host::TaskHost {
   void set_listener(Listener listener) override;
 
   /// observe(), tasks() and connections() of one moment.
-  struct View {
-    model::Network network;
-    std::vector<host::TaskReport> tasks;
-    std::vector<host::ConnectionReport> connections;
-  };
-  [[nodiscard]] View look() const;
+  [[nodiscard]] View look() const override;
   /// The halves of a hand-over whose other half is on another computer: of the current incarnation, and to
   /// the next one where there is one.
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline);

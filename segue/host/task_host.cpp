@@ -42,6 +42,10 @@ bool TaskHost::stands_in(const model::ComponentName& /*component*/) const {
   return false;
 }
 
+TaskHost::View TaskHost::look() const {
+  return {observe(), tasks(), connections()};
+}
+
 Diagnostics TaskHost::check(const model::Network& /*network*/) const {
   return {};
 }

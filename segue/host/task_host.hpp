@@ -131,6 +131,13 @@ class TaskHost {
   [[nodiscard]] virtual model::Network observe() const = 0;
 
   [[nodiscard]] virtual std::vector<TaskReport> tasks() const = 0;
+  /// observe(), tasks() and connections() at once, for which each process is asked once.
+  struct View {
+    model::Network network;
+    std::vector<TaskReport> tasks;
+    std::vector<ConnectionReport> connections;
+  };
+  [[nodiscard]] virtual View look() const;
   /// Has `answered` called with how the task is, once that is not as `question.seen` says; or, at the
   /// deadline, as it is then. Only where the task lives is asked. Returns at once. NotFound, also where the
   /// task is removed meanwhile; Unavailable where its process is gone; DeadlineExceeded where that does not

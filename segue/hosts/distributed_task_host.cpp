@@ -416,21 +416,16 @@ model::Network DistributedTaskHost::observe() const {
 }
 
 std::vector<host::TaskReport> DistributedTaskHost::tasks() const {
-  auto reports = implementation_->sites.look().view.tasks;
-  for (const auto& site : implementation_->sites.all()) {
-    if (site->reachable()) {
-      continue;
-    }
-    for (auto& report : site->link()->last_seen().tasks) {
-      // It may have been replaced on another host meanwhile.
-      report.id = implementation_->sites.placements().name(host::plain_id(report.id), report.process);
-      report.unknown = true;
-      report.error = "unknown: host " + quote(site->name().str()) + " cannot be reached";
-      reports.push_back(std::move(report));
-    }
-  }
-  std::erase_if(reports, [](const host::TaskReport& report) { return is_link_task(report.id); });
-  return reports;
+  return implementation_->sites.with_lost(implementation_->sites.look().view.tasks);
+}
+
+host::TaskHost::View DistributedTaskHost::look() const {
+  std::unique_lock<std::mutex> lock;
+  HostView view = implementation_->look_and_note(lock);
+  view.connections = implementation_->counts.condense(std::move(view.connections));
+  lock.unlock();
+  view.tasks = implementation_->sites.with_lost(std::move(view.tasks));
+  return view;
 }
 
 std::vector<host::ConnectionReport> DistributedTaskHost::connections() const {

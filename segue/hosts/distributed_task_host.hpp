@@ -84,6 +84,7 @@ class DistributedTaskHost final : public host::TaskHost {
                         const std::stop_token& stop, host::Completion completed) override;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<host::TaskReport> tasks() const override;
+  [[nodiscard]] View look() const override;
   [[nodiscard]] std::vector<host::ConnectionReport> connections() const override;
   Result<model::ComponentModel> describe(const model::TaskId& task) const override;
   Result<type::Value> properties(const model::TaskId& task) const override;

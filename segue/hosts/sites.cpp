@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/host/full_id.hpp>
+#include <segue/hosts/gateways.hpp>
 
 #include <algorithm>
 #include <iterator>
@@ -239,6 +240,23 @@ void Sites::learn(const Seen& seen, std::uint64_t poll) const {
   for (const auto& [process, held] : tasks) {
     placements_.update(process, held, poll);
   }
+}
+
+std::vector<host::TaskReport> Sites::with_lost(std::vector<host::TaskReport> reports) const {
+  for (const auto& site : all()) {
+    if (site->reachable()) {
+      continue;
+    }
+    for (auto& report : site->link()->last_seen().tasks) {
+      // It may have been replaced on another host meanwhile.
+      report.id = placements().name(host::plain_id(report.id), report.process);
+      report.unknown = true;
+      report.error = "unknown: host " + quote(site->name().str()) + " cannot be reached";
+      reports.push_back(std::move(report));
+    }
+  }
+  std::erase_if(reports, [](const host::TaskReport& report) { return is_link_task(report.id); });
+  return reports;
 }
 
 }  // namespace segue::hosts::detail

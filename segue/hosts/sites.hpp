@@ -68,6 +68,9 @@ class Sites {
     bool complete = false;  ///< all sites have answered
   };
   Look look() const;
+  /// Reports of tasks that are no link tasks, with those on sites that cannot be reached as they were seen
+  /// last.
+  [[nodiscard]] std::vector<host::TaskReport> with_lost(std::vector<host::TaskReport> reports) const;
 
  private:
   struct Seen {

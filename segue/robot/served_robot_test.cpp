@@ -136,6 +136,9 @@ class FakeService final : public control::RobotService {
   }
   Result<Value> stop(std::string_view /*who*/, TimePoint /*deadline*/) override { return no(); }
   Result<void> release_stop(std::string_view /*who*/) override { return no(); }
+  Result<Value> repair(const control::SwitchOptions& /*options*/, const Wait& /*wait*/) override {
+    return no();
+  }
   Result<Value> cancel(std::uint64_t /*request*/, std::string_view /*who*/, TimePoint /*deadline*/) override {
     return no();
   }

@@ -43,6 +43,8 @@ struct Event {
   EventKind kind = EventKind::RequestAccepted;
   std::string subject;  ///< a task, action or network
   std::string message;
+  bool trouble =
+      false;  ///< something has gone wrong: whatever failed, was refused, given up, lost or differs
 };
 
 }  // namespace segue::runtime

@@ -9,13 +9,29 @@ namespace {
 constexpr std::size_t kKeptEvents = 4096;
 /// Longer waits are cut to this: adding an arbitrary duration to a time point could overflow.
 constexpr Duration kLongestWait = std::chrono::hours(24);
+
+bool is_trouble(EventKind kind) {
+  switch (kind) {
+    case EventKind::ActionFailed:
+    case EventKind::TransitionFailed:
+    case EventKind::TransitionUndone:
+    case EventKind::RequestRefused:
+    case EventKind::Difference:
+    case EventKind::GivenUp:
+    case EventKind::HostLost:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
-void EventLog::add(EventKind kind, std::string subject, std::string message) {
+void EventLog::add(EventKind kind, std::string subject, std::string message, bool trouble) {
   {
     const std::lock_guard lock(mutex_);
-    events_.push_back(
-        {++last_, std::chrono::system_clock::now(), kind, std::move(subject), std::move(message)});
+    events_.push_back({++last_, std::chrono::system_clock::now(), kind, std::move(subject),
+                       std::move(message), trouble || is_trouble(kind)});
     if (events_.size() > kKeptEvents) {
       events_.pop_front();
     }

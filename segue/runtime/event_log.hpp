@@ -14,7 +14,8 @@ namespace segue::runtime::detail {
 /// Keeps the last few thousand events, numbered from 1. Thread safe.
 class EventLog {
  public:
-  void add(EventKind kind, std::string subject, std::string message);
+  /// `trouble`: it is trouble, although events of that kind need not be.
+  void add(EventKind kind, std::string subject, std::string message, bool trouble = false);
   /// Events after `number`. Blocks until there is one, at most for `wait`, or until close().
   [[nodiscard]] std::vector<Event> after(std::uint64_t number, Duration wait) const;
   /// Wakes all waiting threads; from then on after() does not block.

@@ -31,6 +31,8 @@ struct Refusal {
   Diagnostics diagnostics;
 };
 
+using Planned = tl::expected<SwitchPlan, Refusal>;
+
 /// Computers that cannot be reached now.
 std::set<model::HostName> unreachable_hosts(const host::TaskHost& host);
 /// The network without what is on computers that cannot be reached now: tasks there, their connections and

@@ -250,7 +250,8 @@ Value to_value(const Event& event) {
                      {"time", iso_time(event.time)},
                      {"kind", to_string(event.kind)},
                      {"subject", event.subject},
-                     {"message", event.message}});
+                     {"message", event.message},
+                     {"trouble", event.trouble}});
 }
 
 Value to_value(const host::TaskReport& report) {
@@ -315,6 +316,22 @@ Value to_value(const PoolReport& pool) {
                       })}});
 }
 
+Value to_value(const Health& health) {
+  const auto now = std::chrono::system_clock::now();
+  const auto trouble_value = [&](const Trouble& trouble) {
+    return Value::map({{"kind", kTroubleKindNames.at(static_cast<std::size_t>(trouble.kind))},
+                       {"name", trouble.name},
+                       {"what", trouble.what},
+                       {"why", trouble.why},
+                       {"since", iso_time(trouble.since)},
+                       {"for_s", std::chrono::duration<double>(now - trouble.since).count()},
+                       {"repair", trouble.repair},
+                       {"on_request", trouble.on_request}});
+  };
+  return Value::map({{"state", kHealthNames.at(static_cast<std::size_t>(health.state))},
+                     {"troubles", list_of(health.troubles, trouble_value)}});
+}
+
 Value to_value(const UnresolvedFault& fault) {
   return Value::map(
       {{"fault", fault.sentence},
@@ -359,12 +376,14 @@ Value status_of(Runtime& runtime) {
   const auto holder = runtime.lease_holder();
   const auto halted = runtime.halted();
   const auto lost = runtime.host().loss();
+  const Look look = runtime.look();
   return Value::map(
       {{"robot", runtime.name()},
        {"controller", controller.str()},
        {"version", runtime.version()},
        {"loaded_version", loaded ? Value(loaded->version) : Value()},
        {"state", to_string(runtime.state())},
+       {"health", to_value(look.health)},
        {"commanded_by", holder ? Value(*holder) : Value()},
        {"doing", runtime.reported()},
        {"lost", lost ? Value(to_string(*lost)) : Value()},
@@ -374,13 +393,12 @@ Value status_of(Runtime& runtime) {
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
        {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},
-       {"pools", list_of(runtime.pools(), [](const PoolReport& pool) { return to_value(pool); })},
-       {"hosts", list_of(runtime.host().computers(), [](const auto& report) { return to_value(report); })},
-       {"tasks", list_of(runtime.host().tasks(), [](const auto& report) { return to_value(report); })},
+       {"pools", list_of(look.pools, [](const PoolReport& pool) { return to_value(pool); })},
+       {"hosts", list_of(look.computers, [](const auto& report) { return to_value(report); })},
+       {"tasks", list_of(look.seen.tasks, [](const auto& report) { return to_value(report); })},
        {"connections",
-        list_of(existing(runtime.host().connections()), [](const auto& report) { return to_value(report); })},
-       {"differences",
-        list_of(runtime.observed_differences(), [](const std::string& text) { return Value(text); })},
+        list_of(existing(look.seen.connections), [](const auto& report) { return to_value(report); })},
+       {"differences", list_of(look.differences, [](const std::string& text) { return Value(text); })},
        {"ended",
         list_of(runtime.ended_processes(),
                 [](const auto& entry) {

@@ -44,8 +44,11 @@ type::Value to_value(const HaltResult& result);
 /// {"controller", "ready", "prepared", "tasks", "reason"}
 type::Value to_value(const Readiness& readiness);
 
-/// {"number", "time", "kind", "subject", "message"}; the time in ISO 8601, UTC.
+/// {"state", "troubles"}, as of control::RobotService::status().
+type::Value to_value(const Health& health);
+
 type::Value to_value(const OpenRequest& request);
+/// {"number", "time", "kind", "subject", "message", "trouble"}; the time in ISO 8601, UTC.
 type::Value to_value(const Event& event);
 
 /// {"id", "component", "state", "state_name", "host", "process", "pid", "stand_in", "cycle_us", "worst_us",

@@ -164,20 +164,34 @@ Result<type::Value> RuntimeService::switch_to(std::string_view controller,
     if (wait.is_stopped()) {
       return no_longer_wanted();
     }
-    auto accepted = runtime_.accept(name, *options);
-    auto answer = answer_of(std::move(accepted.result), controller, wait);
-    if (!answer && wait.is_stopped()) {
-      // What has just ended, or is past its commit, goes on.
-      static_cast<void>(runtime_.cancel(accepted.number, asked.who));
-      return no_longer_wanted();
-    }
-    return answer;
+    return answer_to(runtime_.accept(name, *options), controller, asked, wait);
   }
   auto transition = runtime_.plan(name, *options);
   if (!transition) {
     return std::move(transition.error());
   }
   return model::to_value(*transition);
+}
+
+/// The result of a request, which is cancelled where it is not wanted any more.
+Result<type::Value> RuntimeService::answer_to(AcceptedRequest accepted, std::string_view target,
+                                              const control::SwitchOptions& asked, const Wait& wait) {
+  auto answer = answer_of(std::move(accepted.result), target, wait);
+  if (!answer && wait.is_stopped()) {
+    // What has just ended, or is past its commit, goes on.
+    static_cast<void>(runtime_.cancel(accepted.number, asked.who));
+    return no_longer_wanted();
+  }
+  return answer;
+}
+
+Result<type::Value> RuntimeService::repair(const control::SwitchOptions& asked, const Wait& wait) {
+  const auto options = options_for(asked);
+  if (!options) return options.error();
+  let_rest(wait);
+  if (wait.is_stopped()) return no_longer_wanted();
+  const std::string runs = runtime_.belief().name.str();
+  return answer_to(runtime_.repair(*options), runs, asked, wait);
 }
 
 Result<type::Value> RuntimeService::switch_to_network(std::string_view text, std::string_view file,

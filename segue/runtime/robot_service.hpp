@@ -31,6 +31,7 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> plan(std::string_view controller, const control::SwitchOptions& options,
                            TimePoint deadline) override;
   Result<type::Value> apply(const control::SwitchOptions& options, TimePoint deadline) override;
+  Result<type::Value> repair(const control::SwitchOptions& options, const Wait& wait) override;
   Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
                               const Wait& wait) override;
   Result<type::Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) override;
@@ -64,6 +65,8 @@ class RuntimeService final : public control::RobotService {
   /// Whether that sender may do this with a member of a task ("sets", "wheels", "speed"), and still wants it.
   Result<void> allow(const control::Sender& sender, std::string_view verb, std::string_view task,
                      std::string_view member, const Wait& wait) const;
+  Result<type::Value> answer_to(AcceptedRequest accepted, std::string_view target,
+                                const control::SwitchOptions& asked, const Wait& wait);
   [[nodiscard]] Result<type::Value> plan_for(const ControllerSet& set,
                                              const std::vector<ControllerChange>& changes,
                                              std::string_view controller, const RequestOptions& options,

@@ -149,6 +149,14 @@ AcceptedRequest Runtime::accept(Request request, RequestOptions options) {
   return implementation_->accept(std::move(request), std::move(options));
 }
 
+AcceptedRequest Runtime::repair(RequestOptions options) {
+  return implementation_->repair(std::move(options));
+}
+
+Look Runtime::look() const {
+  return implementation_->look();
+}
+
 std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {
   return accept(std::move(request), std::move(options)).result;
 }
@@ -214,7 +222,9 @@ Result<type::Value> Runtime::call(const model::TaskId& task, std::string_view op
 }
 
 std::vector<PoolReport> Runtime::pools() const {
-  return implementation_->report_pools();
+  return implementation_->options.pools.empty()
+             ? std::vector<PoolReport>()
+             : implementation_->report_pools(implementation_->host.tasks());
 }
 
 std::vector<UnresolvedFault> Runtime::unresolved() const {

@@ -13,13 +13,11 @@
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
 #include <segue/runtime/halt.hpp>
-#include <segue/runtime/pool_report.hpp>
-#include <segue/runtime/readiness.hpp>
+#include <segue/runtime/look.hpp>
 #include <segue/runtime/request_options.hpp>
 #include <segue/runtime/runtime_options.hpp>
 #include <segue/runtime/switch_result.hpp>
 #include <segue/runtime/unresolved_fault.hpp>
-#include <segue/solve/combine.hpp>
 #include <segue/solve/solve.hpp>
 #include <segue/type/value.hpp>
 
@@ -43,15 +41,6 @@ std::string_view to_string(RuntimeState state);
 /// A controller by name ("drive"; several at once: "arm+drive", solve::combine), a network, or a transition
 /// to be applied as it is (the paper's transition request interface).
 using Request = std::variant<model::NetworkName, model::Network, model::Transition>;
-
-/// Why two controllers cannot run at once; with `influence`: they can, but `a` changes what tasks of `b` get
-/// (solve::influences).
-struct ControllerConflict {
-  model::NetworkName a;
-  model::NetworkName b;
-  solve::Conflict conflict;
-  bool influence = false;
-};
 
 /// Owns a thread that executes requests sequentially. A newer request supersedes one that waits and one whose
 /// transition is still in its prepare phase; a commit phase is finished first. All functions may be called
@@ -140,6 +129,9 @@ class Runtime {
   /// cancelled. The future gets the result of the request. NotFound where no such request is open,
   /// InvalidState where its transition is past its point of commit, has failed, or was superseded.
   Result<std::future<SwitchResult>> cancel(std::uint64_t request, std::string who);
+  /// Requests what runs once more: all that is missing or faulty is repaired, also what was given up, and
+  /// pools begin again. Refused where it is not known what should run.
+  AcceptedRequest repair(RequestOptions options = {});
   /// The oldest first: the one in progress and the one that waits.
   [[nodiscard]] std::vector<OpenRequest> open_requests() const;
   /// The transition that request() would execute now.
@@ -165,6 +157,8 @@ class Runtime {
   /// transition. Blocks while the host takes a snapshot.
   [[nodiscard]] std::vector<std::string> observed_differences() const;
 
+  /// What there is and what is wrong with it; each process is asked once. Blocks while they are.
+  [[nodiscard]] Look look() const;
   /// Processes of the running controller that have ended and are still missing: why, and the last lines of
   /// their logs.
   [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;

@@ -80,9 +80,12 @@ std::vector<UnresolvedFault> Runtime::Implementation::handle_faults(const Observ
   if (!held.wanted) {
     return {};
   }
-  const auto faults = detail::find_faults(detail::reachable_part(*held.wanted, host), seen.network,
-                                          options.policies.on_failure);
+  const auto faults = faults_in(seen.network);
   const auto decision = repairs.decide(faults, RealClock::instance().now());
+  {
+    const std::lock_guard lock(mutex);
+    handled = repairs.handling(faults);
+  }
   report_given_up(decision.given_up);
   note_in_repair(faults);
   if (decision.fallback) {

@@ -12,6 +12,13 @@ namespace segue::runtime {
 using detail::DevicesStopped;
 using detail::PendingRequest;
 
+detail::Halts::Ways Runtime::Implementation::ways_to_rest() {
+  return {[this](const std::string& by, Request request, Duration action_deadline) {
+            return request_rest(by, std::move(request), action_deadline);
+          },
+          [this] { return with_devices_stopped(); }};
+}
+
 /// Whoever commands the robot loses it, what waits is dropped, and what is prepared, retired or undone gives
 /// way.
 std::future<SwitchResult> Runtime::Implementation::request_rest(const std::string& by, Request request,

@@ -33,16 +33,16 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
 
   // Requests (runtime_requests.cpp)
   AcceptedRequest accept(Request request, RequestOptions options);
+  AcceptedRequest repair(RequestOptions options);
   /// Its turn comes next; returns the one whose place it takes. With the mutex held.
   std::optional<detail::PendingRequest> enqueue(detail::PendingRequest job);
   /// The controller of that name; the empty name is the empty network.
   Result<model::Network> resolve(const model::NetworkName& wanted) const;
-  tl::expected<detail::SwitchPlan, detail::Refusal> plan(const model::Network& current,
-                                                         const Request& request,
-                                                         const RequestOptions& options) const;
+  detail::Planned plan(const model::Network& current, const Request& request,
+                       const RequestOptions& options) const;
   /// A snapshot and a plan that starts from it; both leave out the same computers.
-  std::pair<detail::Observation, tl::expected<detail::SwitchPlan, detail::Refusal>> plan_from_now(
-      const Request& request, const RequestOptions& options) const;
+  std::pair<detail::Observation, detail::Planned> plan_from_now(const Request& request,
+                                                                const RequestOptions& options) const;
   Result<std::uint64_t> take_lease(std::string holder);
   type::Value mission(std::uint64_t after, bool with_plan);
   /// Why nothing is done any more: another runtime has got the robot. Without the mutex.
@@ -70,6 +70,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   std::future<SwitchResult> request_rest(const std::string& by, Request request, Duration action_deadline);
   void drop(const std::string& by, std::optional<detail::PendingRequest> request,
             std::optional<detail::PendingApply> files);
+  detail::Halts::Ways ways_to_rest();
   [[nodiscard]] detail::DevicesStopped with_devices_stopped() const;
   std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep);
   /// Conditions of the halt look at the tasks of the running controller, as the belief has it now.
@@ -113,8 +114,9 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
              std::optional<model::Network> wanted);
   /// Reports each difference once for as long as it lasts.
   void note_differences(const model::Network& observed);
-  /// Between what should run and what was observed, with the reasons that are known.
-  [[nodiscard]] std::vector<std::string> differences_from(const model::Network& observed);
+  /// From what should run, with reasons that are known; without `reports` the host is asked for them.
+  [[nodiscard]] std::vector<std::string> differences_from(
+      const model::Network& observed, const std::vector<host::ConnectionReport>* reports = nullptr) const;
   /// Which network was observed: `first`, `second` or a known controller; empty if it is none of them.
   model::NetworkName name_of_running(const model::Network& observed, const model::Network& first,
                                      const model::Network& second) const;
@@ -144,7 +146,11 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   std::vector<detail::DetectedFault> find_pool_faults();
   void start_instance(const detail::DetectedFault& fault);
   void note_pool_faults(const std::vector<detail::DetectedFault>& faults);
-  [[nodiscard]] std::vector<PoolReport> report_pools() const;
+  [[nodiscard]] std::vector<PoolReport> report_pools(const std::vector<host::TaskReport>& tasks) const;
+
+  Look look();  // (runtime_health.cpp)
+  Look judge(host::TaskHost::View seen);  ///< without differences
+  [[nodiscard]] std::vector<detail::DetectedFault> faults_in(const model::Network& observed) const;
 
   // Supervision between requests, in the worker thread (runtime_supervise.cpp, runtime_faults.cpp)
   /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
@@ -154,7 +160,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
                                          const detail::Observation& seen);
   /// `hosts` had returned before the snapshot was taken.
   void bring_back(const std::set<model::HostName>& hosts, const detail::Observation& seen);
-  /// Both return what could not be resolved in as many attempts as the policy permits.
+  /// Both return what as many attempts as the policy permits could not resolve.
   std::vector<UnresolvedFault> handle_faults(const detail::Observation& seen);
   std::vector<UnresolvedFault> collect_leftovers(const detail::Observation& seen);
   /// Forgets processes that ended if they are there again, or are no longer wanted.
@@ -165,8 +171,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void look_ahead();
   /// Whether there is anything to prepare, or to answer. With the mutex held.
   [[nodiscard]] bool looks_ahead() const;
-  /// Executes the part of the transition to the desired network, beside which `pools_part` runs, that
-  /// concerns `scope`. `force`: processes that it replaces are killed.
+  /// Executes what concerns `scope` of the transition to the desired network, beside which `pools_part` runs.
+  /// `force`: processes that it replaces are killed.
   void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope,
               const model::Network& pools_part, bool force = false);
   [[nodiscard]] std::vector<detail::PrepareRequest> known_prepare_requests(
@@ -186,15 +192,10 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   detail::Leases leases{log, journal};
   detail::InstanceCalls instance_calls{host, pools, [this] { wake_worker(); }};
   detail::Belief belief{host};
+  detail::TroubleTimes trouble_times;
   const detail::TransitionContext context{host, catalog, log};
-
   std::thread worker;
-  detail::Halts halts{host,
-                      log,
-                      {[this](const std::string& by, Request request, Duration action_deadline) {
-                         return request_rest(by, std::move(request), action_deadline);
-                       },
-                       [this] { return with_devices_stopped(); }}};
+  detail::Halts halts{host, log, ways_to_rest()};
 };
 
 }  // namespace segue::runtime

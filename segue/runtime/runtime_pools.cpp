@@ -89,6 +89,13 @@ void Runtime::Implementation::look_after_pools() {
   if (pools.empty() || !pools_run) {
     return;
   }
+  {
+    const std::lock_guard lock(mutex);
+    if (std::exchange(pools_begin_again, false)) {
+      pool_repairs.reset();
+      pool_instances_seen.clear();
+    }
+  }
   for (const auto& [life, why] : instance_calls.abandoned()) {
     start_instance({life.instance, model::FailurePolicy::Restart, why, true});
     // In the process of the runtime the same one is made anew, since that cannot be ended.
@@ -156,14 +163,15 @@ void Runtime::Implementation::note_pool_faults(const std::vector<DetectedFault>&
   }
 }
 
-std::vector<PoolReport> Runtime::Implementation::report_pools() const {
+std::vector<PoolReport> Runtime::Implementation::report_pools(
+    const std::vector<host::TaskReport>& reports) const {
   std::vector<PoolReport> all;
   if (options.pools.empty()) {
     return all;
   }
-  std::map<model::TaskId, host::TaskReport> tasks;
-  for (auto& report : host.tasks()) {
-    tasks.insert_or_assign(report.id, std::move(report));
+  std::map<model::TaskId, const host::TaskReport*> tasks;
+  for (const auto& report : reports) {
+    tasks.insert_or_assign(report.id, &report);
   }
   const std::lock_guard lock(mutex);
   for (const auto& pool : options.pools) {
@@ -174,10 +182,10 @@ std::vector<PoolReport> Runtime::Implementation::report_pools() const {
       const auto task = tasks.find(one.task);
       const auto fault = pool_faults.find(one.task);
       if (task != tasks.end()) {
-        one.pid = task->second.pid;
+        one.pid = task->second->pid;
         const std::string abandoned = instance_calls.why_abandoned({one.task, one.pid});
         one.busy = instance_calls.is_busy({one.task, one.pid});
-        one.ready = task->second.state == TaskState::Running && !task->second.unknown && abandoned.empty();
+        one.ready = task->second->state == TaskState::Running && !task->second->unknown && abandoned.empty();
         if (!abandoned.empty()) {
           one.reason = abandoned + "; it is being ended, and started again";
           continue;
@@ -188,8 +196,8 @@ std::vector<PoolReport> Runtime::Implementation::report_pools() const {
       }
       one.given_up = fault != pool_faults.end() && fault->second.given_up;
       one.reason = fault != pool_faults.end() ? fault->second.reason
-                   : task != tasks.end()      ? "is " + std::string(to_string(task->second.state)) +
-                                               (task->second.error.empty() ? "" : ": " + task->second.error)
+                   : task != tasks.end()      ? "is " + std::string(to_string(task->second->state)) +
+                                               (task->second->error.empty() ? "" : ": " + task->second->error)
                                          : "does not run";
     }
   }

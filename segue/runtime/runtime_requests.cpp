@@ -89,6 +89,30 @@ AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions 
   return {number, std::move(future)};
 }
 
+AcceptedRequest Runtime::Implementation::repair(RequestOptions request_options) {
+  const auto held = belief.held();
+  const bool unknown = !held.wanted && held.controller.name.empty() && !held.controller.empty();
+  if (unknown) {
+    PendingRequest job{0, model::NetworkName(), std::move(request_options), {}};
+    AcceptedRequest refused_request{0, job.promise.get_future()};
+    SwitchResult result =
+        refused(new_result(job), {fail(ErrorCode::InvalidState,
+                                       "what runs was not requested, so it is not known what "
+                                       "to repair; `segue switch` to a controller"),
+                                  {}});
+    job.promise.set_value(std::move(result));
+    return refused_request;
+  }
+  {
+    const std::lock_guard lock(mutex);
+    pools_begin_again = true;
+  }
+  if (held.wanted) {
+    return accept(host.condensed(*held.wanted), std::move(request_options));
+  }
+  return accept(held.controller.name, std::move(request_options));
+}
+
 std::optional<PendingRequest> Runtime::Implementation::enqueue(PendingRequest job) {
   leases.take_over(job.options);
   if (!job.options.although_halted) {
@@ -170,8 +194,8 @@ SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
   return result;
 }
 
-std::pair<detail::Observation, tl::expected<detail::SwitchPlan, detail::Refusal>>
-Runtime::Implementation::plan_from_now(const Request& request, const RequestOptions& request_options) const {
+std::pair<detail::Observation, detail::Planned> Runtime::Implementation::plan_from_now(
+    const Request& request, const RequestOptions& request_options) const {
   constexpr int kAttempts = 4;  // a computer that comes and goes all the time delays nobody for long
   for (int attempt = 1;; ++attempt) {
     const auto lost = detail::unreachable_hosts(host);
@@ -183,8 +207,8 @@ Runtime::Implementation::plan_from_now(const Request& request, const RequestOpti
   }
 }
 
-tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
-    const model::Network& current, const Request& request, const RequestOptions& request_options) const {
+detail::Planned Runtime::Implementation::plan(const model::Network& current, const Request& request,
+                                              const RequestOptions& request_options) const {
   if (request_options.action_deadline <= Duration::zero()) {
     return tl::unexpected(
         detail::Refusal{fail(ErrorCode::InvalidArgument, "the deadline of an action must be positive"), {}});

@@ -111,6 +111,8 @@ void Runtime::Implementation::supervise() {
   if (!host.loss()) {
     left = put_right(returned, seen);
   }
+  // So that it is known since when something is wrong, also where nobody looks for a while.
+  judge({seen.network, pools.empty() ? std::vector<host::TaskReport>() : host.tasks(), {}});
   bool due = false;
   {
     const std::lock_guard lock(mutex);

@@ -291,11 +291,13 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
   return detail::name_of(condensed, definitions.controllers, catalog);
 }
 
-std::vector<std::string> Runtime::Implementation::differences_from(const model::Network& observed) {
+std::vector<std::string> Runtime::Implementation::differences_from(
+    const model::Network& observed, const std::vector<host::ConnectionReport>* known_reports) const {
   const model::Network shall = host.condensed(detail::reachable_part(belief.held().desired(), host));
-  const auto why_missing = [reports = std::optional<std::vector<host::ConnectionReport>>(),
+  const auto why_missing = [reports = known_reports,
+                            asked = std::optional<std::vector<host::ConnectionReport>>(),
                             this](const model::Connection& connection) mutable {
-    if (!reports) reports = host.connections();
+    if (reports == nullptr) reports = &asked.emplace(host.connections());
     const auto found = std::ranges::find_if(*reports, [&](const host::ConnectionReport& report) {
       return report.connection.from == connection.from && report.connection.to == connection.to &&
              !report.error.empty();
@@ -335,7 +337,8 @@ void Runtime::Implementation::on_event(const host::TaskEvent& event) {
   belief.on_event(event);
   wake_worker();
   log.add(EventKind::TaskState, event.task.str(),
-          std::string(to_string(event.state)) + (event.message.empty() ? "" : ": " + event.message));
+          std::string(to_string(event.state)) + (event.message.empty() ? "" : ": " + event.message),
+          event.state == TaskState::Exception || event.state == TaskState::Fatal);
 }
 
 /// Makes the worker supervise as soon as it is idle.
@@ -353,7 +356,7 @@ void Runtime::Implementation::on_event(const host::ProcessEvent& event) {
     ended.insert_or_assign(event.process, event.message);
   }
   wake_worker();
-  log.add(EventKind::Process, to_string(event.process), event.message);
+  log.add(EventKind::Process, to_string(event.process), event.message, event.gone);
 }
 
 void Runtime::Implementation::on_event(const host::ComputerEvent& event) {

@@ -3,6 +3,7 @@
 
 #include <segue/model/ids.hpp>
 #include <segue/model/network.hpp>
+#include <segue/runtime/health.hpp>
 #include <segue/runtime/pending.hpp>
 #include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/runtime.hpp>
@@ -51,6 +52,8 @@ struct SharedState {
   std::vector<UnresolvedFault> in_repair;    ///< faults that are being mended, or will be
   std::set<model::HostName> returned_hosts;  ///< reachable again, not yet brought to what they should run
   std::map<model::DeploymentKey, std::string> ended;  ///< processes that ended and are still missing, and why
+  std::map<std::string, Handling> handled;            ///< of present faults, by name, at the last supervision
+  bool pools_begin_again = false;                     ///< somebody has asked for a repair
   std::map<model::TaskId, PoolInstance> pool_faults;  ///< instances of pools that do not run
   std::atomic<bool> pools_run = true;                 ///< since the last request; until the next one
 };

@@ -95,6 +95,7 @@ class FaultFinder {
       }
       if (const model::Task* reader = wanted_.find_task(connection.to.task)) {
         add(*reader, "has lost " + to_string(connection), false);
+        found_.back().lacks_connection = true;
       }
     }
   }
@@ -199,6 +200,17 @@ std::vector<DetectedFault> RepairScheduler::exhausted(const std::vector<Detected
     }
   }
   return list;
+}
+
+std::map<std::string, Handling> RepairScheduler::handling(const std::vector<DetectedFault>& faults) const {
+  std::map<std::string, Handling> all;
+  for (const auto& fault : faults) {
+    const auto found = cases_.find(fault.name());
+    if (found != cases_.end()) {
+      all.insert_or_assign(fault.name(), Handling{found->second.attempts, found->second.given_up});
+    }
+  }
+  return all;
 }
 
 int RepairScheduler::attempts(const DetectedFault& fault) const {

@@ -19,8 +19,9 @@ namespace segue::runtime::detail {
 struct DetectedFault {
   std::variant<model::TaskId, model::DeploymentKey> subject;
   model::FailurePolicy policy = model::FailurePolicy::Report;
-  std::string symptom;         ///< "is in exception"
-  bool needs_process = false;  ///< only a new process can repair it
+  std::string symptom;            ///< "is in exception"
+  bool needs_process = false;     ///< only a new process can repair it
+  bool lacks_connection = false;  ///< it is a task that is well but for a connection that it reads
 
   [[nodiscard]] std::string name() const;  ///< "task 'slam'"
 };
@@ -31,6 +32,12 @@ struct DetectedFault {
 /// none.
 std::vector<DetectedFault> find_faults(const model::Network& wanted, const model::Network& observed,
                                        model::FailurePolicy otherwise);
+
+/// What has been done about a fault so far.
+struct Handling {
+  int attempts = 0;
+  bool given_up = false;
+};
 
 /// What happens when the limit on the number of attempts is reached.
 enum class AfterLimit {
@@ -58,6 +65,8 @@ class RepairScheduler {
   [[nodiscard]] int attempts(const DetectedFault& fault) const;
   /// The present faults, as they were given to decide(), whose limit has been reached.
   [[nodiscard]] std::vector<DetectedFault> exhausted(const std::vector<DetectedFault>& faults) const;
+  /// What has been done about each of these, by name.
+  [[nodiscard]] std::map<std::string, Handling> handling(const std::vector<DetectedFault>& faults) const;
   /// Forgets all attempts: a new request has changed what runs.
   void reset() { cases_.clear(); }
 

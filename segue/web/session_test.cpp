@@ -84,6 +84,7 @@ TEST_F(SessionTest, EachVerbNeedsItsRole) {
       {"plan_files", control::Verb::Plan},
       {"switch", control::Verb::Switch},
       {"apply_files", control::Verb::Apply},
+      {"repair", control::Verb::Repair},
       {"prepare", control::Verb::Prepare},
       {"cancel", control::Verb::Cancel},
       {"mission", control::Verb::AskHolder},

@@ -78,6 +78,14 @@ Result<Value> do_switch(const Request& request) {
   return ask_switch(request, false);
 }
 
+Result<Value> do_repair(const Request& request) {
+  const auto options = switch_options(request, false);
+  if (!options) return options.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.repair(*options, *deadline);
+}
+
 /// A request in progress, 0: the newest.
 Result<Value> do_cancel(const Request& request) {
   const auto number = request.command.number_or("request", 0);
@@ -213,6 +221,7 @@ const std::vector<VerbEntry>& verb_entries() {
       {{"past", Verb::Past, {"ask", "id", "before", "limit", "words", "time_s"}}, ask_past},
       {{"diff", Verb::Plan, {"controller", "force", "order", "timeout_s"}}, ask_diff},
       {{"switch", Verb::Switch, {"controller", "force", "order", "take_over", "timeout_s"}}, do_switch},
+      {{"repair", Verb::Repair, {"force", "order", "take_over", "timeout_s"}}, do_repair},
       {{"cancel", Verb::Cancel, {"request", "timeout_s"}}, do_cancel},
       {{"stop", Verb::Stop, {"timeout_s"}}, do_stop},
       {{"release", Verb::ReleaseStop, {}}, do_release},

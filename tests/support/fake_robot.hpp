@@ -118,6 +118,12 @@ class FakeRobot : public RobotService {
                              {"lease", options.lease},
                              {"take_over", options.take_over}});
   }
+  Result<type::Value> repair(const control::SwitchOptions& options, const Wait& /*wait*/) override {
+    return type::Value::map({{"repaired", options.force && options.order == "paper"},
+                             {"who", options.who},
+                             {"lease", options.lease},
+                             {"take_over", options.take_over}});
+  }
   Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t /*lease*/,
                               const Wait& /*wait*/) override {
     type::Value::List list;

@@ -75,6 +75,16 @@ Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
   return options;
 }
 
+/// Of requests that concern what runs.
+template <class Params>
+SwitchOptions whole_robot_options(const Params& params, const Peer& peer) {
+  return {.force = params.getForce(),
+          .order = as_string(params.getOrder()),
+          .who = who_asks(params, peer),
+          .lease = params.getLease(),
+          .take_over = params.getTakeOver()};
+}
+
 /// A lease is a stream of news; the name of its type is its number. It is its owner's until it ends.
 class LeaseStream final : public SampleStream {
  public:
@@ -194,13 +204,19 @@ class RobotServer final : public wire::Robot::Server {
     const auto params = context.getParams();
     return answer_holder(
         role_for(Verb::Apply, params.getTakeOver()), params.getLease(), context,
-        [&service = service(),
-         options = SwitchOptions{.force = params.getForce(),
-                                 .order = as_string(params.getOrder()),
-                                 .who = who_asks(params, peer()),
-                                 .lease = params.getLease(),
-                                 .take_over = params.getTakeOver()},
+        [&service = service(), options = whole_robot_options(params, peer()),
          deadline = deadline_after(params.getTimeout())] { return service.apply(options, deadline); });
+  }
+
+  kj::Promise<void> repair(RepairContext context) override {
+    const auto params = context.getParams();
+    return answer_holder(role_for(Verb::Repair, params.getTakeOver()), params.getLease(), context,
+                         [&service = service(), options = whole_robot_options(params, peer()),
+                          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) {
+                           // Somebody without a lease may ask, and go.
+                           const auto stop = options.lease == 0 ? std::stop_token() : dropped;
+                           return service.repair(options, {deadline, stop});
+                         });
   }
 
   kj::Promise<void> prepare(PrepareContext context) override {
