@@ -17,7 +17,8 @@ enum Exit : int {
   kFailed = 1,       ///< the request failed or was refused
   kUsage = 2,        ///< the command line is wrong
   kUnreachable = 3,  ///< cannot connect to the runtime
-  kChanges = 4       ///< `plan --exit-code`: `apply` would change something
+  kChanges = 4,      ///< `plan --exit-code`: `apply` would change something
+  kTrouble = 5       ///< `status --exit-code`: something that the robot needs is missing or faulty
 };
 
 inline constexpr Duration kLongestWait = std::chrono::hours(24 * 366);
@@ -57,6 +58,7 @@ void add_run(Verb& app, Context& context);
 void add_plan(Verb& app, Context& context);
 void add_apply(Verb& app, Context& context);
 void add_switch(Verb& app, Context& context);
+void add_repair(Verb& app, Context& context);
 void add_cancel(Verb& app, Context& context);
 void add_stop(Verb& app, Context& context);
 void add_prepare(Verb& app, Context& context);

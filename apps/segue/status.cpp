@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "connection.hpp"
+#include "health_text.hpp"
 #include "task_table.hpp"
 
 namespace segue::cli {
@@ -50,7 +51,7 @@ std::string status_heading(const Value& status) {
                      !controller.empty()               ? "controller " + coloured(Colour::Green, controller)
                      : tasks == tasks_of_pools(status) ? "the empty network"
                                                        : "an unnamed network",
-                     text_at(status, "state"));
+                     state_text(status));
 }
 
 /// Who holds the lease.
@@ -166,15 +167,24 @@ std::string connections_text(const Value& status) {
   return list_at(status, "connections").empty() ? std::string() : '\n' + table.text();
 }
 
-int show_status(control::RobotService& robot, const Context& context) {
+int exit_status(const Value& status, bool by_health) {
+  const std::string health = health_state(status);
+  return by_health && (health == "in_trouble" || health == "lost") ? kTrouble : kDone;
+}
+
+int show_status(control::RobotService& robot, bool by_health, const Context& context) {
   const auto status = robot.status();
-  if (!status) return failed(context, status.error());
+  if (!status) {
+    const int failure = failed(context, status.error());
+    return by_health ? static_cast<int>(kUnreachable) : failure;
+  }
   if (context.json()) {
     print_json(*status);
-    return kDone;
+    return exit_status(*status, by_health);
   }
-  print(status_heading(*status) + loss_text(*status) + halt_text(*status) + commander_text(*status) +
-        other_controllers(*status) + files_text(*status) + pools_text(*status) + hosts_text(*status));
+  print(status_heading(*status) + loss_text(*status) + troubles_text(*status) + halt_text(*status) +
+        commander_text(*status) + other_controllers(*status) + files_text(*status) + pools_text(*status) +
+        hosts_text(*status));
   if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {
@@ -190,17 +200,23 @@ int show_status(control::RobotService& robot, const Context& context) {
   for (const Value& fault : list_at(*status, "unresolved")) {
     print(coloured(Colour::Red, "unresolved: ") + printable(text_at(fault, "fault")) + '\n');
   }
-  return kDone;
+  return exit_status(*status, by_health);
 }
 
 }  // namespace
 
 void add_status(Verb& app, Context& context) {
+  const auto by_health = std::make_shared<bool>(false);
   Verb& verb = add_verb(
       app, context, "status", "show the state of a running robot",
-      "  segue status\n  segue status --format json", [&context] {
-        return with_robot(context, [&](control::RobotService& robot) { return show_status(robot, context); });
+      "  segue status\n  segue status --format json\n  segue status --exit-code || segue repair",
+      [by_health, &context] {
+        return with_robot(
+            context, [&](control::RobotService& robot) { return show_status(robot, *by_health, context); });
       });
+  verb.flag("--exit-code", *by_health,
+            "exit status 5 if a task, process, host or connection that the robot needs is missing, faulty or "
+            "given up, or a pool is short; 0 during a transition; 3 if the robot cannot be reached");
   add_robot_option(verb, context);
 }
 

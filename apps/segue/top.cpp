@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "connection.hpp"
+#include "health_text.hpp"
 #include "task_table.hpp"
 
 namespace segue::cli {
@@ -21,7 +22,7 @@ std::string top_page(const Value& status) {
   const std::string controller = text_at(status, "controller");
   return fmt::format("{}: {}, {}; up {}; {} tasks, {} connections\n\n{}",
                      coloured(Colour::Bold, text_at(status, "robot")),
-                     controller.empty() ? "the empty network" : controller, text_at(status, "state"),
+                     controller.empty() ? "the empty network" : controller, state_text(status),
                      format_seconds(number_at(status, "uptime_s")), list_at(status, "tasks").size(),
                      list_at(status, "connections").size(), task_table(status, true));
 }

@@ -344,6 +344,7 @@ TEST_F(RunningRobot, EveryVerbThatTalksToItPrintsJson) {
                                                        {"read", "odometry.pose", "-n", "3"},
                                                        {"set", "drive.max_speed=0.25"},
                                                        {"call", "joystick.push", "forward=1", "turn=0"},
+                                                       {"repair"},
                                                        {"reset-belief"},
                                                        {"log", "hands"},
                                                        {"prepare", "explore"},

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "health_text.hpp"
+
+#include <segue/base/printable.hpp>
+
+#include <fmt/core.h>
+
+#include "output.hpp"
+
+namespace segue::cli {
+
+using type::Value;
+
+std::string health_state(const Value& status) {
+  const Value* health = status.find("health");
+  return health == nullptr ? std::string() : text_at(*health, "state");
+}
+
+/// The state of the runtime, unless something is wrong with the robot: nothing that is half dead is "idle".
+std::string state_text(const Value& status) {
+  const std::string health = health_state(status);
+  if (health == "lost") return coloured(Colour::Red, "lost");
+  return health == "in_trouble" ? coloured(Colour::Red, "in trouble") : text_at(status, "state");
+}
+
+/// What is missing, since when, why, and what repairs it.
+std::string troubles_text(const Value& status) {
+  const Value* health = status.find("health");
+  std::string text;
+  if (health == nullptr || health_state(status) == "lost") return text;
+  for (const Value& trouble : list_at(*health, "troubles")) {
+    const std::string why = text_at(trouble, "why");
+    text += fmt::format("{}{}, since {}{}\n  repair: {}\n", coloured(Colour::Red, "trouble: "),
+                        printable(text_at(trouble, "what")), format_seconds(number_at(trouble, "for_s")),
+                        why.empty() ? "" : ": " + printable(why), printable(text_at(trouble, "repair")));
+  }
+  return text;
+}
+
+}  // namespace segue::cli
