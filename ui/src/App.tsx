@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { lazy, Suspense, useEffect, useState } from 'react';
 import { EventsView } from './events/EventsView';
+import { clockText, isInTrouble, stateText } from './health/health';
+import { HealthBanner } from './health/HealthBanner';
 import { HaltBanner, StopButton } from './halt/StopButton';
 import { isTyping } from './keys';
 import { MissionsView } from './missions/MissionsView';
@@ -28,6 +30,9 @@ export function App() {
   const shown = useDocument('status');
   const [view, setView] = useState<View>(viewOfAddress);
   const status = statusOf(shown?.value);
+  // What is shown is not what is: nobody hears the robot, or another runtime commands it.
+  const isOld = status !== null && (link === 'lost' || link === 'refused' || shown?.error !== undefined);
+  const since = shown?.heard === undefined ? '' : ' What is shown is of ' + clockText(shown.heard) + '.';
 
   useEffect(() => {
     const follow = () => setView(viewOfAddress());
@@ -60,8 +65,8 @@ export function App() {
           ))}
         </nav>
         {status && (
-          <p>
-            {status.controller || 'the empty network'}, {status.state}
+          <p className={isOld ? 'old' : undefined}>
+            {status.controller || 'the empty network'}, <span className={isInTrouble(status) ? 'bad' : undefined}>{isOld ? 'unknown' : stateText(status)}</span>
             <Skipped count={shown?.skipped} />
             {connection.role === 'observe' && <span className="badge">observe only</span>}
           </p>
@@ -69,14 +74,15 @@ export function App() {
         {status && <StopButton status={status} />}
       </header>
       {status && <HaltBanner status={status} />}
+      {status && !isOld && <HealthBanner status={status} />}
       {link === 'refused' && (
         <p className="banner" role="alert">The studio does not know this browser (any more). Open the address that it has printed last.</p>
       )}
-      {link === 'lost' && <p className="banner" role="alert">The studio cannot be reached; trying again …</p>}
+      {link === 'lost' && <p className="banner" role="alert">The studio cannot be reached; trying again …{since}</p>}
       {link === 'open' && shown?.error && (
-        <p className="banner" role="alert">The robot cannot be reached, what is shown is old: {shown.error}</p>
+        <p className="banner" role="alert">The robot cannot be reached: {shown.error}.{since}</p>
       )}
-      <main>
+      <main className={isOld || status?.lost != null ? 'old' : undefined}>
         {!status && view !== 'Missions' && view !== 'Events' && view !== 'Edit' && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
         {status && view === 'Network' && <NetworkView status={status} />}
         {status && view === 'Switch' && <SwitchView status={status} />}

@@ -28,5 +28,5 @@ export function wordsOfAddress(hash: string): string {
 }
 
 export function isTrouble(event: RobotEvent): boolean {
-  return /failed|refused|given_up|lost|undone|difference/.test(event.kind);
+  return event.trouble ?? /failed|refused|given_up|lost|undone|difference/.test(event.kind);
 }

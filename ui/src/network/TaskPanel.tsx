@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createContext, useContext, useState, type FormEvent } from 'react';
 import { isMap, type Json } from '../robot/change';
+import { howLong, troubleOfTask } from '../health/health';
 import { useConnection, useDocument } from '../robot/hooks';
 import { Skipped } from '../robot/Skipped';
 import type { OperationModel, PortModel, Status, TaskReport } from '../robot/types';
@@ -164,6 +165,7 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
   const fixed = !connection.mayOperate;
   const report = isMap(shown?.value) ? (shown.value as unknown as TaskReport) : null;
   const task = status.tasks[id];
+  const trouble = troubleOfTask(status, id);
   return (
     <aside className="panel" aria-label={'Task ' + id}>
       <header>
@@ -178,6 +180,7 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
         </p>
       )}
       {task?.error && <p className="bad">{task.error}</p>}
+      {trouble && <p className="bad">{trouble.what}, since {howLong(trouble.for_s)}: {trouble.repair}</p>}
       {report && (
         <BesideMission.Provider value={beside}>
           {status.commanded_by && !fixed && (

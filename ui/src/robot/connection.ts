@@ -7,6 +7,8 @@ export interface Shown {
   value: Json;
   error?: string;
   version: number;
+  /** When the robot said so last, by the browser's clock (ms since 1970); it may have fallen silent since. */
+  heard?: number;
   /** How many versions this browser was too slow for, so far. */
   skipped: number;
 }
@@ -141,6 +143,7 @@ export class Connection {
       value,
       error: typeof message.error === 'string' ? message.error : undefined,
       version: message.version ?? 0,
+      heard: message.error === undefined ? Date.now() : before?.heard,
       skipped: (before?.skipped ?? 0) + (message.skipped ?? 0),
     });
   }

@@ -32,10 +32,29 @@ export interface ConnectionStatus {
   latency_worst_us?: number;
 }
 
+/** Something that the robot needs and that is missing, faulty or given up. */
+export interface Trouble {
+  /** "robot", "host", "process", "task", "connection" (its reader), "pool". */
+  kind: string;
+  name: string;
+  what: string;
+  why: string;
+  since: string;
+  for_s: number;
+  /** What repairs it. */
+  repair: string;
+  /** The verb "repair" does. */
+  on_request: boolean;
+}
+
 export interface Status {
   robot: string;
   controller: string;
   state: string;
+  /** Not of a robot that runs an older Segue. */
+  health?: { state: 'healthy' | 'in_transition' | 'in_trouble' | 'lost'; troubles: Trouble[] };
+  /** Why this runtime commands the robot no longer: another one has got it. */
+  lost?: string | null;
   commanded_by: string | null;
   /** The last halt, until something has been requested. */
   halt: Halt | null;
@@ -117,6 +136,8 @@ export interface RobotEvent {
   kind: string;
   subject: string;
   message: string;
+  /** Not of a robot that runs an older Segue. */
+  trouble?: boolean;
 }
 
 export interface Action {

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// A robot that is healthy, crashed, half dead, repaired and lost, in a real browser. Status 77: there is no browser.
+//   node health.mjs SEGUE SCREENSHOT_FOLDER
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import assert from 'node:assert/strict';
+import { end, Stage } from './stage.mjs';
+
+const [segue, pictures] = process.argv.slice(2);
+const stage = new Stage(segue, pictures);
+const status = () => JSON.parse(stage.run(['status', '--format', 'json']));
+const pidOf = (task) => status().tasks.find((one) => one.id === task).pid;
+
+/** The exit status of a command that may fail. */
+function exitOf(args) {
+  try {
+    stage.run(args);
+    return 0;
+  } catch (error) {
+    return error.status;
+  }
+}
+
+const robotFile = 'robot: bot\ncontrollers: [drive.net]\npolicies: {on_failure: report}\n';
+const drive = `network: drive
+tasks:
+  base: {component: x::Base}
+  laser: {component: x::Laser}
+  slam: {component: x::Slam}
+deployments:
+  sensors: {tasks: [laser]}
+  mapping: {tasks: [slam]}
+connections: [laser.scan -> slam.scan, slam.pose -> base.pose]
+`;
+
+const wrong = (page) => page.getByRole('alert', { name: 'What is wrong' });
+
+async function repair(page) {
+  await page.getByRole('button', { name: 'Repair' }).click();
+  await wrong(page).waitFor({ state: 'detached' });
+  await page.getByText('drive, idle').waitFor();
+  assert.equal(exitOf(['status', '--exit-code']), 0);
+}
+
+async function crash(page) {
+  process.kill(pidOf('laser'), 'SIGKILL');
+  await wrong(page).getByText("process 'localhost/sensors' is gone").waitFor();
+  await page.getByText('in trouble: ').waitFor();
+  assert.equal(exitOf(['status', '--exit-code']), 5);
+  await stage.look(page, 'health_crashed');
+  await page.getByRole('link', { name: 'Events' }).click();
+  await page.getByLabel('only trouble').check();
+  await page.locator('tr.trouble', { hasText: 'SIGKILL' }).first().waitFor();
+  await page.getByRole('link', { name: 'Network' }).click();
+  await repair(page);
+}
+
+async function hang(page) {
+  process.kill(pidOf('slam'), 'SIGSTOP');
+  await wrong(page).getByText("process 'localhost/mapping' does not answer").waitFor();
+  assert.equal(exitOf(['status', '--exit-code']), 5);
+  await stage.look(page, 'health_half_dead');
+  await repair(page);
+}
+
+await stage.play(async () => {
+  writeFileSync(join(stage.folder, 'robot.yaml'), robotFile);
+  writeFileSync(join(stage.folder, 'drive.net'), drive);
+  const run = () => stage.start(['run', 'robot.yaml', '--controller', 'drive', '--stand-in'], /robot bot runs/);
+  let robot = await run();
+  await stage.settled('drive');
+  const page = await stage.enter();
+  await page.getByText('drive, idle').waitFor();
+  await page.getByText('3 tasks, 2 connections').waitFor();
+  await page.locator('.react-flow__node[data-id=laser]').waitFor();
+  await stage.look(page, 'health_healthy');
+  await crash(page);
+  await hang(page);
+
+  await end(robot.child);
+  await page.getByText(/The robot cannot be reached: .*What is shown is of \d\d:\d\d:\d\d/).waitFor();
+  await page.getByText('drive, unknown').waitFor();
+  assert.equal(exitOf(['status', '--exit-code']), 3);
+  await page.screenshot({ path: join(pictures, 'health_robot_lost.png') });
+  robot = await run();
+  await page.getByText('drive, idle').waitFor();
+  await end(stage.studio.child);
+  await page.getByText(/The studio cannot be reached.*What is shown is of \d\d:\d\d:\d\d/).waitFor();
+  await page.locator('main.old').waitFor();
+  await page.screenshot({ path: join(pictures, 'health_studio_lost.png') });
+});

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useState } from 'react';
+import { useConnection } from '../robot/hooks';
+import type { Status } from '../robot/types';
+import { howLong, troublesOf } from './health';
+
+/** What is missing or faulty, since when, why, and what repairs it; nothing of a robot that has all that it needs. */
+export function HealthBanner({ status }: { status: Status }) {
+  const connection = useConnection();
+  const [busy, setBusy] = useState(false);
+  const [problem, setProblem] = useState<string | null>(null);
+  if (status.lost != null) {
+    return (
+      <p className="banner halted" role="alert">
+        This runtime has lost the robot: {status.lost} Only <code>segue run --take-over</code> gets it back.
+      </p>
+    );
+  }
+  const troubles = troublesOf(status);
+  if (troubles.length === 0) return null;
+
+  const repair = async () => {
+    setBusy(true);
+    setProblem(null);
+    try {
+      const answer = await connection.call('repair', {});
+      const result = answer as unknown as { outcome: string; error?: string };
+      if (result.outcome !== 'done') setProblem(result.error ?? result.outcome);
+    } catch (error) {
+      setProblem(error instanceof Error ? error.message : String(error));
+    } finally {
+      setBusy(false);
+    }
+  };
+
+  return (
+    <section className="banner halted health" aria-label="What is wrong" role="alert">
+      <ul>
+        {troubles.map((one) => (
+          <li key={one.kind + ' ' + one.name}>
+            <strong>{one.what}</strong>, since {howLong(one.for_s)}
+            {one.why && ': ' + one.why} <span className="remedy">{one.repair}</span>
+          </li>
+        ))}
+      </ul>
+      {connection.mayOperate && (
+        <button type="button" disabled={busy} title="Requests what runs once more, so that what is missing or faulty is made anew" onClick={() => void repair()}>
+          {busy ? 'Repairing …' : 'Repair'}
+        </button>
+      )}
+      {problem && <span className="bad">Not repaired: {problem}</span>}
+    </section>
+  );
+}
