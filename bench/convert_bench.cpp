@@ -3,7 +3,7 @@
 // join again, a continuing loop, hierarchies of ten. Each state reads an output of the previous one, and
 // every second state changes a fact. The baseline follows the transitions of as many states and records each
 // in flat arrays.
-#include <segue/cdtn/order.hpp>
+#include <segue/cdtn/order_builder.hpp>
 #include <segue/convert/mission_plan.hpp>
 
 #include <benchmark/benchmark.h>

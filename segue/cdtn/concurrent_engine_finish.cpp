@@ -144,7 +144,7 @@ void ConcurrentEngine::Implementation::commit_lost(NodeId node) {
 /// first of them has.
 bool ConcurrentEngine::Implementation::turn_has_come(NodeId node) {
   for (std::uint32_t i = prefix_; i < index(node); ++i) {
-    if (states_[i].passed || environment_.in_parallel(NodeId{i}, node)) continue;
+    if (states_[i].passed || network_.in_parallel(NodeId{i}, node)) continue;
     turns_.wait(node, NodeId{i});
     return false;
   }

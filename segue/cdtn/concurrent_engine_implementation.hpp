@@ -5,6 +5,7 @@
 #include <segue/cdtn/fault.hpp>
 #include <segue/cdtn/node_outcome.hpp>
 #include <segue/cdtn/node_state.hpp>
+#include <segue/cdtn/order_builder.hpp>
 #include <segue/cdtn/pause.hpp>
 #include <segue/cdtn/preemption.hpp>
 #include <segue/cdtn/resource_pool.hpp>
@@ -97,7 +98,6 @@ class ConcurrentEngine::Implementation {
   void lose(NodeId node);
   bool give_up_lost();
   [[nodiscard]] bool collect_holders(NodeId node, const Claim& claim, std::vector<NodeId>& holders);
-
   // Ending (concurrent_engine_finish.cpp, concurrent_engine_undo.cpp).
   void park(NodeId node, ReportPtr report);
   void try_commit(NodeId node);

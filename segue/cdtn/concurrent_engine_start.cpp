@@ -123,7 +123,7 @@ std::optional<NodeId> ConcurrentEngine::Implementation::risk_before(NodeId node)
   if (!at(node).strict || planted(EngineFault::StrictIsNot)) return std::nullopt;
   for (std::uint32_t i = safe_; i < index(node); ++i) {
     const bool safe = states_[i].passed || network_[NodeId{i}].cannot_fail;
-    if (!safe && !environment_.in_parallel(NodeId{i}, node)) return NodeId{i};
+    if (!safe && !network_.in_parallel(NodeId{i}, node)) return NodeId{i};
   }
   return std::nullopt;
 }

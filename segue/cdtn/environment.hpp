@@ -121,12 +121,6 @@ class Environment {
     (void)node;
     return false;
   }
-  /// Whether neither node comes before the other, so that none waits for the other's changes.
-  [[nodiscard]] virtual bool in_parallel(NodeId a, NodeId b) const {
-    (void)a;
-    (void)b;
-    return false;
-  }
   /// All nodes before this one have passed.
   virtual void passed_before(NodeId node) { (void)node; }
   /// How long the engine waits for the end of a cancelled run, on a real clock.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/order.hpp>
+#include <segue/cdtn/order_builder.hpp>
 
 #include <cstdint>
 #include <vector>

@@ -32,6 +32,7 @@ struct Dependency {
   std::uint32_t reason_bits : 3 = 0;
   [[nodiscard]] Reason reason() const { return static_cast<Reason>(reason_bits); }
 };
+[[nodiscard]] Dependency dependency(NodeId from, NodeId to, Reason reason, std::uint32_t subject);
 
 /// The dependencies between nodes, with their reasons, in flat arrays: those of a node are adjacent, and
 /// again those on a node, as far as they were added together. So whoever goes through the nodes in program
@@ -138,60 +139,5 @@ Order derive_order(const TaskNetwork& network, OrderRule rule = OrderRule::Epoch
 
 /// The subject of a dependency as text: "arm_at(home)", "process:planner" ...
 std::string subject_text(const TaskNetwork& network, const Dependency& dependency);
-
-/// Derives the order by the epoch rule for a network that grows. Each fact's sequence of accesses is cut
-/// where its value flips: the flipping node comes after every node that touched the fact since the last flip,
-/// and those come after the last flip. So the flips of a fact are totally ordered, and every other access
-/// stays between the same two.
-class OrderBuilder {
- public:
-  /// All must outlive the builder. `further`: as for derive_order.
-  OrderBuilder(const TaskNetwork& network, Order& order, std::vector<Dependency>* further = nullptr)
-      : network_(network), order_(order), further_(further) {}
-  /// Takes in all nodes that were appended since.
-  void extend();
-
- private:
-  friend class GoalOrder;
-  struct FactState {
-    NodeId flip{kNone};              ///< the node that changed it last; none: the initial world
-    std::uint32_t touchers = kNone;  ///< nodes that touched it since
-    std::uint8_t value = 0;
-    bool uncertain = false;
-    bool seen = false;
-  };
-  struct Toucher {
-    NodeId node{};
-    std::uint32_t next = kNone;
-  };
-  /// Whose starts the next user of a resource waits for: the last one that took units, and members of a group
-  /// lock that have only relied on it since.
-  struct LastClaims {
-    NodeId node{kNone};
-    std::vector<NodeId> members{};
-  };
-  void add(NodeId from, Reason reason, std::uint32_t subject);
-  void add_access(NodeId node, const Access& access);
-  void add_place(NodeId node);
-  void add_resources(NodeId node, bool blocks_in_order);
-  void add_data_and_conditions(NodeId node);
-  void touch(std::uint32_t& list, NodeId node);
-  void wait_for(std::uint32_t list, NodeId flip, NodeId node, Reason reason, std::uint32_t subject);
-  [[nodiscard]] bool known_to(const FactState& state, NodeId node) const;
-  void prepare();
-  void begin_node(NodeId node);
-  void end_node() { order_.close_node(); }
-  void end() { order_.link(); }
-
-  const TaskNetwork& network_;
-  Order& order_;
-  std::vector<Dependency>* further_;
-  std::vector<FactState> states_;  ///< by fact
-  std::vector<Toucher> touchers_;
-  std::vector<LastClaims> last_claims_;    ///< by resource
-  std::vector<std::uint32_t> waited_for_;  ///< by node: the last node with a dependency on it
-  NodeId place_{kNone};                    ///< the last opaque node
-  std::uint32_t place_touchers_ = kNone;
-};
 
 }  // namespace segue::cdtn

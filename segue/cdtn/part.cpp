@@ -22,6 +22,7 @@ NodeSpec spec_of(const TaskNetwork& network, NodeId node, const std::vector<std:
   spec.cannot_fail = entry.cannot_fail;
   spec.strict = entry.strict;
   spec.structural = entry.structural;
+  spec.parallel_branch = entry.parallel_branch;
   for (const Access& access : network.accesses(node)) {
     if (access.reads) spec.preconditions.push_back({access.fact, access.needed});
     if (access.writes) spec.effects.push_back({access.fact, access.value});
@@ -51,6 +52,7 @@ NetworkPart part_of(const TaskNetwork& network, const std::vector<bool>& keep) {
   part.network.facts = network.facts;
   part.network.resources = network.resources;
   part.network.initial_world = network.initial_world;
+  part.network.take_parallel_branches_of(network);
   std::vector<std::uint32_t> places(network.size(), kNone);
   for (std::uint32_t i = 0; i < network.size(); ++i) {
     if (!keep[i]) continue;

@@ -84,23 +84,12 @@ TEST(Speculation, WhoReadsWhatIsBesideTheNetworkGivesBackWhatANodeBeforeItNeeds)
   EXPECT_EQ(result.statistics.preempted, 1U);
 }
 
-/// Simulates nodes none of which comes before another.
-class ParallelEnvironment final : public Environment {
- public:
-  explicit ParallelEnvironment(const TaskNetwork& network) : inner_(network) {}
-  void start(NodeContext& context, Completions& completions) override { inner_.start(context, completions); }
-  void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
-    inner_.cancel(node, attempt, completions);
-  }
-  [[nodiscard]] bool in_parallel(NodeId, NodeId) const override { return true; }
-
- private:
-  SimulatedEnvironment inner_;
-};
-
 TEST(Speculation, WhoTakesUnitsInOrderIsCertainToCountWhileABranchInParallelGoesOn) {
   TaskNetwork network;
-  append_drive(network, 5s);
+  NodeSpec drive;
+  drive.duration = 5s;
+  drive.parallel_branch = network.add_parallel_branch(kNone, 0);
+  network.append(drive);
   const ResourceId cup = network.resources.intern("cup");
   network.resources[cup].varies = true;
   NodeSpec fill;
@@ -108,10 +97,9 @@ TEST(Speculation, WhoTakesUnitsInOrderIsCertainToCountWhileABranchInParallelGoes
   fill.reads_beside = true;
   fill.duration = 1s;
   fill.claims = {{cup}};
+  fill.parallel_branch = network.add_parallel_branch(kNone, 0);
   const NodeId node = network.append(fill);
-  const Order order = derive_order(network);
-  ParallelEnvironment environment(network);
-  const RunResult result = ConcurrentEngine(network, order, environment).run();
+  const RunResult result = simulate(network);
   EXPECT_EQ(result.nodes[index(node)].started, TimePoint(0s));
   EXPECT_EQ(result.statistics.speculative, 0U);
 }

@@ -29,6 +29,32 @@ std::uint32_t TaskNetwork::add_group(ResourceId resource, std::uint32_t count) {
   return static_cast<std::uint32_t>(groups_.size()) - 1;
 }
 
+std::uint32_t TaskNetwork::add_parallel_branch(std::uint32_t around, std::uint64_t number) {
+  parallel_branches_.push_back({around, around == kNone ? 0 : parallel_branches_[around].depth + 1, number});
+  return static_cast<std::uint32_t>(parallel_branches_.size()) - 1;
+}
+
+bool TaskNetwork::in_parallel(NodeId a, NodeId b) const {
+  std::uint32_t one = (*this)[a].parallel_branch;
+  std::uint32_t other = (*this)[b].parallel_branch;
+  if (one == other || one == kNone || other == kNone) return false;
+  const auto leave = [this](std::uint32_t& branch) { branch = parallel_branches_[branch].around; };
+  while (parallel_branches_[one].depth > parallel_branches_[other].depth)
+    leave(one);
+  while (parallel_branches_[other].depth > parallel_branches_[one].depth)
+    leave(other);
+  for (; one != other; leave(one), leave(other)) {
+    if (parallel_branches_[one].number == parallel_branches_[other].number) return true;
+  }
+  return false;
+}
+
+bool TaskNetwork::is_within(std::uint32_t branch, std::uint32_t other) const {
+  while (branch != kNone && branch != other)
+    branch = parallel_branches_[branch].around;
+  return branch == other;
+}
+
 NodeId TaskNetwork::append(const NodeSpec& spec, std::uint32_t called) {
   const NodeId node{size()};
   NodeRecord& entry = nodes_.back();
@@ -47,6 +73,7 @@ NodeId TaskNetwork::append(const NodeSpec& spec, std::uint32_t called) {
   entry.cannot_fail = spec.cannot_fail;
   entry.strict = spec.strict;
   entry.structural = spec.structural;
+  entry.parallel_branch = spec.parallel_branch;
   append_accesses(spec, node);
   append_claims(spec);
   if (entry.reads_world && entry.kind != ActionClass::Pure) entry.opaque = true;
@@ -141,7 +168,7 @@ void TaskNetwork::append_claims(const NodeSpec& spec) {
 std::size_t TaskNetwork::bytes() const {
   return nodes_.size() * sizeof(NodeRecord) + accesses_.size() * sizeof(Access) +
          claims_.size() * sizeof(Claim) + inputs_.size() * sizeof(DataInput) +
-         conditions_.size() * sizeof(Condition);
+         conditions_.size() * sizeof(Condition) + parallel_branches_.size() * sizeof(ParallelBranch);
 }
 
 }  // namespace segue::cdtn

@@ -48,7 +48,8 @@ struct NodeSpec {
   bool reads_beside = false;  ///< may read or change what is beside the network (Report::pending)
   bool cannot_fail = false;   ///< neither by itself nor because of a precondition or resource
   bool strict = false;        ///< it acts once no node before it can fail any more
-  bool structural = false;    ///< only part of the plan's form: takes no time and no worker, and is no step
+  std::uint32_t parallel_branch = kNone;  ///< of TaskNetwork::add_parallel_branch(); none: in no such branch
+  bool structural = false;  ///< only part of the plan's form: takes no time and no worker, and is no step
   std::vector<Literal> preconditions;
   std::vector<Literal> effects;  ///< of contradicting ones, the positive one counts
   std::vector<Claim> claims;
@@ -78,6 +79,7 @@ struct NodeRecord {
   std::uint32_t first_claim = 0;
   std::uint32_t first_input = 0;
   std::uint32_t first_condition = 0;
+  std::uint32_t parallel_branch = kNone;
   OutcomeId expected = kSuccess;
   ActionClass kind = ActionClass::Irreversible;
   bool branches : 1 = false;
@@ -112,6 +114,15 @@ class TaskNetwork {
   NodeId append(const NodeSpec& spec, std::uint32_t called);
   /// Adds a lock to which claims refer (Claim::group).
   std::uint32_t add_group(ResourceId resource, std::uint32_t count = 1);
+  /// Adds a branch whose nodes are in parallel to those of the other branches with the same number: neither
+  /// come first. `around`: the branch that they are all in; kNone: none.
+  std::uint32_t add_parallel_branch(std::uint32_t around, std::uint64_t number);
+  /// For a network without any, of which nodes are to lie in those of the other one.
+  void take_parallel_branches_of(const TaskNetwork& other) { parallel_branches_ = other.parallel_branches_; }
+  /// Whether they lie in different branches of the same number, or in branches within these.
+  [[nodiscard]] bool in_parallel(NodeId a, NodeId b) const;
+  /// Whether the branch is that one, or one in it; everything is within kNone.
+  [[nodiscard]] bool is_within(std::uint32_t branch, std::uint32_t other) const;
   OutcomeId outcome(std::string_view text) { return OutcomeId(outcomes.intern(text)); }
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()) - 1; }
@@ -144,6 +155,11 @@ class TaskNetwork {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  struct ParallelBranch {
+    std::uint32_t around = kNone;
+    std::uint32_t depth = 0;  ///< how many are around it
+    std::uint64_t number = 0;
+  };
   struct FactChain {
     std::uint32_t last = kNone;
     std::uint32_t last_write = kNone;
@@ -164,6 +180,7 @@ class TaskNetwork {
   std::vector<DataInput> inputs_;
   std::vector<Condition> conditions_;
   std::vector<GroupLock> groups_;
+  std::vector<ParallelBranch> parallel_branches_;
   std::vector<FactChain> chains_;  ///< by fact
   std::vector<Access> scratch_;
 };

@@ -217,10 +217,6 @@ bool ActionEnvironment::outdated(NodeId node) const {
   return found != unsure_.end() && !found->second->valid();
 }
 
-bool ActionEnvironment::in_parallel(NodeId a, NodeId b) const {
-  return mission::in_parallel(plan_[a].branch.get(), plan_[b].branch.get());
-}
-
 void ActionEnvironment::passed_before(NodeId node) {
   globals.settle_before(place_number(node));
 }

@@ -29,7 +29,6 @@ class ActionEnvironment final : public cdtn::Environment {
   void cancel(cdtn::NodeId node, std::uint32_t attempt, cdtn::Completions& completions) override;
   void ended(cdtn::NodeId node, std::uint32_t attempt) override;
   [[nodiscard]] bool outdated(cdtn::NodeId node) const override;
-  [[nodiscard]] bool in_parallel(cdtn::NodeId a, cdtn::NodeId b) const override;
   void passed_before(cdtn::NodeId node) override;
   [[nodiscard]] Duration patience() const override { return options_.preemption_grace; }
   /// From any thread: preempts an opaque subtree that occupies the engine's thread, as in virtual time.

@@ -4,6 +4,7 @@
 #include <segue/convert/opaque_subtrees.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,6 +29,7 @@ bool declares_footprint(const Action& action) {
 struct Touched {
   std::string name;
   bool changes = false;
+  std::optional<bool> makes{};  ///< of a fact that it changes
 };
 
 /// Whether both names may stand for the same.
@@ -37,6 +39,12 @@ bool may_be_same(const std::string& a, const std::string& b) {
   const std::string_view other = fixed(b);
   const bool exact = one.size() == a.size() && other.size() == b.size();
   return exact ? a == b : one.starts_with(other) || other.starts_with(one);
+}
+
+/// Whether one of them would have to wait for the other. Effects that agree need not.
+bool conflict(const Touched& a, const Touched& b) {
+  const bool agree = a.makes && a.makes == b.makes;
+  return (a.changes || b.changes) && !agree && may_be_same(a.name, b.name);
 }
 
 class Search {
@@ -156,9 +164,7 @@ class Search {
       std::vector<Touched> own;
       if (collect(child, own)) return child;
       for (const Touched& touched : own) {
-        const auto conflicts = [&](const Touched& other) {
-          return (touched.changes || other.changes) && may_be_same(touched.name, other.name);
-        };
+        const auto conflicts = [&](const Touched& other) { return conflict(touched, other); };
         if (std::ranges::any_of(before, conflicts)) return child;
       }
       before.insert(before.end(), own.begin(), own.end());
@@ -183,7 +189,7 @@ class Search {
         touched.push_back({"fact " + to_string(fact), false});
     }
     for (const mission::Fact& fact : action.effects)
-      touched.push_back({"fact " + to_string(fact), true});
+      touched.push_back({"fact " + to_string(fact), true, fact.positive});
     for (const mission::ResourceUse& use : action.resources) {
       const bool only_looks = use.operation == mission::ResourceOperation::Exists && !varies(use.resource);
       touched.push_back({"resource " + use.resource, !only_looks});

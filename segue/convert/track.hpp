@@ -76,6 +76,13 @@ struct ContainerExecution {
   std::shared_ptr<const std::vector<cdtn::Claim>> memberships{};  ///< of its states
 };
 
+/// A state of a barrier or of a race that is being planned, for what is beside the network and for the
+/// network.
+struct Beside {
+  std::shared_ptr<const mission::ParallelBranch> place{};  ///< null: the mission itself
+  std::uint32_t in_network = cdtn::kNone;                  ///< of TaskNetwork::add_parallel_branch()
+};
+
 struct Track;
 
 /// A preemptive container that is entered: the first of its states that ends preempts the others.
@@ -119,7 +126,7 @@ struct Alternative {
 /// loops that are expected to end, it has alternatives, outermost first.
 struct Track {
   std::vector<Frame> frames;
-  std::shared_ptr<const mission::ParallelBranch> branch{};  ///< null: the mission
+  Beside branch{};
   std::vector<Alternative> alternatives{};
   std::optional<StateEntry> pending{};  ///< comes next, once its facts and resources are known
   std::optional<StateEnd> end{};

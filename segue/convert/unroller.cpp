@@ -56,7 +56,7 @@ std::optional<NodeId> Unroller::first_open() {
   while (over_before_ < size && !is_open(NodeId{over_before_}))
     ++over_before_;
   for (std::uint32_t i = over_before_; i < size; ++i) {
-    if (is_open(NodeId{i}) && !mission::in_parallel(plan_.nodes_[i].branch.get(), branch_.get()))
+    if (is_open(NodeId{i}) && !mission::in_parallel(plan_.nodes_[i].branch.get(), branch_.place.get()))
       return NodeId{i};
   }
   return std::nullopt;
@@ -235,6 +235,15 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
   enter_branches(track, *activation);
 }
 
+/// The branch of a state of that execution of a container on the track.
+Beside Unroller::beside(const Track& track, std::uint64_t number, StateIndex child) {
+  const Beside& around = track.branch;
+  const std::uint32_t depth = around.place ? around.place->depth + 1 : 1;
+  return {std::make_shared<const mission::ParallelBranch>(
+              mission::ParallelBranch{around.place, number, child, depth}),
+          plan_.network_.add_parallel_branch(around.in_network, number)};
+}
+
 /// Enters all states of the barrier at the top of the track, each on a track of its own.
 void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
   const BranchEdge when = activation.inside;
@@ -246,8 +255,7 @@ void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
     StateEntry branch = entry_of(track.frames.back(), child, when);
     branch.aborts_handled = true;
     auto beside = std::make_shared<Track>();
-    beside->branch = std::make_shared<const mission::ParallelBranch>(
-        mission::ParallelBranch{track.branch, number, child, track.branch ? track.branch->depth + 1 : 1});
+    beside->branch = this->beside(track, number, child);
     track.frames.back().tracks.push_back(beside);
     const auto around = std::exchange(branch_, beside->branch);
     enter(*beside, std::move(branch));

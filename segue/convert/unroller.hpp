@@ -64,6 +64,7 @@ class Unroller {
   void enter(Track& track, StateEntry entry);
   void enter_container(Track& track, StateEntry entry);
   void enter_branches(Track& track, ContainerExecution& activation);
+  [[nodiscard]] Beside beside(const Track& track, std::uint64_t number, mission::StateIndex child);
   void leave(Track& track);
   void finish(Track& track, mission::StateIndex state, StateEnd end);
   void finish_in_hierarchy(Frame& frame, mission::StateIndex state, StateEnd end);
@@ -161,9 +162,9 @@ class Unroller {
   const PlanScope scope_;
   PathConditions paths_;
   Track main_;
-  std::shared_ptr<const mission::ParallelBranch> branch_;  ///< of the nodes that are being planned
-  std::uint64_t barriers_ = 0;                             ///< executions that have been planned
-  Track* racing_ = nullptr;                                ///< of the nodes that are being planned
+  Beside branch_;               ///< of the nodes that are being planned
+  std::uint64_t barriers_ = 0;  ///< executions that have been planned
+  Track* racing_ = nullptr;     ///< of the nodes that are being planned
   RaceRecord record_;
   std::vector<std::weak_ptr<Race>> races_;           ///< that may not have been decided
   std::vector<cdtn::NodeId> lost_;                   ///< since take_lost()

@@ -93,7 +93,8 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
   if (number >= copies_.size()) copies_.resize(std::max<std::size_t>(number + 1, 2 * copies_.size()));
   node.iteration = spec.iteration = copies_[number]++;
   if (is_state) node.path = names.name(number);
-  node.branch = branch_;
+  node.branch = branch_.place;
+  spec.parallel_branch = branch_.in_network;
   spec.conditions = paths_.conditions(node.when);
   const NodeId id = plan_.network_.append(spec, number);
   for (Track* track = racing_; track != nullptr; track = track->around)
@@ -111,8 +112,8 @@ bool Unroller::is_ready(const StateEntry& entry) {
 /// Units that come and go are taken in program order, also beside each other.
 bool Unroller::is_in_turn(const StateEntry& entry) {
   for (const Track* beside : before_) {
-    if (!shared_.shared(beside->branch->child, entry.state)) continue;
-    plan_.waits_for_ = "how " + plan_.program().state(beside->branch->child).id.str() +
+    if (!shared_.shared(beside->branch.place->child, entry.state)) continue;
+    plan_.waits_for_ = "how " + plan_.program().state(beside->branch.place->child).id.str() +
                        " goes on, which uses the same units before " +
                        plan_.program().state(entry.state).id.str();
     return false;

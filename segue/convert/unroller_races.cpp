@@ -34,8 +34,7 @@ void Unroller::enter_race(Track& track, ContainerExecution& activation) {
   for (const StateIndex child : node(activation.entry.state).children) {
     StateEntry entry = entry_of(track.frames.back(), child, when);
     auto beside = std::make_shared<Track>();
-    beside->branch = std::make_shared<const mission::ParallelBranch>(
-        mission::ParallelBranch{track.branch, number, child, track.branch ? track.branch->depth + 1 : 1});
+    beside->branch = this->beside(track, number, child);
     beside->races = true;
     beside->around = racing_;
     race->tracks.push_back(beside);

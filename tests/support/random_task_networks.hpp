@@ -26,6 +26,7 @@ inline std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
 struct Variety {
   bool failures = false;            ///< nodes abort that nobody handles, preconditions are wrong
   bool undeclared_effects = false;  ///< nodes do what they do not declare
+  bool parallel = false;            ///< nodes lie in parallel branches
 };
 
 class RandomNetwork {
@@ -43,6 +44,7 @@ class RandomNetwork {
       network.resources[id].commutes = chance(30);
       units_.push_back(network.resources[id].count);
     }
+    if (variety.parallel && mix(seed, 11) % 2 == 0) add_branches();
     for (int i = 0, nodes = pick(1, 16); i < nodes; ++i)
       add_node(i);
   }
@@ -53,8 +55,18 @@ class RandomNetwork {
   int pick(int least, int most) { return std::uniform_int_distribution<int>(least, most)(random_); }
   bool chance(int percent) { return pick(1, 100) <= percent; }
 
+  /// Two in parallel, and two more in one of these.
+  void add_branches() {
+    for (int i = 0; i < 2; ++i)
+      branches_.push_back(network.add_parallel_branch(kNone, 0));
+    for (int i = 0; i < 2; ++i)
+      branches_.push_back(network.add_parallel_branch(branches_.front(), 1));
+    branches_.push_back(kNone);
+  }
+
   void add_node(int number) {
     NodeSpec spec;
+    if (!branches_.empty()) spec.parallel_branch = branches_[static_cast<std::size_t>(pick(0, 4))];
     spec.name = "n" + std::to_string(number);
     const int kind = pick(0, 9);
     spec.kind = kind < 5 ? ActionClass::Irreversible : kind < 8 ? ActionClass::Pure : ActionClass::Sensing;
@@ -144,6 +156,7 @@ class RandomNetwork {
   Variety variety_;
   OutcomeId other_{};
   std::vector<FactId> facts_;
+  std::vector<std::uint32_t> branches_;
   VersionedWorld expected_;           ///< where everything goes as expected
   std::vector<std::uint32_t> units_;  ///< that are certainly there
   std::uint32_t group_ = kNone;
