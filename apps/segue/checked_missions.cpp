@@ -14,6 +14,17 @@ namespace segue::cli {
 
 using type::Value;
 
+namespace {
+
+void append(Value::List& all, Value list, const std::string& file) {
+  for (Value& pair : list.as_list()) {
+    pair.as_map().set("file", file);
+    all.push_back(std::move(pair));
+  }
+}
+
+}  // namespace
+
 void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diagnostics,
                             const RobotControllers* robot) {
   const auto plan = session::Session::load(file, libraries_, diagnostics);
@@ -26,26 +37,28 @@ void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diag
   }
   auto found = plan->ahead_of_failures();
   if (!found) return diagnostics.error("invalid-mission", found.error().message, {file.string(), 0, 0});
-  if (!found->pairs.empty() || !found->complete) entries_.push_back({file.string(), std::move(*found)});
+  if (!found->pairs.empty() || !found->senses.empty() || !found->complete)
+    entries_.push_back({file.string(), std::move(*found)});
 }
 
 void CheckedMissions::print() const {
-  for (const Entry& entry : entries_)
-    cli::print(printable(entry.file + ": ") +
-               printable(draw::ahead_text(entry.found.pairs, entry.found.complete)));
+  for (const Entry& entry : entries_) {
+    for (const std::string& text :
+         {draw::ahead_text(entry.found.pairs, entry.found.complete), draw::senses_text(entry.found.senses)})
+      if (!text.empty()) cli::print(printable(entry.file + ": ") + printable(text));
+  }
 }
 
 Value CheckedMissions::to_value(const Diagnostics& diagnostics) const {
-  Value::List all;
+  Value::List ahead;
+  Value::List senses;
   for (const Entry& entry : entries_) {
-    Value list = draw::ahead_value(entry.found.pairs);
-    for (Value& pair : list.as_list()) {
-      pair.as_map().set("file", entry.file);
-      all.push_back(std::move(pair));
-    }
+    append(ahead, draw::ahead_value(entry.found.pairs), entry.file);
+    append(senses, draw::senses_value(entry.found.senses), entry.file);
   }
   Value value = cli::to_value(diagnostics);
-  value.as_map().set("ahead", std::move(all));
+  value.as_map().set("ahead", std::move(ahead));
+  value.as_map().set("senses_ahead", std::move(senses));
   return value;
 }
 

@@ -23,7 +23,7 @@ struct RobotControllers {
 };
 
 /// The missions and task networks that were checked: what is wrong with them, and what may happen in a
-/// concurrent run of them although something earlier fails.
+/// concurrent run of them although something earlier fails, or has not been done yet.
 class CheckedMissions {
  public:
   explicit CheckedMissions(const std::vector<std::string>& libraries) : libraries_(libraries) {}
@@ -34,7 +34,7 @@ class CheckedMissions {
              const RobotControllers* robot = nullptr);
   /// What may happen, for people.
   void print() const;
-  /// The fields of `diagnostics`, and `ahead`.
+  /// The fields of `diagnostics`, `ahead` and `senses_ahead`.
   [[nodiscard]] type::Value to_value(const Diagnostics& diagnostics) const;
 
  private:

@@ -75,6 +75,7 @@ int convert_plan(const ConvertOptions& options, const Context& context) {
   auto ahead = plan->ahead_of_failures(request);
   if (!ahead) return failed(context, ahead.error());
   diagram->ahead = std::move(ahead->pairs);
+  diagram->senses_ahead = std::move(ahead->senses);
   diagram->ahead_complete = ahead->complete;
   const std::string text = diagram_text(std::move(*diagram), options, context);
   return write_or_print(context, options.output, text);

@@ -190,6 +190,8 @@ void show_nodes(FinishedRun& run) {
   print_line(fmt::format("{} in {:.2f} s; sequential {:.2f} s, critical path {:.2f} s",
                          run.overview().succeeded ? "done" : "ended", seconds(run.overview().makespan),
                          seconds(comparison.sequential), seconds(comparison.critical_path)));
+  for (const std::string& cause : run.why_in_sequence())
+    print_line(printable(cause));
 }
 
 /// The document of a run, with what look-ahead saved if that is known.

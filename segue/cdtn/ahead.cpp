@@ -139,17 +139,137 @@ std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order
   return AheadFinder(network, order, paths).find(nodes);
 }
 
+namespace {
+
+/// What a node that has begun is certain to have waited for. What runs ahead waits for less than what counts:
+/// not for decisions, nor for what only predicts the outputs that it takes.
+class SensedFinder {
+ public:
+  SensedFinder(const TaskNetwork& network, const Order& order, const Paths& paths)
+      : network_(network),
+        order_(order),
+        paths_(paths),
+        passed_(network.size(), kNone),
+        begun_(network.size(), kNone),
+        followed_(network.size(), kNone) {}
+
+  std::vector<SensesAhead> find() {
+    std::vector<SensesAhead> pairs;
+    for (std::uint32_t i = 0; i < order_.size(); ++i) {
+      const NodeId node{i};
+      if (network_[node].kind != ActionClass::Sensing) continue;
+      follow(node);
+      for (std::uint32_t j = first_; j < i; ++j) {
+        const NodeId earlier{j};
+        const bool acts =
+            network_[earlier].kind == ActionClass::Irreversible && !network_[earlier].structural;
+        if (acts && passed_[j] != i && !network_.in_parallel(earlier, node) && !paths_.exclude(earlier, node))
+          pairs.push_back({node, earlier});
+      }
+    }
+    return pairs;
+  }
+
+ private:
+  void follow(NodeId node) {
+    node_ = node;
+    first_ = index(node) > kAheadWithin ? index(node) - kAheadWithin : 0;
+    begun_list_.assign(1, node);
+    while (!begun_list_.empty()) {
+      const NodeId at = begun_list_.back();
+      begun_list_.pop_back();
+      for (const Dependency& dependency : order_.before(at))
+        if (is_known(dependency)) before_begin(dependency);
+    }
+    while (!passed_list_.empty()) {
+      const NodeId at = passed_list_.back();
+      passed_list_.pop_back();
+      for (const Dependency& dependency : order_.before(at))
+        if (is_known(dependency)) before_end(dependency);
+    }
+  }
+
+  [[nodiscard]] bool is_known(const Dependency& dependency) const {
+    return index(dependency.from) >= first_ && paths_.is_certain(dependency);
+  }
+
+  /// Whether it begins only when all that it depends on has happened.
+  [[nodiscard]] bool never_runs_ahead(NodeId node) const {
+    return network_[node].kind == ActionClass::Irreversible || network_.observes(node) ||
+           std::ranges::any_of(network_.claims(node), [this](const Claim& claim) {
+             const ResourceRecord& resource = network_.resources[claim.resource];
+             return resource.varies || resource.grouped;
+           });
+  }
+
+  void before_begin(const Dependency& dependency) {
+    if (!never_runs_ahead(dependency.to) && !holds_start(network_, dependency)) return;
+    const bool may_be_ahead = network_[dependency.from].kind != ActionClass::Irreversible;
+    const bool has_only_run = dependency.reason() == Reason::Data || dependency.reason() == Reason::Resource;
+    if (!has_only_run || !may_be_ahead) return before_end(dependency);
+    const std::uint32_t from = index(dependency.from);
+    if (begun_[from] == index(node_) || !paths_.comes_with(node_, dependency.from)) return;
+    begun_[from] = index(node_);
+    begun_list_.push_back(dependency.from);
+  }
+
+  /// A dependency because of a resource says only that the other has begun.
+  void before_end(const Dependency& dependency) {
+    const std::uint32_t from = index(dependency.from);
+    if (dependency.reason() != Reason::Resource) passed_[from] = index(node_);
+    if (followed_[from] == index(node_) || !paths_.comes_with(node_, dependency.from)) return;
+    followed_[from] = index(node_);
+    passed_list_.push_back(dependency.from);
+  }
+
+  const TaskNetwork& network_;
+  const Order& order_;
+  const Paths& paths_;
+  std::vector<std::uint32_t> passed_;    ///< by node: the last for which it has passed
+  std::vector<std::uint32_t> begun_;     ///< likewise: for whose begin dependencies have been followed
+  std::vector<std::uint32_t> followed_;  ///< likewise: all of them
+  std::vector<NodeId> begun_list_;
+  std::vector<NodeId> passed_list_;
+  NodeId node_{};
+  std::uint32_t first_ = 0;  ///< nodes before are too far away
+};
+
+/// Calls add(place, first, second, is_new) for each pair of names, once; `place` counts first names.
+template <class Pairs, class First, class Second, class Add>
+void each_pair_once(const TaskNetwork& network, const Pairs& pairs, First first, Second second, Add&& add) {
+  std::unordered_map<std::uint32_t, std::size_t> places;  // by first name
+  std::unordered_set<std::uint64_t> known;                // pairs of names
+  for (const auto& pair : pairs) {
+    const std::uint64_t name = network[pair.*first].name;
+    if (!known.insert(name << 32U | network[pair.*second].name).second) continue;
+    const auto [place, is_new] = places.try_emplace(network[pair.*first].name, places.size());
+    add(place->second, network.name_of(pair.*first), network.name_of(pair.*second), is_new);
+  }
+}
+
+}  // namespace
+
+std::vector<SensesAhead> senses_ahead(const TaskNetwork& network, const Order& order, const Paths& paths) {
+  return SensedFinder(network, order, paths).find();
+}
+
 std::vector<NamedActsAhead> by_name(const TaskNetwork& network, const std::vector<ActsAhead>& pairs) {
   std::vector<NamedActsAhead> named;
-  std::unordered_map<std::uint32_t, std::size_t> places;  // by name of who acts
-  std::unordered_set<std::uint64_t> known;                // pairs of names
-  for (const ActsAhead& pair : pairs) {
-    const std::uint64_t acts = network[pair.acts].name;
-    if (!known.insert(acts << 32U | network[pair.fails].name).second) continue;
-    const auto [place, first] = places.try_emplace(network[pair.acts].name, named.size());
-    if (first) named.push_back({network.name_of(pair.acts), {}});
-    named[place->second].fails.push_back(network.name_of(pair.fails));
-  }
+  each_pair_once(network, pairs, &ActsAhead::acts, &ActsAhead::fails,
+                 [&](std::size_t place, const std::string& acts, const std::string& fails, bool is_new) {
+                   if (is_new) named.push_back({acts, {}});
+                   named[place].fails.push_back(fails);
+                 });
+  return named;
+}
+
+std::vector<NamedSensesAhead> by_name(const TaskNetwork& network, const std::vector<SensesAhead>& pairs) {
+  std::vector<NamedSensesAhead> named;
+  each_pair_once(network, pairs, &SensesAhead::senses, &SensesAhead::acts,
+                 [&](std::size_t place, const std::string& senses, const std::string& acts, bool is_new) {
+                   if (is_new) named.push_back({senses, {}});
+                   named[place].acts.push_back(acts);
+                 });
   return named;
 }
 

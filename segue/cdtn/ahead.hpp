@@ -24,6 +24,20 @@ struct NamedActsAhead {
   friend bool operator==(const NamedActsAhead&, const NamedActsAhead&) = default;
 };
 
+/// `senses` comes after `acts` in program order, but may have observed reality before that has acted. In the
+/// sequential run it would not have.
+struct SensesAhead {
+  NodeId senses{};
+  NodeId acts{};
+  friend bool operator==(const SensesAhead&, const SensesAhead&) = default;
+};
+/// The same by names, for all iterations together.
+struct NamedSensesAhead {
+  std::string senses;
+  std::vector<std::string> acts;
+  friend bool operator==(const NamedSensesAhead&, const NamedSensesAhead&) = default;
+};
+
 /// What is known of the paths that a run may take.
 class Paths {
  public:
@@ -72,8 +86,15 @@ inline constexpr std::uint32_t kAheadWithin = 1024;
 [[nodiscard]] std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order,
                                                 const Paths& paths, std::span<const NodeId> nodes);
 
+/// All pairs that the order permits, by `senses`, then `acts`: of sensing nodes and irreversible ones, which
+/// do not lie in parallel. Time as above.
+[[nodiscard]] std::vector<SensesAhead> senses_ahead(const TaskNetwork& network, const Order& order,
+                                                    const Paths& paths);
+
 /// Each pair of names once, in the order of the first nodes that act.
 [[nodiscard]] std::vector<NamedActsAhead> by_name(const TaskNetwork& network,
                                                   const std::vector<ActsAhead>& pairs);
+[[nodiscard]] std::vector<NamedSensesAhead> by_name(const TaskNetwork& network,
+                                                    const std::vector<SensesAhead>& pairs);
 
 }  // namespace segue::cdtn

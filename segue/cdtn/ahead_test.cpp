@@ -105,5 +105,60 @@ TEST_F(Ahead, AStrictNodeWaitsAndSoDoesWhatWaitsForIt) {
   EXPECT_EQ(result.nodes[1].attempts, 0U) << "the strict node has begun";
 }
 
+class SensesAheadOf : public Ahead {
+ protected:
+  /// Senses; relies on the fact, if it is given.
+  NodeSpec look(const std::string& fact = "") {
+    NodeSpec spec = node("look");
+    spec.kind = ActionClass::Sensing;
+    if (!fact.empty()) spec.preconditions.push_back({network_.facts.intern(fact).value(), true});
+    return spec;
+  }
+  std::vector<NamedSensesAhead> sensed() const {
+    return by_name(network_, senses_ahead(network_, derive_order(network_), WholeNetwork(network_)));
+  }
+  static NamedSensesAhead before(std::vector<std::string> acts) { return {"look", std::move(acts)}; }
+};
+
+TEST_F(SensesAheadOf, WhoReliesOnNoFactOfADriveMaySenseBeforeIt) {
+  network_.append(node("drive", "there()"));
+  network_.append(look("warm()"));
+  EXPECT_THAT(sensed(), ElementsAre(before({"drive"})));
+}
+
+TEST_F(SensesAheadOf, WhoReliesOnItsFactSensesAfterItAndAfterAllBeforeThat) {
+  network_.append(node("plug", "plugged()"));
+  NodeSpec drive = node("drive", "there()");
+  drive.preconditions.push_back({network_.facts.intern("plugged()").value(), true});
+  network_.append(drive);
+  network_.append(look("there()"));
+  EXPECT_THAT(sensed(), IsEmpty());
+}
+
+TEST_F(SensesAheadOf, ADecisionOrAPlanDoesNotKeepItFromSensing) {
+  NodeSpec ask = node("ask", "asked()");
+  ask.branches = true;
+  const NodeId decides = network_.append(ask);
+  NodeSpec plan = node("plan");
+  plan.kind = ActionClass::Pure;
+  plan.preconditions.push_back({network_.facts.intern("asked()").value(), true});
+  const NodeId planned = network_.append(plan);
+  NodeSpec spec = look();
+  spec.conditions.push_back({decides, kSuccess});
+  spec.inputs.push_back({planned, network_.names.intern("out"), network_.names.intern("in")});
+  network_.append(spec);
+  EXPECT_THAT(sensed(), ElementsAre(before({"ask"})));
+}
+
+TEST_F(SensesAheadOf, WhatRunsInParallelComesNeitherBeforeNorAfterIt) {
+  NodeSpec drive = node("drive", "there()");
+  drive.parallel_branch = network_.add_parallel_branch(kNone, 0);
+  network_.append(drive);
+  NodeSpec spec = look();
+  spec.parallel_branch = network_.add_parallel_branch(kNone, 0);
+  network_.append(spec);
+  EXPECT_THAT(sensed(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace segue::cdtn

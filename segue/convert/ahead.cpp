@@ -193,10 +193,16 @@ Result<AheadOfFailures> ahead_of_failures(std::shared_ptr<const mission::Program
   (*plan)->expand((*plan)->network(), most);
   const cdtn::TaskNetwork& network = (*plan)->network();
   const PathIndex paths = (*plan)->path_index();
-  auto pairs = cdtn::acts_ahead(network, cdtn::derive_order(network), OutlinePaths(**plan, paths));
+  const cdtn::Order order = cdtn::derive_order(network);
+  const OutlinePaths outline(**plan, paths);
+  auto pairs = cdtn::acts_ahead(network, order, outline);
   std::erase_if(pairs, [&](const ActsAhead& pair) { return !executes((**plan)[pair.acts]); });
   CloserLook(**plan, paths).keep_true(pairs);
-  return AheadOfFailures{cdtn::by_name(network, pairs), (*plan)->finished()};
+  auto senses = cdtn::senses_ahead(network, order, outline);
+  std::erase_if(senses, [&](const cdtn::SensesAhead& pair) {
+    return !executes((**plan)[pair.senses]) || !executes((**plan)[pair.acts]);
+  });
+  return AheadOfFailures{cdtn::by_name(network, pairs), cdtn::by_name(network, senses), (*plan)->finished()};
 }
 
 }  // namespace segue::convert

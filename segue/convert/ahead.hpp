@@ -11,9 +11,10 @@
 
 namespace segue::convert {
 
-/// What may happen in a concurrent run although something earlier fails.
+/// What may happen in a concurrent run although something earlier fails, or has not happened yet.
 struct AheadOfFailures {
-  std::vector<cdtn::NamedActsAhead> pairs;  ///< paths of states
+  std::vector<cdtn::NamedActsAhead> pairs;       ///< paths of states
+  std::vector<cdtn::NamedSensesAhead> senses{};  ///< what may sense before something earlier has acted
   bool complete = true;  ///< else the mission is longer than the `most` nodes that were examined
 };
 
@@ -25,9 +26,9 @@ struct AheadOfFailures {
 inline constexpr std::size_t kMostExamined = 4000;
 
 /// For every path that the mission may take: the states that act although an earlier state aborts and nobody
-/// handles that. Three rounds of each loop stand for all; where facts or resources are named by values that
-/// are not known before the run, all that they might permit is in the list. The errors of
-/// MissionPlan::create.
+/// handles that, and the sensing ones that may observe reality before an earlier state has acted. Three
+/// rounds of each loop stand for all; where facts or resources are named by values that are not known before
+/// the run, all that they might permit is in the list. The errors of MissionPlan::create.
 [[nodiscard]] Result<AheadOfFailures> ahead_of_failures(std::shared_ptr<const mission::Program> program,
                                                         std::vector<type::Value> inputs = {},
                                                         const std::vector<mission::Fact>& facts = {},

@@ -187,7 +187,7 @@ std::string MissionPlan::final_error() {
   if (!finished()) return {};
   for (const Exit& exit : unroller_->end().exits) {
     const auto live = unroller_->paths().live(exit.arrival.when);
-    if (exit.outcome != mission::kAborted || !live || !live->always()) continue;
+    if (!live || !live->always()) continue;
     const auto error = unroller_->value_of({exit.arrival.errors, {}});
     if (error && error->is_string()) return error->as_string();
   }

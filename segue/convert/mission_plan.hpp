@@ -88,7 +88,7 @@ struct PlannedNode {
 
 /// Names of outputs in addition to those of ports.
 inline constexpr std::string_view kOutcomeOutput = "#outcome";  ///< an OutcomeId, of nodes that branch
-inline constexpr std::string_view kErrorOutput = "#error";      ///< only if it aborted
+inline constexpr std::string_view kErrorOutput = "#error";      ///< why it, or the last in it, aborted
 inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kRecordOutput = "#record";  ///< for the journal (NodeJournal)
 inline constexpr std::string_view kValueOutput = "value";
@@ -160,7 +160,7 @@ class MissionPlan final : public cdtn::Expansion {
   /// How the mission ended. Requires that the run has ended.
   [[nodiscard]] mission::Outcome final_outcome(const cdtn::RunResult& result);
   [[nodiscard]] std::vector<type::Value> final_outputs();
-  /// Why the mission aborted by a transition; empty if it did not.
+  /// Why the mission aborted by a transition, or its last state aborted and that is handled; else empty.
   [[nodiscard]] std::string final_error();
   /// The same mission with the same inputs, of which nothing is planned yet. It goes on after every abort and
   /// preemption, too, up to the end of the mission, so it is for replays only.

@@ -104,18 +104,19 @@ class Search {
     }
     const bool beside = entry.children.size() > (entry.decider == kNoState ? 1U : 2U);
     if (mission::is_concurrency(entry.kind) && beside && opaque != kNoState)
-      return {Kind::OpaqueBeside, opaque};
+      return {reads_world(opaque) ? Kind::ReadsWorldBeside : Kind::OpaqueBeside, opaque};
     if (entry.kind == StateKind::Preemptive) {
       const StateIndex child = unfinished_source(state);
       if (child != kNoState) return {Kind::UsesUnfinished, child};
       const StateIndex declaring = declaring_container(state);
       if (declaring != kNoState) return {Kind::DeclaresInRace, declaring};
     }
-    if (mission::is_concurrency(entry.kind) && beside && races(state)) {
-      const StateIndex child = conflict_beside(state);
-      if (child != kNoState) return {Kind::ConflictBeside, child};
-    }
+    if (mission::is_concurrency(entry.kind) && beside && races(state)) return conflict_beside(state);
     return {};
+  }
+
+  [[nodiscard]] bool reads_world(StateIndex state) const {
+    return mission::is_leaf(node(state).kind) && action(state).reads_world;
   }
 
   /// The first state in the preemptive container that has states itself and whose outputs are used: it could
@@ -156,20 +157,20 @@ class Search {
 
   /// The first state in the container that would have to wait for another one in it, since both touch the
   /// same. That only costs time, unless it decides which state of a preemptive container ends first.
-  [[nodiscard]] StateIndex conflict_beside(StateIndex container) const {
-    if (planted(ConversionFault::RacesConflict)) return kNoState;
+  [[nodiscard]] OpaqueSubtreeReason conflict_beside(StateIndex container) const {
+    if (planted(ConversionFault::RacesConflict)) return {};
     std::vector<Touched> before;
     for (const StateIndex child : node(container).children) {
       if (child == node(container).decider) continue;
       std::vector<Touched> own;
-      if (collect(child, own)) return child;
+      if (collect(child, own)) return {Kind::ReadsWorldBeside, child};
       for (const Touched& touched : own) {
         const auto conflicts = [&](const Touched& other) { return conflict(touched, other); };
-        if (std::ranges::any_of(before, conflicts)) return child;
+        if (std::ranges::any_of(before, conflicts)) return {Kind::ConflictBeside, child};
       }
       before.insert(before.end(), own.begin(), own.end());
     }
-    return kNoState;
+    return {};
   }
 
   /// Adds what the actions in the state touch; true if one of them looks at all facts.
@@ -219,6 +220,28 @@ class Search {
 bool is_opaque(const Action& action) {
   return action.action_class() != ActionClass::Pure && (!declares_footprint(action) || action.reads_world) &&
          !planted(ConversionFault::NothingIsOpaque);
+}
+
+std::string text_of(const OpaqueSubtreeReason& reason, const mission::Program& program) {
+  const std::string id = reason.state == kNoState ? "" : program.state(reason.state).id.str();
+  switch (reason.kind) {
+    case Kind::UsesUnfinished:
+      return "since it uses outputs of " + id + ", which may be preempted in the middle";
+    case Kind::HandlesPreemption:
+      return "since a preemption of " + id + " is handled in it";
+    case Kind::OpaqueBeside:
+      return "since " + id + " in it, concurrent with others, may touch anything";
+    case Kind::ReadsWorldBeside:
+      return "since " + id + " in it, concurrent with others, reads the whole world";
+    case Kind::ConflictBeside:
+      return "since " + id +
+             " in it touches what another state touches, which must not decide which one ends first";
+    case Kind::DeclaresInRace:
+      return "since " + id + " declares preconditions or resources, and may be preempted";
+    case Kind::None:
+      break;
+  }
+  return {};
 }
 
 std::vector<OpaqueSubtreeReason> find_opaque_subtrees(const mission::Program& program) {

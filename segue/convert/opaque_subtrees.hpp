@@ -4,6 +4,7 @@
 #include <segue/mission/program.hpp>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 /// Which states of a mission a concurrent run executes as written, as one node each.
@@ -17,6 +18,7 @@ struct OpaqueSubtreeReason {
     HandlesPreemption,  ///< `state` in it has a transition for its preemption
     OpaqueBeside,       ///< a barrier or preemptive container, and `state` in it may touch anything
     DeclaresInRace,     ///< a preemptive container, and `state`, it or one in it, declares what it needs
+    ReadsWorldBeside,  ///< likewise, and `state`, it or one in it, reads the whole world, which others change
     ConflictBeside  ///< what `state` in it touches decides which state of a preemptive container ends first
   };
   Kind kind = Kind::None;
@@ -25,6 +27,9 @@ struct OpaqueSubtreeReason {
 
 /// Whether nothing is declared about what the action touches, so that it may touch anything.
 [[nodiscard]] bool is_opaque(const mission::Action& action);
+
+/// "since watch in it reads the whole world, which the states beside it change"; "" for None.
+[[nodiscard]] std::string text_of(const OpaqueSubtreeReason& reason, const mission::Program& program);
 
 /// By state of the program.
 [[nodiscard]] std::vector<OpaqueSubtreeReason> find_opaque_subtrees(const mission::Program& program);

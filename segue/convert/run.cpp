@@ -100,7 +100,7 @@ class Run::Implementation {
     result_.outcome_name = program.outcome_name(0, result_.outcome);
     if (network_result_.error && result_.outcome == mission::kAborted)
       result_.error = network_result_.error->message;
-    else if (result_.outcome == mission::kAborted)
+    else if (result_.outcome != mission::kPreempted)
       result_.error = plan_->final_error();
     result_.outputs = result_.outcome >= 0
                           ? plan_->final_outputs()

@@ -47,6 +47,7 @@ class VirtualRun {
     return lines;
   }
   [[nodiscard]] const MissionPlan& plan() const { return run_->plan(); }
+  [[nodiscard]] const cdtn::Order& order() const { return run_->order(); }
   [[nodiscard]] const mission::Globals& globals() const { return run_->globals(); }
   [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
 

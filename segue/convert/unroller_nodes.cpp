@@ -235,8 +235,13 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
     end.outputs.push_back(std::move(value));
   }
   const auto own = static_cast<Outcome>(state.outcomes->size());
+  // A subtree may end well and tell what was handled last in it.
+  const auto error = plan_.network_.names.intern(kErrorOutput);
+  const auto told = [&](BranchEdge when) {
+    return spec.opaque_subtree ? std::vector<Candidate>{{id, error, when, {}}} : std::vector<Candidate>{};
+  };
   if (!spec.branches) {
-    end.exits.push_back({0, {entry.when, false, {}}});
+    end.exits.push_back({0, {entry.when, false, told(entry.when)}});
     return end;
   }
   std::vector<OutcomeId> outcomes;
@@ -245,14 +250,14 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
   if (entry.aborts_handled) outcomes.push_back(cdtn::kAborted);
   if (scope_ == PlanScope::EveryEnd) outcomes.push_back(cdtn::kPreempted);
   const auto branch = paths_.add(id, entry.when, outcomes, expected_end(entry.state));
+  const auto ended = [&](Outcome i) { return BranchEdge{branch, outcomes[static_cast<std::size_t>(i)]}; };
   for (Outcome i = 0; i < own; ++i)
-    end.exits.push_back({i, {{branch, outcomes[static_cast<std::size_t>(i)]}, false, {}}});
+    end.exits.push_back({i, {ended(i), false, told(ended(i))}});
   if (scope_ == PlanScope::EveryEnd)
     end.exits.push_back({mission::kPreempted, {{branch, cdtn::kPreempted}, false, {}}});
   if (!entry.aborts_handled) return end;
   const BranchEdge aborted{branch, cdtn::kAborted};
-  end.exits.push_back(
-      {mission::kAborted, {aborted, true, {{id, plan_.network_.names.intern(kErrorOutput), aborted, {}}}}});
+  end.exits.push_back({mission::kAborted, {aborted, true, {{id, error, aborted, {}}}}});
   return end;
 }
 

@@ -57,7 +57,9 @@ struct Diagram {
   std::string waits_for;           ///< what must be known before it goes on; empty: only the horizon ended it
 
   std::vector<cdtn::NamedActsAhead>
-      ahead{};                 ///< shown below: what may happen although something earlier fails
+      ahead{};  ///< shown below: what may happen although something earlier fails
+  std::vector<cdtn::NamedSensesAhead>
+      senses_ahead{};          ///< likewise: what may sense before something earlier has acted
   bool ahead_complete = true;  ///< else only the first nodes were examined for this
 
   struct Counts {
@@ -83,7 +85,11 @@ std::string to_text(const Diagram& diagram);
 type::Value to_value(const Diagram& diagram);
 /// What may happen although something earlier fails, a line for each state or node that acts; "" if nothing.
 std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool complete);
-/// The same as a list.
+/// What may sense before something earlier has acted, a line for each state or node that senses; "" if
+/// nothing.
+std::string senses_text(const std::vector<cdtn::NamedSensesAhead>& senses);
+/// The same as lists.
+type::Value senses_value(const std::vector<cdtn::NamedSensesAhead>& senses);
 type::Value ahead_value(const std::vector<cdtn::NamedActsAhead>& ahead);
 
 /// More are left out of pictures.

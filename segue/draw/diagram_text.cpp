@@ -96,6 +96,29 @@ std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool comp
   return text;
 }
 
+std::string senses_text(const std::vector<cdtn::NamedSensesAhead>& senses) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  if (!senses.empty()) text = "In a concurrent run these may sense before something earlier has been done:\n";
+  for (const cdtn::NamedSensesAhead& each : std::span(senses).first(std::min(senses.size(), kMostListed))) {
+    const auto named = std::span(each.acts).first(std::min(each.acts.size(), kMostNamed));
+    const std::size_t left = each.acts.size() - named.size();
+    fmt::format_to(out, "    {}, before {}{}\n", each.senses, fmt::join(named, ", "),
+                   left == 0 ? "" : fmt::format(" and {} more", left));
+  }
+  if (senses.size() > kMostListed)
+    fmt::format_to(out, "    and {} more (--json lists all)\n", senses.size() - kMostListed);
+  return text;
+}
+
+Value senses_value(const std::vector<cdtn::NamedSensesAhead>& senses) {
+  Value::List list;
+  for (const cdtn::NamedSensesAhead& each : senses)
+    list.push_back(Value::map(
+        {{"senses", each.senses}, {"before", Value(Value::List(each.acts.begin(), each.acts.end()))}}));
+  return list;
+}
+
 Value ahead_value(const std::vector<cdtn::NamedActsAhead>& ahead) {
   Value::List list;
   for (const cdtn::NamedActsAhead& each : ahead) {
@@ -127,7 +150,7 @@ std::string to_text(const Diagram& diagram) {
     fmt::format_to(out, "It goes on when it is known: {}\n", diagram.waits_for);
   else if (!diagram.complete)
     text += "It goes on; this is as far as the horizon reaches\n";
-  return text + ahead_text(diagram.ahead, diagram.ahead_complete);
+  return text + ahead_text(diagram.ahead, diagram.ahead_complete) + senses_text(diagram.senses_ahead);
 }
 
 Value to_value(const Diagram& diagram) {
@@ -158,6 +181,7 @@ Value to_value(const Diagram& diagram) {
   map.append("complete", diagram.complete);
   map.append("waits_for", diagram.waits_for);
   map.append("ahead", ahead_value(diagram.ahead));
+  map.append("senses_ahead", senses_value(diagram.senses_ahead));
   return map;
 }
 

@@ -10,33 +10,15 @@ namespace segue::draw {
 namespace {
 
 using convert::MissionPlan;
-using convert::OpaqueSubtreeReason;
 using convert::PlannedNode;
 using convert::Role;
 
 std::string note_of(const MissionPlan& plan, const PlannedNode& planned) {
-  const auto id = [&](mission::StateIndex state) { return plan.program().state(state).id.str(); };
   if (planned.role == Role::Global) return "the variable " + planned.global;
   if (planned.role == Role::Join) return fmt::format("of {} ways", planned.joined.size());
   if (planned.role == Role::Begin) return "begins the container: takes what it blocks";
   if (planned.role != Role::OpaqueSubtree) return {};
-  const OpaqueSubtreeReason reason = plan.subtree_reason(planned.state);
-  switch (reason.kind) {
-    case OpaqueSubtreeReason::Kind::UsesUnfinished:
-      return "since it uses outputs of " + id(reason.state) + ", which may be preempted in the middle";
-    case OpaqueSubtreeReason::Kind::HandlesPreemption:
-      return "since a preemption of " + id(reason.state) + " is handled in it";
-    case OpaqueSubtreeReason::Kind::OpaqueBeside:
-      return "since " + id(reason.state) + " in it, concurrent with others, may touch anything";
-    case OpaqueSubtreeReason::Kind::ConflictBeside:
-      return "since " + id(reason.state) +
-             " in it touches what another state touches, which must not decide which one ends first";
-    case OpaqueSubtreeReason::Kind::DeclaresInRace:
-      return "since " + id(reason.state) + " declares preconditions or resources, and may be preempted";
-    case OpaqueSubtreeReason::Kind::None:
-      break;
-  }
-  return {};
+  return convert::text_of(plan.subtree_reason(planned.state), plan.program());
 }
 
 /// Names that the plan makes up, as a reader of the mission takes them.

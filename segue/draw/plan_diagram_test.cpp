@@ -152,6 +152,7 @@ TEST(MissionDiagram, SaysWhyAStateIsAnOpaqueSubtree) {
   const std::string actions = R"j(actions:
   say: {run: {simulated: {}}}
   turn: {effects: ["+turned()"], run: {simulated: {}}}
+  turn_back: {effects: ["-turned()"], run: {simulated: {}}}
   both: {outcomes: [fine], run: {decide: [{outcome: fine}]}}
 )j";
   const auto states = [](const std::string& kind, const std::string& inside) {
@@ -160,7 +161,7 @@ TEST(MissionDiagram, SaysWhyAStateIsAnOpaqueSubtree) {
   };
   const Diagram first = diagram("mission: m\n" + actions + states("preemptive", R"j(    states:
       a: {action: turn, on: {success: return success}}
-      b: {action: turn, on: {success: return success}}
+      b: {action: turn_back, on: {success: return success}}
 )j"));
   EXPECT_EQ(node(first, "s").role, Diagram::Role::OpaqueSubtree);
   EXPECT_EQ(node(first, "s").note,

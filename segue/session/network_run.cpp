@@ -7,6 +7,7 @@
 #include <segue/cdtn/critical_path.hpp>
 #include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
+#include <segue/convert/in_sequence.hpp>
 #include <segue/convert/run.hpp>
 #include <segue/session/implementation.hpp>
 
@@ -141,6 +142,10 @@ class ConcurrentMissionRun final : public NetworkRun {
       overview_.outputs.append(ports[i].name, ended->outputs[i]);
   }
 
+  [[nodiscard]] std::vector<std::string> why_in_sequence() const override {
+    return convert::why_in_sequence(run_->plan(), order(), result());
+  }
+
   /// That of the network, with what the mission adds.
   [[nodiscard]] Value to_value() override {
     Value document = NetworkRun::to_value();
@@ -150,6 +155,10 @@ class ConcurrentMissionRun final : public NetworkRun {
     if (overview_.error) map.set("error", overview_.error->message);
     map.set("outputs", overview_.outputs);
     map.set("globals", run_->globals().snapshot());
+    Value::List causes;
+    for (std::string& cause : why_in_sequence())
+      causes.emplace_back(std::move(cause));
+    map.set("in_sequence", std::move(causes));
     return document;
   }
 

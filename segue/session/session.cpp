@@ -129,9 +129,10 @@ Result<convert::AheadOfFailures> Session::ahead_of_failures(const ConvertRequest
   if (request.strict) return convert::AheadOfFailures{};
   if (is_network()) {
     const cdtn::TaskNetwork& network = network_->network;
-    const auto pairs =
-        cdtn::acts_ahead(network, cdtn::derive_order(network, request.order), cdtn::WholeNetwork(network));
-    return convert::AheadOfFailures{cdtn::by_name(network, pairs), true};
+    const cdtn::Order order = cdtn::derive_order(network, request.order);
+    const cdtn::WholeNetwork paths(network);
+    return convert::AheadOfFailures{cdtn::by_name(network, cdtn::acts_ahead(network, order, paths)),
+                                    cdtn::by_name(network, cdtn::senses_ahead(network, order, paths)), true};
   }
   auto inputs = detail::inputs_by_port(*program_, request.inputs);
   if (!inputs) return inputs.error();
