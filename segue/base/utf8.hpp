@@ -15,4 +15,13 @@ constexpr std::string_view beginning_of(std::string_view text, std::size_t most)
   return text.substr(0, end);
 }
 
+/// Likewise its end.
+constexpr std::string_view ending_of(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return text;
+  std::size_t begin = text.size() - most;
+  while (begin < text.size() && (static_cast<unsigned char>(text[begin]) & 0xC0U) == 0x80U)
+    ++begin;
+  return text.substr(begin);
+}
+
 }  // namespace segue

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/base/utf8.hpp>
 
 #include <fmt/format.h>
 
@@ -24,10 +23,6 @@ constexpr double kLeast = 36;  ///< least height of a box
 constexpr double kLane = 14;   ///< height of a line
 constexpr double kMargin = 16;
 constexpr double kTop = 78;
-
-std::string shortened(std::string_view name, std::size_t most) {
-  return name.size() <= most ? std::string(name) : std::string(beginning_of(name, most - 1)) + "…";
-}
 
 class Drawing {
  public:
@@ -119,8 +114,8 @@ class Drawing {
     std::string_view before = prefix;
     for (const Diagram::Cause& cause : dependency.causes) {
       const bool named = cause.kind != Diagram::Kind::Opaque && cause.kind != Diagram::Kind::OpaqueSubtree;
-      const std::string own = shortened(named ? cause.subject : std::string(to_string(cause.kind)),
-                                        std::max<std::size_t>(room, 6));
+      const std::string own = svg::shortened(named ? cause.subject : std::string(to_string(cause.kind)),
+                                             std::max<std::size_t>(room, 6));
       if (left < dependency.causes.size() && own.size() + 4 > room) break;
       fmt::format_to(out_, "<tspan fill='{}'>{}{}</tspan>", colour_of(cause.kind), escape_markup(before),
                      escape_markup(own));
@@ -180,13 +175,13 @@ class Drawing {
     const auto inside = node.container.empty() ? 0 : node.container.size() + 1;
     const std::string own = node.name.substr(std::min(inside, node.name.size()));
     const std::string fill = fmt::format("fill='{}'", style.text);
-    text(x + 8, y + height / 2 - 3, "start", fmt::format("{} {}", number, shortened(own, 20)),
+    text(x + 8, y + height / 2 - 3, "start", fmt::format("{} {}", number, svg::shortened(own, 20)),
          "font-weight='bold' " + fill);
     std::string below(node.note == "opaque" ? node.note : to_string(node.role));
     if (node.duration > Duration::zero()) below += ", " + format_duration(node.duration);
     if (!node.container.empty())
-      below = shortened(node.container, 26 - std::min<std::size_t>(below.size(), 20)) + ", " + below;
-    text(x + 8, y + height / 2 + 11, "start", shortened(below, 28), "font-size='10' " + fill);
+      below = svg::shortened(node.container, 26 - std::min<std::size_t>(below.size(), 20)) + ", " + below;
+    text(x + 8, y + height / 2 + 11, "start", svg::shortened(below, 28), "font-size='10' " + fill);
     svg::end_group(out_);
   }
 

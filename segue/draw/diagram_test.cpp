@@ -248,6 +248,14 @@ TEST(Diagram, LinesThatWouldBeTooLongAreCut) {
               AllOf(HasSubstr(">0: value</tspan>"), HasSubstr("dot: from the node with that number")));
 }
 
+TEST(Diagram, LongNamesAreCutInFront) {
+  TaskNetwork network;
+  NodeSpec spec;
+  spec.name = "serve/at the table/fetch/grasp the cup";
+  network.append(spec);
+  EXPECT_THAT(to_svg(diagram_of(network)), HasSubstr(">0 \u2026fetch/grasp the cup</text>"));
+}
+
 TEST(Diagram, HostileNamesStayText) {
   const std::string name = R"(a\"b</text><script>\n\\N&)";
   const auto flat = read(R"j({"name": ")j" + name + R"j(", "pia": true, "effects": ["+p()"]})j");

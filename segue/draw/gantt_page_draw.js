@@ -122,16 +122,17 @@ function steps() {
   return {times, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9))};
 }
 
+/* Shortened at its begin so that it fits: what a path ends with tells more. */
 function fit(context, text, room) {
   if (context.measureText(text).width <= room) return text;
   const characters = [...text];
   let low = 0, high = characters.length;
   while (low < high) {
     const middle = (low + high + 1) >> 1;
-    if (context.measureText(characters.slice(0, middle).join('') + '\u2026').width <= room) low = middle;
+    if (context.measureText('\u2026' + characters.slice(-middle).join('')).width <= room) low = middle;
     else high = middle - 1;
   }
-  return low > 0 ? characters.slice(0, low).join('') + '\u2026' : '';
+  return low > 0 ? '\u2026' + characters.slice(-low).join('') : '';
 }
 
 function drawAxis(context) {

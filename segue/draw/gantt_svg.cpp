@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/base/utf8.hpp>
 #include <segue/draw/gantt.hpp>
 #include <segue/draw/svg.hpp>
 
@@ -125,7 +124,7 @@ class Drawing {
     for (const Gantt::Node& node : gantt_.nodes) {
       if (is_unwanted(node)) continue;
       const bool done = node.status == cdtn::NodeStatus::Done;
-      text(4, y_ + 11, beginning_of(node.name, kLongest),
+      text(4, y_ + 11, svg::shortened(node.name, kLongest),
            done                                      ? ""
            : node.status == cdtn::NodeStatus::Failed ? "fill='#d62728'"
                                                      : "fill='#999'");
@@ -163,7 +162,7 @@ class Drawing {
 
   void by_resource() {
     for (const Gantt::Resource& resource : gantt_.resources) {
-      text(4, y_ + 11, beginning_of(resource.name, kLongest));
+      text(4, y_ + 11, svg::shortened(resource.name, kLongest));
       for (const std::uint32_t place : resource.bars) {
         const Gantt::Bar& one = gantt_.bars[place];
         run(one, false);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/base/utf8.hpp>
 #include <segue/draw/svg.hpp>
 
 #include <fmt/format.h>
@@ -21,6 +22,10 @@ void begin(Out out, double width, double height, double font_size, std::string_v
                  "<rect width=\"{0:g}\" height=\"{1:g}\" fill=\"white\"/>\n",
                  width, height, font_size, title.empty() ? "" : " role=\"img\"",
                  title.empty() ? "" : title_element(title) + '\n');
+}
+
+std::string shortened(std::string_view name, std::size_t most) {
+  return name.size() <= most ? std::string(name) : "\u2026" + std::string(ending_of(name, most - 1));
 }
 
 void text(Out out, double x, double y, std::string_view anchor, std::string_view content,

@@ -52,22 +52,19 @@ std::string subject_of(const Action& action) {
   return subject;
 }
 
-std::string cut(const std::string& text, std::size_t most) {
-  return text.size() <= most ? text : text.substr(0, most - 1) + "\u2026";
-}
-
 /// Shortens both ends of a connection.
 std::string shortened(const std::string& label) {
   constexpr std::string_view kArrow = " -> ";
   const std::size_t arrow = label.find(kArrow);
-  if (arrow == std::string::npos || label.size() <= kLongestLabel) return cut(label, kLongestLabel);
+  if (arrow == std::string::npos || label.size() <= kLongestLabel)
+    return svg::shortened(label, kLongestLabel);
   const std::size_t from = arrow;
   const std::size_t to = label.size() - arrow - kArrow.size();
   const std::size_t room = kLongestLabel - kArrow.size();
   const std::size_t for_from = std::max(room / 2, to < room / 2 ? room - to : 0);
   const std::size_t for_to = room - std::min(from, for_from);
-  return cut(label.substr(0, arrow), for_from) + std::string(kArrow) +
-         cut(label.substr(arrow + kArrow.size()), for_to);
+  return svg::shortened(label.substr(0, arrow), for_from) + std::string(kArrow) +
+         svg::shortened(label.substr(arrow + kArrow.size()), for_to);
 }
 
 bool overlap(const Schedule::Span& a, const Schedule::Span& b) {
