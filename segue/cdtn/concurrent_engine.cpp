@@ -85,6 +85,7 @@ void ConcurrentEngine::Implementation::adopt() {
 
 void ConcurrentEngine::Implementation::adopt_node(NodeId node) {
   State& state = at(node);
+  result_of(node).planned_after = last_done_;
   const NodeRecord& record = network_[node];
   state.kind = record.kind;
   state.strict = options_.strict || record.strict;

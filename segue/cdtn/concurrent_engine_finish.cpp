@@ -241,6 +241,7 @@ void ConcurrentEngine::Implementation::pass(NodeId node) {
   turns_.passed(node, work_);
   if (index(node) == prefix_ || index(node) == safe_) advance_prefix();
   if (expansion_ == nullptr || state.phase != Phase::Done) return;
+  if (state.outcome != kPreempted) last_done_ = node;  // who was preempted ended because of another one
   const ReportPtr& report = reports_[index(node)];
   expansion_->ended(node, state.outcome, report ? report->outputs.get() : nullptr);
   if (expansion_->races()) take_lost();

@@ -130,7 +130,6 @@ class ConcurrentEngine::Implementation {
   void outputs_changed(NodeId node);
   void facts_changed(std::uint32_t access);
   void assumptions_changed(NodeId node);
-
   // Projected facts and worlds (projection.cpp).
   [[nodiscard]] bool projected(const Access& access) const;
   [[nodiscard]] bool assumed_on_path(NodeId writer, NodeId at) const;
@@ -178,6 +177,7 @@ class ConcurrentEngine::Implementation {
   std::vector<std::uint64_t> preempted_units_;   ///< by resource: held by cancelled runs that have not ended
   std::uint32_t preempted_workers_ = 0;          ///< likewise
   std::uint32_t passed_count_ = 0;
+  NodeId last_done_{kNone};
   std::uint32_t prefix_ = 0;  ///< all nodes before have passed
   std::uint32_t safe_ = 0;    ///< no node before can fail any more
   Turns turns_;

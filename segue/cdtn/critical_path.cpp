@@ -46,6 +46,10 @@ class LongestPath {
     return result_->nodes[index(node)].ended - result_->nodes[index(node)].started;
   }
 
+  [[nodiscard]] NodeId planned_after(NodeId node) const {
+    return result_ == nullptr || skipped(node) ? NodeId{kNone} : result_->nodes[index(node)].planned_after;
+  }
+
   /// Whether the dependency delays the start, or only the commit.
   [[nodiscard]] bool holds_start(const Dependency& dependency) const {
     const ActionClass kind = network_[dependency.to].kind;
@@ -81,6 +85,8 @@ class LongestPath {
         later(own.start, own.cause, ahead ? from.end : from.commit, dependency.from);
       later(gate, gate_cause, from.commit, dependency.from);
     }
+    if (const NodeId before = planned_after(node); index(before) != kNone)
+      later(own.start, own.cause, times_[index(before)].commit, before);
     own.end = own.commit = sum_of_durations(own.start, duration(node));
     later(own.commit, own.cause, gate, NodeId{gate_cause});
   }
@@ -99,6 +105,25 @@ CriticalPath critical_path(const TaskNetwork& network, const Order& order) {
 
 CriticalPath critical_path(const TaskNetwork& network, const Order& order, const RunResult& result) {
   return LongestPath(network, order, &result).path();
+}
+
+Duration busiest_resource(const TaskNetwork& network, const RunResult& result) {
+  std::vector<Duration> used(network.resources.size());
+  for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
+    const NodeResult& node = result.nodes[i];
+    if (node.status != NodeStatus::Done || node.attempts == 0) continue;
+    for (const Claim& claim : network.claims(NodeId{i})) {
+      if (claim.op == ResourceOp::Block && claim.group == kNone)
+        used[index(claim.resource)] += (node.ended - node.started) * claim.count;
+    }
+  }
+  Duration longest{};
+  for (std::uint32_t i = 0; i < used.size(); ++i) {
+    const ResourceRecord& resource = network.resources[ResourceId{i}];
+    const bool fixed = !resource.varies && !resource.lent && resource.count > 0;
+    if (fixed) longest = std::max(longest, used[i] / resource.count);
+  }
+  return longest;
 }
 
 std::vector<std::uint64_t> critical_path_priorities(const TaskNetwork& network, const Order& order) {

@@ -19,8 +19,12 @@ struct CriticalPath {
 
 /// With the expected durations, as if all nodes were executed.
 CriticalPath critical_path(const TaskNetwork& network, const Order& order);
-/// With the durations of a run, without the nodes that it skipped.
+/// With the durations of a run, without the nodes that it skipped or preempted. What could be planned only
+/// once another node had ended comes after that.
 CriticalPath critical_path(const TaskNetwork& network, const Order& order, const RunResult& result);
+/// How long at least the run takes because of resources: the longest time for which all units of one resource
+/// are in use.
+Duration busiest_resource(const TaskNetwork& network, const RunResult& result);
 
 /// Priorities for ConcurrentEngineOptions: the node with the longest remaining path comes first.
 std::vector<std::uint64_t> critical_path_priorities(const TaskNetwork& network, const Order& order);

@@ -86,6 +86,7 @@ Value to_value(const TaskNetwork& network, const Order& order, const RunResult& 
   root.set("makespan_s", in_seconds(result.makespan));
   root.set("sequential_s", in_seconds(summary.sequential));
   root.set("critical_path_s", in_seconds(summary.critical_path));
+  root.set("shortest_s", in_seconds(summary.shortest));
   const WaitFinder finder(network, order, result);
   Value::List nodes;
   for (const NodeId node : listed)

@@ -22,7 +22,8 @@ std::string_view outcome_of(const RunResult& result);
 /// Figures that a run is compared with.
 struct RunSummary {
   Duration sequential{};     ///< sequential time
-  Duration critical_path{};  ///< lower bound of the makespan
+  Duration critical_path{};  ///< lower bound of the makespan, whatever the resources
+  Duration shortest{};       ///< lower bound of the makespan with the resources that there are
   double engine_us_per_node = 0;
 };
 

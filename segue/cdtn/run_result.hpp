@@ -22,7 +22,8 @@ struct NodeResult {
   std::uint32_t attempts = 0;
   TimePoint started;  ///< of the run that counts
   TimePoint ended;
-  TimePoint committed;  ///< from then on its effects count
+  TimePoint committed;          ///< from then on its effects count
+  NodeId planned_after{kNone};  ///< the last node that had ended when it was appended to a growing network
 };
 
 /// A run of a pure or sensing node whose result was discarded.

@@ -58,6 +58,7 @@ Value run_value(const Gantt& gantt) {
                      {"makespan", in_seconds(gantt.makespan)},
                      {"sequential", in_seconds(gantt.summary.sequential)},
                      {"critical_path", in_seconds(gantt.summary.critical_path)},
+                     {"shortest", in_seconds(gantt.summary.shortest)},
                      {"wasted", gantt.statistics.wasted},
                      {"repeated", gantt.statistics.repeated},
                      {"nodes", std::move(nodes)},

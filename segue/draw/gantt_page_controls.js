@@ -265,7 +265,7 @@ function compare() {
   line('this run', run.makespan, 'pure');
   line('critical path', run.critical_path, 'critical');
   if (run.makespan <= 0) return;
-  const best = run.critical_path > 0 ? `, at most ${(run.sequential / run.critical_path).toFixed(2)}\u00d7 possible` : '';
+  const best = run.shortest > 0 ? `, at most ${(run.sequential / run.shortest).toFixed(2)}\u00d7 possible` : '';
   make('div', `speed-up ${(run.sequential / run.makespan).toFixed(2)}\u00d7${best}`, place).style.gridColumn = '1 / -1';
 }
 

@@ -29,10 +29,11 @@ class MachineGantt {
     gantt_.name = program_.mission().name;
     gantt_.outcome = program_.outcome_name(0, outcome);
     gantt_.makespan = end_ - begin_;
+    for (std::uint32_t i = 0; i < items().size(); ++i)
+      places_[i].watches = watches(i);
     find_ends();
     for (std::uint32_t i = 0; i < items().size(); ++i) {
       places_[i].before = leaf_before(i);
-      places_[i].watches = watches(i);
       if (mission::is_leaf(program_.node(items()[i].state).kind)) add(i);
     }
     mark_critical();
@@ -55,12 +56,14 @@ class MachineGantt {
     return items()[item].ended ? items()[item].end : end_;
   }
 
-  /// Items come after their containers, so the walk is from the end.
+  /// Items come after their containers, so the walk is from the end. Who was preempted since another one had
+  /// ended is not what others waited for.
   void find_ends() {
     for (auto i = static_cast<std::uint32_t>(items().size()); i-- > 0;) {
       const History::Item& item = items()[i];
       if (mission::is_leaf(program_.node(item.state).kind)) places_[i].last = i;
       if (item.parent == History::kNone || places_[i].last == kNone) continue;
+      if (places_[i].watches && !places_[item.parent].watches) continue;
       std::uint32_t& around = places_[item.parent].last;
       if (around == kNone || end_of(places_[i].last) > end_of(around)) around = places_[i].last;
     }
@@ -138,6 +141,7 @@ class MachineGantt {
       gantt_.nodes[places_[leaf].node].critical = true;
       gantt_.summary.critical_path += end_of(leaf) - items()[leaf].began;
     }
+    gantt_.summary.shortest = gantt_.summary.critical_path;
   }
 
   [[nodiscard]] TimePoint since_begin(TimePoint when) const { return TimePoint{} + (when - begin_); }

@@ -64,6 +64,7 @@ class NetworkRun : public FinishedRun {
   void compare(Duration sequential, double used_us) {
     comparison_.sequential = sequential;
     comparison_.critical_path = cdtn::critical_path(network(), order(), result()).length;
+    comparison_.shortest = std::max(comparison_.critical_path, cdtn::busiest_resource(network(), result()));
     comparison_.engine_us_per_node = network().size() == 0 ? 0 : used_us / network().size();
     overview_.name = network().name;
     overview_.makespan = result().makespan;

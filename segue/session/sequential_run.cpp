@@ -104,6 +104,7 @@ class SequentialRun final : public FinishedRun {
     map.append("makespan_s", seconds(overview_.makespan));
     map.append("sequential_s", seconds(comparison().sequential));
     map.append("critical_path_s", seconds(comparison().critical_path));
+    map.append("shortest_s", seconds(comparison().shortest));
     map.append("nodes", std::move(nodes));
     map.append("outputs", overview_.outputs);
     map.append("globals", engine_->globals().snapshot());
