@@ -67,6 +67,9 @@ struct EngineOptions {
   /// Records the run, and supplies the ends of an earlier run that is resumed. Not with `backward`, nor for a
   /// part.
   std::shared_ptr<RunJournal> journal{};
+  /// Called on the thread of run() when other states are held than before while what runs beside them goes
+  /// on, as a watch does. Null: run() tells only once all that could go on is held.
+  std::function<void()> on_held{};
   /// Runs only this part; by default the whole mission, with its own globals and iterations.
   std::optional<MissionPart> part{};
 };
@@ -121,7 +124,8 @@ class Engine {
   /// begun are passed. NotFound, InvalidArgument. While stepping, too.
   Result<void> set_breakpoints(const std::vector<std::string>& paths);
 
-  /// How far the next run() goes, called after run() has returned Held or before its first call: to the end;
+  /// How far the held states go on, called after run() has returned Held, before its first call, or while
+  /// something runs beside them: to the end;
   /// one state, entering it if it has states; one state with everything in it; to the end of the hierarchy;
   /// until `path` is the next state.
   void resume();
@@ -142,7 +146,7 @@ class Engine {
   Result<void> step_back();
   /// The paths of the states that come next where the mission is held.
   [[nodiscard]] std::vector<std::string> held_at() const;
-  /// Whether all that could go on is held: steps are possible.
+  /// Whether all that could go on is held: steps back are possible.
   [[nodiscard]] bool is_at_rest() const;
   /// The values at the ports of a state, cut to a size that can be shown: {"when" ("running"; "ended": beside
   /// others that run; "next": as they would be if it began now; "": its container does not run), "inputs",

@@ -42,13 +42,20 @@ bool EngineCore::holds_branch(Activation& branch) {
   return true;
 }
 
+/// Before something is waited for that runs beside what is held.
+void EngineCore::tell_held() {
+  if (std::exchange(held_changed_, false) && !held_.empty() && options.on_held) options.on_held();
+}
+
 void EngineCore::hold(Activation& hierarchy) {
   hierarchy.held = true;
+  held_changed_ = true;
   held_.push_back(&hierarchy);
 }
 
 void EngineCore::let_go(Activation& activation) {
   activation.held = false;
+  held_changed_ = true;
   std::erase(held_, &activation);
   ready_.push_back(&activation);
 }

@@ -100,6 +100,7 @@ bool EngineCore::wait() {
   if (timed && virtual_clock_ == nullptr) deadline = timers_.top().when;
   for (const auto& [when, late] : late_)
     deadline = std::min(deadline.value_or(when), when);
+  tell_held();
   mailbox->wait(deadline);
   abandon_late();
   return true;

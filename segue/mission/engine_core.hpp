@@ -152,6 +152,7 @@ class EngineCore {
   [[nodiscard]] bool holds_branch(Activation& branch);
   [[nodiscard]] bool breaks_at(StateIndex state, const Activation& holder) const;
   void let_go(Activation& activation);
+  void tell_held();
   [[nodiscard]] std::string next_path(const Activation& holder) const;
   void remember(Activation& hierarchy, Activation& child);
   Result<Activation*> out_to_something_done(Activation& hierarchy);
@@ -167,11 +168,11 @@ class EngineCore {
   [[nodiscard]] std::vector<type::Value> next_inputs(const CompiledState& node, const Activation& container);
   [[nodiscard]] bool take_jump(Activation& hierarchy);
   void forget_done(Activation& hierarchy);
-
   std::deque<Activation> pool_;
   std::vector<Activation*> free_;
   std::deque<Activation*> ready_;
   std::vector<Activation*> held_;
+  bool held_changed_ = false;  ///< since that was told
   std::optional<Jump> jump_;
   std::priority_queue<Timer> timers_;
   using Waiting = std::pair<Activation*, std::uint64_t>;  ///< and its generation

@@ -20,10 +20,11 @@ Result<type::Value> as_value(Result<void> done) {
 }
 
 Result<void> carry_out_step(mission::Engine& engine, RunControl::Step step) {
-  if (!engine.is_at_rest()) {
-    return fail(ErrorCode::InvalidState,
-                "the mission is not held, or something of it is under way; pause it and wait until that has "
-                "ended, then it can be stepped");
+  if (engine.held_at().empty()) {
+    return fail(
+        ErrorCode::InvalidState,
+        "the mission is not held; pause it and wait until what is under way has ended, then it can be "
+        "stepped");
   }
   switch (step) {
     case RunControl::Step::Into:
@@ -167,7 +168,9 @@ RunControl::Attachment::~Attachment() {
 bool RunControl::Attachment::held_at(std::vector<std::string> paths) {
   if (control_ == nullptr) return true;
   const std::lock_guard lock(control_->mutex_);
-  return !std::exchange(control_->position_.at, std::move(paths)).has_value();
+  if (control_->position_.at == paths) return false;
+  control_->position_.at = std::move(paths);
+  return true;
 }
 
 }  // namespace segue::session

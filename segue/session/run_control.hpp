@@ -33,7 +33,8 @@ class RunControl {
   /// Called once, from any thread: when it was carried out, or why it was not. InvalidState where nothing
   /// runs, or the run ends before; Unsupported for a concurrent run; else as of mission::Engine.
   using Done = std::function<void(Result<void>)>;
-  /// InvalidState where the run is not held, or something of it is under way.
+  /// Of all that is held; what runs beside that, such as a watch, goes on. InvalidState where nothing is
+  /// held, and for a step back also where something of the run is under way.
   void step(Step step, Done done);
   /// In place of those set before.
   void set_breakpoints(std::vector<std::string> paths, Done done);
@@ -44,7 +45,7 @@ class RunControl {
   struct Position {
     bool steps = false;                            ///< it can be stepped: it runs as written
     bool back = false;                             ///< and be stepped back
-    std::optional<std::vector<std::string>> at{};  ///< it is held and at rest before these states
+    std::optional<std::vector<std::string>> at{};  ///< it is held before these states
     std::vector<std::string> breakpoints{};
     friend bool operator==(const Position&, const Position&) = default;
   };
@@ -65,8 +66,8 @@ class RunControl {
     ~Attachment();
     Attachment(const Attachment&) = delete;
     Attachment& operator=(const Attachment&) = delete;
-    /// On the engine's thread: it is held and at rest there. False: as it was already, with nothing but
-    /// questions in between.
+    /// On the engine's thread: it is held there. False: as it was already, with nothing but questions in
+    /// between.
     bool held_at(std::vector<std::string> paths);
 
    private:

@@ -234,6 +234,38 @@ TEST_F(Steering, ChangesBreakpointsAndGoesOnElsewhere) {
   EXPECT_EQ(run.outcome(), "success");
 }
 
+constexpr const char* kWatchedWork = R"(mission: watched
+actions:
+  work: {run: {callback: work}}
+  watch: {run: {callback: wait}}
+kind: preemptive
+states:
+  work:
+    start: one
+    states:
+      one: {action: work, on: {success: two}}
+      two: {action: work, on: {success: three}}
+      three: {action: work, on: {success: return success}}
+    on: {success: return success}
+  watch: {on: {success: return success}}
+)";
+
+TEST_F(Steering, ABreakpointHoldsTheWorkBesideAWatchThatGoesOn) {
+  const auto watch = std::make_shared<Waiting>();
+  const Session session = load("m.yaml", kWatchedWork);
+  RunRequest request = steered({"work/two"});
+  request.runners.add("wait", watch);
+  request.runners.add("work", [](mission::ActionCall&) { return mission::Ending{}; });
+  Steered run(session, request);
+  EXPECT_THAT(run.held_at(), ElementsAre("work/two"));
+  ASSERT_TRUE(watch->wait_until_begun(1));
+  EXPECT_THAT(run.step(RunControl::Step::Back), ElementsAre(HasSubstr("still is")));
+  EXPECT_THAT(run.step(RunControl::Step::Over), ElementsAre("work/three"));
+  watch->end();
+  EXPECT_EQ(run.outcome(), "success");
+  EXPECT_THAT(run.told(), ElementsAre("work/two", "work/three"));
+}
+
 TEST_F(Steering, WhatIsHeldCanBeStopped) {
   const Session session = load("m.yaml", kNested);
   Steered run(session, steered({"fetch/take"}));

@@ -23,6 +23,9 @@ class SequentialRun final : public FinishedRun {
     mission::EngineOptions options;
     options.clock = &clock_;
     options.warn = request.note;
+    options.on_held = [this] {
+      if (tell_held_) tell_held_();
+    };
     options.observe = request.on_action;
     options.backward = request.steps_back;
     auto runners = runners_for(request);
@@ -52,11 +55,15 @@ class SequentialRun final : public FinishedRun {
       RunControl::Attachment steering(
           request.control,
           {.engine = engine_.get(), .back = request.steps_back, .breakpoints = request.breakpoints});
-      while (engine_->run() == mission::Engine::Progress::Held) {
+      tell_held_ = [&] {
         const auto paths = engine_->held_at();
         if (steering.held_at(paths) && request.on_held) request.on_held(paths);
+      };
+      while (engine_->run() == mission::Engine::Progress::Held) {
+        tell_held_();
         engine_->wait_for_message();
       }
+      tell_held_ = {};
     }
     if (engine_->executions() > 0)
       engine_us_ = time.microseconds() / static_cast<double>(engine_->executions());
@@ -168,6 +175,7 @@ class SequentialRun final : public FinishedRun {
   VirtualClock virtual_clock_;
   Clock& clock_;
   std::unique_ptr<mission::Engine> engine_;
+  std::function<void()> tell_held_;  ///< while it runs
   TimePoint begin_{};
   double engine_us_ = 0;
 };

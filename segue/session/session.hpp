@@ -71,7 +71,8 @@ struct RunRequest {
   RunControl* control = nullptr;
   /// Before these states a mission that runs as written is held, until `control` lets it go on.
   std::vector<std::string> breakpoints;
-  /// It is held and at rest before these states; called on the thread of run(), each time.
+  /// It is held before these states, and what may run beside goes on; called on the thread of run(), each
+  /// time.
   std::function<void(const std::vector<std::string>& paths)> on_held;
   bool steps_back = false;  ///< keeps what is needed to step back; sequential only, not with a journal
   /// Receives warnings, which are no failures. Called on the thread of run(), or on that of an opaque
