@@ -71,8 +71,7 @@ struct Sender {
 /// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
 /// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
 /// Where a Wait is stopped, what has not begun does not begin any more; of what has, only a request for a
-/// controller is given up, as by cancel(). What only looks takes 10 s at most, whatever its Wait says or
-/// where it has none.
+/// controller is given up, as by cancel(). What only looks takes 10 s at most, with any Wait.
 class RobotService {
  public:
   virtual ~RobotService() = default;

@@ -2,6 +2,7 @@
 #include <segue/runtime/robot_service.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/control/reader_stream.hpp>
 #include <segue/journal/past.hpp>
 #include <segue/model/files.hpp>
 #include <segue/runtime/report.hpp>
@@ -17,22 +18,6 @@ namespace {
 constexpr auto kJournalPatience = std::chrono::seconds(2);
 /// How long whoever wants to command a robot waits until it is at rest.
 constexpr auto kRestPatience = std::chrono::seconds(5);
-
-/// Samples of an output port for a client in another process.
-class ReaderStream final : public control::SampleStream {
- public:
-  explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
-  Result<std::vector<type::Value>> read(std::size_t limit, const Wait& /*wait*/) override {
-    return reader_->read(limit);
-  }
-  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
-    reader_->next(limit, wait, std::move(answered));
-  }
-  [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
-
- private:
-  std::unique_ptr<host::PortReader> reader_;
-};
 
 /// Ends with its holder.
 class Lease final : public control::RobotLease {
@@ -465,7 +450,7 @@ Result<std::unique_ptr<control::SampleStream>> RuntimeService::open_port(std::st
   if (!reader) {
     return std::move(reader.error());
   }
-  return std::unique_ptr<control::SampleStream>(std::make_unique<ReaderStream>(std::move(*reader)));
+  return std::unique_ptr<control::SampleStream>(std::make_unique<control::ReaderStream>(std::move(*reader)));
 }
 
 Result<type::Value> RuntimeService::events(std::uint64_t after, Duration wait) {

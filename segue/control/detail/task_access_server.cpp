@@ -3,6 +3,7 @@
 #include <segue/control/detail/task_access_server.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
 #include <segue/control/detail/watch_server.hpp>
+#include <segue/control/reader_stream.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -10,28 +11,6 @@
 #include <vector>
 
 namespace segue::control::detail {
-
-namespace {
-
-using type::Value;
-
-/// Offers the samples of a port as a stream, as all services do.
-class ReaderStream final : public SampleStream {
- public:
-  explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
-  Result<std::vector<Value>> read(std::size_t limit, const Wait& /*wait*/) override {
-    return reader_->read(limit);
-  }
-  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
-    reader_->next(limit, wait, std::move(answered));
-  }
-  [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
-
- private:
-  std::unique_ptr<host::PortReader> reader_;
-};
-
-}  // namespace
 
 TaskAccessServer::TaskAccessServer(Caller caller, std::shared_ptr<deploy::TaskAccess> tasks)
     : caller_(std::move(caller)), tasks_(std::move(tasks)) {}
