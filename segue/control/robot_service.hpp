@@ -90,8 +90,8 @@ class RobotService {
   virtual Result<type::Value> task(std::string_view id) = 0;
   /// How a task is, once that is not as whoever asks has seen it; as host::TaskHost::watch().
   virtual void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) = 0;
-  /// {"controller", "unresolved"} of status(), and like the latter "in_repair", faults that are being mended, or
-  /// will be; no process is asked.
+  /// {"controller", "unresolved"} of status(), and like the latter "in_repair", faults that are being mended,
+  /// or will be; no process is asked.
   virtual Result<type::Value> running(const Wait& wait) = 0;
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
   /// dry_run: the JSON of `diff`.

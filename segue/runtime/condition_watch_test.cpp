@@ -77,9 +77,9 @@ class AConditionOnSamples : public ::testing::Test {
 
   testing::StandInRobot robot_;
   HostOfAskedPort host_{robot_.host};
-  ConditionWatch watch_{host_,
-                        model::SampleShows{{"button", "pressed"}, model::parse_condition("value > 0").value()},
-                        ConditionWatch::From::Now, [] {}};
+  ConditionWatch watch_{
+      host_, model::SampleShows{{"button", "pressed"}, model::parse_condition("value > 0").value()},
+      ConditionWatch::From::Now, [] {}};
 };
 
 TEST_F(AConditionOnSamples, IsToldOfThem) {

@@ -147,7 +147,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void start_instance(const detail::DetectedFault& fault);
   void note_pool_faults(const std::vector<detail::DetectedFault>& faults);
   [[nodiscard]] std::vector<PoolReport> report_pools(const std::vector<host::TaskReport>& tasks) const;
-  Look look();  // (runtime_health.cpp)
+  Look look();                            // (runtime_health.cpp)
   Look judge(host::TaskHost::View seen);  ///< without differences
   [[nodiscard]] std::vector<detail::DetectedFault> faults_in(const model::Network& observed) const;
 
