@@ -386,7 +386,7 @@ void expect_to_go_on_from_everywhere(const Value& test, void (Trial::*execute)()
   (whole.*execute)();
   const std::string journal = read_file(file).value();
   for (std::size_t cut = journal.find('\n', journal.find('\n') + 1) + 1; cut + 2 < journal.size();
-       cut = std::min(journal.find('\n', cut) + 1, cut + 40)) {
+       cut = std::min(journal.find('\n', cut) + 1, cut + 100)) {
     if (journal.find("\"finished\"", 0) < cut) break;
     ASSERT_TRUE(write_file(file, mission::interrupted_journal(journal, cut)));
     Trial rest(test);
