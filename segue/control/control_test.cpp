@@ -175,6 +175,13 @@ TEST_F(ControlTest, ValuesNestedTooDeepOrTooLargeAreRefusedAndTheConnectionLives
   EXPECT_TRUE(robot->status());
 }
 
+TEST_F(ControlTest, AnAnswerMayBeLargerThanWhatAServerTakes) {
+  serve();
+  const auto large = client()->task("large");
+  ASSERT_TRUE(large) << to_string(large.error());
+  EXPECT_EQ(large->as_string().size(), std::size_t{20} << 20);
+}
+
 TEST_F(ControlTest, SamplesOfAPortAreReadUntilTheReaderLeaves) {
   serve();
   const auto robot = client();

@@ -62,8 +62,8 @@ class FakeRobot : public RobotService {
   Result<type::Value> status(const Wait& /*wait*/) override { return type::Value::map({{"robot", "fake"}}); }
   Result<type::Value> task(std::string_view id) override {
     if (id == "throws") throw std::runtime_error("a defect");
-    if (id != "huge") return type::Value::map({{"id", id}});
-    return type::Value(std::string(std::size_t{200} << 20, 'x'));
+    if (id != "huge" && id != "large") return type::Value::map({{"id", id}});
+    return type::Value(std::string(std::size_t{id == "huge" ? 200U : 20U} << 20, 'x'));
   }
   void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
     watches_.add(wait, [this, question, answered](host::detail::Watches::End end) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
+#include <segue/control/detail/bounded_reads.hpp>
 #include <segue/control/detail/guarded_stream.hpp>
 #include <segue/control/detail/session.hpp>
 #include <segue/control/detail/socket.hpp>
@@ -22,9 +23,9 @@ namespace {
 
 constexpr auto kAcceptPause = 100 * kj::MILLISECONDS;
 
-capnp::ReaderOptions reader_options() {
+capnp::ReaderOptions limits_of(std::uint64_t words) {
   capnp::ReaderOptions options;
-  options.traversalLimitInWords = kServerMessageWords;
+  options.traversalLimitInWords = words;
   options.nestingLimit = kMessageNesting;
   return options;
 }
@@ -93,13 +94,15 @@ class Session {
  private:
   struct Rpc {
     Rpc(Session& session, ServerCore& core)
-        : network(session.stream_, takes_descriptors(core) ? kMaxDescriptors : 0,
-                  capnp::rpc::twoparty::Side::SERVER, reader_options()),
+        : messages(session.stream_, limits_of(kServerMessageWords)),
+          network(messages, takes_descriptors(core) ? kMaxDescriptors : 0, capnp::rpc::twoparty::Side::SERVER,
+                  limits_of(kClientMessageWords)),
           system(capnp::makeRpcServer(
               network, make_gate(core, session.client_, [&session] { return session.come_in(); }))) {
       session.stream_.watch(network);
       system.setFlowLimit(kServerMessageWords);
     }
+    BoundedReads messages;
     mutable capnp::TwoPartyVatNetwork network;
     capnp::RpcSystem<capnp::rpc::twoparty::VatId> system;
   };
