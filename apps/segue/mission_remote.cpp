@@ -115,10 +115,6 @@ void MissionRemote::work(const std::stop_token& end) {
     report(reported);
     answers_->wait(kPeriod, end);
   }
-  if (!has_shown_plan_) {
-    shall_show_plan_ = true;  // for who looks at what it was, afterwards
-    report(reported);
-  }
   while (robot_.record().has_waiting()) {
     if (!robot_.report(doing())) break;
   }
@@ -136,7 +132,6 @@ void MissionRemote::report(Value& reported) {
     done = robot_.report(std::move(full));
   }
   if (!done) return;
-  has_shown_plan_ = has_shown_plan_ || shall_show_plan_;
   shall_show_plan_ = false;
   reported = std::move(now);
 }

@@ -23,7 +23,7 @@ namespace segue::cli {
 /// status`, `pause`, `step` and so on, and the studio; and the robot record it in its journal.
 class MissionRemote {
  public:
-  /// What the mission will do (draw::shown_plan), made where somebody wants to see it, or at its end.
+  /// What the mission will do (draw::shown_plan), made where somebody wants to see it.
   using Plan = std::function<type::Value()>;
 
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
@@ -77,7 +77,6 @@ class MissionRemote {
   std::multiset<std::string, std::less<>> running_;                       ///< paths of actions
   std::uint64_t ended_ = 0;                                               ///< actions
   bool shall_show_plan_ = false;                                          ///< for the thread only
-  bool has_shown_plan_ = false;
   std::jthread thread_;
 };
 

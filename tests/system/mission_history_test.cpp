@@ -249,18 +249,6 @@ TEST_F(MissionHistory, AMissionTellsItsPlanWhenSomebodyLooks) {
   EXPECT_EQ(status.find("doing")->find("plan"), nullptr) << "which stays small";
 }
 
-TEST_F(MissionHistory, AMissionAtWhichNobodyLookedTellsItsPlanAtItsEnd) {
-  start({"--no-journal"});
-  write("tour.yaml", kTour);
-  ASSERT_EQ(segue({"mission", "run", "tour.yaml"}).status, 0);
-  const auto robot = control::connect(control::socket_path("rover").value());
-  ASSERT_TRUE(robot) << to_string(robot.error());
-  const type::Value shown = (*robot)->mission(0, true).value();
-  EXPECT_EQ(shown.find("state")->as_string(), "ended");
-  ASSERT_TRUE(shown.find("plan")->is_map()) << type::to_json(shown);
-  EXPECT_EQ(shown.find("plan")->find("states")->as_list().size(), 3U);
-}
-
 TEST_F(MissionHistory, ARobotNeedsNoJournalForAMission) {
   start({"--no-journal"});
   write("tour.yaml", kTour);
