@@ -76,7 +76,8 @@ struct ActionEnvironment::Reporter {
       map.append(ports[i], is_error ? Value(error) : std::move(outputs[i]));
     }
     map.append(std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome));
-    if (outcome != kPreempted && !error.empty()) map.append(std::string(kErrorOutput), error);
+    if (outcome != kPreempted && !error.empty())
+      map.append(std::string(outcome == kAborted ? kErrorOutput : kHandledErrorOutput), error);
     if (counts)
       map.append(std::string(kCountOutput), count + (planted(ConversionFault::CountsTwice) ? 2 : 1));
     for (const std::string& fact : changes.facts)

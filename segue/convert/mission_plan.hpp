@@ -88,7 +88,9 @@ struct PlannedNode {
 
 /// Names of outputs in addition to those of ports.
 inline constexpr std::string_view kOutcomeOutput = "#outcome";  ///< an OutcomeId, of nodes that branch
-inline constexpr std::string_view kErrorOutput = "#error";      ///< why it, or the last in it, aborted
+inline constexpr std::string_view kErrorOutput = "#error";      ///< only if it aborted
+/// Of a subtree that has not aborted: why the last in it did, which is handled there.
+inline constexpr std::string_view kHandledErrorOutput = "#handled_error";
 inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kRecordOutput = "#record";  ///< for the journal (NodeJournal)
 inline constexpr std::string_view kValueOutput = "value";

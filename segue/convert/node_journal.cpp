@@ -31,7 +31,9 @@ RunJournal::End end_of(const mission::CompiledState& state, const Value& outputs
     const Value* value = outputs.find(port.name);
     end.outputs.push_back(value == nullptr ? Value() : *value);
   }
-  if (const Value* error = outputs.find(kErrorOutput)) end.error = error->as_string();
+  for (const std::string_view name : {kErrorOutput, kHandledErrorOutput}) {
+    if (const Value* error = outputs.find(name)) end.error = error->as_string();
+  }
   const Value* record = outputs.find(kRecordOutput);
   if (record != nullptr && !planted(ConversionFault::ForgetsRecord)) {
     end.globals = record->find("globals")->as_map();

@@ -236,9 +236,9 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
   }
   const auto own = static_cast<Outcome>(state.outcomes->size());
   // A subtree may end well and tell what was handled last in it.
-  const auto error = plan_.network_.names.intern(kErrorOutput);
+  const auto handled = plan_.network_.names.intern(kHandledErrorOutput);
   const auto told = [&](BranchEdge when) {
-    return spec.opaque_subtree ? std::vector<Candidate>{{id, error, when, {}}} : std::vector<Candidate>{};
+    return spec.opaque_subtree ? std::vector<Candidate>{{id, handled, when, {}}} : std::vector<Candidate>{};
   };
   if (!spec.branches) {
     end.exits.push_back({0, {entry.when, false, told(entry.when)}});
@@ -257,7 +257,8 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
     end.exits.push_back({mission::kPreempted, {{branch, cdtn::kPreempted}, false, {}}});
   if (!entry.aborts_handled) return end;
   const BranchEdge aborted{branch, cdtn::kAborted};
-  end.exits.push_back({mission::kAborted, {aborted, true, {{id, error, aborted, {}}}}});
+  end.exits.push_back(
+      {mission::kAborted, {aborted, true, {{id, plan_.network_.names.intern(kErrorOutput), aborted, {}}}}});
   return end;
 }
 

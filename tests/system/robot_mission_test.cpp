@@ -338,7 +338,7 @@ TEST_F(RobotMission, EndsWithARobotThatIsSilentWhichComesToRestWhenItIsBack) {
   const auto finished = mission.wait();
   EXPECT_EQ(finished.status, 1);
   EXPECT_THAT(finished.output, HasSubstr("endless: aborted"));
-  EXPECT_THAT(finished.errors, HasSubstr("robot 'rover' did not answer within 10s, and counts as lost"));
+  EXPECT_THAT(finished.errors, HasSubstr("robot 'rover' did not answer within 10 s, and counts as lost"));
   robot_->signal(SIGCONT);
   wait_for_controller("hold");
 }
