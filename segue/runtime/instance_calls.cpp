@@ -13,19 +13,26 @@ namespace {
 
 constexpr const char* kNobodyWaits = "carries out what nobody waits for any more";
 
+InstanceCalls::End end_of(const Result<type::Value>& answer) {
+  using End = InstanceCalls::End;
+  if (answer) return End::Answered;
+  if (answer.error().code == ErrorCode::DeadlineExceeded) return End::Silent;
+  return answer.error().code == ErrorCode::Unavailable ? End::Disconnected : End::Answered;
+}
+
 }  // namespace
 
-std::map<model::TaskId, int> InstanceCalls::processes() const {
-  std::map<model::TaskId, int> pids;
+std::map<model::TaskId, InstanceCalls::Seen> InstanceCalls::processes() const {
+  std::map<model::TaskId, Seen> seen;
   if (pools_.empty()) {
-    return pids;
+    return seen;
   }
   for (const auto& report : host_.tasks()) {
     if (pools_.find_task(report.id) != nullptr) {
-      pids.emplace(report.id, report.pid);
+      seen.emplace(report.id, Seen{report.pid, !report.unknown});
     }
   }
-  return pids;
+  return seen;
 }
 
 Result<type::Value> InstanceCalls::call(const model::TaskId& task, std::string_view operation,
@@ -33,7 +40,7 @@ Result<type::Value> InstanceCalls::call(const model::TaskId& task, std::string_v
   if (pools_.find_task(task) == nullptr) {
     return host_.call(task, operation, arguments, wait.deadline);
   }
-  const std::uint64_t number = begin({task, processes()[task]});
+  const std::uint64_t number = begin({task, processes()[task].pid});
   auto answer = [&] {
     const std::stop_callback stopped(wait.stop, [&] {
       no_longer_wanted(number);
@@ -41,10 +48,9 @@ Result<type::Value> InstanceCalls::call(const model::TaskId& task, std::string_v
     });
     return host_.call(task, operation, arguments, wait.deadline);
   }();
-  const bool is_answered = answer || (answer.error().code != ErrorCode::DeadlineExceeded &&
-                                      answer.error().code != ErrorCode::Unavailable);
-  ended(number, is_answered);
-  if (!is_answered) {
+  const End end = end_of(answer);
+  ended(number, end);
+  if (end != End::Answered) {
     notify_();
   }
   return answer;
@@ -62,29 +68,30 @@ void InstanceCalls::no_longer_wanted(std::uint64_t call) {
     const auto found = std::ranges::find(calls, call, &Call::number);
     if (found == calls.end()) continue;
     found->is_wanted = false;
-    if (found == calls.begin()) abandoned_.emplace(life, kNobodyWaits);
+    if (found == calls.begin()) abandoned_.emplace(life, Abandoned{kNobodyWaits});
   }
 }
 
-void InstanceCalls::ended(std::uint64_t call, bool is_answered) {
+void InstanceCalls::ended(std::uint64_t call, End end) {
   const std::lock_guard lock(mutex_);
   for (auto& [life, calls] : calls_) {
     const auto found = std::ranges::find(calls, call, &Call::number);
     if (found == calls.end()) continue;
     const bool had_begun = found == calls.begin();
     calls.erase(found);
-    if (had_begun && is_answered) abandoned_.erase(life);
+    if (had_begun && end == End::Answered) abandoned_.erase(life);
     const bool goes_on_for_nobody = had_begun && !calls.empty() && !calls.front().is_wanted;
-    if (goes_on_for_nobody || (had_begun && !is_answered)) abandoned_.emplace(life, kNobodyWaits);
+    if (goes_on_for_nobody || (had_begun && end != End::Answered))
+      abandoned_.insert_or_assign(life, Abandoned{kNobodyWaits, end == End::Disconnected});
   }
   std::erase_if(calls_, [](const auto& one) { return one.second.empty(); });
 }
 
 void InstanceCalls::abandon_all(const std::string& why) {
-  const auto pids = processes();
+  const auto seen = processes();
   const std::lock_guard lock(mutex_);
-  for (const auto& [instance, pid] : pids) {
-    abandoned_.insert_or_assign(Life{instance, pid}, why);
+  for (const auto& [instance, process] : seen) {
+    abandoned_.insert_or_assign(Life{instance, process.pid}, Abandoned{why});
   }
 }
 
@@ -96,20 +103,20 @@ bool InstanceCalls::is_busy(const Life& life) const {
 std::string InstanceCalls::why_abandoned(const Life& life) const {
   const std::lock_guard lock(mutex_);
   const auto found = abandoned_.find(life);
-  return found == abandoned_.end() ? std::string() : found->second;
+  return found == abandoned_.end() ? std::string() : found->second.why;
 }
 
 std::map<InstanceCalls::Life, std::string> InstanceCalls::abandoned() {
-  const auto pids = processes();
+  const auto seen = processes();
   const std::lock_guard lock(mutex_);
   std::map<Life, std::string> present;
   std::erase_if(abandoned_, [&](const auto& one) {
-    const auto found = pids.find(one.first.instance);
-    const bool is_there = found != pids.end() && found->second == one.first.pid;
-    if (is_there) {
-      present.insert(one);
+    const auto found = seen.find(one.first.instance);
+    const bool is_there = found != seen.end() && found->second.pid == one.first.pid;
+    if (is_there && (found->second.answers || !one.second.may_be_gone)) {
+      present.emplace(one.first, one.second.why);
     }
-    return found != pids.end() && !is_there;
+    return found != seen.end() && !is_there;
   });
   return present;
 }

@@ -44,15 +44,21 @@ class InstanceCalls {
   std::uint64_t begin(Life life);
   /// Nobody waits for its answer any more, while it is under way.
   void no_longer_wanted(std::uint64_t call);
-  /// It is not under way any more. Unless it was answered, it may still be carried out if it had begun.
-  void ended(std::uint64_t call, bool is_answered);
+  enum class End : std::uint8_t {
+    Answered,
+    Silent,       ///< no answer in time: if it had begun, it is still carried out
+    Disconnected  ///< the connection has ended: it is still carried out if the process has not ended with it
+  };
+  /// It is not under way any more.
+  void ended(std::uint64_t call, End end);
   /// All that are there may carry out what nobody waits for.
   void abandon_all(const std::string& why);
 
   [[nodiscard]] bool is_busy(const Life& life) const;
   /// Why the instance must be ended; empty: it need not.
   [[nodiscard]] std::string why_abandoned(const Life& life) const;
-  /// Those that are there, and why they are to be ended. Forgets those that have begun another life.
+  /// Those that are to be ended, and why: those that are there and, after a connection has ended, answer
+  /// again. Forgets those that have begun another life.
   [[nodiscard]] std::map<Life, std::string> abandoned();
   /// That life begins anew.
   void forget(const Life& life);
@@ -63,7 +69,16 @@ class InstanceCalls {
     bool is_wanted = true;
   };
 
-  [[nodiscard]] std::map<model::TaskId, int> processes() const;
+  struct Seen {
+    int pid = 0;
+    bool answers = false;
+  };
+  struct Abandoned {
+    std::string why;
+    bool may_be_gone = false;  ///< its process may have ended
+  };
+
+  [[nodiscard]] std::map<model::TaskId, Seen> processes() const;
 
   host::TaskHost& host_;
   const model::Network& pools_;
@@ -71,7 +86,7 @@ class InstanceCalls {
   mutable std::mutex mutex_;  ///< protects all below; not held while the host is asked
   std::uint64_t last_ = 0;
   std::map<Life, std::deque<Call>> calls_;  ///< under way, the oldest first
-  std::map<Life, std::string> abandoned_;   ///< and why
+  std::map<Life, Abandoned> abandoned_;
 };
 
 }  // namespace segue::runtime::detail

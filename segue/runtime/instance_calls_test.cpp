@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
+using End = InstanceCalls::End;
 const InstanceCalls::Life kPlanner{model::TaskId("planner_1"), 7};
 
 /// Of a host that has no tasks.
@@ -26,7 +27,7 @@ class CallsOfInstances : public ::testing::Test {
 TEST_F(CallsOfInstances, MakeThemBusyUntilTheyAreAnswered) {
   const auto call = calls.begin(kPlanner);
   EXPECT_TRUE(calls.is_busy(kPlanner));
-  calls.ended(call, true);
+  calls.ended(call, End::Answered);
   EXPECT_FALSE(calls.is_busy(kPlanner));
   EXPECT_EQ(calls.why_abandoned(kPlanner), "");
 }
@@ -35,9 +36,9 @@ TEST_F(CallsOfInstances, AbandonThemWhereNobodyWaitsForTheAnswer) {
   const auto stopped = calls.begin(kPlanner);
   calls.no_longer_wanted(stopped);
   EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits"));
-  calls.ended(stopped, true);
+  calls.ended(stopped, End::Answered);
   EXPECT_EQ(calls.why_abandoned(kPlanner), "") << "it was answered all the same";
-  calls.ended(calls.begin(kPlanner), false);
+  calls.ended(calls.begin(kPlanner), End::Silent);
   EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits"));
   EXPECT_EQ(calls.why_abandoned({kPlanner.instance, 8}), "") << "its next process does nothing yet";
   calls.forget(kPlanner);
@@ -47,12 +48,12 @@ TEST_F(CallsOfInstances, AbandonThemWhereNobodyWaitsForTheAnswer) {
 TEST_F(CallsOfInstances, AbandonNoneThatHasNotBegunWithThem) {
   const auto first = calls.begin(kPlanner);
   const auto second = calls.begin(kPlanner);
-  calls.ended(second, false);
+  calls.ended(second, End::Silent);
   EXPECT_EQ(calls.why_abandoned(kPlanner), "") << "it still works for who called first";
   const auto third = calls.begin(kPlanner);
   calls.no_longer_wanted(third);
   EXPECT_EQ(calls.why_abandoned(kPlanner), "");
-  calls.ended(first, true);
+  calls.ended(first, End::Answered);
   EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits")) << "that one has begun now";
 }
 

@@ -186,7 +186,7 @@ std::vector<PoolReport> Runtime::Implementation::report_pools(
         const std::string abandoned = instance_calls.why_abandoned({one.task, one.pid});
         one.busy = instance_calls.is_busy({one.task, one.pid});
         one.ready = task->second->state == TaskState::Running && !task->second->unknown && abandoned.empty();
-        if (!abandoned.empty()) {
+        if (!abandoned.empty() && !task->second->unknown) {
           one.reason = abandoned + "; it is being ended, and started again";
           continue;
         }

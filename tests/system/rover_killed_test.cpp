@@ -151,8 +151,9 @@ class RoverKilled : public SystemTest {
     EXPECT_THAT(finished.output, HasSubstr("error")) << "it says why it does not go on";
     return run_mission({"--mode", mode, "--resume", "--under-way", "abort"});
   }
-  /// Irreversible actions whose tasks were told more than once what to do.
-  std::set<std::string> repeated() const {
+  /// Irreversible actions whose tasks were told more than once what to do. The watch is told again where its
+  /// process was killed: its task has begun anew, and knows nothing of it.
+  std::set<std::string> repeated(const std::string& killed) const {
     std::set<std::string> told;
     std::set<std::string> again;
     std::ifstream journal(folder_ / "run.journal");
@@ -161,7 +162,8 @@ class RoverKilled : public SystemTest {
       const auto* const state = entry ? entry->find("progressed") : nullptr;
       if (state == nullptr || entry->find("to")->find("stage")->as_string() != "told") continue;
       const auto name = state->as_string() + " " + std::to_string(entry->find("n")->as_int());
-      if (!told.insert(name).second) again.insert(name);
+      const bool has_begun_anew = killed == "watch" && state->as_string() == "guarded/watch/watch";
+      if (!told.insert(name).second && !has_begun_anew) again.insert(name);
     }
     return again;
   }
@@ -197,7 +199,7 @@ TEST_F(RoverKilled, EndsWellOrSaysWhyNot) {
       error = reason != nullptr && reason->is_string() ? reason->as_string() : "";
       EXPECT_THAT(error, reason_for(killed));
     }
-    EXPECT_THAT(repeated(), IsEmpty());
+    EXPECT_THAT(repeated(killed), IsEmpty());
     const auto switched = segue({"switch", "hold"});
     EXPECT_EQ(switched.status, 0) << switched.errors;
     EXPECT_EQ(stop().status, 0);
