@@ -36,8 +36,8 @@ struct ControllerWish {
 /// What the actions of a mission have a robot run: the union of the controllers that they use now and of
 /// those that are kept from earlier ones, as long as nothing needs the robot otherwise and they do not write
 /// to tasks of what is in use. One transition at a time; what is asked meanwhile, or at about the same time,
-/// is one transition; what runs already waits for no others. What nobody wants any more is not requested, and a transition that nobody wants any
-/// more is undone where it has not committed. Thread safe.
+/// is one transition; what runs already waits for no others. What nobody wants any more is not requested, and
+/// a transition that nobody wants any more is undone where it has not committed. Thread safe.
 class ControllerUnion {
  public:
   struct Options {
