@@ -95,7 +95,9 @@ class Replay {
       auto global = output.global.empty() ? std::nullopt : globals_.get(output.global);
       outputs.append((*state.output_ports)[i].name, global ? std::move(*global) : output.fallback);
     }
-    end(node, result_.failed ? cdtn::kAborted : cdtn::kPreempted, &given_.emplace_back(std::move(outputs)));
+    // What handles its abort would go on, which the run did not.
+    const bool aborts = result_.failed && !again_->network()[node].handles_abort;
+    end(node, aborts ? cdtn::kAborted : cdtn::kPreempted, &given_.emplace_back(std::move(outputs)));
   }
 
   /// Both plans number the outcomes of the mission as they meet them.
