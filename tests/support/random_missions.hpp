@@ -14,7 +14,8 @@ namespace segue::convert {
 
 /// A mission file generated from a seed: branches, loops, hierarchies within hierarchies, barriers and
 /// preemptive containers, libraries, aborts, preemptions and their handlers, data flows and variables, facts,
-/// and all operations on resources. Callbacks: `mix`; `shared`, which may use what the action declares to
+/// and all operations on resources. Loops go on after aborts too, also of states that cannot begin; watches
+/// read the world beside the work. Callbacks: `mix`; `shared`, which may use what the action declares to
 /// touch, or anything if it declares nothing; `remember`, of pure and sensing actions, which uses the global
 /// variable that an input names; and `later`, which another thread ends.
 class RandomMission {
@@ -33,7 +34,7 @@ class RandomMission {
 
  private:
   /// The position of a state. States in concurrent branches have facts of their own, since changing a fact of
-  /// another branch is a race that the two runs may decide differently.
+  /// another branch is a race that the two runs may decide differently. Other facts they only make true.
   struct Where {
     std::string fact;
     [[nodiscard]] bool is_concurrent() const { return !fact.empty(); }
@@ -48,7 +49,11 @@ class RandomMission {
   std::uint64_t under(std::uint64_t limit) { return random_() % limit; }
   bool chance(int percent) { return under(100) < static_cast<std::uint64_t>(percent); }
 
+  /// One that no container relies on.
+  std::string shared_fact() { return fmt::format("f{}", 1 + under(2)); }
+
   std::string facts(const Where& where) {
+    if (where.is_concurrent() && chance(25)) return fmt::format("    effects: [+{}]\n", shared_fact());
     const auto fact = [&] {
       if (where.is_concurrent()) return where.fact;
       return chance(40) ? std::string("g({x})") : fmt::format("f{}", under(3));
@@ -129,10 +134,11 @@ class RandomMission {
   Child child(std::size_t i, std::size_t size, int depth, const std::string& indent, const Where& where) {
     const std::uint64_t kind = depth < 2 ? under(100) : 100;
     Child result;
+    if (kind >= 24 && chance(6)) return aborting(i, size, indent);
     if (kind < 24) {
       result.text = kind < 10   ? declarations(indent, where) + hierarchy(depth + 1, indent, where)
                     : kind < 18 ? declarations(indent, where) + barrier(depth + 1, indent)
-                    : kind < 21 ? preemptive(depth + 1, indent)
+                    : kind < 21 ? preemptive(depth + 1, indent, where)
                                 : library(depth + 1, indent, where);
       result.on = fmt::format("done: {}, other: {}", target(i + 1, size), target(i + 1 + under(2), size));
     } else {
@@ -151,6 +157,33 @@ class RandomMission {
     if (chance(25)) result.on += ", aborted: " + target(i + 1 + under(2), size);
     if (chance(2)) result.on += ", preempted: " + target(i + 1 + under(2), size);
     return result;
+  }
+
+  /// A state that never begins, or one that aborts some times until it ends its loop.
+  Child aborting(std::size_t i, std::size_t size, const std::string& indent) {
+    const std::string name = fmt::format("a{}", count_++);
+    const bool never = chance(50);
+    actions_ += fmt::format("  {}:\n    inputs: {{x: {{type: int, default: {}}}}}\n", name, under(9));
+    actions_ += "    outputs: {y: {type: int, default: 0}}\n    outcomes: [ok]\n";
+    if (never) actions_ += "    preconditions: [never]\n";
+    if (chance(40)) actions_ += "    pure: true\n";
+    actions_ += fmt::format("    effects: [+{}]\n", shared_fact());
+    actions_ += fmt::format("    run: {{simulated: {{duration: {}s, outcomes: [{}ok]}}}}\n", under(3),
+                            never        ? ""
+                            : chance(50) ? "aborted, "
+                                         : "aborted, aborted, ");
+    const std::string after = never ? target(i + 1, size) : fmt::format("s{}", under(i + 1));
+    return {fmt::format("{}action: {}\n", indent, name), "x", "y",
+            fmt::format("ok: {}, aborted: {}", target(i + 1, size), after)};
+  }
+
+  /// A state of a preemptive container that looks at the world when the container begins.
+  std::string watch() {
+    const std::string name = fmt::format("a{}", count_++);
+    actions_ += fmt::format("  {}:\n    inputs: {{x: {{type: int, default: {}}}}}\n", name, under(9));
+    actions_ += "    outputs: {y: {type: int, default: 0}}\n    outcomes: [ok]\n    reads_world: true\n";
+    actions_ += fmt::format("    {}: true\n    run: {{callback: mix}}\n", chance(50) ? "pure" : "sensing");
+    return name;
   }
 
   /// What a container needs. Its actions use the same resources.
@@ -242,7 +275,7 @@ class RandomMission {
            (lines.empty() ? "" : indent + "flows:\n" + lines) + indent + "states:\n" + states;
   }
 
-  std::string preemptive(int depth, const std::string& indent) {
+  std::string preemptive(int depth, const std::string& indent, const Where& around) {
     const std::string inner = indent + "    ";
     std::string states;
     std::string lines;
@@ -250,12 +283,13 @@ class RandomMission {
       const Where where{fmt::format("b{}", count_++)};
       const std::uint64_t kind = depth < 2 ? under(100) : 100;
       const bool leaf = kind >= 35;
+      const bool watches = leaf && !around.is_concurrent() && chance(15);
       const std::string_view end = chance(70) ? "done" : "other";
       states += fmt::format("{}  s{}:\n", indent, i);
-      states += leaf ? fmt::format("{}action: {}\n", inner, action(false, false, where))
+      states += leaf ? fmt::format("{}action: {}\n", inner, watches ? watch() : action(false, false, where))
                 : kind < 25
                     ? (chance(10) ? declarations(inner, where) : "") + hierarchy(depth + 1, inner, where)
-                    : preemptive(depth + 1, inner);
+                    : preemptive(depth + 1, inner, where);
       states += leaf ? fmt::format("{}on: {{ok: return {}", inner, end)
                      : fmt::format("{}on: {{done: return {}, other: return other", inner, end);
       states += chance(20) ? ", aborted: return other}\n" : "}\n";
