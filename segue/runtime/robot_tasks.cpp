@@ -210,12 +210,14 @@ Result<void> RobotTasks::reach_hosts(const model::Robot& robot, const model::Com
   distributed.only_stand_ins = options.only_stand_ins;
   distributed_ = std::make_unique<hosts::DistributedTaskHost>(*deployed_, host_places(robot), catalog,
                                                               std::move(distributed));
-  // The lease of a runtime that was killed runs out soon.
+  // The lease of a runtime that was killed runs out soon; an answer may take so long that it has meanwhile.
   auto& clock = RealClock::instance();
   const TimePoint give_up = clock.now() + hosts::Lease::kValidity + kLeaseGrace;
+  TimePoint asked = clock.now();
   auto commands = distributed_->commands_all();
-  while (!commands && commands.error().code == ErrorCode::AlreadyExists && clock.now() < give_up) {
+  while (!commands && commands.error().code == ErrorCode::AlreadyExists && asked < give_up) {
     clock.sleep_until(clock.now() + kLeasePoll);
+    asked = clock.now();
     commands = distributed_->commands_all();
   }
   if (!commands) {
