@@ -256,10 +256,22 @@ Result<void> DistributedTaskHost::commands_all() const {
   for (const auto& site : implementation_->sites.all()) {
     const auto refusal = site->link() == nullptr ? std::nullopt : site->link()->refusal();
     if (refusal) {
-      return fail(refusal->code, "host " + quote(site->name().str()) + " refuses").because_of(*refusal);
+      return fail(refusal->why.code, "host " + quote(site->name().str()) + " refuses")
+          .because_of(refusal->why);
     }
   }
   return {};
+}
+
+std::optional<TimePoint> DistributedTaskHost::refused_at() const {
+  std::optional<TimePoint> first;
+  for (const auto& site : implementation_->sites.all()) {
+    const auto refusal = site->link() == nullptr ? std::nullopt : site->link()->refusal();
+    if (refusal) {
+      first = std::min(refusal->when, first.value_or(TimePoint::max()));
+    }
+  }
+  return first;
 }
 
 void DistributedTaskHost::end_processes(TimePoint deadline) {

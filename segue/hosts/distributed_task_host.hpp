@@ -7,6 +7,7 @@
 #include <segue/model/component.hpp>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace segue::hosts {
@@ -56,6 +57,8 @@ class DistributedTaskHost final : public host::TaskHost {
   /// AlreadyExists where another runtime has the robot on a host; Superseded where it is lost. Other hosts
   /// that cannot be reached are no error.
   [[nodiscard]] Result<void> commands_all() const;
+  /// When the hosts that refuse were asked last: the earliest of these times. Nothing where none refuses.
+  [[nodiscard]] std::optional<TimePoint> refused_at() const;
   /// Ends the robot's processes on all hosts that can be reached, whatever they hold. Blocks until then.
   void end_processes(TimePoint deadline);
 

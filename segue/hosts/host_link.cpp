@@ -28,13 +28,15 @@ Result<void> HostLink::connect(const RobotRequest& request, TimePoint deadline) 
   if (auto lost = loss_.why()) {
     return std::move(*lost);
   }
+  const TimePoint asked = RealClock::instance().now();
   auto made = open(deadline);
   auto info = made ? acquire(**made, request, deadline) : Result<HostInfo>(made.error());
   if (!info) {
     loss_.note(place_.name, info.error());
     lose(std::nullopt, to_string(info.error()));
     const std::lock_guard lock(mutex_);
-    refusal_ = info.error().code == ErrorCode::AlreadyExists ? std::optional(info.error()) : std::nullopt;
+    refusal_.reset();
+    if (info.error().code == ErrorCode::AlreadyExists) refusal_ = Refusal{info.error(), asked};
     return info.error();
   }
   return use(std::move(*made), std::move(*info));
@@ -196,7 +198,7 @@ bool HostLink::reachable() const {
   return is_connected();
 }
 
-std::optional<Error> HostLink::refusal() const {
+std::optional<HostLink::Refusal> HostLink::refusal() const {
   const std::lock_guard lock(mutex_);
   return refusal_;
 }

@@ -66,7 +66,11 @@ class HostLink {
   [[nodiscard]] Result<Reached> reach() const;
   [[nodiscard]] bool reachable() const;
   /// Where the host can be reached but another runtime commands the robot there.
-  [[nodiscard]] std::optional<Error> refusal() const;
+  struct Refusal {
+    Error why;
+    TimePoint when;  ///< the host was asked last
+  };
+  [[nodiscard]] std::optional<Refusal> refusal() const;
   [[nodiscard]] HostInfo info() const;
   [[nodiscard]] host::ComputerReport report() const;
   /// What the host held when it was last seen.
@@ -100,7 +104,7 @@ class HostLink {
   std::shared_ptr<Connection> connection_;
   std::uint64_t number_ = 0;
   std::string why_ = "not connected yet";
-  std::optional<Error> refusal_;
+  std::optional<Refusal> refusal_;
   TimePoint since_ = RealClock::instance().now();
   HostInfo info_;
   HostView seen_;

@@ -30,6 +30,8 @@ namespace fs = std::filesystem;
 constexpr Duration kForce = std::chrono::seconds(10);
 /// How much longer than a lease to wait for one that nobody renews, and how often to look.
 constexpr Duration kLeaseGrace = std::chrono::seconds(2);
+/// How long it may take until all hosts have been asked again.
+constexpr Duration kAskingAgain = std::chrono::seconds(20);
 constexpr Duration kLeasePoll = std::chrono::milliseconds(100);
 
 /// Only one runtime may own the processes of a robot: two would remove each other's connections.
@@ -210,14 +212,18 @@ Result<void> RobotTasks::reach_hosts(const model::Robot& robot, const model::Com
   distributed.only_stand_ins = options.only_stand_ins;
   distributed_ = std::make_unique<hosts::DistributedTaskHost>(*deployed_, host_places(robot), catalog,
                                                               std::move(distributed));
-  // The lease of a runtime that was killed runs out soon; an answer may take so long that it has meanwhile.
+  // The lease of a runtime that was killed runs out soon. A host that has not been asked since then decides
+  // nothing: it may not have been, while another one is being taken over.
   auto& clock = RealClock::instance();
-  const TimePoint give_up = clock.now() + hosts::Lease::kValidity + kLeaseGrace;
-  TimePoint asked = clock.now();
+  const TimePoint runs_out = clock.now() + hosts::Lease::kValidity + kLeaseGrace;
+  const TimePoint give_up = runs_out + kAskingAgain;
+  const auto may_run_out = [&] {
+    const auto asked = distributed_->refused_at();
+    return clock.now() < give_up && (!asked || *asked < runs_out);
+  };
   auto commands = distributed_->commands_all();
-  while (!commands && commands.error().code == ErrorCode::AlreadyExists && asked < give_up) {
+  while (!commands && commands.error().code == ErrorCode::AlreadyExists && may_run_out()) {
     clock.sleep_until(clock.now() + kLeasePoll);
-    asked = clock.now();
     commands = distributed_->commands_all();
   }
   if (!commands) {
