@@ -49,15 +49,21 @@ void set_sender(wire::Sender::Builder builder, const Sender& sender) {
   builder.setBesideMission(sender.beside_mission);
 }
 
-/// Of requests that may be dry runs.
+/// Of requests that concern what runs.
 template <class Request>
-Result<void> set_options(Request& request, const SwitchOptions& options) {
-  request.setDryRun(options.dry_run);
+void set_whole_robot_options(Request& request, const SwitchOptions& options) {
   request.setForce(options.force);
   request.setOrder(as_text(options.order));
   request.setWho(as_text(options.who));
   request.setLease(options.lease);
   request.setTakeOver(options.take_over);
+}
+
+/// Of requests that may be dry runs.
+template <class Request>
+Result<void> set_options(Request& request, const SwitchOptions& options) {
+  set_whole_robot_options(request, options);
+  request.setDryRun(options.dry_run);
   const Value properties = listed(options.properties);
   if (auto fits = detail::check_size(properties, detail::kServerMessageWords); !fits) return fits;
   return detail::encode(properties, request.initProperties());
@@ -146,11 +152,7 @@ class Client final : public RobotService {
     const Duration left = time_left(deadline);
     return channel_->ask(left + kGrace, [left, options](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().applyFilesRequest();
-      request.setForce(options.force);
-      request.setOrder(as_text(options.order));
-      request.setWho(as_text(options.who));
-      request.setLease(options.lease);
-      request.setTakeOver(options.take_over);
+      set_whole_robot_options(request, options);
       request.setTimeout(left.count());
       return RpcChannel::send(request);
     });
@@ -159,11 +161,7 @@ class Client final : public RobotService {
   Result<Value> repair(const SwitchOptions& options, const Wait& wait) override {
     return ask(wait, [&](RpcChannel::Connection& connection, Duration left) {
       auto request = connection.as<wire::Robot>().repairRequest();
-      request.setForce(options.force);
-      request.setOrder(as_text(options.order));
-      request.setWho(as_text(options.who));
-      request.setLease(options.lease);
-      request.setTakeOver(options.take_over);
+      set_whole_robot_options(request, options);
       request.setTimeout(left.count());
       return RpcChannel::send(request);
     });

@@ -59,22 +59,6 @@ Sender sender_of(wire::Sender::Reader sender, const Peer& peer) {
   return {who_asks(sender, peer), sender.getLease(), sender.getBesideMission()};
 }
 
-/// Of requests that may be dry runs.
-template <class Params>
-Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
-  SwitchOptions options;
-  options.dry_run = params.getDryRun();
-  options.force = params.getForce();
-  options.order = as_string(params.getOrder());
-  options.who = who_asks(params, peer);
-  options.lease = params.getLease();
-  options.take_over = params.getTakeOver();
-  auto properties = properties_from(decode(params.getProperties(), kMaxNodes));
-  if (!properties) return properties.error();
-  options.properties = std::move(*properties);
-  return options;
-}
-
 /// Of requests that concern what runs.
 template <class Params>
 SwitchOptions whole_robot_options(const Params& params, const Peer& peer) {
@@ -83,6 +67,22 @@ SwitchOptions whole_robot_options(const Params& params, const Peer& peer) {
           .who = who_asks(params, peer),
           .lease = params.getLease(),
           .take_over = params.getTakeOver()};
+}
+
+/// Of requests that may be dry runs.
+template <class Params>
+Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
+  SwitchOptions options = whole_robot_options(params, peer);
+  options.dry_run = params.getDryRun();
+  auto properties = properties_from(decode(params.getProperties(), kMaxNodes));
+  if (!properties) return properties.error();
+  options.properties = std::move(*properties);
+  return options;
+}
+
+/// What ends a request: somebody without a lease may ask, and go.
+std::stop_token stop_of(const SwitchOptions& options, const std::stop_token& dropped) {
+  return options.lease == 0 ? std::stop_token() : dropped;
 }
 
 /// A lease is a stream of news; the name of its type is its number. It is its owner's until it ends.
@@ -171,9 +171,7 @@ class RobotServer final : public wire::Robot::Server {
          options = options_of(params, peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!options) return options.error();
-          // Somebody without a lease may ask, and go.
-          const auto stop = options->lease == 0 ? std::stop_token() : dropped;
-          return service.switch_to(controller, *options, {deadline, stop});
+          return service.switch_to(controller, *options, {deadline, stop_of(*options, dropped)});
         });
   }
 
@@ -213,9 +211,7 @@ class RobotServer final : public wire::Robot::Server {
     return answer_holder(role_for(Verb::Repair, params.getTakeOver()), params.getLease(), context,
                          [&service = service(), options = whole_robot_options(params, peer()),
                           deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) {
-                           // Somebody without a lease may ask, and go.
-                           const auto stop = options.lease == 0 ? std::stop_token() : dropped;
-                           return service.repair(options, {deadline, stop});
+                           return service.repair(options, {deadline, stop_of(options, dropped)});
                          });
   }
 
