@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/question.hpp>
+#include <segue/control/detail/ask_later.hpp>
 #include <segue/control/detail/stream_client.hpp>
 
 #include <algorithm>
@@ -36,19 +36,15 @@ class ClientStream final : public SampleStream {
 
   void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
     using Samples = std::vector<Value>;
-    const SureAnswer<Samples> answer(std::move(answered),
-                                     fail(ErrorCode::Unavailable, "the connection is closed"));
-    const Duration left = time_left(wait.deadline);
-    auto begin = [id = id_, limit, left, answer](RpcChannel::Connection& connection) {
-      auto request = connection.held<wire::SampleStream>(id).nextRequest();
-      request.setLimit(static_cast<std::uint32_t>(std::min<std::size_t>(limit, UINT32_MAX)));
-      request.setTimeout(left.count());
-      return RpcChannel::send<Samples>(request,
-                                       [](auto& results) { return samples_in(get(results.getSamples())); })
-          .then([answer](Result<Samples>&& samples) { answer(std::move(samples)); });
-    };
-    channel_->start(
-        left + kGrace, std::move(begin), [answer](Error error) { answer(std::move(error)); }, wait.stop);
+    ask_later<Samples>(
+        *channel_, wait, std::move(answered),
+        [id = id_, limit](RpcChannel::Connection& connection, Duration left) {
+          auto request = connection.held<wire::SampleStream>(id).nextRequest();
+          request.setLimit(static_cast<std::uint32_t>(std::min<std::size_t>(limit, UINT32_MAX)));
+          request.setTimeout(left.count());
+          return RpcChannel::send<Samples>(
+              request, [](auto& results) { return samples_in(get(results.getSamples())); });
+        });
   }
 
   [[nodiscard]] std::string type_name() const override { return type_; }
