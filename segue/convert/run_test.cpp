@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/convert/run.hpp>
+#include <segue/convert/test_support.hpp>
 #include <segue/mission/files.hpp>
 
 #include <gtest/gtest.h>

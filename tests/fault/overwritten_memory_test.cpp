@@ -13,6 +13,7 @@
 #include <random>
 
 #include "deployed_robot.hpp"
+#include "disturbed_transition.hpp"
 
 namespace segue::testing {
 namespace {
