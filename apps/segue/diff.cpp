@@ -44,7 +44,7 @@ Result<std::optional<solve::Estimate>> estimate_of(const DiffOptions& options, c
   if (!path) return path.error();
   auto reader = journal::JournalReader::open(*path);
   if (!reader) return reader.error();
-  const auto times = reader->times();
+  const auto times = reader->times_near(options.target);
   if (!times) return times.error();
   return std::optional(solve::estimate(current, transition, *times));
 }

@@ -243,14 +243,14 @@ Result<void> Journal::Implementation::write(std::vector<AnyEntry>& entries, std:
 }
 
 Result<void> Journal::Implementation::open() {
-  auto opened = Store::open(path, options.keep_actions);
+  auto opened = Store::open(path, options);
   if (!opened && opened.error().code == ErrorCode::ParseError) {
     const auto name = detail::move_aside(path);
     if (!name) return name.error();
     report(Trouble::Kind::Replaced, "the journal " + quote(path.native()) + " was damaged (" +
                                         opened.error().message + "): it has been renamed to " +
                                         quote(name->native()) + ", and a new one is created");
-    opened = Store::open(path, options.keep_actions);
+    opened = Store::open(path, options);
   }
   if (!opened) return opened.error();
   store.emplace(std::move(*opened));

@@ -26,6 +26,9 @@ struct JournalOptions {
   std::size_t keep_actions = 100'000;
   /// Limit on the actions and other entries that wait to be written. Beyond it the oldest are dropped.
   std::size_t queue = 20'000;
+  /// Durations are learned for each folder of a robot apart, since robots of one name share the file. Empty:
+  /// the robot is made of no files.
+  std::filesystem::path robot_folder{};
 };
 
 /// A problem with the file that users should see. Reported once per change of state, not for each attempt.
@@ -73,7 +76,8 @@ class Journal {
   /// Of entries that were lost before they came here.
   void add(GapEntry entry);
 
-  /// The statistics of all transitions written so far, removed ones included; never null.
+  /// The statistics of all transitions of the robot's folder written so far, removed ones included; never
+  /// null.
   [[nodiscard]] std::shared_ptr<const model::ActionTimes> times() const;
 
   /// Writes all entries added before. Fails with the error of the file, or DeadlineExceeded. Blocks.

@@ -119,6 +119,34 @@ TEST(Journal, KeepsDurationStatisticsOverRestarts) {
   EXPECT_EQ(*JournalReader::open(folder / "j")->times(), *journal.times());
 }
 
+TEST(Journal, LearnsOfRobotsOfOneNameInTwoFoldersApart) {
+  const Folder folder;
+  std::filesystem::create_directories(folder / "kitchen/controllers");
+  std::filesystem::create_directories(folder / "garden");
+  const auto learn = [&](const std::string& robot, Duration took, std::uint64_t request) {
+    JournalOptions options;
+    options.robot_folder = std::filesystem::canonical(folder / robot);
+    Journal journal(folder / "j", options);
+    TransitionEntry entry = transition(request, 1);
+    entry.actions[0].duration = took;
+    journal.add(entry);
+    EXPECT_TRUE(journal.flush(soon()));
+    return journal.times()->actions.begin()->second.recent;
+  };
+  EXPECT_THAT(learn("kitchen", 1ms, 1), ElementsAre(1ms));
+  EXPECT_THAT(learn("garden", 9ms, 2), ElementsAre(9ms));
+  EXPECT_THAT(learn("kitchen", 2ms, 3), ElementsAre(1ms, 2ms));
+  auto reader = JournalReader::open(folder / "j");
+  ASSERT_TRUE(reader);
+  const auto near = [&](const std::string& file) {
+    return reader->times_near(file)->actions.begin()->second.recent;
+  };
+  EXPECT_THAT(near(folder / "kitchen/controllers/explore.yaml"), ElementsAre(1ms, 2ms));
+  EXPECT_THAT(near(folder / "garden/not_yet/there.yaml"), ElementsAre(9ms));
+  EXPECT_THAT(near(folder / "elsewhere.yaml"), ElementsAre(1ms, 2ms)) << "it learned last";
+  EXPECT_THAT(reader->times()->actions.begin()->second.recent, ElementsAre(1ms, 2ms));
+}
+
 TEST(Journal, TakesNoSamplesFromFailures) {
   const Folder folder;
   Journal journal(folder / "j");

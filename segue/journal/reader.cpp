@@ -51,6 +51,18 @@ Result<std::vector<Item>> latest(Database& database, std::string_view select, st
   return collect<Item>(*rows, convert);
 }
 
+/// The innermost of the folders around the file; else the first.
+const std::string& nearest(const std::vector<std::string>& folders, const std::filesystem::path& file) {
+  std::error_code failed;
+  auto around = std::filesystem::weakly_canonical(std::filesystem::absolute(file, failed), failed);
+  while (around.has_relative_path()) {
+    const auto found = std::ranges::find(folders, around.native());
+    if (found != folders.end()) return *found;
+    around = around.parent_path();
+  }
+  return folders.front();
+}
+
 Error about(const std::filesystem::path& path, Error inner) {
   inner.message = "cannot read the journal " + quote(path.native()) + ": " + inner.message;
   return inner;
@@ -174,9 +186,17 @@ Result<std::vector<GapEntry>> JournalReader::gaps(std::size_t limit) {
 }
 
 Result<model::ActionTimes> JournalReader::times() {
-  auto times = detail::read_times(implementation_->database, implementation_->invalid);
-  if (!times) return about(implementation_->path, times.error());
-  return times;
+  return times_near({});
+}
+
+Result<model::ActionTimes> JournalReader::times_near(const std::filesystem::path& file) {
+  Database& database = implementation_->database;
+  return implementation_->at_one_moment([&]() -> Result<model::ActionTimes> {
+    const auto folders = detail::folders_with_times(database);
+    if (!folders) return folders.error();
+    if (folders->empty()) return model::ActionTimes{};
+    return detail::read_times(database, nearest(*folders, file), implementation_->invalid);
+  });
 }
 
 Result<void> JournalReader::check() {

@@ -72,7 +72,19 @@ CREATE TABLE running (
 CREATE INDEX transition_time ON "transition" (time);
 )";
 
-constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead, kCancelled, kPast};
+/// Durations are those of a robot's folder: robots of one name in two folders have little in common. Older
+/// ones, of which only the name is known, count where there is no folder.
+constexpr std::string_view kFolders = R"(
+ALTER TABLE duration RENAME TO duration_by_name;
+CREATE TABLE duration (
+  folder TEXT NOT NULL, component TEXT NOT NULL, kind TEXT NOT NULL, host TEXT NOT NULL, count INTEGER NOT NULL,
+  mean INTEGER NOT NULL, recent TEXT NOT NULL, time INTEGER NOT NULL,
+  PRIMARY KEY (folder, component, kind, host)) WITHOUT ROWID;
+INSERT INTO duration SELECT '', component, kind, host, count, mean, recent, time FROM duration_by_name;
+DROP TABLE duration_by_name;
+)";
+
+constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead, kCancelled, kPast, kFolders};
 
 Error not_ours() {
   return fail(ErrorCode::InvalidArgument, "it is a database of another program, not a journal of Segue");

@@ -73,42 +73,46 @@ std::optional<model::DurationRecord> record_in(const Statement& row, int first) 
 /// The rows of the table `duration` by key.
 class Rows {
  public:
-  static Result<Rows> prepare(Database& database) {
+  static Result<Rows> prepare(Database& database, const std::string& folder) {
     auto select = database.prepare(
-        "SELECT count, mean, recent FROM duration WHERE component = ? AND kind = ? AND host = ?");
+        "SELECT count, mean, recent FROM duration WHERE folder = ? AND component = ? AND kind = ? AND host = "
+        "?");
     if (!select) return select.error();
     auto replace = database.prepare(
-        "INSERT OR REPLACE INTO duration (component, kind, host, count, mean, recent, time) VALUES (?, ?, ?, "
-        "?, "
-        "?, ?, ?)");
+        "INSERT OR REPLACE INTO duration (folder, component, kind, host, count, mean, recent, time) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
     if (!replace) return replace.error();
-    return Rows(std::move(*select), std::move(*replace));
+    return Rows(folder, std::move(*select), std::move(*replace));
   }
 
   Result<void> add(std::string_view component, std::string_view kind, std::string_view host,
                    const std::vector<Duration>& durations, std::int64_t time, model::DurationRecord& record) {
-    select_.start(component, kind, host);
+    select_.start(folder_, component, kind, host);
     const auto known = select_.next();
     if (!known) return known.error();
     record = {};
     if (*known) record = record_in(select_, 0).value_or(model::DurationRecord{});
     for (const Duration duration : durations)
       record.add(duration);
-    return replace_.run(component, kind, host, static_cast<std::int64_t>(record.count), record.mean.count(),
-                        written(record.recent), time);
+    return replace_.run(folder_, component, kind, host, static_cast<std::int64_t>(record.count),
+                        record.mean.count(), written(record.recent), time);
   }
 
  private:
-  Rows(Statement select, Statement replace) : select_(std::move(select)), replace_(std::move(replace)) {}
+  Rows(std::string folder, Statement select, Statement replace)
+      : folder_(std::move(folder)), select_(std::move(select)), replace_(std::move(replace)) {}
+  std::string folder_;
   Statement select_;
   Statement replace_;
 };
 
 }  // namespace
 
-Result<model::ActionTimes> read_times(Database& database, std::uint64_t& invalid) {
-  auto rows = database.prepare("SELECT component, kind, host, count, mean, recent FROM duration");
+Result<model::ActionTimes> read_times(Database& database, const std::string& folder, std::uint64_t& invalid) {
+  auto rows =
+      database.prepare("SELECT component, kind, host, count, mean, recent FROM duration WHERE folder = ?");
   if (!rows) return rows.error();
+  rows->start(folder);
   model::ActionTimes times;
   while (true) {
     const auto more = rows->next();
@@ -127,9 +131,21 @@ Result<model::ActionTimes> read_times(Database& database, std::uint64_t& invalid
   }
 }
 
-Result<void> add_samples(Database& database, const DurationSamples& samples, std::int64_t time,
-                         model::ActionTimes& times) {
-  auto rows = Rows::prepare(database);
+Result<std::vector<std::string>> folders_with_times(Database& database) {
+  auto rows = database.prepare("SELECT folder FROM duration GROUP BY folder ORDER BY max(time) DESC");
+  if (!rows) return rows.error();
+  std::vector<std::string> folders;
+  while (true) {
+    const auto more = rows->next();
+    if (!more) return more.error();
+    if (!*more) return folders;
+    folders.push_back(rows->text(0));
+  }
+}
+
+Result<void> add_samples(Database& database, const std::string& folder, const DurationSamples& samples,
+                         std::int64_t time, model::ActionTimes& times) {
+  auto rows = Rows::prepare(database, folder);
   if (!rows) return rows.error();
   std::map<model::ActionKey, std::vector<Duration>> grouped;
   for (const auto& [key, duration] : samples.actions)

@@ -177,11 +177,12 @@ Result<void> write_row(Database& database, const TransitionEntry& entry) {
 
 }  // namespace
 
-Store::Store(Database database, std::filesystem::path path, std::size_t keep_actions)
+Store::Store(Database database, std::filesystem::path path, const JournalOptions& options)
     : database_(std::move(database)),
       path_(std::move(path)),
       identity_(identify(path_)),
-      keep_actions_(keep_actions) {}
+      keep_actions_(options.keep_actions),
+      folder_(options.robot_folder.native()) {}
 
 Store::Identity Store::identify(const std::filesystem::path& path) {
   struct stat status {};
@@ -193,17 +194,17 @@ bool Store::is_in_place() const {
   return identify(path_) == identity_;
 }
 
-Result<Store> Store::open(const std::filesystem::path& path, std::size_t keep_actions) {
+Result<Store> Store::open(const std::filesystem::path& path, const JournalOptions& options) {
   if (auto created = create_folder(path); !created) return created.error();
   auto database = Database::open(path, Database::Mode::Write);
   if (!database) return database.error();
-  Store store(std::move(*database), path, keep_actions);
+  Store store(std::move(*database), path, options);
   if (auto done = bring_up_to_date(store.database_); !done) return done.error();
   if (auto done = store.database_.execute(std::string(kSetUp)); !done) return done.error();
   if (auto sound = check_pages(store.database_); !sound) return sound.error();
   if (auto done = remove_old_statistics(store.database_); !done) return done.error();
   std::uint64_t invalid = 0;
-  auto times = read_times(store.database_, invalid);
+  auto times = read_times(store.database_, store.folder_, invalid);
   if (!times) return times.error();
   store.times_ = std::move(*times);
   const auto kept = store.database_.integer(R"(SELECT count(*) + total(actions) FROM "transition")");
@@ -240,7 +241,7 @@ Result<void> Store::insert(std::span<const AnyEntry> entries, model::ActionTimes
 }
 
 Result<void> Store::learn(const TransitionEntry& entry, model::ActionTimes& times) {
-  return add_samples(database_, duration_samples(entry), since_1970(entry.time), times);
+  return add_samples(database_, folder_, duration_samples(entry), since_1970(entry.time), times);
 }
 
 Result<void> Store::remove_old(std::size_t added) {

@@ -4,12 +4,14 @@
 #include <segue/base/result.hpp>
 #include <segue/journal/database.hpp>
 #include <segue/journal/entries.hpp>
+#include <segue/journal/journal.hpp>
 #include <segue/model/action_times.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <variant>
 
 /// Writes entries to the tables of the file.
@@ -29,7 +31,7 @@ class Store {
  public:
   /// Creates the folder and the file if they are missing. ParseError if the file is damaged; InvalidArgument
   /// and Unsupported as bring_up_to_date().
-  static Result<Store> open(const std::filesystem::path& path, std::size_t keep_actions);
+  static Result<Store> open(const std::filesystem::path& path, const JournalOptions& options);
 
   [[nodiscard]] const model::ActionTimes& times() const { return times_; }
   /// Whether the path still refers to the opened file: it may have been removed or replaced.
@@ -48,7 +50,7 @@ class Store {
   };
   static Identity identify(const std::filesystem::path& path);
 
-  Store(Database database, std::filesystem::path path, std::size_t keep_actions);
+  Store(Database database, std::filesystem::path path, const JournalOptions& options);
   Result<void> insert(std::span<const AnyEntry> entries, model::ActionTimes& times);
   Result<void> learn(const TransitionEntry& entry, model::ActionTimes& times);
   Result<void> remove_old(std::size_t added);
@@ -58,6 +60,7 @@ class Store {
   std::filesystem::path path_;
   Identity identity_;
   std::size_t keep_actions_;
+  std::string folder_;  ///< of the robot
   std::size_t kept_ =
       0;  ///< number of transitions and actions in the file; other writers may have added some
   model::ActionTimes times_;

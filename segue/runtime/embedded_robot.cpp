@@ -31,6 +31,7 @@ struct EmbeddedRobot::Implementation {
   void start(ControllerSet controllers, host::LocalOptions local, const EmbeddedOptions& options,
              Diagnostics& diagnostics);
   [[nodiscard]] fs::path journal_path(const EmbeddedOptions& options, Diagnostics& diagnostics) const;
+  [[nodiscard]] fs::path robot_folder() const;
 
   model::Robot robot;
   model::ComponentCatalog catalog;
@@ -129,6 +130,12 @@ fs::path EmbeddedRobot::Implementation::journal_path(const EmbeddedOptions& opti
   return path.value_or(fs::path());
 }
 
+fs::path EmbeddedRobot::Implementation::robot_folder() const {
+  std::error_code failed;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(robot.folder, failed), failed);
+  return failed ? robot.folder : folder;
+}
+
 void EmbeddedRobot::Implementation::start(ControllerSet controllers, host::LocalOptions local,
                                           const EmbeddedOptions& options, Diagnostics& diagnostics) {
   auto created = detail::RobotTasks::create(robot, libraries, catalog, std::move(local), options);
@@ -146,10 +153,10 @@ void EmbeddedRobot::Implementation::start(ControllerSet controllers, host::Local
   if (diagnostics.has_errors()) {
     return;
   }
-  runtime =
-      std::make_unique<Runtime>(robot.name, tasks->host(), catalog,
-                                RuntimeOptions{robot.fallback, robot.halt, robot.policies, robot.look_ahead,
-                                               journal_path(options, diagnostics), robot.pools});
+  runtime = std::make_unique<Runtime>(
+      robot.name, tasks->host(), catalog,
+      RuntimeOptions{robot.fallback, robot.halt, robot.policies, robot.look_ahead,
+                     journal_path(options, diagnostics), robot_folder(), robot.pools});
   diagnostics.append(runtime->load(std::move(controllers)));
   if (!runtime->belief().empty()) {
     runtime->reset_belief();  // adopted deployments: find the name of the controller that they run

@@ -205,10 +205,13 @@ journal::TransitionEntry journal_entry(const SwitchResult& result, const model::
 
 namespace detail {
 
-JournalKeeper::JournalKeeper(const std::filesystem::path& path, EventLog& log) {
+JournalKeeper::JournalKeeper(const std::filesystem::path& path, const std::filesystem::path& robot_folder,
+                             EventLog& log) {
   if (path.empty()) return;
+  journal::JournalOptions options;
+  options.robot_folder = robot_folder;
   journal_ = std::make_unique<journal::Journal>(
-      path, journal::JournalOptions{}, [&log, file = path.native()](const journal::Trouble& trouble) {
+      path, options, [&log, file = path.native()](const journal::Trouble& trouble) {
         const std::string lost =
             trouble.lost == 0 ? "" : "; " + std::to_string(trouble.lost) + " entries were lost";
         log.add(EventKind::Journal, file, trouble.message + lost);

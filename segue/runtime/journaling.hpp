@@ -39,7 +39,7 @@ class JournalKeeper {
 
   /// Keeps no journal if `path` is empty. Problems with the file become events in `log`, which must outlive
   /// this.
-  JournalKeeper(const std::filesystem::path& path, EventLog& log);
+  JournalKeeper(const std::filesystem::path& path, const std::filesystem::path& robot_folder, EventLog& log);
 
   void accepted(std::uint64_t request, const std::string& who, const model::NetworkName& wanted);
   /// A controller as it was read from a file or sent.

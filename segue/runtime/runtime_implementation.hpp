@@ -187,7 +187,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   const RuntimeOptions options;
   const model::Network pools = model::pool_network(options.pools);
   detail::EventLog log;
-  detail::JournalKeeper journal{options.journal, log};
+  detail::JournalKeeper journal{options.journal, options.robot_folder, log};
   detail::Leases leases{log, journal};
   detail::InstanceCalls instance_calls{host, pools, [this] { wake_worker(); }};
   detail::Belief belief{host};

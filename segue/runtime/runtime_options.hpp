@@ -19,7 +19,9 @@ struct RuntimeOptions {
   model::Policies policies;           ///< for faults of the running controller
   model::LookAhead look_ahead;        ///< resource limits of standby controllers
   std::filesystem::path journal;      ///< the journal file (journal/journal.hpp); empty: none is kept
-  std::vector<model::Pool> pools{};   ///< run beside every controller
+  /// Of the robot's files, canonical: durations are learned for it. Empty: it has none.
+  std::filesystem::path robot_folder{};
+  std::vector<model::Pool> pools{};  ///< run beside every controller
   /// Of the results of requests that are kept, roughly; the newest is kept whatever it takes.
   std::size_t kept_bytes = std::size_t{32} << 20;
 };
