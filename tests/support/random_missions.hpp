@@ -37,6 +37,8 @@ class RandomMission {
   /// another branch is a race that the two runs may decide differently. Other facts they only make true.
   struct Where {
     std::string fact;
+    bool guarded =
+        false;  ///< a container around it may lack what it needs, so that no state in it begins any more
     [[nodiscard]] bool is_concurrent() const { return !fact.empty(); }
   };
   struct Child {
@@ -134,10 +136,12 @@ class RandomMission {
   Child child(std::size_t i, std::size_t size, int depth, const std::string& indent, const Where& where) {
     const std::uint64_t kind = depth < 2 ? under(100) : 100;
     Child result;
-    if (kind >= 24 && chance(6)) return aborting(i, size, indent);
+    if (kind >= 24 && chance(6)) return aborting(i, size, indent, where);
     if (kind < 24) {
-      result.text = kind < 10   ? declarations(indent, where) + hierarchy(depth + 1, indent, where)
-                    : kind < 18 ? declarations(indent, where) + barrier(depth + 1, indent)
+      const std::string declared = kind < 18 ? declarations(indent, where) : "";
+      const Where inner{where.fact, where.guarded || !declared.empty()};
+      result.text = kind < 10   ? declared + hierarchy(depth + 1, indent, inner)
+                    : kind < 18 ? declared + barrier(depth + 1, indent, inner)
                     : kind < 21 ? preemptive(depth + 1, indent, where)
                                 : library(depth + 1, indent, where);
       result.on = fmt::format("done: {}, other: {}", target(i + 1, size), target(i + 1 + under(2), size));
@@ -159,10 +163,11 @@ class RandomMission {
     return result;
   }
 
-  /// A state that never begins, or one that aborts some times until it ends its loop.
-  Child aborting(std::size_t i, std::size_t size, const std::string& indent) {
+  /// A state that never begins, or one that aborts some times until it ends its loop. The latter only where
+  /// it begins: else its loop would be endless.
+  Child aborting(std::size_t i, std::size_t size, const std::string& indent, const Where& where) {
     const std::string name = fmt::format("a{}", count_++);
-    const bool never = chance(50);
+    const bool never = where.guarded || chance(50);
     actions_ += fmt::format("  {}:\n    inputs: {{x: {{type: int, default: {}}}}}\n", name, under(9));
     actions_ += "    outputs: {y: {type: int, default: 0}}\n    outcomes: [ok]\n";
     if (never) actions_ += "    preconditions: [never]\n";
@@ -242,21 +247,23 @@ class RandomMission {
     return text;
   }
 
-  std::string barrier(int depth, const std::string& indent) {
+  std::string barrier(int depth, const std::string& indent, const Where& around) {
     const std::size_t size = 2 + under(2);
     const std::string inner = indent + "    ";
     std::vector<bool> leaves;
     std::string states;
     std::string lines;
     for (std::size_t i = 0; i < size; ++i) {
-      const Where where{fmt::format("b{}", count_++)};
       const std::uint64_t kind = depth < 2 ? under(100) : 100;
       const bool leaf = kind >= 30;
+      Where where{fmt::format("b{}", count_++), around.guarded};
+      const std::string declared = leaf ? "" : declarations(inner, where);
+      where.guarded = where.guarded || !declared.empty();
       leaves.push_back(leaf);
       states += fmt::format("{}  s{}:\n", indent, i);
       states += leaf        ? fmt::format("{}action: {}\n", inner, action(false, chance(40), where))
-                : kind < 20 ? declarations(inner, where) + hierarchy(depth + 1, inner, where)
-                            : declarations(inner, where) + barrier(depth + 1, inner);
+                : kind < 20 ? declared + hierarchy(depth + 1, inner, where)
+                            : declared + barrier(depth + 1, inner, where);
       if (chance(60)) lines += fmt::format("{}  - inputs.in -> s{}.{}\n", indent, i, leaf ? "x" : "in");
       if (chance(60)) lines += fmt::format("{}  - s{}.{} -> outputs.out\n", indent, i, leaf ? "y" : "out");
     }
@@ -280,16 +287,17 @@ class RandomMission {
     std::string states;
     std::string lines;
     for (std::size_t i = 0, size = 2 + under(2); i < size; ++i) {
-      const Where where{fmt::format("b{}", count_++)};
       const std::uint64_t kind = depth < 2 ? under(100) : 100;
       const bool leaf = kind >= 35;
+      Where where{fmt::format("b{}", count_++), around.guarded};
+      const std::string declared = kind < 25 && chance(10) ? declarations(inner, where) : "";
+      where.guarded = where.guarded || !declared.empty();
       const bool watches = leaf && !around.is_concurrent() && chance(15);
       const std::string_view end = chance(70) ? "done" : "other";
       states += fmt::format("{}  s{}:\n", indent, i);
       states += leaf ? fmt::format("{}action: {}\n", inner, watches ? watch() : action(false, false, where))
-                : kind < 25
-                    ? (chance(10) ? declarations(inner, where) : "") + hierarchy(depth + 1, inner, where)
-                    : preemptive(depth + 1, inner, where);
+                : kind < 25 ? declared + hierarchy(depth + 1, inner, where)
+                            : preemptive(depth + 1, inner, where);
       states += leaf ? fmt::format("{}on: {{ok: return {}", inner, end)
                      : fmt::format("{}on: {{done: return {}, other: return other", inner, end);
       states += chance(20) ? ", aborted: return other}\n" : "}\n";
