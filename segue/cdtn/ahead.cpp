@@ -49,6 +49,7 @@ class AheadFinder {
   void follow(NodeId node) {
     node_ = node;
     first_ = index(node) > kAheadWithin ? index(node) - kAheadWithin : 0;
+    aside_.clear();
     open_.assign(1, node);
     while (!open_.empty()) {
       const NodeId at = open_.back();
@@ -58,18 +59,56 @@ class AheadFinder {
     }
   }
 
+  /// A node that writes a fact may turn out to leave it as it is. Then nobody waits for it because of that
+  /// fact, but for those for whom it waits because of it.
+  void take_those_of_fact(const Dependency& dependency) {
+    std::vector<NodeId> open{dependency.from};
+    while (!open.empty()) {
+      const NodeId at = open.back();
+      open.pop_back();
+      if (index(at) < first_ || !aside_.emplace(index(at), dependency.subject).second) continue;
+      for (const Dependency& before : order_.before(at)) {
+        if (before.reason() != Reason::Fact || before.subject != dependency.subject) continue;
+        if (!writes(before.from, FactId{before.subject})) continue;
+        if (paths_.is_certain(before))
+          take(before);
+        else
+          open.push_back(before.from);
+      }
+    }
+  }
+
+  [[nodiscard]] bool writes(NodeId node, FactId fact) const {
+    return std::ranges::any_of(network_.accesses(node),
+                               [&](const Access& access) { return access.fact == fact && access.writes; });
+  }
+
   /// A dependency because of a resource says only that the other has begun. What begins has waited like what
   /// has passed, since nodes that take units in program order never run speculatively.
   void take(const Dependency& dependency) {
     const std::uint32_t from = index(dependency.from);
-    if (from < first_ || !paths_.is_certain(dependency)) return;
+    if (from < first_) return;
+    if (!paths_.is_certain(dependency)) {
+      if (dependency.reason() == Reason::Fact) take_those_of_fact(dependency);
+      return;
+    }
     if (dependency.reason() != Reason::Resource) passed_[from] = index(node_);
     if (followed_[from] == index(node_) || !paths_.comes_with(node_, dependency.from)) return;
     followed_[from] = index(node_);
     const NodeRecord& other = network_[dependency.from];
     const bool held = other.strict && other.kind == ActionClass::Irreversible;
-    if (held && paths_.implies(node_, dependency.from)) first_ = std::max(first_, from);
+    if (held && paths_.implies(node_, dependency.from)) pass_before_strict(dependency.from);
     open_.push_back(dependency.from);
+  }
+
+  /// A strict node has waited for all before it but those in parallel branches.
+  void pass_before_strict(NodeId strict) {
+    if (network_[strict].parallel_branch == kNone) {
+      first_ = std::max(first_, index(strict));
+      return;
+    }
+    for (std::uint32_t j = first_; j < index(strict); ++j)
+      if (!network_.in_parallel(NodeId{j}, strict)) passed_[j] = index(node_);
   }
 
   const TaskNetwork& network_;
@@ -78,6 +117,8 @@ class AheadFinder {
   std::vector<std::uint32_t> passed_;    ///< by node: the last for which it has passed
   std::vector<std::uint32_t> followed_;  ///< likewise: whose dependencies have been followed
   std::vector<NodeId> open_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>>
+      aside_;  ///< nodes and facts that they may leave as they are
   NodeId node_{};
   std::uint32_t first_ = 0;  ///< nodes before are certain to have passed, or too far away
 };

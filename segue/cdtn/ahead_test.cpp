@@ -59,6 +59,20 @@ TEST_F(Ahead, AResourceOrdersStartsOnly) {
   EXPECT_THAT(found(), ElementsAre(pair("close", {"open"})));
 }
 
+TEST_F(Ahead, WhoWaitsForAStrictNodeHasNotWaitedForWhatMayFailBesideThat) {
+  NodeSpec look = node("look");
+  look.parallel_branch = network_.add_parallel_branch(kNone, 0);
+  network_.append(look);
+  NodeSpec drive = node("drive", "there()");
+  drive.parallel_branch = network_.add_parallel_branch(kNone, 0);
+  drive.strict = true;
+  network_.append(drive);
+  NodeSpec grasp = node("grasp");
+  grasp.preconditions.push_back({network_.facts.intern("there()").value(), true});
+  network_.append(grasp);
+  EXPECT_THAT(found(), ElementsAre(pair("grasp", {"look"})));
+}
+
 TEST_F(Ahead, PureNodesOnlyFailAndHandledAbortsEndNothing) {
   NodeSpec plan = node("plan");
   plan.kind = ActionClass::Pure;

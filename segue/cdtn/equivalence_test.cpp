@@ -43,6 +43,9 @@ void show(const TaskNetwork& network, const RunResult& sequential, const RunResu
                concurrent.nodes[i].started.time_since_epoch() / std::chrono::seconds(1),
                concurrent.nodes[i].committed.time_since_epoch() / std::chrono::seconds(1));
   }
+  for (const LogEntry& entry : concurrent.log)
+    fmt::print("{} s: n{} {}\n", entry.when.time_since_epoch() / std::chrono::seconds(1), index(entry.node),
+               static_cast<int>(entry.kind));
 }
 
 /// What is wrong with the run of that seed, or "".

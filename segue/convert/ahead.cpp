@@ -48,6 +48,56 @@ bool is_certain(const PlannedNode& to, const cdtn::Dependency& dependency, Count
   return newest != source->feeds.end() && newest->input == dependency.subject;
 }
 
+/// Whether a run certainly has a dependency because of a fact. Who makes a fact true that is known to be true
+/// already changes nothing: nobody waits for it, nor does it wait for who relies on the fact. Whether it is
+/// known depends on what else is on the path.
+class FactOrder {
+ public:
+  FactOrder(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}
+
+  /// `is_there` tells whether a node is on the path of every run that has both.
+  template <class IsThere>
+  [[nodiscard]] bool is_certain(NodeId from, NodeId to, std::uint32_t fact, IsThere&& is_there) const {
+    const cdtn::Access* first = last_access(from, fact);
+    const cdtn::Access* second = last_access(to, fact);
+    if (first == nullptr || second == nullptr) return true;
+    if (first->writes) {
+      const bool opposite = second->writes ? second->value != first->value : second->needed != first->value;
+      return opposite || surely_changes(*first, to, is_there);
+    }
+    // Where it finds the fact as it makes it although it needs the opposite, it is refused, and does not act.
+    const bool refused_else = second->reads && second->needed != second->value;
+    return second->writes && (refused_else || surely_changes(*second, from, is_there));
+  }
+
+ private:
+  [[nodiscard]] const cdtn::Access* last_access(NodeId node, std::uint32_t fact) const {
+    const auto accesses = plan_.network().accesses(node);
+    const auto found =
+        std::ranges::find(accesses.rbegin(), accesses.rend(), cdtn::FactId{fact}, &cdtn::Access::fact);
+    return found == accesses.rend() ? nullptr : &*found;
+  }
+
+  /// Whether the fact has the other value before the access, whatever path leads there and to the other node.
+  template <class IsThere>
+  [[nodiscard]] bool surely_changes(const cdtn::Access& access, NodeId other, IsThere&& is_there) const {
+    const cdtn::TaskNetwork& network = plan_.network();
+    for (std::uint32_t i = access.previous_write; i != cdtn::kNone; i = network.access(i).previous_write) {
+      const cdtn::Access& before = network.access(i);
+      if (network.in_parallel(before.node, access.node)) continue;
+      const BranchEdge when = plan_[before.node].when;
+      if (paths_.never_meet(when, plan_[access.node].when) || paths_.never_meet(when, plan_[other].when))
+        continue;
+      if (network[before.node].uncertain || before.value == access.value) return false;
+      if (is_there(before.node)) return true;
+    }
+    return network.initial_world.holds(access.fact) != access.value;
+  }
+
+  const MissionPlan& plan_;
+  const PathIndex& paths_;
+};
+
 /// The paths of an outline. A run plans no node that it knows to be off its path, so only who is on the path
 /// as well is certain to let others wait for what it waits for.
 class OutlinePaths final : public cdtn::Paths {
@@ -58,6 +108,12 @@ class OutlinePaths final : public cdtn::Paths {
   }
   [[nodiscard]] bool comes_with(NodeId node, NodeId other) const override { return implies(node, other); }
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
+    if (dependency.reason() == cdtn::Reason::Fact) {
+      return FactOrder(plan_, paths_)
+          .is_certain(dependency.from, dependency.to, dependency.subject, [&](NodeId node) {
+            return implies(dependency.from, node) || implies(dependency.to, node);
+          });
+    }
     return convert::is_certain(plan_[dependency.to], dependency, [](std::uint32_t) { return false; });
   }
   [[nodiscard]] bool exclude(NodeId a, NodeId b) const override {
@@ -72,10 +128,17 @@ class OutlinePaths final : public cdtn::Paths {
 /// The paths of a part all of whose nodes are on them.
 class OnePath final : public cdtn::Paths {
  public:
-  OnePath(const MissionPlan& plan, const cdtn::NetworkPart& part) : plan_(plan), part_(part) {}
+  OnePath(const MissionPlan& plan, const PathIndex& paths, const cdtn::NetworkPart& part)
+      : plan_(plan), paths_(paths), part_(part) {}
   [[nodiscard]] bool implies(NodeId, NodeId) const override { return true; }
   [[nodiscard]] bool comes_with(NodeId, NodeId) const override { return true; }
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
+    if (dependency.reason() == cdtn::Reason::Fact) {
+      return FactOrder(plan_, paths_)
+          .is_certain(part_.nodes[index(dependency.from)], part_.nodes[index(dependency.to)],
+                      dependency.subject,
+                      [&](NodeId node) { return std::ranges::binary_search(part_.nodes, node); });
+    }
     const auto inputs = part_.network.inputs(dependency.to);
     const auto is_there = [&](std::uint32_t input) {
       return std::ranges::find(inputs, input, &cdtn::DataInput::input) != inputs.end();
@@ -88,6 +151,7 @@ class OnePath final : public cdtn::Paths {
 
  private:
   const MissionPlan& plan_;
+  const PathIndex& paths_;
   const cdtn::NetworkPart& part_;
 };
 
@@ -144,8 +208,8 @@ class CloserLook {
           static_cast<std::uint32_t>(std::ranges::lower_bound(part.nodes, pair.acts) - part.nodes.begin())};
       if (acting.empty() || acting.back() != place) acting.push_back(place);
     }
-    for (const ActsAhead& pair :
-         cdtn::acts_ahead(part.network, cdtn::derive_order(part.network), OnePath(plan_, part), acting)) {
+    for (const ActsAhead& pair : cdtn::acts_ahead(part.network, cdtn::derive_order(part.network),
+                                                  OnePath(plan_, paths_, part), acting)) {
       const ActsAhead whole{part.nodes[index(pair.acts)], part.nodes[index(pair.fails)]};
       const auto in_program_order = [](const ActsAhead& one) { return std::pair(one.acts, one.fails); };
       if (std::ranges::binary_search(group, in_program_order(whole), {}, in_program_order))

@@ -16,12 +16,24 @@
 /// Checks from results and log that a concurrent run is equivalent to the sequential one. For tests only.
 namespace segue::cdtn {
 
+/// Whether the run of the node that was last counts: a node that is refused in the end has none, whatever ran
+/// before.
+inline bool last_run_counts(const RunLog& log, NodeId node) {
+  bool counts = false;
+  for (const LogEntry& entry : log) {
+    if (entry.node != node) continue;
+    if (entry.kind == LogKind::End) counts = true;
+    if (entry.kind == LogKind::Discard) counts = false;
+  }
+  return counts;
+}
+
 /// Whether something remains of the node in a concurrent run, also of one that has been preempted.
 inline bool has_acted(const TaskNetwork& network, const RunResult& run, NodeId node) {
   const NodeResult& result = run.nodes[index(node)];
   if (!acts(network, node) || result.attempts == 0) return false;
   if (network[node].kind == ActionClass::Irreversible) return true;
-  return result.status == NodeStatus::Done &&
+  return result.status == NodeStatus::Done && last_run_counts(run.log, node) &&
          (result.outcome == network[node].expected || network[node].uncertain);
 }
 
