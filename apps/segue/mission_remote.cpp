@@ -107,14 +107,14 @@ void MissionRemote::observe(const mission::ActionEvent& event) {
 /// A robot that cannot be reached any more ends the mission by the actions that need it.
 void MissionRemote::work(const std::stop_token& end) {
   Value reported;
-  while (!end.stop_requested()) {
+  do {
     if (const auto asked = robot_.asked()) {
       for (const control::HolderRequest& request : *asked)
         heed(request);
     }
     report(reported);
     answers_->wait(kPeriod, end);
-  }
+  } while (!end.stop_requested());
   while (robot_.record().has_waiting()) {
     if (!robot_.report(doing())) break;
   }
@@ -122,17 +122,17 @@ void MissionRemote::work(const std::stop_token& end) {
 
 void MissionRemote::report(Value& reported) {
   Value now = doing();
-  if (now == reported && !shall_show_plan_ && !robot_.record().has_waiting()) return;
+  if (now == reported && !to_show_ && !robot_.record().has_waiting()) return;
   Value full = now;
-  if (shall_show_plan_) full.as_map().set("plan", plan_());
+  if (to_show_) full.as_map().set("plan", plan_(*to_show_));
   auto done = robot_.report(std::move(full));
-  if (!done && done.error().code == ErrorCode::ResourceExhausted && shall_show_plan_) {
+  if (!done && done.error().code == ErrorCode::ResourceExhausted && to_show_) {
     full = now;
     full.as_map().set("plan", Value::map({{"problem", done.error().message}}));
     done = robot_.report(std::move(full));
   }
   if (!done) return;
-  shall_show_plan_ = false;
+  to_show_.reset();
   reported = std::move(now);
 }
 
@@ -143,7 +143,7 @@ void MissionRemote::heed(const control::HolderRequest& request) {
     answers->heard(number, outcome);
   };
   if (what == "plan") {
-    shall_show_plan_ = true;
+    to_show_ = PlanDetail::Whole;
   } else if (what == "step") {
     control_.step(step_called(text_at(arguments, "how")), done);
   } else if (what == "break") {

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <stop_token>
 #include <string>
@@ -23,8 +24,10 @@ namespace segue::cli {
 /// status`, `pause`, `step` and so on, and the studio; and the robot record it in its journal.
 class MissionRemote {
  public:
-  /// What the mission will do (draw::shown_plan), made where somebody wants to see it.
-  using Plan = std::function<type::Value()>;
+  enum class PlanDetail { States, Whole };
+  /// What the mission will do (draw::shown_plan): its states are told in the beginning, so that a mission
+  /// that has ended can still be shown; the whole, which takes longer to make, when somebody wants to see it.
+  using Plan = std::function<type::Value(PlanDetail)>;
 
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
   /// requested when the mission shall stop.
@@ -76,7 +79,7 @@ class MissionRemote {
   mutable std::mutex mutex_;                                              ///< protects the next two
   std::multiset<std::string, std::less<>> running_;                       ///< paths of actions
   std::uint64_t ended_ = 0;                                               ///< actions
-  bool shall_show_plan_ = false;                                          ///< for the thread only
+  std::optional<PlanDetail> to_show_ = PlanDetail::States;                ///< for the thread only
   std::jthread thread_;
 };
 

@@ -298,10 +298,16 @@ namespace {
 
 using Ran = Result<std::unique_ptr<FinishedRun>>;
 
-type::Value shown_plan(const session::Session& plan, const RunRequest& request) {
-  const bool is_concurrent = request.mode == RunMode::Concurrent;
-  const draw::Diagram diagram = known_plan(plan, request);
-  return draw::shown_plan(*plan.program(), is_concurrent ? &diagram : nullptr);
+type::Value shown_plan(const session::Session& plan, const RunRequest& request,
+                       MissionRemote::PlanDetail detail) {
+  if (request.mode != RunMode::Concurrent) return draw::shown_plan(*plan.program(), nullptr);
+  if (detail == MissionRemote::PlanDetail::Whole) {
+    const draw::Diagram diagram = known_plan(plan, request);
+    return draw::shown_plan(*plan.program(), &diagram);
+  }
+  type::Value outline = draw::shown_plan(*plan.program(), nullptr);
+  outline.as_map().set("outline", true);
+  return outline;
 }
 
 /// `robot` as of show_run().
@@ -371,7 +377,8 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   Ran run = fail(ErrorCode::Internal, "the mission has not run");
   {
     MissionRemote remote(
-        *robot, plan->program()->mission(), [&] { return shown_plan(*plan, request); }, steering, stop);
+        *robot, plan->program()->mission(),
+        [&](MissionRemote::PlanDetail detail) { return shown_plan(*plan, request, detail); }, steering, stop);
     request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
     run = run_with_progress(*plan, request, options, stop.get_token(), context);
     tell_end(run, remote);

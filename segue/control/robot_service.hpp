@@ -140,7 +140,8 @@ class RobotService {
   /// entry `after`, oldest first, 2000 at most, each {"number" (rising, over all missions), "time_s" (since
   /// 1970), "kind" ("began", "asked", "ended"), "action" ("": the mission), "iteration", "controller",
   /// "outcome", "error", "duration_s"}, "dropped": entries that are not kept any more}. `with_plan`: also
-  /// "plan", what the mission says of itself; null until it has, for which it is asked. "control", null where
+  /// "plan", what the mission says of itself (draw::shown_plan): null until it has; with "outline": true
+  /// while that is only what it said in the beginning, and it is asked for the whole. "control", null where
   /// it has ended or does not say: {"steps" (it can be stepped), "back" (and stepped back), "at" (null, or
   /// the states before which it is held and at rest), "breakpoints", "heard" (the number of the last request
   /// of ask_holder() that it has followed or refused), "problem" ({"number", "text"}: why it refused that

@@ -82,7 +82,7 @@ type::Value Leases::doing() const {
 
 type::Value Leases::mission(std::uint64_t after, bool with_plan, bool halts, bool halts_after) {
   const std::lock_guard lock(mutex_);
-  if (held_ && with_plan && !missions_.recent().has_plan()) held_->shall_show_plan = true;
+  if (held_ && with_plan && !missions_.recent().has_whole_plan()) held_->shall_show_plan = true;
   return missions_.recent().to_value(after, with_plan, held_ ? held_->doing : type::Value(),
                                      halts || (halts_after && held_));
 }

@@ -21,7 +21,8 @@ class RecentMission {
   /// A mission's own begin replaces what is known of the last one.
   void add(const journal::MissionEntry& entry);
   void set_plan(type::Value plan);
-  [[nodiscard]] bool has_plan() const { return !plan_.is_null(); }
+  /// Not only an outline (control::RobotService::mission).
+  [[nodiscard]] bool has_whole_plan() const { return !plan_.is_null() && plan_.find("outline") == nullptr; }
 
   /// Null where no mission has begun yet. `doing`: what it reports (control::RobotService::report) while it
   /// has not ended. `comes_to_rest`: it counts as "stopping" although it has ended.

@@ -289,7 +289,8 @@ Hub::Answer Hub::follow_mission(Watched& document, const RobotLink::Connected& l
   bool has_news = !is_known(document);
   std::size_t fresh = 0;
   do {
-    auto mission = link.robot->mission(document.last_event, document.plan.is_null());
+    const bool wants_plan = document.plan.is_null() || document.plan.find("outline") != nullptr;
+    auto mission = link.robot->mission(document.last_event, wants_plan);
     if (!mission) return mission.error();
     if (mission->is_null()) return Value::map({{"run", 0}});
     const Value* run = mission->find("run");
@@ -302,8 +303,8 @@ Hub::Answer Hub::follow_mission(Watched& document, const RobotLink::Connected& l
       document.plan = Value();
     }
     if (Value* plan = mission->as_map().find("plan"); plan != nullptr && !plan->is_null()) {
+      has_news = has_news || *plan != document.plan;
       document.plan = std::move(*plan);
-      has_news = true;
     }
     fresh = entries->as_list().size();
     has_news = has_news || fresh > 0;

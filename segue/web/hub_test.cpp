@@ -157,6 +157,9 @@ TEST_F(HubTest, AMissionIsFollowedAsItRunsAndTheNextOneToo) {
   EXPECT_TRUE(becomes(hub, "mission", Value::map({{"run", 0}})));
   robot_.show_mission(1, "running", 2, Value());
   EXPECT_TRUE(shows(1, 2, Value())) << "its plan comes later";
+  const Value outline = Value::map({{"states", Value::List{}}, {"outline", true}});
+  robot_.show_mission(1, "running", 2, outline);
+  EXPECT_TRUE(shows(1, 2, outline));
   robot_.show_mission(1, "running", 4500, "plan");
   EXPECT_TRUE(shows(1, 4500, "plan")) << "in several answers";
   EXPECT_EQ(hub.newest("mission")->value.find("entries")->find("4500")->find("number")->as_uint(), 4500U);

@@ -235,7 +235,7 @@ TEST_F(MissionHistory, AMissionTellsItsPlanWhenSomebodyLooks) {
   type::Value shown;
   ASSERT_TRUE(eventually([&] {
     shown = (*robot)->mission(0, true).value();
-    return !shown.is_null() && !shown.find("plan")->is_null();
+    return !shown.is_null() && shown.find("plan")->is_map() && shown.find("plan")->find("outline") == nullptr;
   })) << type::to_json(shown);
   const type::Value& plan = *shown.find("plan");
   EXPECT_EQ(plan.find("states")->as_list().size(), 3U) << type::to_json(plan);
@@ -247,6 +247,20 @@ TEST_F(MissionHistory, AMissionTellsItsPlanWhenSomebodyLooks) {
   EXPECT_EQ(shown.find("state")->as_string(), "running");
   const auto status = (*robot)->status().value();
   EXPECT_EQ(status.find("doing")->find("plan"), nullptr) << "which stays small";
+}
+
+TEST_F(MissionHistory, AMissionAtWhichNobodyLookedCanBeShownWhenItHasEnded) {
+  start({"--no-journal"});
+  write("tour.yaml", kTour);
+  for (const char* mode : {"sequential", "concurrent"}) {
+    ASSERT_EQ(segue({"mission", "run", "tour.yaml", "--mode", mode}).status, 0);
+    const auto robot = control::connect(control::socket_path("rover").value());
+    ASSERT_TRUE(robot) << to_string(robot.error());
+    const type::Value shown = (*robot)->mission(0, true).value();
+    EXPECT_EQ(shown.find("state")->as_string(), "ended");
+    ASSERT_TRUE(shown.find("plan")->is_map()) << type::to_json(shown);
+    EXPECT_EQ(shown.find("plan")->find("states")->as_list().size(), 3U);
+  }
 }
 
 TEST_F(MissionHistory, ARobotNeedsNoJournalForAMission) {
