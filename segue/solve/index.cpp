@@ -3,6 +3,8 @@
 #include <segue/solve/index.hpp>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace segue::solve::detail {
 
@@ -223,14 +225,20 @@ class Builder {
     return number != kNone && index_.tasks[as_index(number)].on[side].task != nullptr ? number : kNone;
   }
 
-  /// Connections are numbered through: those of the current network first.
+  /// Connections are numbered through: those of the current network first. A connection that was made too late stands
+  /// beside the one that was meant for these ports; at most one of them stays.
   Result<> match(Side side, IndexedConnection& connection) {
     std::vector<IndexedConnection>& current = index_.connections[kCurrent];
     std::vector<IndexedConnection>& own = index_.connections[side];
     const std::size_t hash = hash_of_ends(connection);
     const int found = ends_.find(hash, [&](int number) { return same_ends(numbered(number), connection); });
+    if (found != kNone && side == kCurrent) {
+      surplus_.push_back(static_cast<int>(own.size()));
+      own.push_back(connection);
+      return {};
+    }
     const bool is_current = found != kNone && as_index(found) < current.size();
-    if (found != kNone && (side == kCurrent || !is_current || current[as_index(found)].partner != kNone)) {
+    if (found != kNone && (!is_current || current[as_index(found)].partner != kNone)) {
       return fail(ErrorCode::InvalidArgument,
                   "two connections" + of(side) + " join the same ports, one is " +
                       quote(to_string(*connection.connection)) + "; keep one of them",
@@ -240,11 +248,22 @@ class Builder {
       const std::size_t before = side == kTarget ? current.size() : 0;
       ends_.insert(hash, static_cast<int>(before + own.size()));
     } else {
+      prefer_equal(current[as_index(found)], connection);
       connection.partner = found;
       current[as_index(found)].partner = static_cast<int>(own.size());
     }
     own.push_back(connection);
     return {};
+  }
+
+  /// Of several current connections of the same ports, the one with the wanted policy takes the place of the first.
+  void prefer_equal(IndexedConnection& first, const IndexedConnection& wanted) {
+    if (first.connection->policy == wanted.connection->policy) return;
+    for (const int number : surplus_) {
+      IndexedConnection& other = index_.connections[kCurrent][as_index(number)];
+      if (!same_ends(other, wanted) || other.connection->policy != wanted.connection->policy) continue;
+      return std::swap(first, other);
+    }
   }
 
   [[nodiscard]] const IndexedConnection& numbered(int number) const {
@@ -276,6 +295,7 @@ class Builder {
   Interner ids_;
   HashIndex processes_;
   HashIndex ends_;
+  std::vector<int> surplus_;  ///< current connections of the same ports as one before
   Index index_;
 };
 
