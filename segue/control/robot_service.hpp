@@ -140,13 +140,12 @@ class RobotService {
   /// entry `after`, oldest first, 2000 at most, each {"number" (rising, over all missions), "time_s" (since
   /// 1970), "kind" ("began", "asked", "ended"), "action" ("": the mission), "iteration", "controller",
   /// "outcome", "error", "duration_s"}, "dropped": entries that are not kept any more}. `with_plan`: also
-  /// "plan", what the mission says of itself (draw::shown_plan): null until it has; with "outline": true
-  /// while that is only what it said in the beginning, and it is asked for the whole. "control", null where
-  /// it has ended or does not say: {"steps" (it can be stepped), "back" (and stepped back), "at" (null, or
-  /// the states before which it is held and at rest), "breakpoints", "heard" (the number of the last request
-  /// of ask_holder() that it has followed or refused), "problem" ({"number", "text"}: why it refused that
-  /// one; none: it refused none), "values" ({"number", "of"} and what mission::Engine::values_of has; none:
-  /// it was not asked)}.
+  /// "plan", of draw::shown_plan, null until the mission has told it; with "outline": true until it has told
+  /// the whole, for which it is asked. "control", null where it has ended or does not say: {"steps" (it can
+  /// be stepped), "back" (and stepped back), "at" (null, or the states before which it is held and at rest),
+  /// "breakpoints", "heard" (the number of the last request of ask_holder() that it has followed or refused),
+  /// "problem" ({"number", "text"}: why it refused that one; none: it refused none), "values" ({"number",
+  /// "of"} and what mission::Engine::values_of has; none: it was not asked)}.
   virtual Result<type::Value> mission(std::uint64_t after, bool with_plan) = 0;
   /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; or a mission to "step"
   /// ({"how": "into", "over", "out" or "back"}), to have these breakpoints ("break", {"at": paths}), to

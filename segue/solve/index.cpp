@@ -225,8 +225,8 @@ class Builder {
     return number != kNone && index_.tasks[as_index(number)].on[side].task != nullptr ? number : kNone;
   }
 
-  /// Connections are numbered through: those of the current network first. A connection that was made too late stands
-  /// beside the one that was meant for these ports; at most one of them stays.
+  /// Connections are numbered through: those of the current network first. A connection that was made too
+  /// late stands beside the one that was meant for these ports; at most one of them stays.
   Result<> match(Side side, IndexedConnection& connection) {
     std::vector<IndexedConnection>& current = index_.connections[kCurrent];
     std::vector<IndexedConnection>& own = index_.connections[side];
@@ -256,7 +256,8 @@ class Builder {
     return {};
   }
 
-  /// Of several current connections of the same ports, the one with the wanted policy takes the place of the first.
+  /// Of several current connections of the same ports, the one with the wanted policy takes the place of the
+  /// first.
   void prefer_equal(IndexedConnection& first, const IndexedConnection& wanted) {
     if (first.connection->policy == wanted.connection->policy) return;
     for (const int number : surplus_) {
