@@ -52,6 +52,8 @@ function useFolding(structure: Structure) {
   };
 }
 
+const counted = (count: number, what: string) => `${count} ${what}${count === 1 ? '' : 's'}`;
+
 export function NetworkView({ status }: { status: Status }) {
   const [selected, setSelected] = useState<string | null>(null);
   const [target, setTarget] = useState<string | null>(null);
@@ -97,7 +99,7 @@ export function NetworkView({ status }: { status: Status }) {
           </label>
           <span className="quiet">
             {found ? found.size + ' of ' : ''}
-            {total} tasks, {structure.wires.length} connections
+            {counted(total, 'task')}, {counted(structure.wires.length, 'connection')}
           </span>
           {structure.places.length > 1 && (
             <>
