@@ -151,19 +151,27 @@ class RoverKilled : public SystemTest {
     EXPECT_THAT(finished.output, HasSubstr("error")) << "it says why it does not go on";
     return run_mission({"--mode", mode, "--resume", "--under-way", "abort"});
   }
-  /// Irreversible actions whose tasks were told more than once what to do. The watch is told again where its
-  /// process was killed: its task has begun anew, and knows nothing of it.
+  /// Irreversible actions whose tasks were told what to do once more than they may be. Where a task's process
+  /// was killed, the task has begun anew and knows nothing of it, so an action that has not ended tells it
+  /// again.
   std::set<std::string> repeated(const std::string& killed) const {
-    std::set<std::string> told;
+    const bool begins_anew = killed != "mission" && killed != "runtime";
+    std::set<std::string> under_way;
+    std::set<std::string> ended;
     std::set<std::string> again;
     std::ifstream journal(folder_ / "run.journal");
     for (std::string line; std::getline(journal, line);) {
       const auto entry = type::parse_json(line);
-      const auto* const state = entry ? entry->find("progressed") : nullptr;
-      if (state == nullptr || entry->find("to")->find("stage")->as_string() != "told") continue;
-      const auto name = state->as_string() + " " + std::to_string(entry->find("n")->as_int());
-      const bool has_begun_anew = killed == "watch" && state->as_string() == "guarded/watch/watch";
-      if (!told.insert(name).second && !has_begun_anew) again.insert(name);
+      if (!entry) continue;
+      const auto name_at = [&](const char* what) {
+        const auto* const state = entry->find(what);
+        return state == nullptr ? "" : state->as_string() + " " + std::to_string(entry->find("n")->as_int());
+      };
+      if (const auto name = name_at("ended"); !name.empty()) ended.insert(name);
+      const auto name = name_at("progressed");
+      if (name.empty() || entry->find("to")->find("stage")->as_string() != "told") continue;
+      const bool is_told_again = !under_way.insert(name).second;
+      if (ended.contains(name) || (is_told_again && !begins_anew)) again.insert(name);
     }
     return again;
   }
