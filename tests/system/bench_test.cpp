@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
+#include <stdexcept>
+#include <string>
 
 #include "system_test.hpp"
 
@@ -57,7 +59,9 @@ class Bench : public SystemTest {
 
 /// The rows of the only experiment of a run in JSON.
 const type::Value::List& rows_of(const type::Value& report) {
-  return report.find("experiments")->as_list().at(0).find("rows")->as_list();
+  const type::Value* experiments = report.find("experiments");
+  if (experiments == nullptr) throw std::runtime_error("this is no report: " + type::to_json(report));
+  return experiments->as_list().at(0).find("rows")->as_list();
 }
 
 std::string text(const type::Value& row, const char* key) {
