@@ -312,6 +312,24 @@ TEST(Cancel, of_a_superseded_request_is_refused) {
   EXPECT_EQ(newer.get().outcome, Outcome::Done);
 }
 
+/// What is left of it, the next transition takes away.
+TEST(Retire, ends_with_the_action_in_progress_when_something_newer_is_requested) {
+  Robot robot;
+  std::promise<std::future<SwitchResult>> newer;
+  std::atomic<bool> done = false;
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    if (action.phase == model::Phase::Retire && !done.exchange(true))
+      newer.set_value(robot.runtime.request(robot.before));
+    return {};
+  });
+  const auto result = robot.runtime.switch_to(robot.target);
+  ASSERT_TRUE(done);
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_FALSE(result.actions.back().executed) << result.actions.back().action.label();
+  EXPECT_EQ(newer.get_future().get().get().outcome, Outcome::Done);
+  robot.expect_restored();
+}
+
 TEST(Cancel, ends_with_the_runtime) {
   auto robot = std::make_unique<Held>();
   auto cancelled = robot->runtime.cancel(0, "ann");

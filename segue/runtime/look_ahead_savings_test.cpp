@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/journal/reader.hpp>
+#include <segue/runtime/look_ahead_savings.hpp>
 #include <segue/runtime/report.hpp>
 #include <segue/runtime/test_support.hpp>
 
@@ -76,6 +77,35 @@ TEST_F(SavedByLookAhead, IsWhatItHadTakenBeforeWhereItStaysPrepared) {
   const auto again = switch_to("park");
   ASSERT_TRUE(again.ahead) << "its tasks were kept when it ended";
   EXPECT_GE(again.ahead->unprepared, 200ms);
+}
+
+TEST(LookAheadSavings, LearnNothingFromActionsThatFailed) {
+  const testing::StandInRobot robot;
+  const model::TaskId servo("servo");
+  detail::BeforeTransition before;
+  before.controller = testing::network_of(kCruise);
+  before.current = testing::network_of(kPark);
+  for (const char* id : {"camera", "servo"})
+    before.current.find_task(model::TaskId(id))->state = TaskState::Stopped;
+  before.standby.tasks.push_back(*before.current.find_task(servo));
+  ActionRecord configured;
+  configured.action = {1, model::ActionKind::Configure, model::TaskAction{servo}, model::Phase::Prepare, {}};
+  configured.executed = true;
+  configured.took = 200ms;
+  ActionRecord failed = configured;
+  failed.took = 1ns;
+  failed.error = fail(ErrorCode::HookFailed, "no servo answers");
+  detail::LookAheadSavings savings;
+  for (const auto& record : {configured, failed}) {
+    SwitchResult executed;
+    executed.actions = {record};
+    savings.learn(executed);
+  }
+  const auto park = testing::network_of(kPark);
+  const auto ahead = savings.of({}, before, {park, park, {}}, robot.host, robot.catalog, {});
+  ASSERT_TRUE(ahead);
+  EXPECT_EQ(ahead->tasks, 1U);
+  EXPECT_GE(ahead->unprepared, 200ms);
 }
 
 class SavedInJournal : public SavedByLookAhead {
