@@ -1,98 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/sha256.hpp>
 
+#include <openssl/evp.h>
+
 #include <array>
-#include <bit>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
+#include <new>
 
 namespace segue {
 
-namespace {
-
-constexpr std::size_t kBlock = 64;  // bytes
-
-/// FIPS 180-4, 4.2.2.
-constexpr std::array<std::uint32_t, 64> kConstants = {
-    0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
-    0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
-    0xe49b69c1, 0xefbe4786, 0x0fc19dc6, 0x240ca1cc, 0x2de92c6f, 0x4a7484aa, 0x5cb0a9dc, 0x76f988da,
-    0x983e5152, 0xa831c66d, 0xb00327c8, 0xbf597fc7, 0xc6e00bf3, 0xd5a79147, 0x06ca6351, 0x14292967,
-    0x27b70a85, 0x2e1b2138, 0x4d2c6dfc, 0x53380d13, 0x650a7354, 0x766a0abb, 0x81c2c92e, 0x92722c85,
-    0xa2bfe8a1, 0xa81a664b, 0xc24b8b70, 0xc76c51a3, 0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070,
-    0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
-    0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
-
-using State = std::array<std::uint32_t, 8>;
-
-/// FIPS 180-4, 5.3.3.
-constexpr State kInitial = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                            0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-
-/// The message schedule of a block, FIPS 180-4, 6.2.2, step 1.
-std::array<std::uint32_t, 64> schedule(const unsigned char* block) {
-  std::array<std::uint32_t, 64> words{};
-  for (std::size_t i = 0; i < 16; ++i) {
-    for (std::size_t byte = 0; byte < 4; ++byte)
-      words[i] = words[i] << 8U | block[4 * i + byte];
-  }
-  for (std::size_t i = 16; i < words.size(); ++i) {
-    const std::uint32_t a = words[i - 15];
-    const std::uint32_t b = words[i - 2];
-    words[i] = words[i - 16] + (std::rotr(a, 7) ^ std::rotr(a, 18) ^ a >> 3U) + words[i - 7] +
-               (std::rotr(b, 17) ^ std::rotr(b, 19) ^ b >> 10U);
-  }
-  return words;
-}
-
-/// FIPS 180-4, 6.2.2, steps 2 to 4.
-void add_block(State& state, const unsigned char* block) {
-  const auto words = schedule(block);
-  auto [a, b, c, d, e, f, g, h] = state;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::uint32_t first = h + (std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25)) +
-                                ((e & f) ^ (~e & g)) + kConstants[i] + words[i];
-    const std::uint32_t second =
-        (std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22)) + ((a & b) ^ (a & c) ^ (b & c));
-    h = g;
-    g = f;
-    f = e;
-    e = d + first;
-    d = c;
-    c = b;
-    b = a;
-    a = first + second;
-  }
-  const State changed = {a, b, c, d, e, f, g, h};
-  for (std::size_t i = 0; i < state.size(); ++i)
-    state[i] += changed[i];
-}
-
-/// The rest of the message with its padding (FIPS 180-4, 5.1.1): one block or two.
-void add_last(State& state, std::string_view rest, std::uint64_t total) {
-  std::array<unsigned char, 2 * kBlock> last{};
-  std::memcpy(last.data(), rest.data(), rest.size());
-  last[rest.size()] = 0x80;
-  const std::size_t size = rest.size() + 9 <= kBlock ? kBlock : 2 * kBlock;
-  for (std::size_t i = 0; i < 8; ++i)
-    last[size - 1 - i] = static_cast<unsigned char>(total * 8 >> 8 * i);
-  for (std::size_t at = 0; at < size; at += kBlock)
-    add_block(state, last.data() + at);
-}
-
-}  // namespace
-
 std::string sha256(std::string_view content) {
-  State state = kInitial;
-  const std::uint64_t total = content.size();
-  for (; content.size() >= kBlock; content.remove_prefix(kBlock))
-    add_block(state, reinterpret_cast<const unsigned char*>(content.data()));
-  add_last(state, content, total);
+  std::array<unsigned char, 32> digest{};
+  // Fails only where there is no memory for its state.
+  if (EVP_Digest(content.data(), content.size(), digest.data(), nullptr, EVP_sha256(), nullptr) != 1)
+    throw std::bad_alloc();
   std::string digits;
-  for (const std::uint32_t word : state) {
-    for (int shift = 28; shift >= 0; shift -= 4)
-      digits += "0123456789abcdef"[word >> static_cast<unsigned>(shift) & 0xFU];
+  for (const unsigned byte : digest) {
+    digits += "0123456789abcdef"[byte >> 4U];
+    digits += "0123456789abcdef"[byte & 0xFU];
   }
   return digits;
 }
