@@ -2,6 +2,7 @@
 #include <segue/link/shared_pools.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <new>
 
@@ -17,8 +18,12 @@ struct Pool {
   std::unique_ptr<BlockPool> blocks;
 };
 
+/// Several threads may do so at once: all write the same. Other processes read it meanwhile.
 void write_header(const Mapping& pool, Incarnation owner) {
-  new (pool.data()) PoolHeader{kMagic, kLayout, owner};
+  auto* header = reinterpret_cast<PoolHeader*>(pool.data());
+  std::atomic_ref(header->magic).store(kMagic, std::memory_order_relaxed);
+  std::atomic_ref(header->layout).store(kLayout, std::memory_order_relaxed);
+  std::atomic_ref(header->incarnation).store(owner, std::memory_order_relaxed);
 }
 
 Result<Pool> make_pool(const char* name, Incarnation owner, std::size_t size, std::size_t ready,

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/link/shared_pools.hpp>
 #include <segue/link/shared_test_support.hpp>
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace segue::link {
@@ -146,6 +148,20 @@ TEST(SharedStorm, ConnectingAtFullRateNeitherTearsNorHauntsNorLeaks) {
   EXPECT_EQ(weather.pair.reader->usage().control_used, idle.control_used);
   EXPECT_EQ(weather.pair.writer->usage().payload_used, idle.payload_used) << "the header alone";
   EXPECT_EQ(weather.pair.writer->usage().connections, 0U);
+}
+
+TEST(SharedStorm, MemoryMayBeOfferedToSeveralAtOnce) {
+  const auto memory = *SharedMemory::create();
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&memory] {
+      for (int turn = 0; turn < 100; ++turn) {
+        const auto offer = memory->offer();
+        ASSERT_TRUE(offer) << to_string(offer.error());
+        EXPECT_TRUE(PeerMemory::map(*offer));
+      }
+    });
+  }
 }
 
 TEST(SharedStorm, EitherSideMayForgetTheOtherAtAnyTime) {
