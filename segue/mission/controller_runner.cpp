@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/controller_runner.hpp>
 
-#include <segue/base/life_cycle.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/controller_progress.hpp>
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/prepared_controllers.hpp>
 #include <segue/mission/robot_look.hpp>
+#include <segue/mission/task_commands.hpp>
 #include <segue/mission/upcoming_controllers.hpp>
 #include <segue/mission/watched_ports.hpp>
 #include <segue/mission/watched_tasks.hpp>
@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
-#include <set>
 #include <stop_token>
 #include <utility>
 
@@ -42,24 +41,6 @@ ControllerUse filled(ControllerUse use, const ActionCall& call) {
 
 Ending aborted(const Error& error) {
   return {kAborted, to_string(error)};
-}
-
-/// The condition if it is one of that kind on the robot; else null.
-template <class Kind>
-const Kind* condition_of(const EndCondition& condition) {
-  const auto* seen = std::get_if<RobotCondition>(&condition.when);
-  return seen == nullptr ? nullptr : std::get_if<Kind>(seen);
-}
-
-/// Whether something other than time ends it, or it has ended.
-bool can_be_watched(const ControllerUse& use) {
-  const auto sees = [](const EndCondition& one) { return std::holds_alternative<RobotCondition>(one.when); };
-  return use.until.empty() || std::ranges::any_of(use.until, sees);
-}
-
-bool names_failure(const std::string& state) {
-  const auto named = task_state_from(state);
-  return named && is_error(*named);
 }
 
 /// What all executions of a runner have to do with.
@@ -99,11 +80,15 @@ class ControlledRun {
         options_(shared.options),
         task_(std::move(task)),
         use_(task_.use),
-        told_(task_.progress.updates) {}
+        commands_(robot_, use_, options_.answer_deadline),
+        is_told_(task_.progress.stage == ControllerProgress::Stage::Told),
+        told_(task_.progress.updates) {
+    if (is_told_) commands_.skip();
+  }
 
   /// Blocks until the action has ended.
   Ending run(const std::stop_token& stop, std::vector<Value>& outputs) {
-    if (!is_told()) {
+    if (!is_told_) {
       const auto runs = shared_.controllers->begin(use_.controller, use_.set, {task_.user, stop, !use_.stop});
       if (!runs) return stop.stop_requested() ? preempted() : failed(runs.error(), stop);
     }
@@ -117,18 +102,15 @@ class ControlledRun {
 
  private:
   Ending carry_out(const std::stop_token& stop, std::vector<Value>& outputs) {
-    if (!is_told()) {
-      if (auto told = tell(stop); !told) return aborted_by(told.error(), stop);
-    }
-    if (auto opened = open_ports(stop); !opened) return aborted_by(opened.error(), stop);
+    follow_tasks();
+    tasks_.ask();  // so a task that begins anew while it is being told is noticed
+    if (auto ending = tell_tasks(stop)) return *ending;
     begin_ = now();
     Ending ending = watch(stop);
     if (ending.outcome < 0) return ending;
     if (auto read = read_outputs(stop, outputs); !read) return aborted_by(read.error(), stop);
     return ending;
   }
-
-  [[nodiscard]] bool is_told() const { return task_.progress.stage == ControllerProgress::Stage::Told; }
 
   static Ending preempted() { return {kPreempted, {}}; }
 
@@ -153,34 +135,50 @@ class ControlledRun {
     if (task_.record) task_.record(task_.progress.to_value());
   }
 
-  /// Says to its tasks, or only to those, what to do, and from when on they count. An action that is
-  /// preempted meanwhile says nothing more.
-  Result<void> tell(const std::stop_token& stop, const std::set<std::string>* only = nullptr) {
-    const auto is_told = [&](const MemberValue& one) {
-      return only == nullptr || only->contains(one.member.task);
-    };
-    if (std::ranges::any_of(use_.call, is_told) || std::ranges::any_of(use_.write, is_told))
-      record(ControllerProgress::Stage::Tells);
-    for (const MemberValue& one : use_.call) {
-      if (!is_told(one)) continue;
-      if (stop.stop_requested()) return no_longer_wanted();
-      if (auto called = robot_.call(one.member, one.value, {answer_by(), stop}); !called)
-        return called.error();
+  /// Tells its tasks what they have not been told, and waits for those that the robot mends meanwhile. The
+  /// ending where they cannot be told.
+  std::optional<Ending> tell_tasks(const std::stop_token& stop) {
+    TimePoint give_up = now() + options_.notice;
+    while (true) {
+      auto told = is_told_ ? Result<void>() : tell(stop);
+      if (told) told = open_ports(stop);
+      if (told) return std::nullopt;
+      if (auto ending = await_repair(told.error(), give_up, stop)) return ending;
+      forget_begun_anew();
     }
-    for (const MemberValue& one : use_.write) {
-      if (!is_told(one)) continue;
-      if (stop.stop_requested()) return no_longer_wanted();
-      if (auto written = robot_.write(one.member, one.value, {answer_by(), stop}); !written) return written;
-    }
+  }
+
+  /// From when they have been told, their states count.
+  Result<void> tell(const std::stop_token& stop) {
+    if (!commands_.are_given()) record(ControllerProgress::Stage::Tells);
+    if (auto given = commands_.give(stop); !given) return given;
     for (const EndCondition& condition : use_.until) {
-      if (const auto* reaches = condition_of<TaskReaches>(condition)) {
-        const auto task = robot_.task(reaches->task, {answer_by(), stop});
-        if (!task) return task.error();
-        told_.emplace(reaches->task, task->updates);
-      }
+      const auto* reaches = condition_of<TaskReaches>(condition);
+      if (reaches == nullptr || told_.contains(reaches->task)) continue;
+      const auto task = robot_.task(reaches->task, {answer_by(), stop});
+      if (!task) return task.error();
+      told_.emplace(reaches->task, task->updates);
     }
+    follow_tasks();
+    is_told_ = true;
     record(ControllerProgress::Stage::Told);
     return {};
+  }
+
+  /// Tasks that have begun anew know nothing of what they were told; feeds of their ports have ended. False:
+  /// none has.
+  bool forget_begun_anew() {
+    const auto anew = tasks_.take_begun_anew();
+    for (const std::string& task : anew) {
+      commands_.forget(task);
+      ports_.forget(task);
+      for (auto& output : outputs_) {
+        if (output && output->port.task == task) output.reset();
+      }
+      told_.erase(task);
+      is_told_ = false;
+    }
+    return !anew.empty();
   }
 
   /// Samples count from then on. A port of both has two readers, since one that is waited for is not read.
@@ -205,7 +203,6 @@ class ControlledRun {
   /// Until a condition holds, the controller is lost, or the action is preempted.
   Ending watch(const std::stop_token& stop) {
     if (use_.until.empty()) return {0, {}};
-    follow_tasks();
     TimePoint look_at_controller = begin_;
     while (!stop.stop_requested()) {
       if (now() >= look_at_controller) {
@@ -213,12 +210,15 @@ class ControlledRun {
         look_at_controller = now() + options_.watch;
       }
       const auto met = first_that_holds(stop);
+      TimePoint give_up = now() + options_.notice;
       if (!met) {
-        if (auto ending = await_repair(met.error(), stop)) return *ending;
+        if (auto ending = await_repair(met.error(), give_up, stop)) return *ending;
       } else if (*met < use_.until.size()) {
         return ended_by(*met, stop);
       }
-      if (auto ending = tell_again(stop)) return *ending;
+      if (forget_begun_anew()) {
+        if (auto ending = tell_tasks(stop)) return *ending;
+      }
       tasks_.ask();
       ports_.ask();
       bell_->wait({std::min(look_at_controller, next_look()), stop});
@@ -226,10 +226,15 @@ class ControlledRun {
     return preempted();
   }
 
+  [[nodiscard]] std::uint64_t updates_when_told(const std::string& task) const {
+    const auto found = told_.find(task);
+    return found == told_.end() ? 0 : found->second;
+  }
+
   void follow_tasks() {
     for (const EndCondition& condition : use_.until) {
       if (const auto* reaches = condition_of<TaskReaches>(condition))
-        tasks_.follow(reaches->task, told_[reaches->task]);
+        tasks_.follow(reaches->task, updates_when_told(reaches->task));
       if (const auto* answers = condition_of<OperationAnswers>(condition))
         tasks_.follow(answers->operation.task, UINT64_MAX, kBetweenCallsWithoutUpdates);
       if (const auto* shows = condition_of<SampleShows>(condition)) tasks_.follow_life(shows->port.task);
@@ -242,22 +247,26 @@ class ControlledRun {
       tasks_.follow_life(one.port.task);
   }
 
-  /// Until the robot has mended its controller; the ending where it does not, or the time is up before.
-  std::optional<Ending> await_repair(const Error& error, const std::stop_token& stop) {
-    TimePoint give_up = now() + options_.notice;
+  /// What failed because a task was lost can be tried again once the robot has mended it, which it must have
+  /// begun by `give_up`: moved on while it mends. The ending where it does not, where the time is up before,
+  /// and where nothing was lost.
+  std::optional<Ending> await_repair(const Error& error, TimePoint& give_up, const std::stop_token& stop) {
+    const bool may_be_lost = error.code == ErrorCode::NotFound || error.code == ErrorCode::Unavailable;
+    bool was_lost = false;
     while (!stop.stop_requested()) {
       const auto trouble = robot_.trouble(use_.controller, look(stop));
       if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
       if (auto lost = loss_by(*trouble)) return lost;
       if (const auto up = time_is_up()) return ended_by(*up, stop);
-      if (!trouble->repair.empty()) {
-        give_up = now() + options_.notice;
-      } else if (watched_tasks_run(stop)) {
-        return std::nullopt;
-      } else if (now() > give_up) {
-        return aborted(error);
-      }
+      const bool mends = !trouble->repair.empty();
+      const bool runs = !mends && all_tasks_run(stop);
+      was_lost = was_lost || !runs || tasks_.has_begun_anew();
+      if (runs && was_lost) return std::nullopt;
+      if (mends) give_up = now() + options_.notice;
+      if (now() > give_up || (!was_lost && !may_be_lost)) return aborted(error);
       wait(stop);
+      tasks_.ask();
+      (void)tasks_.look();  // those that cannot be seen do not run
     }
     return preempted();
   }
@@ -271,31 +280,11 @@ class ControlledRun {
     return std::nullopt;
   }
 
-  bool watched_tasks_run(const std::stop_token& stop) {
-    return std::ranges::all_of(tasks_.ids_to_be_seen(), [&](const std::string& id) {
+  bool all_tasks_run(const std::stop_token& stop) {
+    return std::ranges::all_of(tasks_.ids(), [&](const std::string& id) {
       const auto task = robot_.task(id, {answer_by(), stop});
       return task && task->state == "running";
     });
-  }
-
-  /// Tasks that have begun anew know nothing of what they were told; feeds of their ports have ended. The
-  /// ending where they cannot be told.
-  std::optional<Ending> tell_again(const std::stop_token& stop) {
-    for (std::string& task : tasks_.take_begun_anew()) {
-      ports_.forget(task);
-      for (auto& output : outputs_) {
-        if (output && output->port.task == task) output.reset();
-      }
-      told_.erase(task);
-      begun_anew_.insert(std::move(task));
-    }
-    if (begun_anew_.empty()) return std::nullopt;
-    auto told = tell(stop, &begun_anew_);
-    if (told) told = open_ports(stop);
-    if (!told) return stop.stop_requested() ? preempted() : await_repair(told.error(), stop);
-    begun_anew_.clear();
-    follow_tasks();
-    return std::nullopt;
   }
 
   /// When a condition may hold although nothing has been said of a task or a port.
@@ -313,7 +302,7 @@ class ControlledRun {
     if (auto looked = ports_.look(); !looked) return looked.error();
     if (auto looked = tasks_.look(); !looked) return looked.error();
     next_call_ = TimePoint::max();
-    if (tasks_.has_begun_anew() || !begun_anew_.empty()) return use_.until.size();  // these are told first
+    if (tasks_.has_begun_anew()) return use_.until.size();  // these are told first
     for (std::size_t i = 0; i < use_.until.size(); ++i) {
       const auto met = std::visit([&](const auto& when) { return is_met(when, stop); }, use_.until[i].when);
       if (!met) return met.error();
@@ -337,14 +326,7 @@ class ControlledRun {
   }
   [[nodiscard]] std::optional<Ending> loss_by(const ControllerTrouble& trouble) const {
     return ending_by(trouble, use_.controller,
-                     [this](const std::string& task) { return awaits_failure_of(task); });
-  }
-  /// Whether it ends, as it says itself, when that task fails.
-  [[nodiscard]] bool awaits_failure_of(const std::string& task) const {
-    return std::ranges::any_of(use_.until, [&](const EndCondition& condition) {
-      const auto* reaches = condition_of<TaskReaches>(condition);
-      return reaches != nullptr && reaches->task == task && names_failure(reaches->state);
-    });
+                     [this](const std::string& task) { return awaits_failure(use_, task); });
   }
 
   Result<bool> is_met(const TimeIsUp& when, const std::stop_token& /*stop*/) const { return is_up(when); }
@@ -354,7 +336,7 @@ class ControlledRun {
   Result<bool> is_met(const TaskReaches& when, const std::stop_token& /*stop*/) {
     const TaskView* task = tasks_.view(when.task);
     return task != nullptr && is_in(*task, when) &&
-           (task->updates > told_[when.task] || task->state != "running");
+           (task->updates > updates_when_told(when.task) || task->state != "running");
   }
   Result<bool> is_met(const SampleShows& when, const std::stop_token& /*stop*/) {
     return std::ranges::any_of(ports_.fresh(when.port),
@@ -416,10 +398,11 @@ class ControlledRun {
   };
   std::map<std::string, Called> called_;
   TimePoint next_call_ = TimePoint::max();
-  TimePoint begin_{};
+  TimePoint begin_ = TimePoint::max();  ///< when its tasks had been told
+  TaskCommands commands_;
+  bool is_told_;
   std::map<std::string, std::uint64_t> told_;     ///< how often each task had been updated then
   std::vector<std::optional<PortFeed>> outputs_;  ///< of each of `use_.outputs`
-  std::set<std::string> begun_anew_;              ///< tasks that are to be told again
 };
 
 }  // namespace

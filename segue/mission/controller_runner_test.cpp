@@ -44,6 +44,22 @@ class MendingRobot final : public FakeRobot {
     return trouble;
   }
 
+  Result<Value> call(const Member& operation, const Value& arguments, const Wait& wait) override {
+    if (is_losing(operation.name)) lose_task();
+    if (is_refused(operation.name)) return fail(ErrorCode::HookFailed, "refused by the test");
+    if (is_gone()) return gone();
+    return FakeRobot::call(operation, arguments, wait);
+  }
+
+  /// The task is lost when that operation is called next, which does nothing then.
+  void lose_task_at(const std::string& operation) {
+    const std::lock_guard lock(mutex_);
+    losing_ = operation;
+  }
+  void refuse(const std::string& operation) {
+    const std::lock_guard lock(mutex_);
+    refused_ = operation;
+  }
   void lose_task() {
     std::vector<std::shared_ptr<Once>> open;
     {
@@ -79,8 +95,19 @@ class MendingRobot final : public FakeRobot {
     return !repair_.empty();
   }
 
+  bool is_losing(const std::string& operation) {
+    const std::lock_guard lock(mutex_);
+    return operation == losing_ && !std::exchange(losing_, "").empty();
+  }
+  bool is_refused(const std::string& operation) {
+    const std::lock_guard lock(mutex_);
+    return operation == refused_;
+  }
+
   std::mutex mutex_;  ///< protects all below
   std::condition_variable waited_;
+  std::string losing_;
+  std::string refused_;
   std::vector<std::shared_ptr<Once>> open_;
   std::string repair_;
   int waits_ = 0;
@@ -159,7 +186,7 @@ TEST_F(ControllerActions, AreNotEndedByWhatATaskSaidBefore) {
 TEST_F(ControllerActions, AskAsOftenAsTheirTaskChangesHoweverOftenItUpdates) {
   robot_->stand_still();
   begin(std::string("controller: go_home, ") + kArrived);
-  robot_->wait_until_watched(3);  // when it was told, when the watch began, and for the first update
+  robot_->wait_until_watched(3);  // before it was told, when it was, and for the first update
   for (int i = 0; i < 1000; ++i)
     robot_->update();
   robot_->wait_until_watched(4);
@@ -280,7 +307,7 @@ class ActionsWhoseTaskIsLost : public ControllerActions {
   void begin_and_lose(const std::string& until) {
     begin("controller: go_home, call: {planner.set_goal: {goal: home}}, " + until);
     robot_->wait_until_asked("call planner.set_goal home");
-    robot_->wait_until_watched(3);
+    robot_->wait_until_watched(4);  // two before it was told, one for its next update, and one that waits
     mending_->lose_task();
     mending_->wait_until_waited_for();
   }
@@ -296,6 +323,43 @@ TEST_F(ActionsWhoseTaskIsLost, WaitForItsRepairAndTellItAgain) {
   EXPECT_EQ(ended().outcome_name, "arrived") << engine_->result().error;
   EXPECT_THAT(robot_->asked(),
               ElementsAre("request go_home", "call planner.set_goal home", "call planner.set_goal home"));
+}
+
+TEST_F(ActionsWhoseTaskIsLost, TellItOnceItIsMendedWhereItIsLostWhileItIsBeingTold) {
+  mending_->lose_task_at("set_goal");
+  begin(std::string("controller: go_home, call: {planner.reset: {}, planner.set_goal: {goal: home}}, ") +
+        kArrived);
+  mending_->wait_until_waited_for();
+  EXPECT_FALSE(is_over_);
+  mending_->mend_task();
+  robot_->wait_until_asked("call planner.set_goal home");
+  robot_->become("arrived");
+  EXPECT_EQ(ended().outcome_name, "arrived") << engine_->result().error;
+  EXPECT_THAT(robot_->asked(), ElementsAre("request go_home", "call planner.reset", "call planner.reset",
+                                           "call planner.set_goal home"))
+      << "the new one knows nothing of what its predecessor was told";
+}
+
+TEST_F(ActionsWhoseTaskIsLost, AbortAtOnceWhereATaskThatIsNotLostRefuses) {
+  mending_->refuse("set_goal");
+  begin(std::string("controller: go_home, call: {planner.set_goal: {goal: home}}, ") + kArrived);
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("refused by the test"));
+}
+
+TEST_F(ActionsWhoseTaskIsLost, AbortWhereTheOneInItsPlaceRefuses) {
+  begin_and_lose(kArrived);
+  mending_->refuse("set_goal");
+  mending_->mend_task();
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("refused by the test"));
+}
+
+TEST_F(ActionsWhoseTaskIsLost, AbortWhereAnOperationThatWouldEndThemFails) {
+  mending_->refuse("failed");
+  begin("controller: go_home, until: [{call: planner.failed, is: true, outcome: blocked}]");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("refused by the test"));
 }
 
 TEST_F(ActionsWhoseTaskIsLost, AbortWhereItsRepairIsGivenUp) {

@@ -43,6 +43,11 @@ Result<void> ControllerUnion::end(const std::string& controller, bool keep,
   return carry_out({{controller, {}, 0}, true, {.user = std::move(user)}});
 }
 
+std::size_t ControllerUnion::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return waiting_.size();
+}
+
 Result<void> ControllerUnion::carry_out(Change change) {
   const auto mine = std::make_shared<Change>(std::move(change));
   Lock lock(mutex_);

@@ -6,6 +6,7 @@
 #include <segue/mission/commanded_robot.hpp>
 
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <list>
 #include <memory>
@@ -61,6 +62,8 @@ class ControllerUnion {
   /// The action that had begun it has ended. `keep`: it runs on until something else is needed in its place;
   /// otherwise the robot stops it, and this blocks until it has.
   Result<void> end(const std::string& controller, bool keep, std::optional<ControllerUser> user = {});
+  /// How many callers wait for the next transition.
+  [[nodiscard]] std::size_t waiting() const;
 
  private:
   struct Member {
@@ -95,7 +98,7 @@ class ControllerUnion {
 
   const std::shared_ptr<CommandedRobot> robot_;
   const Options options_;
-  std::mutex mutex_;  ///< protects all below; not held while the robot is asked
+  mutable std::mutex mutex_;  ///< protects all below; not held while the robot is asked
   std::condition_variable_any changed_;
   std::optional<ControllerConflicts> conflicts_;
   Members members_;

@@ -30,7 +30,8 @@ class RequestedRobot final : public CommandedRobot {
     std::unique_lock lock(mutex_);
     requests_.push_back(what);
     asked_.notify_all();
-    asked_.wait_for(lock, wait.stop, 60s, [&] { return !held_; });
+    const std::size_t mine = requests_.size();
+    asked_.wait_for(lock, wait.stop, 60s, [&] { return !held_ || mine <= let_go_; });
     if (wait.is_stopped() && !is_late_) return no_longer_wanted();
     for (const std::string& controller : what.controllers) {
       if (broken_.contains(controller)) return fail(ErrorCode::InvalidState, controller + " is broken");
@@ -80,6 +81,12 @@ class RequestedRobot final : public CommandedRobot {
     held_ = false;
     asked_.notify_all();
   }
+  /// The request under way is answered; others are not yet.
+  void let_go_of_one() {
+    const std::lock_guard lock(mutex_);
+    let_go_ = requests_.size();
+    asked_.notify_all();
+  }
   void wait_for_requests(std::size_t count) {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(asked_.wait_for(lock, 60s, [&] { return requests_.size() >= count; }));
@@ -104,6 +111,7 @@ class RequestedRobot final : public CommandedRobot {
   ControllerRequest runs_;
   std::set<std::string> broken_;
   bool held_ = false;
+  std::size_t let_go_ = 0;  ///< that many requests are answered although it holds
   bool is_late_ = false;
 };
 
@@ -112,6 +120,10 @@ class UnionOfControllers : public ::testing::Test {
   std::future<Result<void>> begin(const std::string& controller, const ControllerWish& wish = {}) {
     return std::async(std::launch::async,
                       [this, controller, wish] { return union_.begin(controller, {}, wish); });
+  }
+  void wait_until_waiting(std::size_t count) {
+    while (union_.waiting() < count)
+      std::this_thread::yield();
   }
 
   std::shared_ptr<RequestedRobot> robot_ = std::make_shared<RequestedRobot>();
@@ -202,13 +214,13 @@ TEST_F(UnionOfControllers, GathersWhatIsAskedWhileATransitionIsUnderWay) {
   robot_->wait_for_requests(1);
   auto arm = begin("arm");
   auto camera = begin("camera");
-  // Both wait once the union has noted them, which nothing but time shows; either way all are asked for.
+  wait_until_waiting(2);
   robot_->let_go();
   EXPECT_TRUE(drive.get());
   EXPECT_TRUE(arm.get());
   EXPECT_TRUE(camera.get());
   EXPECT_THAT(robot_->runs().controllers, UnorderedElementsAre("drive", "arm", "camera"));
-  EXPECT_LE(robot_->requests().size(), 3U);
+  EXPECT_THAT(robot_->requests(), SizeIs(2));
 }
 
 TEST_F(UnionOfControllers, GivesUpATransitionThatNobodyWantsAnyMore) {
@@ -238,19 +250,42 @@ TEST_F(UnionOfControllers, DoesNotAskForWhatIsWantedNoLonger) {
     EXPECT_THAT(request.controllers, Not(Contains("arm")));
 }
 
-TEST_F(UnionOfControllers, CarriesOutATransitionThatAnotherActionStillWants) {
-  ControllerUnion gathering(robot_, {.gather = 200ms});
+TEST_F(UnionOfControllers, DoesNotAskForWhatIsWantedNoLongerThoughNobodyHasTakenItBackYet) {
   robot_->hold();
   std::stop_source stop;
-  auto arm =
-      std::async(std::launch::async, [&] { return gathering.begin("arm", {}, {.stop = stop.get_token()}); });
-  auto drive = std::async(std::launch::async, [&] { return gathering.begin("drive", {}); });
+  auto drive = begin("drive");
   robot_->wait_for_requests(1);
+  auto arm = begin("arm", {.stop = stop.get_token()});
+  wait_until_waiting(1);
+  // Runs before whoever waits for the arm is told.
+  const std::stop_callback before(stop.get_token(), [&] {
+    robot_->let_go();
+    EXPECT_TRUE(drive.get());
+    EXPECT_TRUE(union_.begin("camera", {}));
+  });
+  stop.request_stop();
+  EXPECT_EQ(arm.get().error().code, ErrorCode::Cancelled);
+  for (const auto& request : robot_->requests())
+    EXPECT_THAT(request.controllers, Not(Contains("arm")));
+}
+
+TEST_F(UnionOfControllers, CarriesOutATransitionThatAnotherActionStillWants) {
+  robot_->hold();
+  std::stop_source stop;
+  auto camera = begin("camera");
+  robot_->wait_for_requests(1);
+  auto arm = begin("arm", {.stop = stop.get_token()});
+  auto drive = begin("drive");
+  wait_until_waiting(2);
+  robot_->let_go_of_one();
+  robot_->wait_for_requests(2);
   stop.request_stop();
   EXPECT_EQ(arm.get().error().code, ErrorCode::Cancelled);
   robot_->let_go();
   EXPECT_TRUE(drive.get());
+  EXPECT_TRUE(camera.get());
   EXPECT_THAT(robot_->runs().controllers, Contains("drive"));
+  EXPECT_THAT(robot_->requests(), SizeIs(2)) << "it was not asked for anew";
 }
 
 TEST_F(UnionOfControllers, StopsWhatItWasTooLateToGiveUp) {
@@ -269,13 +304,18 @@ TEST_F(UnionOfControllers, StopsWhatItWasTooLateToGiveUp) {
 }
 
 TEST_F(UnionOfControllers, StartsOneThatCannotRunWithoutHarmToTheOthers) {
-  ControllerUnion gathering(robot_, {.gather = 200ms});
   robot_->break_controller("arm");
-  auto arm = std::async(std::launch::async, [&] { return gathering.begin("arm", {}); });
-  auto drive = std::async(std::launch::async, [&] { return gathering.begin("drive", {}); });
+  robot_->hold();
+  auto camera = begin("camera");
+  robot_->wait_for_requests(1);
+  auto arm = begin("arm");
+  auto drive = begin("drive");
+  wait_until_waiting(2);
+  robot_->let_go();
+  EXPECT_TRUE(camera.get());
   EXPECT_FALSE(arm.get());
   EXPECT_TRUE(drive.get());
-  EXPECT_THAT(robot_->runs().controllers, ElementsAre("drive"));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("drive", "camera"));
 }
 
 TEST_F(UnionOfControllers, IsConsistentWhateverActionsDoAtOnce) {

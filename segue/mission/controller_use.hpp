@@ -65,4 +65,16 @@ struct ControllerUse {
   friend bool operator==(const ControllerUse&, const ControllerUse&) = default;
 };
 
+/// The condition if it is one of that kind on the robot; else null.
+template <class Kind>
+const Kind* condition_of(const EndCondition& condition) {
+  const auto* seen = std::get_if<RobotCondition>(&condition.when);
+  return seen == nullptr ? nullptr : std::get_if<Kind>(seen);
+}
+
+/// Whether something other than time ends it, or it ends at once.
+bool can_be_watched(const ControllerUse& use);
+/// Whether it ends, as it says itself, when that task fails.
+bool awaits_failure(const ControllerUse& use, const std::string& task);
+
 }  // namespace segue::mission

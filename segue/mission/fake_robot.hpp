@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -60,9 +59,9 @@ class FakeRobot : public CommandedRobot {
     note("write " + to_string(port) + " " + value.as_string());
     return {};
   }
-  /// Each question is another update. The task "silent" says how it is once, and is silent afterwards.
+  /// Each question is another update. The task "silent" says how it is, and is silent afterwards.
   void watch(const TaskQuestion& question, const Wait& /*wait*/, TaskAnswer answered) override {
-    if (question.task == "silent" && is_silent_.exchange(true)) return;
+    if (question.task == "silent" && question.seen) return;
     if (question.task != "planner" && question.task != "silent")
       return answered(fail(ErrorCode::NotFound, "no task " + question.task + " runs"));
     std::unique_lock lock(mutex_);
@@ -168,7 +167,6 @@ class FakeRobot : public CommandedRobot {
   std::vector<std::pair<TaskQuestion, TaskAnswer>>
       waiting_;  ///< questions whose askers have seen how the task is
   std::size_t watches_ = 0;
-  std::atomic<bool> is_silent_ = false;
   bool updates_ = true;
   bool failed_ = false;
   bool refuses_ = false;

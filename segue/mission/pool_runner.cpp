@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -63,7 +64,8 @@ class Instances {
       if (hopeless || (!any_ready && RealClock::instance().now() > give_up))
         return fail(ErrorCode::Unavailable, why_none(*view));
       if (any_ready) give_up = RealClock::instance().now() + options_.ready_deadline;
-      freed_.wait_for(lock, stop, options_.period, [] { return false; });
+      const std::uint64_t seen = given_back_;
+      freed_.wait_for(lock, stop, options_.period, [&] { return given_back_ != seen; });
     }
     return fail(ErrorCode::Cancelled, "it was preempted");
   }
@@ -71,6 +73,7 @@ class Instances {
   void give_back(const PoolInstanceView& instance) {
     const std::lock_guard lock(mutex_);
     busy_.erase(instance.task);
+    ++given_back_;
     freed_.notify_all();
   }
 
@@ -107,6 +110,7 @@ class Instances {
   std::mutex mutex_;  ///< protects the members below; not held while the robot is asked
   std::condition_variable_any freed_;
   std::set<std::string> busy_;
+  std::uint64_t given_back_ = 0;  ///< how often an instance was
 };
 
 /// A call of an instance in a thread of its own, since it may outlast the action that made it: nobody else

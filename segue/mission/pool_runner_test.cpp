@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <condition_variable>
 #include <functional>
 #include <future>
 #include <map>
@@ -37,6 +38,8 @@ class PlanningRobot final : public CommandedRobot {
   Result<std::vector<PoolView>> pools(const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
     if (is_gone_) return fail(ErrorCode::Unavailable, "the test took the robot away");
+    ++looks_;
+    looked_.notify_all();
     return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}}};
   }
   Result<Value> call(const Member& operation, const Value& arguments, const Wait& /*wait*/) override {
@@ -76,6 +79,11 @@ class PlanningRobot final : public CommandedRobot {
     const std::lock_guard lock(mutex_);
     is_gone_ = true;
   }
+  /// Somebody has asked for the pools that often.
+  void wait_for_looks(int count) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(looked_.wait_for(lock, 60s, [&] { return looks_ >= count; }));
+  }
   std::vector<std::string> called() {
     const std::lock_guard lock(mutex_);
     return called_;
@@ -92,7 +100,9 @@ class PlanningRobot final : public CommandedRobot {
   const Answer answer_;
   std::mutex mutex_;  ///< protects all below
   std::vector<PoolInstanceView> instances_{{"planner_1", 1, true}, {"planner_2", 2, true}};
+  std::condition_variable looked_;
   std::vector<std::string> called_;
+  int looks_ = 0;
   bool is_gone_ = false;
 };
 
@@ -284,6 +294,41 @@ TEST_F(PoolCalls, LeaveTheirInstanceToNobodyElseBeforeItHasAnswered) {
   EXPECT_EQ(ended().outcome_name, "success") << engine_->result().error;
   EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2"));
   ended_meanwhile.set_value();
+}
+
+TEST_F(PoolCalls, GetAnInstanceAtOnceWhenItIsFree) {
+  options_.period = 1h;  // so nobody looks again by himself
+  robot_ = std::make_shared<PlanningRobot>([this](const std::string&, const Value&) {
+    robot_->wait_for_looks(3);
+    return route("found");
+  });
+  Runners runners;
+  runners.set_pools(std::make_shared<PoolRunner>(robot_, options_));
+  begin_mission(
+      "mission: m\n"
+      "resources: {planner: {count: 2}}\n"
+      "actions:\n"
+      "  plan: {pure: true, run: {pool: planner, call: {plan: {}}}}\n"
+      "  short: {run: {simulated: {duration: 20ms}}}\n"
+      "  d: {run: {decide: [{outcome: success}]}}\n"
+      "start: race\n"
+      "states:\n"
+      "  race:\n"
+      "    kind: preemptive\n"
+      "    on: {success: both}\n"
+      "    states:\n"
+      "      given_up: {action: plan, on: {success: return success}}\n"
+      "      short: {on: {success: return success}}\n"
+      "  both:\n"
+      "    kind: barrier\n"
+      "    on: {success: return success}\n"
+      "    states:\n"
+      "      a: {action: plan}\n"
+      "      b: {action: plan}\n"
+      "      d: {kind: decider, on: {success: return success}}\n",
+      runners);
+  EXPECT_EQ(ended().outcome_name, "success") << engine_->result().error;
+  EXPECT_EQ(robot_->called().size(), 3U);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ Result<void> WatchedTasks::take(One& one) {
     const ErrorCode code = answer->error().code;
     const bool is_gone = code == ErrorCode::NotFound || code == ErrorCode::Unavailable;
     const bool was_seen = std::exchange(one.view, std::nullopt).has_value();
-    one.is_gone = one.is_gone || (was_seen && is_gone);
+    one.is_gone = one.is_gone || is_gone;
     one.ask_at = was_seen ? TimePoint() : RealClock::instance().now() + kBetweenTries;
     return was_seen || !one.must_be_seen ? Result<void>() : answer->error();
   }
@@ -82,11 +82,10 @@ bool WatchedTasks::has_begun_anew() const {
   return std::ranges::any_of(tasks_, &One::is_anew);
 }
 
-std::vector<std::string> WatchedTasks::ids_to_be_seen() const {
+std::vector<std::string> WatchedTasks::ids() const {
   std::vector<std::string> ids;
-  for (const One& one : tasks_) {
-    if (one.must_be_seen) ids.push_back(one.task);
-  }
+  for (const One& one : tasks_)
+    ids.push_back(one.task);
   return ids;
 }
 

@@ -42,8 +42,8 @@ class WatchedTasks {
   /// When ask() has something to do although the bell does not ring.
   [[nodiscard]] TimePoint next_question() const;
 
-  /// Those that are followed for more than their life.
-  [[nodiscard]] std::vector<std::string> ids_to_be_seen() const;
+  /// Of all that are followed.
+  [[nodiscard]] std::vector<std::string> ids() const;
   /// Those that have begun anew since this was called last: they were gone, or have run before and do so
   /// again, and know nothing of what they were told before. Their updates count from the beginning.
   [[nodiscard]] std::vector<std::string> take_begun_anew();
