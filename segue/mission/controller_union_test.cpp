@@ -43,6 +43,8 @@ class RequestedRobot final : public CommandedRobot {
     return ControllerTrouble{};
   }
   Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override {
+    std::unique_lock lock(mutex_);
+    asked_.wait_for(lock, 60s, [&] { return !keeps_conflicts_; });
     return ControllerConflicts{
         {}, {{"drive", "stick", "input base.command"}}, {{"explore", "drive", "input planner.goal"}}};
   }
@@ -70,6 +72,12 @@ class RequestedRobot final : public CommandedRobot {
   void hold() {
     const std::lock_guard lock(mutex_);
     held_ = true;
+  }
+  /// Does not say what conflicts as long as this holds.
+  void keep_conflicts(bool keeps) {
+    const std::lock_guard lock(mutex_);
+    keeps_conflicts_ = keeps;
+    asked_.notify_all();
   }
   /// Whoever wants a request no longer is too late: the robot runs it.
   void be_late() {
@@ -111,6 +119,7 @@ class RequestedRobot final : public CommandedRobot {
   ControllerRequest runs_;
   std::set<std::string> broken_;
   bool held_ = false;
+  bool keeps_conflicts_ = false;
   std::size_t let_go_ = 0;  ///< that many requests are answered although it holds
   bool is_late_ = false;
 };
@@ -251,17 +260,16 @@ TEST_F(UnionOfControllers, DoesNotAskForWhatIsWantedNoLonger) {
 }
 
 TEST_F(UnionOfControllers, DoesNotAskForWhatIsWantedNoLongerThoughNobodyHasTakenItBackYet) {
-  robot_->hold();
+  robot_->keep_conflicts(true);
   std::stop_source stop;
-  auto drive = begin("drive");
-  robot_->wait_for_requests(1);
   auto arm = begin("arm", {.stop = stop.get_token()});
   wait_until_waiting(1);
+  auto drive = begin("drive");
+  wait_until_waiting(2);
   // Runs before whoever waits for the arm is told.
   const std::stop_callback before(stop.get_token(), [&] {
-    robot_->let_go();
+    robot_->keep_conflicts(false);
     EXPECT_TRUE(drive.get());
-    EXPECT_TRUE(union_.begin("camera", {}));
   });
   stop.request_stop();
   EXPECT_EQ(arm.get().error().code, ErrorCode::Cancelled);
