@@ -247,6 +247,17 @@ std::string csv_of_missions(const MissionExperiment& experiment, const std::vect
   return text;
 }
 
+/// Of the cell's runs in that mode that were timed.
+std::vector<double> makespans_of(const MissionCell& cell, bool concurrent, BenchClock clock) {
+  std::vector<double> makespans;
+  for (const MissionRun& run : cell.runs) {
+    const MissionTimes* times = times_of(run, clock);
+    if (run.concurrent == concurrent && times != nullptr && times->makespan > 0)
+      makespans.push_back(times->makespan);
+  }
+  return makespans;
+}
+
 /// By the first factor, whose values count as 1, 2, ... where one is no number; a line for each mode and
 /// setting of the others.
 draw::Chart chart_of_missions(const MissionExperiment& experiment, const std::vector<MissionCell>& cells) {
@@ -257,12 +268,7 @@ draw::Chart chart_of_missions(const MissionExperiment& experiment, const std::ve
       "makespan" + std::string(clock == BenchClock::Robot ? " in the robot's time" : ""), first.name, {}};
   for (const bool concurrent : {false, true}) {
     for (const MissionCell& cell : cells) {
-      std::vector<double> makespans;
-      for (const MissionRun& run : cell.runs) {
-        const MissionTimes* times = times_of(run, clock);
-        if (run.concurrent == concurrent && times != nullptr && times->makespan > 0)
-          makespans.push_back(times->makespan);
-      }
+      auto makespans = makespans_of(cell, concurrent, clock);
       if (makespans.empty()) continue;
       const std::string others = setting_text(experiment, cell.setting, 1);
       const std::string name = mode_name(concurrent) + (others.empty() ? "" : ", " + others);

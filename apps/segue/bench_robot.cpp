@@ -96,9 +96,9 @@ Result<void> BenchRobot::start(BenchTransport transport, const BenchHost& host) 
   const fs::path file = folder_ / "robot.yaml";
   const auto other = transport == BenchTransport::Remote ? enter_host(host) : Result<std::string>("");
   if (!other) return other.error();
-  const auto written = write_file(file, std::string("robot: ") + kRobotName + "\nhosts: {localhost: local" +
-                                            *other + "}\nlibraries: [segue_components_bench]\n" +
-                                            "look_ahead: {processes: 1000, memory: 100GB}\n");
+  auto written = write_file(file, std::string("robot: ") + kRobotName + "\nhosts: {localhost: local" +
+                                      *other + "}\nlibraries: [segue_components_bench]\n" +
+                                      "look_ahead: {processes: 1000, memory: 100GB}\n");
   if (!written) return written;
   Diagnostics diagnostics;
   runtime::EmbeddedOptions options;

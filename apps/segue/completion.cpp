@@ -105,7 +105,7 @@ void add_members(const type::Value& task, const std::string& id, const std::stri
     const type::Value* properties = task.find(kind);
     if (properties == nullptr || !properties->is_map()) return;
     for (const auto& [name, value] : properties->as_map())
-      names.push_back(id + '.' + name + '=');
+      names.push_back(fmt::format("{}.{}=", id, name));
     return;
   }
   for (const type::Value& member : list_at(task, kind)) {

@@ -161,11 +161,13 @@ int show_log(const LogOptions& options, const Context& context) {
       printer.finish();
       return failed(context, more.error());
     }
+    bool has_grown = false;
     if (more) {
       part = std::move(more);
       printer.add(part->text);
+      has_grown = !part->text.empty();
     }
-    if (reader_leaves_within(more && !part->text.empty() ? Duration(0) : kLogPause)) break;
+    if (reader_leaves_within(has_grown ? Duration(0) : kLogPause)) break;
   }
   printer.finish();
   return kDone;

@@ -86,6 +86,21 @@ void add_mode_option(Verb& verb, MissionOptions& options) {
       .one_of({"sequential", "concurrent"});
 }
 
+/// How a run that can be resumed is recorded, and what becomes of one that was interrupted.
+void add_journal_options(Verb& runner, MissionOptions& options, const Option& steps_back) {
+  const Option journal =
+      runner.option("--journal FILE", options.journal, "record the run, so that it can be resumed")
+          .excludes(steps_back);
+  const Option resume =
+      runner.flag("--resume", options.resume, "continue the interrupted run of that journal").needs(journal);
+  runner
+      .option("--under-way HOW", options.under_way,
+              "what to do about actions that were running then: go-on (default) watches the controllers of a "
+              "robot that run still; again, skip or abort")
+      .needs(resume)
+      .one_of({"go-on", "again", "skip", "abort"});
+}
+
 void add_runner(Verb& verb, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
@@ -115,17 +130,7 @@ void add_runner(Verb& verb, Context& context) {
   runner.option(
       "--break PATH", options->breakpoints,
       "on a robot, be held before this state until `segue mission step` or `resume`, or the studio");
-  const Option journal =
-      runner.option("--journal FILE", options->journal, "record the run, so that it can be resumed")
-          .excludes(steps_back);
-  const Option resume =
-      runner.flag("--resume", options->resume, "continue the interrupted run of that journal").needs(journal);
-  runner
-      .option("--under-way HOW", options->under_way,
-              "what to do about actions that were running then: go-on (default) watches the controllers of a "
-              "robot that run still; again, skip or abort")
-      .needs(resume)
-      .one_of({"go-on", "again", "skip", "abort"});
+  add_journal_options(runner, *options, steps_back);
   runner.option("--python PROGRAM", options->python, "the interpreter of Python scripts; default: python3");
   runner.flag("-f,--follow", options->follow,
               "print every state or node that begins or ends, as it happens; in JSON one a line");

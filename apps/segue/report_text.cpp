@@ -109,8 +109,8 @@ std::string outcome_line(const Value& result) {
     done += text_at(action, "outcome") == "done" ? 1 : 0;
   const std::string cause = text_at(result, "cause");
   const std::string why = cause.empty() || cause == "request" ? "" : " (" + cause + ")";
-  const std::string line = fmt::format("{} -> {}{}: {}", name_or_empty(text_at(result, "from")),
-                                       name_or_empty(text_at(result, "to")), why, text_at(result, "outcome"));
+  std::string line = fmt::format("{} -> {}{}: {}", name_or_empty(text_at(result, "from")),
+                                 name_or_empty(text_at(result, "to")), why, text_at(result, "outcome"));
   if (list_at(result, "actions").empty()) return line;
   const std::string leftover = text_at(result, "leftover").empty() ? "" : ", retire incomplete";
   return line + fmt::format(", {} action{} in {} (commit {}){}", done, done == 1 ? "" : "s",

@@ -62,7 +62,7 @@ std::string commander_text(const Value& status) {
 
 /// That another runtime has got the robot.
 std::string loss_text(const Value& status) {
-  const std::string why = text_at(status, "lost");
+  std::string why = text_at(status, "lost");
   if (why.empty()) return why;
   return coloured(Colour::Red, "lost: " + printable(why)) + "\nonly `segue run --take-over` gets it back\n";
 }

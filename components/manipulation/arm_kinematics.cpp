@@ -38,8 +38,8 @@ bool usable(const JointDescription& joint) {
 }  // namespace
 
 struct ArmKinematics::Chain {
-  explicit Chain(KDL::Chain made)
-      : chain(std::move(made)),
+  explicit Chain(const KDL::Chain& made)
+      : chain(made),
         positions(chain.getNrOfJoints()),
         jacobian(chain.getNrOfJoints()),
         tip_solver(chain),

@@ -37,7 +37,7 @@ class TrajectoryGenerator final : public Component {
       limits.push_back({joint.lower, joint.upper, {joint.velocity, joint.acceleration, joint.jerk}});
     auto made = Trajectory::create(limits);
     if (!made) return std::move(made.error());
-    trajectory_.emplace(std::move(*made));
+    trajectory_.emplace(*made);
     set_points_.positions.assign(limits.size(), 0);
     set_points_.velocities.assign(limits.size(), 0);
     target_.assign(limits.size(), 0);

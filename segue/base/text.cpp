@@ -156,7 +156,8 @@ std::string format_duration(Duration duration) {
   }
   std::array<char, 40> buffer{};
   const double number = static_cast<double>(count) / unit->nanoseconds;
-  auto [end, status] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number);
+  auto [end, status] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, std::chars_format::fixed);
   if (std::llround(number * unit->nanoseconds) == count && status == std::errc{}) {
     return std::string(buffer.data(), end) + std::string(unit->name);
   }

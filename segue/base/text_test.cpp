@@ -109,6 +109,7 @@ TEST(FormatDuration, PicksAUnitThatReadsWell) {
   EXPECT_EQ(format_duration(milliseconds(100)), "100ms");
   EXPECT_EQ(format_duration(milliseconds(1500)), "1.5s");
   EXPECT_EQ(format_duration(nanoseconds(0)), "0s");
+  EXPECT_EQ(format_duration(std::chrono::seconds(9'000'000'000)), "9000000000s");
 }
 
 TEST(SizeTest, readsNumberAndUnit) {

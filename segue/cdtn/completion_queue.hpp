@@ -63,7 +63,7 @@ class CompletionQueue final : public Completions {
   }
 
   /// Virtual time goes on without the ends that other threads were to post; false if there are none.
-  bool give_up_awaited() { return std::exchange(awaited_, {}).size() > 0; }
+  bool give_up_awaited() { return !std::exchange(awaited_, {}).empty(); }
 
  private:
   struct Scheduled {

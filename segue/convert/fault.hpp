@@ -41,6 +41,7 @@ enum class ConversionFault : std::uint8_t {
   ForgetsWorldData,          ///< what is attached to the world does not follow its facts
   ForgetsStrict,             ///< nothing is strict
   RacesConflict,             ///< states of a preemptive container that touch the same wait for each other
+  NeedsContradicted,         ///< states of a barrier that take away what others need wait for each other
   RacesBeginEarly,           ///< states of a preemptive container begin before what comes before it has ended
   SeesOldUnits,              ///< opaque subtrees begin with the units of the beginning
   ForgetsSurroundings,       ///< what containers declare is ignored

@@ -30,6 +30,7 @@ struct Touched {
   std::string name;
   bool changes = false;
   std::optional<bool> makes{};  ///< of a fact that it changes
+  std::optional<bool> needs{};  ///< of a fact that it relies on
 };
 
 /// Whether both names may stand for the same.
@@ -45,6 +46,14 @@ bool may_be_same(const std::string& a, const std::string& b) {
 bool conflict(const Touched& a, const Touched& b) {
   const bool agree = a.makes && a.makes == b.makes;
   return (a.changes || b.changes) && !agree && may_be_same(a.name, b.name);
+}
+
+/// Whether one of them takes away what the other relies on.
+bool contradict(const Touched& a, const Touched& b) {
+  const auto takes = [](const Touched& one, const Touched& from) {
+    return one.makes && from.needs && *one.makes != *from.needs;
+  };
+  return (takes(a, b) || takes(b, a)) && may_be_same(a.name, b.name);
 }
 
 class Search {
@@ -111,7 +120,12 @@ class Search {
       const StateIndex declaring = declaring_container(state);
       if (declaring != kNoState) return {Kind::DeclaresInRace, declaring};
     }
-    if (mission::is_concurrency(entry.kind) && beside && races(state)) return conflict_beside(state);
+    if (mission::is_concurrency(entry.kind) && beside) {
+      if (races(state)) return touching_the_same(state);
+      const StateIndex child = first_beside(state, contradict);
+      if (child != kNoState && !planted(ConversionFault::NeedsContradicted))
+        return {Kind::ContradictedBeside, child};
+    }
     return {};
   }
 
@@ -155,22 +169,33 @@ class Search {
            std::ranges::any_of(entry.children, [this](StateIndex child) { return races(child); });
   }
 
-  /// The first state in the container that would have to wait for another one in it, since both touch the
-  /// same. That only costs time, unless it decides which state of a preemptive container ends first.
-  [[nodiscard]] OpaqueSubtreeReason conflict_beside(StateIndex container) const {
+  /// A state in the container that would have to wait for another one in it, since both touch the same. That
+  /// only costs time, unless it decides which state of a preemptive container ends first.
+  [[nodiscard]] OpaqueSubtreeReason touching_the_same(StateIndex container) const {
     if (planted(ConversionFault::RacesConflict)) return {};
+    for (const StateIndex child : node(container).children) {
+      std::vector<Touched> own;
+      if (child != node(container).decider && collect(child, own)) return {Kind::ReadsWorldBeside, child};
+    }
+    const StateIndex child = first_beside(container, conflict);
+    return child == kNoState ? OpaqueSubtreeReason() : OpaqueSubtreeReason{Kind::ConflictBeside, child};
+  }
+
+  /// The first state in the container that touches something which stands so to what one before it touches.
+  [[nodiscard]] StateIndex first_beside(StateIndex container,
+                                        bool (*stand)(const Touched& a, const Touched& b)) const {
     std::vector<Touched> before;
     for (const StateIndex child : node(container).children) {
       if (child == node(container).decider) continue;
       std::vector<Touched> own;
-      if (collect(child, own)) return {Kind::ReadsWorldBeside, child};
+      (void)collect(child, own);
       for (const Touched& touched : own) {
-        const auto conflicts = [&](const Touched& other) { return conflict(touched, other); };
-        if (std::ranges::any_of(before, conflicts)) return {Kind::ConflictBeside, child};
+        if (std::ranges::any_of(before, [&](const Touched& other) { return stand(touched, other); }))
+          return child;
       }
       before.insert(before.end(), own.begin(), own.end());
     }
-    return {};
+    return kNoState;
   }
 
   /// Adds what the actions in the state touch; true if one of them looks at all facts.
@@ -187,7 +212,7 @@ class Search {
   bool collect(const Action& action, std::vector<Touched>& touched) const {
     for (const auto* facts : {&action.preconditions, &action.during}) {
       for (const mission::Fact& fact : *facts)
-        touched.push_back({"fact " + to_string(fact), false});
+        touched.push_back({"fact " + to_string(fact), false, {}, fact.positive});
     }
     for (const mission::Fact& fact : action.effects)
       touched.push_back({"fact " + to_string(fact), true, fact.positive});
@@ -236,6 +261,8 @@ std::string text_of(const OpaqueSubtreeReason& reason, const mission::Program& p
     case Kind::ConflictBeside:
       return "since " + id +
              " in it touches what another state touches, which must not decide which one ends first";
+    case Kind::ContradictedBeside:
+      return "since " + id + " in it and a state beside it need and change a fact, one against the other";
     case Kind::DeclaresInRace:
       return "since " + id + " declares preconditions or resources, and may be preempted";
     case Kind::None:

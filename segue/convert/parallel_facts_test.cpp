@@ -56,6 +56,13 @@ TEST(ParallelFacts, WhoReliesOnAFactWaitsForTheStateBesideThatMakesItTrue) {
                                             "both/decider: success, 13 to 13", "after: success, 12 to 13"));
 }
 
+TEST(ParallelFacts, WhereAStateTakesAwayWhatOneBesideItNeedsTheyRunAsTheyAreWritten) {
+  const VirtualRun run(
+      beside("      x: {action: make}\n      y: {action: rely_not}\n      z: {action: make_other}"));
+  EXPECT_THAT(run.executions(),
+              ElementsAre("before: success, 0 to 7", "both: success, 7 to 14", "after: success, 14 to 15"));
+}
+
 TEST(ParallelFacts, WhatComesAfterABarrierWaitsForAllThatMayHaveMadeTheFactTrue) {
   const VirtualRun run(beside("      x: {action: fail}\n      y: {action: make}"));
   EXPECT_THAT(run.executions(),

@@ -171,12 +171,12 @@ void Fleet::on_exit(const process::ProcessInfo& process) {
 }
 
 void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reason) {
-  const auto tasks = remove(record);
+  const std::string what = to_string(reason);
+  const std::string last_lines = last_log_lines(record->process());
+  const auto tasks = remove(record);  // at last: soon after it is missed, it is known why
   if (!tasks) {
     return;
   }
-  const std::string what = to_string(reason);
-  const std::string last_lines = last_log_lines(record->process());
   const std::string output = last_lines.empty() ? "" : "; its log ends with:" + last_lines;
   events_.post(host::ProcessEvent{record->key(), with_tasks(what, *tasks) + output, true});
   for (const auto& task : *tasks) {

@@ -12,8 +12,8 @@ namespace segue::mission {
 /// The place in a file at which something was declared. All are equal, so that missions compare by content.
 struct SourcePlace : SourceLocation {
   SourcePlace() = default;
-  SourcePlace(SourceLocation where)
-      : SourceLocation(std::move(where)) {}  // NOLINT(google-explicit-constructor)
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  SourcePlace(SourceLocation where) : SourceLocation(std::move(where)) {}
   friend bool operator==(const SourcePlace&, const SourcePlace&) { return true; }
 };
 

@@ -89,20 +89,20 @@ class ConnectionList {
   };
 
   /// With a gate, the connection begins when that opens.
-  void add(std::shared_ptr<End> end, CommitGatePtr gate = nullptr) {
+  void add(std::shared_ptr<End> end, const CommitGatePtr& gate = nullptr) {
     const std::lock_guard lock(mutex_);
     List next = copy(1);
     const Lifetime lifetime = gate ? Lifetime::FromCommit : Lifetime::Always;
-    if (gate) use_gate(next, std::move(gate));
+    if (gate) use_gate(next, gate);
     next.entries.push_back({std::move(end), lifetime});
     swap(std::move(next));
   }
 
   /// The connection ends when the gate opens. Does nothing where it does not carry samples now.
-  void end_at(const End* end, CommitGatePtr gate) {
+  void end_at(const End* end, const CommitGatePtr& gate) {
     const std::lock_guard lock(mutex_);
     List next = copy(0);
-    use_gate(next, std::move(gate));
+    use_gate(next, gate);
     for (Entry& entry : next.entries) {
       if (entry.end.get() == end && entry.lifetime == Lifetime::Always)
         entry.lifetime = Lifetime::UntilCommit;
@@ -160,13 +160,13 @@ class ConnectionList {
   }
 
   /// Replaces the gate. An earlier one belongs to a transition that has ended.
-  static void use_gate(List& list, CommitGatePtr gate) {
+  static void use_gate(List& list, const CommitGatePtr& gate) {
     if (list.gate && list.gate != gate) {
       const bool committed = list.gate->open();
       for (Entry& entry : list.entries)
         entry.lifetime = settled(entry.lifetime, committed);
     }
-    list.gate = std::move(gate);
+    list.gate = gate;
   }
 
   void swap(List next) {

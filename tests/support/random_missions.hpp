@@ -24,7 +24,7 @@ class RandomMission {
 
   std::string text() {
     const std::string root = hierarchy(0, "", {});
-    const std::string world = chance(50) ? "world: [f0, g(1), g(4)]\n" : "";
+    const std::string world = chance(50) ? "world: [f0, f3, f4, g(1), g(4)]\n" : "";
     return "mission: random\n" + world +
            "resources:\n  r1: {commutes: true}\n  pool: {count: 2}\n  stock: {class: task, count: 100000}\n" +
            "  cup: {class: world, count: 2}\n  tool: {count: 2}\n" + "actions:\n" + actions_ +
@@ -34,7 +34,8 @@ class RandomMission {
 
  private:
   /// The position of a state. States in concurrent branches have facts of their own, since changing a fact of
-  /// another branch is a race that the two runs may decide differently. Other facts they only make true.
+  /// another branch is a race that the two runs may decide differently. Other facts they only make true, or
+  /// only take away.
   struct Where {
     std::string fact;
     bool guarded =
@@ -51,10 +52,18 @@ class RandomMission {
   std::uint64_t under(std::uint64_t limit) { return random_() % limit; }
   bool chance(int percent) { return under(100) < static_cast<std::uint64_t>(percent); }
 
+  /// What concurrent branches take away from one another: a fact that none of them makes true.
+  std::string contested_fact() {
+    const std::uint64_t fact = 3 + under(2);
+    return chance(50) ? fmt::format("    effects: [-f{}]\n", fact)
+                      : fmt::format("    preconditions: [f{}]\n    effects: [+{}]\n", fact, shared_fact());
+  }
+
   /// One that no container relies on.
   std::string shared_fact() { return fmt::format("f{}", 1 + under(2)); }
 
   std::string facts(const Where& where) {
+    if (where.is_concurrent() && chance(8)) return contested_fact();
     if (where.is_concurrent() && chance(25)) return fmt::format("    effects: [+{}]\n", shared_fact());
     const auto fact = [&] {
       if (where.is_concurrent()) return where.fact;

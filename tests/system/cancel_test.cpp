@@ -27,6 +27,7 @@ TEST_F(CancelTest, CtrlCUndoesTheSwitchAndTheJournalHasWhoDidIt) {
         "robot: rover\ncontrollers: [controllers/*.yaml]\n");  // without libraries: stand-ins
   write("slow.yaml", "stand_ins: {guard: {configure: 4s}, default: {rate: 1}}\n");
   start({"--controller", "explore", "--stand-ins", "slow.yaml"});
+  ASSERT_TRUE(eventually([&] { return json({"status"}).find("requests")->as_list().empty(); }));
   const auto nothing = segue({"cancel"});
   EXPECT_EQ(nothing.status, 1);
   EXPECT_NE(nothing.errors.find("there is nothing to cancel"), std::string::npos) << nothing.errors;

@@ -43,6 +43,8 @@ class HalfDeadRobot : public SystemTest {
 TEST_F(HalfDeadRobot, SaysWhatIsMissingAndIsRepairedOnRequest) {
   signal_laser(SIGKILL);
   ASSERT_TRUE(eventually([&] { return health() == 5; }));
+  EXPECT_TRUE(eventually([&] { return has(segue({"status"}).output, "SIGKILL"); }))
+      << "why is known a moment later";
   const auto status = segue({"status"});
   EXPECT_EQ(status.status, 0) << "without --exit-code";
   EXPECT_FALSE(has(status.output, "idle")) << status.output;
