@@ -19,6 +19,9 @@
 namespace segue::cdtn {
 namespace {
 
+/// More than any node of these networks needs.
+constexpr std::uint32_t kMostAttempts = 1000;
+
 std::uint64_t setting(const char* name, std::uint64_t fallback) {
   const char* given = std::getenv(name);
   return given == nullptr ? fallback : std::strtoull(given, nullptr, 10);
@@ -64,7 +67,13 @@ std::string difference(std::uint64_t seed) {
     const bool steady = pace == Pace::Steady;
     RandomEnvironment environment(network, seed, variety, steady ? seed : mix(seed, 100), pace);
     ConcurrentEngine engine(network, order, environment, options);
+    bool ends = true;
+    environment.limit_attempts(kMostAttempts, [&] {
+      ends = false;
+      engine.stop();
+    });
     const RunResult concurrent = engine.run();
+    if (!ends) return "it does not end: a node begins again and again";
     RunCheck check(network, sequential, concurrent, options.strict,
                    [&](NodeId acts, NodeId fails) { return network.in_parallel(acts, fails); });
     std::string text = check.difference();

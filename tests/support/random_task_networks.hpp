@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Random task networks, and a world in which what a node does depends on nothing but what it reads: for
@@ -175,7 +177,14 @@ class RandomEnvironment final : public Environment {
                     std::uint64_t schedule, Pace pace = Pace::Unsteady)
       : network_(network), answers_(answers), variety_(variety), schedule_(schedule), pace_(pace) {}
 
+  /// How often a node may begin; `exceeded` is called where one does so more often, each time.
+  void limit_attempts(std::uint32_t most, std::function<void()> exceeded) {
+    most_attempts_ = most;
+    exceeded_ = std::move(exceeded);
+  }
+
   void start(NodeContext& context, Completions& completions) override {
+    if (exceeded_ && context.attempt() > most_attempts_) exceeded_();
     const std::uint64_t run = pace_ == Pace::Steady ? 1 : context.attempt();
     const std::uint64_t when = mix(mix(schedule_, index(context.node())), run);
     const TimePoint end = completions.now() + std::chrono::seconds(when % 3 == 0 ? 0 : when / 3 % 20);
@@ -244,6 +253,8 @@ class RandomEnvironment final : public Environment {
     return effects;
   }
 
+  std::uint32_t most_attempts_ = 0;
+  std::function<void()> exceeded_{};
   const TaskNetwork& network_;
   std::uint64_t answers_;
   Variety variety_;
