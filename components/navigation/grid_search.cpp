@@ -271,8 +271,10 @@ double GridSearch::cost_along(Point from, Point to, double limit) const {
   double sum = 0;
   traverse(frame, from, to, [&](Cell cell, double length) {
     const std::size_t index = frame.index(cell);
-    sum += passability_.passable(index) ? length * passability_.cost(index)
-                                        : std::numeric_limits<double>::infinity();
+    if (passability_.passable(index))
+      sum += length * passability_.cost(index);
+    else
+      sum = std::numeric_limits<double>::infinity();
     return sum <= limit;
   });
   return sum;

@@ -78,7 +78,8 @@ void OccupancyMap::integrate(const messages::LaserScan& scan, const Pose2D& sens
 std::int8_t OccupancyMap::occupancy(Cell cell) const {
   if (!frame_.contains(cell)) return -1;
   const std::int16_t odds = log_odds_[frame_.index(cell)];
-  return odds == kUnknown ? std::int8_t{-1} : percent_[static_cast<std::size_t>(odds + maximum_)];
+  return odds == kUnknown ? std::int8_t{-1}
+                          : percent_[static_cast<std::size_t>(odds) + static_cast<std::size_t>(maximum_)];
 }
 
 void OccupancyMap::write_to(messages::OccupancyGrid& grid) const {
@@ -89,7 +90,8 @@ void OccupancyMap::write_to(messages::OccupancyGrid& grid) const {
   grid.height = static_cast<std::uint32_t>(frame_.height);
   grid.cells.resize(log_odds_.size());
   std::ranges::transform(log_odds_, grid.cells.begin(), [this](std::int16_t odds) {
-    return odds == kUnknown ? std::int8_t{-1} : percent_[static_cast<std::size_t>(odds + maximum_)];
+    return odds == kUnknown ? std::int8_t{-1}
+                            : percent_[static_cast<std::size_t>(odds) + static_cast<std::size_t>(maximum_)];
   });
 }
 

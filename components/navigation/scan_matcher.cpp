@@ -107,9 +107,11 @@ Match ScanMatcher::refine(const ClearanceMap& map, const Pose2D& guess, Pose2D p
       const Pose2D middle = pose;
       const double before = best;
       for (int neighbour = 0; neighbour < 27; ++neighbour) {
-        const Pose2D candidate{middle.x + step * kCoarseStep * (neighbour % 3 - 1),
-                               middle.y + step * kCoarseStep * (neighbour / 3 % 3 - 1),
-                               middle.theta + step * kCoarseTurn * (neighbour / 9 - 1)};
+        const int along = neighbour % 3 - 1;
+        const int across = neighbour / 3 % 3 - 1;
+        const int turned = neighbour / 9 - 1;
+        const Pose2D candidate{middle.x + step * kCoarseStep * along, middle.y + step * kCoarseStep * across,
+                               middle.theta + step * kCoarseTurn * turned};
         const double score = score_of(candidate);
         if (score <= best) continue;
         best = score;

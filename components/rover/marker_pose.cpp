@@ -43,13 +43,13 @@ void linearise(const messages::Pose& pose, const Corners& corners, double side, 
     const double scale = projection.focal_length / point.z();
     const Eigen::Vector2d seen(projection.centre_x + scale * point.x(),
                                projection.centre_y + scale * point.y());
-    residuals.segment<2>(2 * i) = corners.at(static_cast<std::size_t>(i)) - seen;
+    residuals.segment<2>(Eigen::Index{2} * i) = corners.at(static_cast<std::size_t>(i)) - seen;
     Eigen::Matrix<double, 2, 3> by_point;
     by_point << scale, 0, -scale * point.x() / point.z(), 0, scale, -scale * point.y() / point.z();
     Eigen::Matrix3d by_rotation;
     by_rotation << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
-    jacobian.block<2, 3>(2 * i, 0) = by_point * by_rotation;
-    jacobian.block<2, 3>(2 * i, 3) = by_point;
+    jacobian.block<2, 3>(Eigen::Index{2} * i, 0) = by_point * by_rotation;
+    jacobian.block<2, 3>(Eigen::Index{2} * i, 3) = by_point;
   }
 }
 

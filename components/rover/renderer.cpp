@@ -40,7 +40,8 @@ struct Renderer::Implementation {
   ModelPtr model;
   DataPtr data;
   ContextPtr context;
-  std::vector<std::uint8_t> window = std::vector<std::uint8_t>(16 * 16 * 4);  ///< nothing is drawn there
+  std::vector<std::uint8_t> window =
+      std::vector<std::uint8_t>(std::size_t{16} * 16 * 4);  ///< nothing is drawn there
   mjvScene scene{};
   mjrContext resources{};
   mjvOption options{};

@@ -179,8 +179,8 @@ void SimulatedRover::scan(const ScanPattern& pattern, messages::LaserScan& scan)
   scan.minimum_range = pattern.minimum_range;
   scan.maximum_range = pattern.maximum_range;
   scan.ranges.resize(pattern.rays);
-  const mjtNum* const from = data_->site_xpos + 3 * lidar_;
-  const mjtNum* const frame = data_->site_xmat + 9 * lidar_;
+  const mjtNum* const from = data_->site_xpos + std::ptrdiff_t{3} * lidar_;
+  const mjtNum* const frame = data_->site_xmat + std::ptrdiff_t{9} * lidar_;
   for (std::size_t ray = 0; ray < pattern.rays; ++ray) {
     const double angle = pattern.first_angle + static_cast<double>(ray) * pattern.angle_step;
     const std::array<mjtNum, 3> local = {std::cos(angle), std::sin(angle), 0};
@@ -200,8 +200,8 @@ void SimulatedRover::read_scene(SceneState& scene) const {
 }
 
 messages::Odometry SimulatedRover::pose() const {
-  const mjtNum* const place = data_->xpos + 3 * body_;
-  const mjtNum* const matrix = data_->xmat + 9 * body_;
+  const mjtNum* const place = data_->xpos + std::ptrdiff_t{3} * body_;
+  const mjtNum* const matrix = data_->xmat + std::ptrdiff_t{9} * body_;
   const mjtNum* const velocity = data_->qvel + model_->jnt_dofadr[model_->body_jntadr[body_]];
   messages::Odometry odometry;
   odometry.time = time_;
@@ -217,14 +217,16 @@ messages::Pose SimulatedRover::box(std::size_t number) const {
 }
 
 messages::Pose SimulatedRover::tool() const {
-  return {vector_at(data_->site_xpos + 3 * tool_), rotation_at(data_->site_xmat + 9 * tool_)};
+  return {vector_at(data_->site_xpos + std::ptrdiff_t{3} * tool_),
+          rotation_at(data_->site_xmat + std::ptrdiff_t{9} * tool_)};
 }
 
 messages::Pose SimulatedRover::camera(const char* name) const {
   const int id = mj_name2id(model_.get(), mjOBJ_CAMERA, name);
   // MuJoCo's cameras look along -z with y upward: half a turn about x.
   const Eigen::Quaterniond half_turn(0, 1, 0, 0);
-  return {vector_at(data_->cam_xpos + 3 * id), rotation_at(data_->cam_xmat + 9 * id) * half_turn};
+  return {vector_at(data_->cam_xpos + std::ptrdiff_t{3} * id),
+          rotation_at(data_->cam_xmat + std::ptrdiff_t{9} * id) * half_turn};
 }
 
 void SimulatedRover::place_box(std::size_t number, const messages::Pose& pose) {

@@ -30,7 +30,7 @@ std::vector<std::string> merged_environment(const std::vector<std::pair<std::str
     }
   }
   for (const auto& [name, value] : more)
-    result.push_back(name + '=' + value);
+    result.emplace_back(name).append("=").append(value);
   return result;
 }
 

@@ -213,7 +213,7 @@ void FlatReader::read_duration(Entry& entry) {
   const double seconds = value->is_number() ? value->as_double() : -1;
   if (!(seconds >= 0) || seconds > kMost)
     return error("bad-duration", "'duration_s' must be a number of seconds from 0 to a billion", *value);
-  entry.spec.duration = Duration(static_cast<Duration::rep>(seconds * 1e9 + 0.5));
+  entry.spec.duration = Duration(std::llround(seconds * 1e9));
 }
 
 void FlatReader::read_facts(Entry& entry) {

@@ -61,20 +61,22 @@ void DeadlineWatch::set_alarm() {
   alarm_.set(first);
 }
 
+std::vector<DeadlineWatch::EntryPtr> DeadlineWatch::due_at(TimePoint time) {
+  std::vector<EntryPtr> due;
+  const std::lock_guard lock(mutex_);
+  alarm_.gone_off();
+  for (const auto& item : items_) {
+    if (item.due <= time) {
+      due.push_back(item.entry);
+    }
+  }
+  return due;
+}
+
 void DeadlineWatch::watch() {
   while (alarm_.wait()) {
-    std::vector<EntryPtr> due;
     const TimePoint time = monotonic_now();
-    {
-      const std::lock_guard lock(mutex_);
-      alarm_.gone_off();
-      for (const auto& item : items_) {
-        if (item.due <= time) {
-          due.push_back(item.entry);
-        }
-      }
-    }
-    for (const auto& entry : due) {
+    for (const auto& entry : due_at(time)) {
       const TimePoint next = entry->on_due(time);
       const std::lock_guard lock(mutex_);
       std::erase_if(items_,

@@ -43,6 +43,8 @@ class DeadlineWatch {
     TimePoint due;
   };
   void watch();
+  /// The alarm has gone off: those whose time has come.
+  std::vector<EntryPtr> due_at(TimePoint time);
   void set_alarm();
 
   std::mutex mutex_;  ///< protects all below

@@ -72,7 +72,8 @@ void ConnectionTable::check(const Credentials& credentials) {
 }
 
 void ConnectionTable::cut_off(const std::shared_ptr<Entry>& entry, const std::string& why) {
-  const std::shared_ptr<Entry> kept = entry;  // which may be in what changes now
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): `entry` may be in what changes now
+  const std::shared_ptr<Entry> kept = entry;
   std::erase(entries_, kept);
   std::exchange(kept->cut_off, {})(why);
 }

@@ -144,7 +144,7 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
     environment_.running_[index(node_)] = {reporter_, std::move(preempt)};
     completions_.await(node_, attempt_);
     return [receiver = environment_.receiver_, reporter = reporter_, node = node_, attempt = attempt_](
-               Ending ending, std::vector<Value> outputs) {
+               const Ending& ending, std::vector<Value> outputs) {
       reporter->globals.close();
       receiver->deliver(node, attempt, reporter->report(ending, std::move(outputs)));
     };
@@ -262,7 +262,7 @@ std::vector<Value> ActionEnvironment::default_outputs(NodeId node, const mission
   std::vector<Value> outputs;
   for (const mission::PortSource& output : plan_.program().node(plan_[node].shown_as).outputs) {
     auto global = output.global.empty() ? std::nullopt : variables.get(output.global);
-    outputs.push_back(global ? std::move(*global) : output.fallback);
+    outputs.push_back(std::move(global).value_or(output.fallback));
   }
   return outputs;
 }

@@ -93,7 +93,7 @@ class Replay {
     for (std::size_t i = 0; i < state.outputs.size(); ++i) {
       const mission::PortSource& output = plan_.program().node(planned.shown_as).outputs[i];
       auto global = output.global.empty() ? std::nullopt : globals_.get(output.global);
-      outputs.append((*state.output_ports)[i].name, global ? std::move(*global) : output.fallback);
+      outputs.append((*state.output_ports)[i].name, std::move(global).value_or(output.fallback));
     }
     // What handles its abort would go on, which the run did not.
     const bool aborts = result_.failed && !again_->network()[node].handles_abort;

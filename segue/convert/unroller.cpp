@@ -321,7 +321,7 @@ void Unroller::finish_in_hierarchy(Frame& frame, StateIndex state, StateEnd end)
     entered = paths_.common(entered, exit.arrival.when);
   take_outputs(activation, state, entered, std::move(end.outputs));
   for (Exit& exit : end.exits) {
-    const NextStep& step = child.next[static_cast<std::size_t>(exit.outcome + 2)];
+    const NextStep& step = child.next_after(exit.outcome);
     exit.arrival.aborted = exit.outcome == kAborted;
     if (step.kind == NextStep::Kind::Child) {
       activation.arrivals[step.child].push_back(std::move(exit.arrival));
@@ -404,7 +404,7 @@ void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {
   ContainerExecution& activation = *track.frames.back().activation;
   take_outputs(activation, state, activation.joined, end.outputs);
   for (Exit& exit : end.exits) {
-    const NextStep& step = node(state).next[static_cast<std::size_t>(exit.outcome + 2)];
+    const NextStep& step = node(state).next_after(exit.outcome);
     exit.arrival.errors = errors_of(state, exit, step);
     const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : exit.outcome;
     activation.exits.push_back({outcome, std::move(exit.arrival)});

@@ -20,6 +20,23 @@ std::string numbered(std::string_view name, std::size_t number) {
   return number == 0 ? std::string(name) : std::string(name) + '~' + std::to_string(number);
 }
 
+/// The value or, where it is null, the first of the defaults that is not; nothing where one of them comes
+/// from a node that has not ended.
+std::optional<Value> with_defaults(Value value, const Defaults& defaults,
+                                   const std::vector<std::shared_ptr<const Value>>& outputs) {
+  if (!value.is_null() || !defaults) return value;
+  for (const Default& one : *defaults) {
+    value = one.value;
+    if (index(one.reader) != cdtn::kNone) {
+      if (index(one.reader) >= outputs.size() || !outputs[index(one.reader)]) return std::nullopt;
+      const Value* read = outputs[index(one.reader)]->find(kValueOutput);
+      value = read == nullptr ? Value() : *read;
+    }
+    if (!value.is_null()) break;
+  }
+  return value;
+}
+
 }  // namespace
 
 /// Every candidate becomes a separate input, since their defaults may differ.
@@ -172,19 +189,6 @@ BranchEdge Unroller::add_join(BranchEdge around, std::vector<BranchEdge> edges) 
 
 /// The value, once it is known for certain.
 std::optional<Value> Unroller::value_of(const Symbol& symbol) {
-  const auto chosen = [&](Value value, const Defaults& defaults) -> std::optional<Value> {
-    if (!value.is_null() || !defaults) return value;
-    for (const Default& one : *defaults) {
-      value = one.value;
-      if (index(one.reader) != cdtn::kNone) {
-        if (index(one.reader) >= outputs_.size() || !outputs_[index(one.reader)]) return std::nullopt;
-        const Value* read = outputs_[index(one.reader)]->find(kValueOutput);
-        value = read == nullptr ? Value() : *read;
-      }
-      if (!value.is_null()) break;
-    }
-    return value;
-  };
   for (auto candidate = symbol.candidates.rbegin(); candidate != symbol.candidates.rend(); ++candidate) {
     if (!paths_.live(candidate->when)) continue;
     const std::size_t i = index(candidate->node);
@@ -194,9 +198,9 @@ std::optional<Value> Unroller::value_of(const Symbol& symbol) {
     }
     const Value* value = outputs_[i]->find(plan_.network_.names.name(candidate->output));
     if (value == nullptr) continue;
-    return chosen(*value, candidate->defaults);
+    return with_defaults(*value, candidate->defaults, outputs_);
   }
-  return chosen({}, symbol.rest);
+  return with_defaults({}, symbol.rest, outputs_);
 }
 
 }  // namespace segue::convert

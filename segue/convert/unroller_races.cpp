@@ -117,7 +117,7 @@ void Unroller::leave_race(ContainerExecution& activation, StateIndex child, cons
   for (Exit exit : end.exits) {
     const auto live = paths_.live(exit.arrival.when);
     if (!live || (scope_ == PlanScope::AsKnown && !live->always())) continue;
-    const NextStep& step = node(child).next[static_cast<std::size_t>(exit.outcome + 2)];
+    const NextStep& step = node(child).next_after(exit.outcome);
     // As the run in sequence has it, what was handled inside of the state that ends the race is over.
     if (exit.outcome >= 0) exit.arrival.errors.clear();
     exit.arrival.errors = errors_of(child, exit, step);

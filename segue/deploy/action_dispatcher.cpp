@@ -62,9 +62,7 @@ std::map<RecordPtr, ActionDispatcher::Indices> ActionDispatcher::Plan::by_proces
   const auto add_connections = [&](const auto& connections, const Indices& of) {
     for (std::size_t i = 0; i < of.size(); ++i) {
       for (const RecordPtr& end : {connections[i].writer, connections[i].reader}) {
-        if (end != nullptr) {
-          indices[end].push_back(of[i]);
-        }
+        if (end != nullptr) indices[end].push_back(of[i]);
       }
     }
   };
@@ -160,7 +158,7 @@ void ActionDispatcher::begin_connections(const BatchPtr& batch) {
   measure_all(plan.connect_indices, [&] { return connector_.connect(plan.connect, batch->deadline); });
 }
 
-void ActionDispatcher::run(concurrent::ThreadPool::Job job) {
+void ActionDispatcher::run(const concurrent::ThreadPool::Job& job) {
   if (!fleet_.pool().submit(job)) {
     job();  // without another thread it holds up this one
   }

@@ -86,7 +86,7 @@ class ActionDispatcher {
   /// processes.
   void begin_blocking(const BatchPtr& batch);
   void begin_connections(const BatchPtr& batch);
-  void run(concurrent::ThreadPool::Job job);
+  void run(const concurrent::ThreadPool::Job& job);
   Result<void> perform_on_process(const model::Action& action, TimePoint deadline);
   void note_placement(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
 

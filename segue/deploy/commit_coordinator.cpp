@@ -82,9 +82,7 @@ CommitCoordinator::Parts CommitCoordinator::parts_of(const model::Transition& tr
     }
     if (action.kind == model::ActionKind::Connect && action.phase == model::Phase::Prepare) {
       for (const auto* end : {&what->connection.from, &what->connection.to}) {
-        if (const auto located = fleet_.locate(end->task, Which::Next)) {
-          parts[located->record].begins = true;
-        }
+        if (const auto located = fleet_.locate(end->task, Which::Next)) parts[located->record].begins = true;
       }
     } else if (action.kind == model::ActionKind::Disconnect && action.phase == model::Phase::Retire) {
       add_ending(what->connection, parts);

@@ -18,7 +18,7 @@ RecordPtr own_record(DeploymentService& own) {
   if (info) {
     process.pid = info->pid;
   }
-  const auto record = std::make_shared<ProcessRecord>(std::move(deployment), std::move(process));
+  auto record = std::make_shared<ProcessRecord>(std::move(deployment), std::move(process));
   record->set_service({std::shared_ptr<void>(), &own}, info ? std::optional(*std::move(info)) : std::nullopt);
   return record;
 }

@@ -126,7 +126,7 @@ void OrderedActions::begin_ready(std::unique_lock<std::mutex>& lock) {
 }
 
 OrderedActions::BatchPtr OrderedActions::take_ready() {
-  const auto batch = std::make_shared<Batch>();
+  auto batch = std::make_shared<Batch>();
   batch->indices.swap(ready_);
   if (performer_.place) {
     add_dependent(batch->indices);
@@ -174,7 +174,8 @@ void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
   for (auto& one : ended) {
     if (one.index < batch.indices.size() && !batch.reported[one.index]) {
       batch.reported[one.index] = true;
-      finish(batch, batch.indices[one.index], std::move(one));
+      const std::size_t index = batch.indices[one.index];
+      finish(batch, index, std::move(one));
     }
   }
   begin_no_more(lock);

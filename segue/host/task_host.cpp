@@ -50,6 +50,7 @@ Diagnostics TaskHost::check(const model::Network& /*network*/) const {
   return {};
 }
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): those that override it keep them
 void TaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed) {
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const TimePoint begin = RealClock::instance().now();

@@ -85,7 +85,7 @@ std::optional<std::string> TaskMaker::problem_of_behaviour(const model::Task& de
 }
 
 StandInBehaviour TaskMaker::behaviour_of(const model::Task& definition) const {
-  const StandInBehaviour base = options_.stand_ins.of(definition.component, definition.id);
+  StandInBehaviour base = options_.stand_ins.of(definition.component, definition.id);
   const type::Value* own = definition.properties.find(kStandInProperty);
   if (own == nullptr) {
     return base;

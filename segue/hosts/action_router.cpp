@@ -150,7 +150,7 @@ Result<Site*> ActionRouter::site_of(const model::TaskId& task, Which which) cons
 
 Result<Site*> ActionRouter::site_of(const model::Action& action, const model::Connection& connection) const {
   const Which which = which_of(action.kind);
-  const auto from = site_of(connection.from.task, which);
+  auto from = site_of(connection.from.task, which);
   const auto to = site_of(connection.to.task, which);
   if (!from || !to) {
     // To disconnect, one end is enough: that of the other one is gone with its process.

@@ -43,12 +43,8 @@ Result<void> DistributedCommit::ask_all(const std::set<const Site*>& sites, cons
     jobs.emplace_back([&, site, &error = errors[jobs.size()]] {
       const auto reached = router_.reach(*site);
       const auto done = reached ? ask(*site, *reached->robot) : Result<void>(reached.error());
-      if (!done) {
-        if (reached) {
-          failed(*site, done.error(), reached->number);
-        }
-        error = done.error();
-      }
+      if (!done) error = done.error();
+      if (!done && reached) failed(*site, done.error(), reached->number);
     });
   }
   sites_.pool().run_all(std::move(jobs));

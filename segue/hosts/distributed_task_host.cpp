@@ -134,9 +134,7 @@ void DistributedTaskHost::Implementation::watch() {
     lock.unlock();
     std::vector<concurrent::ThreadPool::Job> jobs;
     for (const auto& site : sites.all()) {
-      if (site->link() != nullptr) {
-        jobs.emplace_back([this, &site = *site] { look_after(site); });
-      }
+      if (site->link() != nullptr) jobs.emplace_back([this, &site = *site] { look_after(site); });
     }
     sites.pool().run_all(std::move(jobs));
     lock.lock();

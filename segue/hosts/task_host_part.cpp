@@ -37,14 +37,14 @@ Result<void> TaskHostPart::begin_transition(const model::Network& before, const 
 
 void TaskHostPart::begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
                                   host::Completion completed) {
-  begin_in_order(std::move(actions), action_deadline, std::move(completed),
+  begin_in_order(std::move(actions), action_deadline, completed,
                  [this](std::vector<model::Action> batch, TimePoint deadline, host::Completion ended) {
                    tasks_.begin_all(std::move(batch), deadline, std::move(ended));
                  });
 }
 
 void TaskHostPart::begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                                  host::Completion completed, Begin begin) {
+                                  const host::Completion& completed, Begin begin) {
   const std::size_t count = actions.size();
   host::OrderedActions::Performer performer{std::move(begin), [this] { return tasks_.observe(); }};
   auto ordered = std::make_shared<host::OrderedActions>(std::move(actions), action_deadline,

@@ -44,7 +44,7 @@ class TaskHostPart final : public HostedRobot {
   /// begin_in_order() where each action that is ready is begun by `begin`.
   using Begin = std::function<void(std::vector<model::Action>, TimePoint, host::Completion)>;
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                      host::Completion completed, Begin begin);
+                      const host::Completion& completed, Begin begin);
 
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;

@@ -100,7 +100,7 @@ Error newer(std::int64_t version, std::size_t known) {
 Result<std::int64_t> version_of(Database& database, std::size_t known) {
   const auto application = database.integer("PRAGMA application_id");
   if (!application) return application.error();
-  const auto version = database.integer("PRAGMA user_version");
+  auto version = database.integer("PRAGMA user_version");
   if (!version) return version.error();
   const auto tables = database.integer("SELECT count(*) FROM sqlite_schema");
   if (!tables) return tables.error();

@@ -248,8 +248,9 @@ Result<void> Store::remove_old(std::size_t added) {
   kept_ += added;
   const auto few = static_cast<std::int64_t>(std::max<std::size_t>(keep_actions_ / 10, 1));
   for (const std::string table : {"request", "difference", "version", "mission", "running", "gap"}) {
-    auto row =
-        database_.prepare("DELETE FROM " + table + " WHERE id <= (SELECT max(id) FROM " + table + ") - ?");
+    std::string statement = "DELETE FROM ";
+    statement.append(table).append(" WHERE id <= (SELECT max(id) FROM ").append(table).append(") - ?");
+    auto row = database_.prepare(statement);
     if (!row) return row.error();
     if (auto done = row->run(few); !done) return done;
   }

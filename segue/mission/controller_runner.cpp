@@ -459,7 +459,7 @@ class ControllerRunner::Implementation {
   ExecutionThreads threads_;  // destroyed first: they use the others
 };
 
-ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options,
+ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, const ControllerOptions& options,
                                    std::shared_ptr<ControllerUnion> controllers)
     : implementation_(std::make_unique<Implementation>(std::move(robot), options, std::move(controllers))) {}
 ControllerRunner::~ControllerRunner() = default;

@@ -50,7 +50,7 @@ struct ControllerOptions {
 class ControllerRunner final : public ActionRunner {
  public:
   /// `controllers`: shared with a ScriptRobot; null: one of its own.
-  explicit ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options = {},
+  explicit ControllerRunner(std::shared_ptr<CommandedRobot> robot, const ControllerOptions& options = {},
                             std::shared_ptr<ControllerUnion> controllers = nullptr);
   /// Ends what is under way as preempted; blocks until the robot has answered.
   ~ControllerRunner() override;

@@ -90,7 +90,7 @@ void EngineCore::mark_held(bool outside) {
 
 /// Of a concurrent state that is held before it begins: its own.
 std::string EngineCore::next_path(const Activation& holder) const {
-  const std::string around = path(holder);
+  std::string around = path(holder);
   if (holder.phase == Phase::Begin) return around;
   const StateIndex child = program->node(holder.state).children[holder.pending.child];
   return (around.empty() ? "" : around + "/") + program->state(child).id.str();

@@ -154,7 +154,7 @@ void EngineCore::abandon_late() {
   });
 }
 
-void EngineCore::complete(Activation& activation, Ending ending) {
+void EngineCore::complete(Activation& activation, const Ending& ending) {
   ++activation.generation;
   if (activation.deferred) --open_calls_;
   activation.deferred = false;

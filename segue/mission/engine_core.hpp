@@ -86,7 +86,7 @@ class EngineCore {
   void read_messages();
   bool fire_timers();
   void abandon_late();
-  void complete(Activation& activation, Ending ending);
+  void complete(Activation& activation, const Ending& ending);
   void preempt(Activation& root);
   [[nodiscard]] TimePoint now() const { return options.clock->now(); }
 

@@ -109,7 +109,7 @@ void EngineCore::set_up(Activation& container) {
 
 void EngineCore::set(Activation& container, std::uint32_t slot, Value value) {
   Slot& there = container.slots[slot];
-  if (options.backward) replaced_.emplace_back(slot, std::move(there));
+  if (options.backward) replaced_.emplace_back(slot, std::exchange(there, {}));
   there.value = std::move(value);
   there.stamp = ++stamp_;
 }

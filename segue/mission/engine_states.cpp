@@ -281,7 +281,7 @@ Activation* EngineCore::child_of_hierarchy(Activation& hierarchy, Activation& ch
   const StateIndex child_state = child.state;
   replaced_.clear();
   take_outputs(hierarchy, child);
-  hierarchy.pending = program->node(child.state).next[static_cast<std::size_t>(outcome + 2)];
+  hierarchy.pending = program->node(child.state).next_after(outcome);
   hierarchy.phase = Phase::Proceed;
   hierarchy.children.clear();
   std::string error = child.error;
@@ -334,7 +334,7 @@ Activation* EngineCore::join(Activation& concurrency) {
 /// Ends the concurrency as the transition of the decisive child says.
 Activation* EngineCore::follow(Activation& concurrency, const Activation& child) {
   if (program->node(child.state).kind == StateKind::Decider) take_outputs(concurrency, child);
-  const NextStep step = program->node(child.state).next[static_cast<std::size_t>(child.outcome + 2)];
+  const NextStep step = program->node(child.state).next_after(child.outcome);
   if (child.outcome == kAborted) concurrency.error = child.error.empty() ? "state aborted" : child.error;
   if (child.outcome >= 0 && aborts(step)) concurrency.error = program->abort_text(child.state, child.outcome);
   const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : child.outcome;

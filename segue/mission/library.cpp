@@ -39,7 +39,7 @@ class Collector {
   }
 
  private:
-  void add(const std::string name, const SourcePlace user) {
+  void add(const std::string& name, const SourcePlace& user) {
     const path file = find(name, path(user.file.empty() ? mission_.file : user.file).parent_path());
     if (file.empty()) return;
     const auto text = model::detail::read_text(file, diagnostics_);

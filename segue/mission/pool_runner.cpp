@@ -166,7 +166,7 @@ class InstanceCall {
 /// One execution of an action.
 class PoolExecution {
  public:
-  PoolExecution(const ActionCall& call)
+  explicit PoolExecution(const ActionCall& call)
       : call_(std::get<PoolCall>(call.action().run)),
         arguments_(call.filled(call_.arguments)),
         outcomes_(call.action().outcomes),
@@ -280,7 +280,7 @@ class PoolRunner::Implementation {
   ExecutionThreads threads_;  // destroyed first: they use the others
 };
 
-PoolRunner::PoolRunner(std::shared_ptr<CommandedRobot> robot, PoolOptions options)
+PoolRunner::PoolRunner(std::shared_ptr<CommandedRobot> robot, const PoolOptions& options)
     : implementation_(std::make_unique<Implementation>(std::move(robot), options)) {}
 PoolRunner::~PoolRunner() = default;
 

@@ -29,7 +29,7 @@ struct PoolOptions {
 /// answered when nobody waits for it any more is ended by the robot, and free when it has been started again.
 class PoolRunner final : public ActionRunner {
  public:
-  explicit PoolRunner(std::shared_ptr<CommandedRobot> robot, PoolOptions options = {});
+  explicit PoolRunner(std::shared_ptr<CommandedRobot> robot, const PoolOptions& options = {});
   /// Ends what is under way as preempted; waits for no instance.
   ~PoolRunner() override;
   PoolRunner(const PoolRunner&) = delete;

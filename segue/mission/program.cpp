@@ -138,8 +138,7 @@ class Compiler {
     for (std::size_t transition = 0; transition < state.transitions.size(); ++transition) {
       const auto& [name, to, where] = state.transitions[transition];
       const Outcome outcome = number(*nodes_[i].outcomes, name);
-      nodes_[i].next[static_cast<std::size_t>(outcome + 2)] =
-          step(state.parent, to, index_.target(i, transition));
+      nodes_[i].next_after(outcome) = step(state.parent, to, index_.target(i, transition));
     }
   }
 

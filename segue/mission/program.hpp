@@ -52,7 +52,7 @@ struct CompiledState {
 
   std::vector<PortSource> inputs;        ///< evaluated when the state begins
   std::vector<PortSource> outputs;       ///< containers: from their own slots; others: fallbacks only
-  std::vector<NextStep> next;            ///< by outcome + 2
+  std::vector<NextStep> next;            ///< by outcome + 2; see next_after()
   std::uint32_t first_output = 0;        ///< slot of its first output in the parent
   std::vector<SlotCopy> into_variables;  ///< done in the parent when it has ended, by output port
 
@@ -63,6 +63,14 @@ struct CompiledState {
   std::vector<SlotCopy> at_begin;            ///< from inputs to variables: each after its input is written
   StateIndex decider = kNoState;             ///< Barrier
   std::shared_ptr<const Action> required{};  ///< its preconditions and resources, with its inputs; null: none
+
+  /// Where the parent goes on after that outcome.
+  [[nodiscard]] const NextStep& next_after(Outcome outcome) const {
+    return next[static_cast<std::size_t>(std::ptrdiff_t{outcome} + 2)];
+  }
+  [[nodiscard]] NextStep& next_after(Outcome outcome) {
+    return next[static_cast<std::size_t>(std::ptrdiff_t{outcome} + 2)];
+  }
 };
 
 /// A mission that is ready to run: names are resolved to positions. Immutable; engines may share it.

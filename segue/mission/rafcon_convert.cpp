@@ -33,7 +33,7 @@ std::string identifier(const std::string& name, const std::string& otherwise = {
 }
 
 /// The name, with a number appended if it is taken.
-std::string unique(std::string name, std::set<std::string>& taken) {
+std::string unique(const std::string& name, std::set<std::string>& taken) {
   std::string candidate = name;
   for (int i = 2; !taken.insert(candidate).second; ++i)
     candidate = name + "_" + std::to_string(i);

@@ -129,7 +129,7 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
 
 Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::path& file,
                                                        const Mission& mission, bool concurrent,
-                                                       UnderWay under_way, Warn warn,
+                                                       UnderWay under_way, const Warn& warn,
                                                        const CanGoOn& can_go_on) {
   auto opened = RunJournalFile::open(file, warn);
   if (!opened) return opened.error();

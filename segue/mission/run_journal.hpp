@@ -74,8 +74,8 @@ class RunJournal {
   /// another process writes the file, and with Refuse if actions were running, which it names. A damaged end
   /// is cut off, and `warn` told, where nothing that may not be repeated can have been recorded there.
   static Result<std::unique_ptr<RunJournal>> resume(const std::filesystem::path& file, const Mission& mission,
-                                                    bool concurrent, UnderWay under_way, Warn warn = {},
-                                                    const CanGoOn& can_go_on = {});
+                                                    bool concurrent, UnderWay under_way,
+                                                    const Warn& warn = {}, const CanGoOn& can_go_on = {});
 
   [[nodiscard]] const Start& start() const { return start_; }
   /// How many actions had ended in the earlier run.

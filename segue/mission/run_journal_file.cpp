@@ -161,15 +161,15 @@ std::string RunJournalFile::second_line() const {
 }
 
 Result<std::unique_ptr<RunJournalFile>> RunJournalFile::create(const std::filesystem::path& path,
-                                                               ValueMap first, Tell tell) {
+                                                               const ValueMap& first, Tell tell) {
   auto opened = open_locked(path, O_CREAT | O_EXCL);
   if (!opened) return opened.error();
   std::unique_ptr<RunJournalFile> file(new RunJournalFile(std::move(*opened), std::move(tell)));
   ValueMap fields;
   fields.append(std::string(kVersionKey), kVersion);
   fields.append("id", hexadecimal(random_number()));  // runs that do the same have other checksums, too
-  for (auto& [key, value] : first)
-    fields.append(key, std::move(value));
+  for (const auto& [key, value] : first)
+    fields.append(key, value);
   std::string text = with_checksum(fields, checksum_of({}), file->run_);
   file->last_ = file->run_;
   file->second_at_ = text.size();

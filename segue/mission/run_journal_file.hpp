@@ -47,7 +47,7 @@ class RunJournalFile {
 
   /// AlreadyExists, IoError, PermissionDenied. `first` is on disk when this returns.
   static Result<std::unique_ptr<RunJournalFile>> create(const std::filesystem::path& path,
-                                                        type::ValueMap first, Tell tell);
+                                                        const type::ValueMap& first, Tell tell);
   /// NotFound, PermissionDenied, InvalidState if another process writes the file; ParseError if it is no such
   /// file, or one of a version that cannot be read.
   static Result<std::unique_ptr<RunJournalFile>> open(const std::filesystem::path& path, Tell tell);

@@ -110,7 +110,7 @@ class Search {
       if (left_.try_emplace(node.parent, state).first->second != state) return;
       if (parent.decider != kNoState) return go({parent.decider, step.probability, step.after});
     }
-    follow(node.next[static_cast<std::size_t>(outcome + 2)], node.parent, step);
+    follow(node.next_after(outcome), node.parent, step);
   }
 
   void follow(const NextStep& next, StateIndex parent, const Step& step) {

@@ -142,27 +142,34 @@ class FactCheck {
     }
   }
 
+  /// A fact that is listed with both signs.
+  void report_contradiction(const Fact& fact, const std::string& subject, bool is_error) {
+    const std::string name = quote(to_string(fact));
+    if (is_error)
+      diagnostics_.error("contradicting-facts", subject + "s ask for " + name + " to hold and not to",
+                         fact.where);
+    else
+      diagnostics_.warning("contradicting-facts",
+                           subject + "s make " + name + " true and false; it will be true", fact.where);
+  }
+
+  void report_duplicate(const Fact& fact, const std::string& what, const std::string& role) {
+    diagnostics_.warning("duplicate-fact",
+                         what + " has the " + role + " " + quote(to_string(fact)) + " twice", fact.where);
+  }
+
   /// Reports facts that are listed twice, or with both signs.
   void check_pairs(const std::vector<Fact>& facts, const std::string& what, const std::string& role,
                    bool contradiction_is_error) {
+    const std::string subject = what + ": its " + role;
     std::unordered_map<std::string, const Fact*> seen;
     for (const Fact& fact : facts) {
       const auto [known, fresh] = seen.try_emplace(to_string(fact), &fact);
       if (fresh) continue;
-      if (known->second->positive == fact.positive) {
-        diagnostics_.warning("duplicate-fact",
-                             what + " has the " + role + " " + quote(to_string(fact)) + " twice", fact.where);
-      } else if (contradiction_is_error) {
-        diagnostics_.error(
-            "contradicting-facts",
-            what + ": its " + role + "s ask for " + quote(to_string(fact)) + " to hold and not to",
-            fact.where);
-      } else {
-        diagnostics_.warning(
-            "contradicting-facts",
-            what + ": its " + role + "s make " + quote(to_string(fact)) + " true and false; it will be true",
-            fact.where);
-      }
+      if (known->second->positive == fact.positive)
+        report_duplicate(fact, what, role);
+      else
+        report_contradiction(fact, subject, contradiction_is_error);
     }
   }
 

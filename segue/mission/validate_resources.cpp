@@ -161,6 +161,15 @@ void check_use(const Action& action, const ResourceUse& use, const Resource* dec
   }
 }
 
+/// Whether some action keeps units that this use may release.
+bool is_kept(const Mission& mission, const ResourceUse& use) {
+  return std::ranges::any_of(mission.actions, [&](const Action& other) {
+    return std::ranges::any_of(other.resources, [&](const ResourceUse& other_use) {
+      return other_use.keep && meets(other_use.resource, use.resource);
+    });
+  });
+}
+
 /// Units that are kept must be of a declared resource, and what is released must be kept by some action.
 void check_kept(const Mission& mission, Diagnostics& diagnostics) {
   for (const Action& action : mission.actions) {
@@ -175,13 +184,7 @@ void check_kept(const Mission& mission, Diagnostics& diagnostics) {
             what + "units of " + quote(*kept) + " can be kept only if it is declared under 'resources'",
             use.where);
       }
-      const auto keeps = [&](const Action& other) {
-        return std::ranges::any_of(other.resources, [&](const ResourceUse& other_use) {
-          return other_use.keep && meets(other_use.resource, use.resource);
-        });
-      };
-      if (use.operation != ResourceOperation::Release || std::ranges::any_of(mission.actions, keeps))
-        continue;
+      if (use.operation != ResourceOperation::Release || is_kept(mission, use)) continue;
       diagnostics.warning("release-without-keep",
                           what + "it releases " + quote(use.resource) +
                               ", which no action keeps: one must have it with {block: " + use.resource +

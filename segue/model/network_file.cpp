@@ -219,7 +219,7 @@ std::optional<Deployment> read_deployment(const Value& value, const std::string&
   Diagnostics found;
   auto deployment = read_deployment(std::string{}, value, Source(file, found));
   const bool good = !found.has_errors();
-  diagnostics.append(std::move(found));
+  diagnostics.append(found);
   return good ? std::optional(std::move(deployment)) : std::nullopt;
 }
 

@@ -94,7 +94,7 @@ class Reader {
 };
 
 Result<void> check(const Launch& launch) {
-  const auto wrong = [](std::string message) {
+  const auto wrong = [](const std::string& message) {
     return fail(ErrorCode::InvalidArgument, std::string(kWhat) + message);
   };
   if (!is_identifier(launch.robot)) return wrong(": " + quote(launch.robot) + " cannot be a robot's name");

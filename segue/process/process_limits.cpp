@@ -33,12 +33,12 @@ Result<void> limit(Resource resource, std::uint64_t most, const std::string& wha
 
 Result<void> apply_limits(const model::ResourceLimits& limits) {
   if (limits.open_files) {
-    const auto done = limit(RLIMIT_NOFILE, *limits.open_files, "open_files");
+    auto done = limit(RLIMIT_NOFILE, *limits.open_files, "open_files");
     if (!done) return done;
   }
   if (limits.cpu_time) {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(*limits.cpu_time).count();
-    const auto done = limit(RLIMIT_CPU, static_cast<std::uint64_t>(seconds), "cpu_time");
+    auto done = limit(RLIMIT_CPU, static_cast<std::uint64_t>(seconds), "cpu_time");
     if (!done) return done;
   }
   if (limits.core) {

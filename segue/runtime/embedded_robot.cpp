@@ -207,7 +207,7 @@ Runtime& EmbeddedRobot::runtime() {
 }
 
 SwitchResult EmbeddedRobot::switch_to(std::string_view controller, RequestOptions options) {
-  return implementation_->runtime->switch_to(model::NetworkName(controller), options);
+  return implementation_->runtime->switch_to(model::NetworkName(controller), std::move(options));
 }
 
 const ControllerFiles& EmbeddedRobot::files() const {

@@ -206,7 +206,7 @@ Result<type::Value> RuntimeService::switch_to_network(std::string_view text, std
   }
   const std::string name = network->name.str();
   let_rest(deadline);
-  return answer_of(runtime_.request(known ? *known : std::move(*network), *options), name, deadline);
+  return answer_of(runtime_.request(known ? *known : *network, *options), name, deadline);
 }
 
 Result<type::Value> RuntimeService::plan(std::string_view controller, const control::SwitchOptions& asked,

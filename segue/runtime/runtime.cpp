@@ -66,8 +66,8 @@ Diagnostics Runtime::add_controller(model::Network network) {
   return implementation_->add(std::move(network));
 }
 
-Diagnostics Runtime::load(ControllerSet set) {
-  return implementation_->load(std::move(set));
+Diagnostics Runtime::load(const ControllerSet& set) {
+  return implementation_->load(set);
 }
 
 std::future<ApplyResult> Runtime::apply(ControllerSet set, RequestOptions options) {
@@ -129,7 +129,7 @@ std::shared_future<HaltResult> Runtime::halt_on_its_way() const {
   return implementation_->halts.on_its_way();
 }
 
-Result<void> Runtime::release(std::string who) {
+Result<void> Runtime::release(const std::string& who) {
   return implementation_->halts.release(who);
 }
 
@@ -173,7 +173,7 @@ std::vector<OpenRequest> Runtime::open_requests() const {
   return implementation_->open_requests();
 }
 
-Result<model::Transition> Runtime::plan(const Request& request, RequestOptions options) const {
+Result<model::Transition> Runtime::plan(const Request& request, const RequestOptions& options) const {
   auto plan = implementation_->plan(implementation_->belief.starting_point().network, request, options);
   if (!plan) {
     return std::move(plan.error().error);

@@ -62,7 +62,7 @@ class Runtime {
   Diagnostics add_controller(model::Network network);
   /// Replaces all controllers (but those that add_controller() added), the fallback and the list of files at
   /// once. Where a network cannot run here, nothing is: the result lists all problems. What runs stays.
-  Diagnostics load(ControllerSet set);
+  Diagnostics load(const ControllerSet& set);
   /// Like load(), and then the running controller goes to its new version by a transition like any other,
   /// once the requests before it are done. It supersedes no request; one that comes later supersedes its
   /// transition, which then follows that request. A controller that runs and is not in the set keeps running.
@@ -114,7 +114,7 @@ class Runtime {
   /// The result of a halt on its way; no future: there is none.
   [[nodiscard]] std::shared_future<HaltResult> halt_on_its_way() const;
   /// InvalidState where nobody has stopped the robot with `latch`.
-  Result<void> release(std::string who);
+  Result<void> release(const std::string& who);
   /// The last halt, until something has been requested; nothing: there was none.
   [[nodiscard]] std::optional<Halted> halted() const;
 
@@ -135,7 +135,7 @@ class Runtime {
   /// The oldest first: the one in progress and the one that waits.
   [[nodiscard]] std::vector<OpenRequest> open_requests() const;
   /// The transition that request() would execute now.
-  Result<model::Transition> plan(const Request& request, RequestOptions options = {}) const;
+  Result<model::Transition> plan(const Request& request, const RequestOptions& options = {}) const;
 
   [[nodiscard]] RuntimeState state() const;
   /// The network believed to be running; before the first request its name is "".

@@ -91,7 +91,7 @@ std::vector<ControllerChange> Runtime::Implementation::compare(const ControllerS
   return runtime::compare(definitions.controllers, definitions_with(set).controllers, runs);
 }
 
-Diagnostics Runtime::Implementation::load(ControllerSet set) {
+Diagnostics Runtime::Implementation::load(const ControllerSet& set) {
   Diagnostics findings = check(set);
   if (findings.has_errors()) {
     return findings;

@@ -80,7 +80,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
 
   // Controllers and their files (runtime_apply.cpp)
   Diagnostics add(model::Network network);
-  Diagnostics load(ControllerSet set);
+  Diagnostics load(const ControllerSet& set);
   std::future<ApplyResult> apply(ControllerSet set, RequestOptions options);
   /// The definitions are those of the set from now on; returns the files whose place `job` takes. With the
   /// mutex held. `runs` is the running controller.

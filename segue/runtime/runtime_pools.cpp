@@ -148,7 +148,8 @@ void Runtime::Implementation::note_pool_faults(const std::vector<DetectedFault>&
     std::string why = fault.symptom;
     if (const auto* process = std::get_if<model::DeploymentKey>(&fault.subject)) {
       const auto found = ended.find(*process);
-      why = "its process " + why + (found == ended.end() ? "" : " (" + found->second + ")");
+      why.insert(0, "its process ");
+      if (found != ended.end()) why.append(" (").append(found->second).append(")");
     }
     if (is_left_alone(fault)) {
       why += ", and is left so, as its 'on_failure' says";
@@ -162,6 +163,40 @@ void Runtime::Implementation::note_pool_faults(const std::vector<DetectedFault>&
     pool_faults.insert_or_assign(instance, PoolInstance{instance, false, 0, given_up, std::move(why)});
   }
 }
+
+namespace {
+
+/// `task`: what its host says of it; null: nothing. `fault`: what was found wrong with it; null: nothing.
+PoolInstance report_instance(model::TaskId id, const host::TaskReport* task, const PoolInstance* fault,
+                             const detail::InstanceCalls& calls) {
+  PoolInstance one;
+  one.task = std::move(id);
+  if (task != nullptr) {
+    one.pid = task->pid;
+    const std::string abandoned = calls.why_abandoned({one.task, one.pid});
+    one.busy = calls.is_busy({one.task, one.pid});
+    one.ready = task->state == TaskState::Running && !task->unknown && abandoned.empty();
+    if (!abandoned.empty() && !task->unknown) {
+      one.reason = abandoned + "; it is being ended, and started again";
+      return one;
+    }
+  }
+  if (one.ready) {
+    return one;
+  }
+  one.given_up = fault != nullptr && fault->given_up;
+  if (fault != nullptr) {
+    one.reason = fault->reason;
+  } else if (task == nullptr) {
+    one.reason = "does not run";
+  } else {
+    one.reason =
+        "is " + std::string(to_string(task->state)) + (task->error.empty() ? "" : ": " + task->error);
+  }
+  return one;
+}
+
+}  // namespace
 
 std::vector<PoolReport> Runtime::Implementation::report_pools(
     const std::vector<host::TaskReport>& reports) const {
@@ -177,28 +212,12 @@ std::vector<PoolReport> Runtime::Implementation::report_pools(
   for (const auto& pool : options.pools) {
     PoolReport& report = all.emplace_back(PoolReport{pool.name, {}});
     for (int number = 1; number <= pool.size; ++number) {
-      PoolInstance& one = report.instances.emplace_back();
-      one.task = model::instance_of(pool, number);
-      const auto task = tasks.find(one.task);
-      const auto fault = pool_faults.find(one.task);
-      if (task != tasks.end()) {
-        one.pid = task->second->pid;
-        const std::string abandoned = instance_calls.why_abandoned({one.task, one.pid});
-        one.busy = instance_calls.is_busy({one.task, one.pid});
-        one.ready = task->second->state == TaskState::Running && !task->second->unknown && abandoned.empty();
-        if (!abandoned.empty() && !task->second->unknown) {
-          one.reason = abandoned + "; it is being ended, and started again";
-          continue;
-        }
-      }
-      if (one.ready) {
-        continue;
-      }
-      one.given_up = fault != pool_faults.end() && fault->second.given_up;
-      one.reason = fault != pool_faults.end() ? fault->second.reason
-                   : task != tasks.end()      ? "is " + std::string(to_string(task->second->state)) +
-                                               (task->second->error.empty() ? "" : ": " + task->second->error)
-                                         : "does not run";
+      const model::TaskId id = model::instance_of(pool, number);
+      const auto task = tasks.find(id);
+      const auto fault = pool_faults.find(id);
+      report.instances.push_back(report_instance(id, task == tasks.end() ? nullptr : task->second,
+                                                 fault == pool_faults.end() ? nullptr : &fault->second,
+                                                 instance_calls));
     }
   }
   return all;

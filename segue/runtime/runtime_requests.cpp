@@ -72,7 +72,7 @@ AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions 
     }
   }
   if (invalid) {
-    SwitchResult result = new_result(job);
+    SwitchResult result = new_result(job);  // NOLINT(bugprone-use-after-move): only a valid one was moved
     result.from = result.runs = belief.controller().name;
     result.from_version = result.runs_version = belief.version();
     answer(job, refused(std::move(result), std::move(*invalid)));

@@ -316,11 +316,10 @@ void Runtime::Implementation::look_ahead() {
       SwitchResult result = unrequested_result(Cause::LookAhead, held.controller.name, plan.controller.name);
       carry_out(seen.network, plan, kActionDeadline, result);
       for (auto& one : ahead.readiness) {
-        if (result.outcome != Outcome::Done) {
+        if (result.outcome != Outcome::Done)
           one = {one.controller, false, 0, one.tasks, result.error ? to_string(*result.error) : ""};
-        } else if (const auto wished = one.prepared > 0 ? expanded(known(one.controller)) : std::nullopt) {
+        else if (const auto wished = one.prepared > 0 ? expanded(known(one.controller)) : std::nullopt)
           host.get_ready(*wished);
-        }
       }
       remember(std::move(result));
       return before;

@@ -135,7 +135,7 @@ Result<fs::path> deal_out(const fs::path& robot_file, const HostEntries& hosts, 
   std::string text = "robot: " + robot->name + "\ncontrollers: [\"*.net\"]\nhosts:\n";
   std::vector<std::string> names;
   for (const auto& [name, entry] : hosts) {
-    text += "  " + name + ": " + entry + "\n";
+    text.append("  ").append(name).append(": ").append(entry).append("\n");
     names.push_back(name);
   }
   if (auto written = write_file(folder / "robot.yaml", text); !written) return written.error();

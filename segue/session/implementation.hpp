@@ -12,10 +12,10 @@ using RunResult = Result<std::unique_ptr<FinishedRun>>;
 using SharedProgram = std::shared_ptr<const mission::Program>;
 
 /// Each blocks until its run has ended.
-RunResult run_as_written(SharedProgram program, const RunRequest& request, std::stop_token stop);
-RunResult run_concurrently(SharedProgram program, const RunRequest& request, std::stop_token stop);
+RunResult run_as_written(SharedProgram program, const RunRequest& request, const std::stop_token& stop);
+RunResult run_concurrently(SharedProgram program, const RunRequest& request, const std::stop_token& stop);
 RunResult run_network(std::shared_ptr<const cdtn::FlatNetwork> network, const RunRequest& request,
-                      std::stop_token stop);
+                      const std::stop_token& stop);
 
 /// What the run begins with: as requested, or as the journal says that it continues. `runners`: of the run,
 /// which say what can go on. `journal` is set if one is wanted.

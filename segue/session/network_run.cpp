@@ -118,8 +118,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     options.world_copies = request.world_copies;
     options.warn = request.note;
     options.observe = request.on_action;
-    auto run =
-        convert::Run::create(std::move(program), std::move(runners), std::move(*inputs), std::move(options));
+    auto run = convert::Run::create(std::move(program), std::move(runners), std::move(*inputs), options);
     if (!run) return run.error();
     run_ = std::move(*run);
     return {};
@@ -291,7 +290,7 @@ class FlatNetworkRun final : public NetworkRun {
 
 }  // namespace
 
-RunResult run_concurrently(SharedProgram program, const RunRequest& request, std::stop_token stop) {
+RunResult run_concurrently(SharedProgram program, const RunRequest& request, const std::stop_token& stop) {
   auto run = std::make_unique<ConcurrentMissionRun>();
   if (auto prepared = run->prepare(std::move(program), request); !prepared) return prepared.error();
   run->execute(request, stop);
@@ -299,7 +298,7 @@ RunResult run_concurrently(SharedProgram program, const RunRequest& request, std
 }
 
 RunResult run_network(std::shared_ptr<const cdtn::FlatNetwork> network, const RunRequest& request,
-                      std::stop_token stop) {
+                      const std::stop_token& stop) {
   auto run = std::make_unique<FlatNetworkRun>(std::move(network));
   if (auto prepared = run->prepare(request); !prepared) return prepared.error();
   run->execute(request, stop);

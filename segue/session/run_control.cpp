@@ -117,19 +117,16 @@ std::optional<Error> RunControl::refusal() const {
 
 /// `moves`: what is carried out changes where the mission is.
 void RunControl::ask(Task task, Answer answer, bool moves) {
-  std::optional<Error> refused;
-  {
-    const std::lock_guard lock(mutex_);
-    refused = refusal();
-    if (!refused) {
-      const std::uint64_t number = ++asked_;
-      waiting_.emplace(number, std::move(answer));
-      run_->engine->post([this, number, engine = run_->engine, task = std::move(task), moves] {
-        carry_out(number, *engine, task, moves);
-      });
-    }
+  std::unique_lock lock(mutex_);
+  if (auto refused = refusal()) {
+    lock.unlock();
+    return answer(std::move(*refused));
   }
-  if (refused) answer(std::move(*refused));
+  const std::uint64_t number = ++asked_;
+  waiting_.emplace(number, std::move(answer));
+  run_->engine->post([this, number, engine = run_->engine, task = std::move(task), moves] {
+    carry_out(number, *engine, task, moves);
+  });
 }
 
 /// On the engine's thread. Whoever has the answer sees no position of before.

@@ -37,7 +37,7 @@ class SequentialRun final : public FinishedRun {
     options.facts = std::move(*facts);
     options.resources = start->resources;
     options.world_data = request.world_data;
-    auto engine = mission::Engine::create(std::move(program), std::move(runners), std::move(options));
+    auto engine = mission::Engine::create(std::move(program), std::move(runners), options);
     if (!engine) return engine.error();
     engine_ = std::move(*engine);
     for (const auto& [name, value] : start->inputs) {
@@ -182,7 +182,7 @@ class SequentialRun final : public FinishedRun {
 
 }  // namespace
 
-RunResult run_as_written(SharedProgram program, const RunRequest& request, std::stop_token stop) {
+RunResult run_as_written(SharedProgram program, const RunRequest& request, const std::stop_token& stop) {
   auto run = std::make_unique<SequentialRun>(request.clock);
   if (auto prepared = run->prepare(std::move(program), request); !prepared) return prepared.error();
   run->execute(request, stop);

@@ -92,6 +92,30 @@ class PhaseRule {
   std::vector<bool> idle_processes_;
 };
 
+/// An action that waits for one outside of Prepare cannot be in Prepare.
+void keep_out_of_prepare(std::vector<ActionNode>& list, const Predecessors& before,
+                         const std::vector<int>& order) {
+  for (const int i : order) {
+    Phase& phase = list[as_index(i)].phase;
+    if (phase != Phase::Prepare) continue;
+    for (const int* node = before.begin(i); node != before.end(i); ++node) {
+      if (list[as_index(*node)].phase != Phase::Prepare) phase = Phase::Commit;
+    }
+  }
+}
+
+/// An action that one outside of Retire waits for cannot be in Retire.
+void keep_out_of_retire(std::vector<ActionNode>& list, const Predecessors& before,
+                        const std::vector<int>& order) {
+  for (auto i = order.rbegin(); i != order.rend(); ++i) {
+    if (list[as_index(*i)].phase == Phase::Retire) continue;
+    for (const int* node = before.begin(*i); node != before.end(*i); ++node) {
+      Phase& phase = list[as_index(*node)].phase;
+      if (phase == Phase::Retire) phase = Phase::Commit;
+    }
+  }
+}
+
 }  // namespace
 
 void assign_phases(ActionNodes& nodes, const ChangeSet& plan, const Index& index,
@@ -108,22 +132,8 @@ void assign_phases(ActionNodes& nodes, const ChangeSet& plan, const Index& index
       if (rule.is_harmless(list[as_index(*node)])) list[as_index(*node)].phase = Phase::Prepare;
     }
   }
-  // An action that waits for one outside of Prepare cannot be in Prepare.
-  for (const int i : order) {
-    Phase& phase = list[as_index(i)].phase;
-    if (phase != Phase::Prepare) continue;
-    for (const int* node = before.begin(i); node != before.end(i); ++node) {
-      if (list[as_index(*node)].phase != Phase::Prepare) phase = Phase::Commit;
-    }
-  }
-  // An action that one outside of Retire waits for cannot be in Retire.
-  for (auto i = order.rbegin(); i != order.rend(); ++i) {
-    if (list[as_index(*i)].phase == Phase::Retire) continue;
-    for (const int* node = before.begin(*i); node != before.end(*i); ++node) {
-      Phase& phase = list[as_index(*node)].phase;
-      if (phase == Phase::Retire) phase = Phase::Commit;
-    }
-  }
+  keep_out_of_prepare(list, before, order);
+  keep_out_of_retire(list, before, order);
 }
 
 }  // namespace segue::solve::detail

@@ -189,7 +189,7 @@ Result<WriteResult> OutputPortBase::write_value(const type::Value& value) {
 }
 
 Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const std::string& reader,
-                                    CommitGatePtr gate) {
+                                    const CommitGatePtr& gate) {
   const std::lock_guard lock(attach_mutex_);
   std::size_t slots = kWriterSlots + end->capacity();
   for (const auto& other : ends_.snapshot()) {
@@ -200,7 +200,7 @@ Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const std::s
     slots += other->capacity();
   }
   if (!pool_->reserve(slots)) return out_of_memory();
-  ends_.add(std::move(end), std::move(gate));
+  ends_.add(std::move(end), gate);
   return {};
 }
 

@@ -97,8 +97,8 @@ class OutputPortBase : public PortBase {
   /// the same `reader`, "task.port", with the same policy); lets it end when a gate opens; drops gates of a
   /// transition that has ended; removes it and waits for the write in progress.
   Result<void> attach(std::shared_ptr<WriterEnd> end, const std::string& reader,
-                      CommitGatePtr gate = nullptr);
-  void end_at(const WriterEnd& end, CommitGatePtr gate) { ends_.end_at(&end, std::move(gate)); }
+                      const CommitGatePtr& gate = nullptr);
+  void end_at(const WriterEnd& end, const CommitGatePtr& gate) { ends_.end_at(&end, gate); }
   void settle() { ends_.settle(); }
   void detach(const WriterEnd& end);
   /// For links: waits until a write or show_last() that is in progress has ended.
@@ -163,7 +163,7 @@ class InputPortBase : public PortBase {
 
   /// For links. What waits in an end that ends when a gate opens is read before anything newer.
   void attach(std::shared_ptr<ReaderEnd> end);
-  void end_at(const ReaderEnd& end, CommitGatePtr gate) { ends_.end_at(&end, std::move(gate)); }
+  void end_at(const ReaderEnd& end, const CommitGatePtr& gate) { ends_.end_at(&end, gate); }
   void settle() { ends_.settle(); }
   void detach(const ReaderEnd& end);
   /// For links: wakes the task if this port triggers it. Real-time safe. Sequentially consistent: a link

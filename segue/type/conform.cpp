@@ -119,8 +119,8 @@ class Checker {
   }
 
   template <class T>
-  void report(const Result<T>& result, std::string code, const Value& value, const ValuePath& path) {
-    if (!result) add(std::move(code), result.error().message, value, path);
+  void report(const Result<T>& result, const std::string& code, const Value& value, const ValuePath& path) {
+    if (!result) add(code, result.error().message, value, path);
   }
 
   void mismatch(const std::string& expected, const Value& value, const ValuePath& path) {

@@ -77,7 +77,7 @@ std::optional<Value> prefixed_integer(std::string_view text) {
 
 // A number that a double cannot hold (1e999) stays text.
 std::optional<Value> number(std::string_view text) {
-  if (const auto integer = prefixed_integer(text)) return integer;
+  if (auto integer = prefixed_integer(text)) return integer;
   if (all_digits(without_sign(text))) {
     if (const auto integer = convert<std::int64_t>(without_plus(text))) return Value(*integer);
     if (const auto integer = convert<std::uint64_t>(without_plus(text))) return Value(*integer);

@@ -343,7 +343,10 @@ void Hub::publish(Watched& document, Value value, std::string error) {
   next->version = before ? before->version + 1 : 1;
   next->error = std::move(error);
   // What was known last stays, so that a page can show it until the robot answers again.
-  next->value = next->error.empty() || !before ? std::move(value) : before->value;
+  if (next->error.empty() || !before)
+    next->value = std::move(value);
+  else
+    next->value = before->value;
   if (before && before->value.is_map() && next->value.is_map())
     next->change = type::to_json(change_between(before->value, next->value), -1);
   std::vector<std::shared_ptr<Viewer>> told;

@@ -162,7 +162,7 @@ Result<Value> do_write(const Request& request) {
 Result<Value> ask_of_mission(const Request& request) {
   const auto what = request.command.text("what");
   if (!what) return what.error();
-  const auto mission = request.robot.mission(std::numeric_limits<std::uint64_t>::max(), false);
+  auto mission = request.robot.mission(std::numeric_limits<std::uint64_t>::max(), false);
   if (!mission) return mission;
   const Value* state = mission->find("state");
   if (state == nullptr || *state == Value("ended"))

@@ -110,10 +110,11 @@ void BatchClient::begin(std::vector<model::Action> actions, Duration timeout, Se
         })
         .then([following = kj::mv(following)]() mutable { return kj::mv(following); });
   };
-  const bool begun = channel_->start(timeout + kGrace, std::move(ask), [batch, open = open_](Error error) {
-    open->remove(batch);
-    batch->fail_rest(error);
-  });
+  const bool begun =
+      channel_->start(timeout + kGrace, std::move(ask), [batch, open = open_](const Error& error) {
+        open->remove(batch);
+        batch->fail_rest(error);
+      });
   if (!begun) batch->fail_rest(fail(ErrorCode::Unavailable, "the connection is closed"));
 }
 

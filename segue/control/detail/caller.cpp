@@ -91,16 +91,16 @@ kj::Promise<Result<void>> Caller::run(Role needed, std::function<void()> job) {
   auto pair = kj::newPromiseAndFulfiller<Result<void>>();
   // Shared because std::function must be copyable; it is only moved, and destroyed in the loop's thread.
   auto fulfiller = std::make_shared<Fulfiller>(kj::mv(pair.fulfiller));
-  const bool begun =
-      core_.pool_of(lane_).try_submit([caller = *this, job = std::move(job), fulfiller]() mutable {
-        job();
-        job = nullptr;
-        caller.core_.loop.post(
-            [caller = std::move(caller), fulfiller = std::move(fulfiller)](kj::AsyncIoContext&) mutable {
-              caller.end();
-              (*fulfiller)->fulfill(Result<void>());
-            });
-      });
+  const bool begun = core_.pool_of(lane_).try_submit([caller = *this, job = std::move(job),
+                                                      fulfiller]() mutable {
+    job();
+    job = nullptr;
+    EventLoop& loop = caller.core_.loop;
+    loop.post([caller = std::move(caller), fulfiller = std::move(fulfiller)](kj::AsyncIoContext&) mutable {
+      caller.end();
+      (*fulfiller)->fulfill(Result<void>());
+    });
+  });
   if (!begun) {
     end();
     return Result<void>(
