@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
+#include <segue/base/time_slice.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -90,6 +91,7 @@ int run(int count, char** arguments) {
 
 int main(int count, char** arguments) {
   std::signal(SIGPIPE, SIG_IGN);
+  segue::ask_for_short_time_slices();
   try {
     return run(count, arguments);
   } catch (const std::exception& exception) {

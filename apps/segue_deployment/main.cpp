@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/printable.hpp>
+#include <segue/base/time_slice.hpp>
 #include <segue/host/component_library.hpp>
 #include <segue/process/assignment.hpp>
 #include <segue/process/zygote.hpp>
@@ -37,6 +38,7 @@ int main(int count, char** arguments) {
                stderr);
     return segue::process::kWrongUse;
   }
+  segue::ask_for_short_time_slices();
   try {
     return run(count, arguments);
   } catch (const std::exception& exception) {

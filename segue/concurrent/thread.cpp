@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/time_slice.hpp>
 #include <segue/concurrent/thread.hpp>
 
 #include <pthread.h>
@@ -21,6 +22,7 @@ std::thread start_thread(const char* name, std::function<void()> work) {
   return std::thread([name, work = std::move(work)] {
     block_signals();
     ::pthread_setname_np(::pthread_self(), name);
+    ask_for_short_time_slices();
     work();
   });
 }

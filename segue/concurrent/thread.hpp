@@ -11,8 +11,8 @@ namespace segue::concurrent {
 /// main thread, or by whoever waits for them.
 void block_signals();
 
-/// Starts a thread with that name (15 characters at most) and all signals blocked. Throws std::system_error
-/// where the system has no thread left.
+/// Starts a thread with that name (15 characters at most), all signals blocked and short time slices. Throws
+/// std::system_error where the system has no thread left.
 std::thread start_thread(const char* name, std::function<void()> work);
 
 }  // namespace segue::concurrent

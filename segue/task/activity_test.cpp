@@ -2,13 +2,10 @@
 #include <segue/task/executor_set.hpp>
 #include <segue/task/probe_component.hpp>
 #include <segue/task/thread_executor.hpp>
-#include <segue/task/time_slice.hpp>
 
 #include <gmock/gmock.h>
 #include <pthread.h>
-#include <sched.h>
 #include <sys/eventfd.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
@@ -403,16 +400,6 @@ TEST_F(Threads, SchedulerIsGrantedOrRefusedWithARemedyOrOptional) {
   if (made) return;
   EXPECT_EQ(made.error().code, ErrorCode::PermissionDenied);
   EXPECT_THAT(made.error().message, HasSubstr("CAP_SYS_NICE"));
-}
-
-TEST_F(Threads, ShortTimeSlicesChangeNothingElseOfTheScheduler) {
-  std::thread([] {
-    const auto me = static_cast<id_t>(::gettid());
-    ASSERT_EQ(::setpriority(PRIO_PROCESS, me, 3), 0);
-    detail::ask_for_short_time_slices();
-    EXPECT_EQ(::getpriority(PRIO_PROCESS, me), 3);
-    EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
-  }).join();
 }
 
 TEST_F(Threads, ProcessorThatIsNotThereIsRefused) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/descriptor.hpp>
+#include <segue/base/time_slice.hpp>
 #include <segue/task/doorbell.hpp>
 #include <segue/task/run_queue.hpp>
 #include <segue/task/thread_executor.hpp>
 #include <segue/task/thread_start.hpp>
-#include <segue/task/time_slice.hpp>
 #include <segue/task/wake_batch.hpp>
 
 #include <sys/epoll.h>
@@ -143,7 +143,7 @@ void* ThreadExecutor::State::main(void* argument) {
   const std::unique_ptr<std::shared_ptr<State>> state(static_cast<std::shared_ptr<State>*>(argument));
   current_executor = state->get();
   prctl(PR_SET_TIMERSLACK, 1UL);  // wake at the time asked for, not up to 50 us later
-  detail::ask_for_short_time_slices();
+  ask_for_short_time_slices();
   (*state)->loop();
   current_executor = nullptr;
   return nullptr;

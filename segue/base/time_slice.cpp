@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/task/time_slice.hpp>
+#include <segue/base/time_slice.hpp>
 
 #include <sched.h>
 #include <sys/syscall.h>
@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace segue::task::detail {
+namespace segue {
 
 namespace {
 
@@ -34,4 +34,4 @@ void ask_for_short_time_slices() noexcept {
   static_cast<void>(::syscall(SYS_sched_setattr, 0, &attributes, 0));
 }
 
-}  // namespace segue::task::detail
+}  // namespace segue
