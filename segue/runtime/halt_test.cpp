@@ -182,6 +182,22 @@ TEST(Halt, that_does_not_lead_to_rest_in_time_stops_devices_and_says_what_is_mis
   EXPECT_EQ(robot.host.observe().find_task(model::TaskId("wheels"))->state, TaskState::Stopped);
 }
 
+TEST(Halt, names_no_device_as_stopped_that_could_not_be) {
+  auto halt = hold({{TaskReaches{"wheels", "idle"}, {}}});
+  halt.within = std::chrono::milliseconds(300);
+  Robot robot(with(std::move(halt)));
+  robot.asking.ask([](const model::Action& action) -> Result<void> {
+    if (action.kind != model::ActionKind::Stop) return {};
+    return fail(ErrorCode::HookFailed, "the wheels turn on");
+  });
+  const auto rest = robot.runtime.halt({.who = "ann"}).get();
+  EXPECT_FALSE(rest.at_rest);
+  EXPECT_THAT(rest.trouble, HasSubstr("its devices could not be stopped: "));
+  EXPECT_THAT(rest.trouble, HasSubstr("the wheels turn on"));
+  EXPECT_THAT(rest.stopped, IsEmpty());
+  robot.asking.ask({});
+}
+
 TEST(Halt, comes_when_its_condition_holds_and_holds_the_robot_as_long) {
   auto halt = hold();
   halt.when = {{TaskReaches{"planner", "stopped"}, {}}};

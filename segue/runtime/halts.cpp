@@ -24,6 +24,19 @@ std::string cause_of(const HaltRequest& request) {
   return "by " + who_of(request) + (request.why.empty() ? "" : ": " + request.why);
 }
 
+/// Why a transition has not brought about what was requested; nothing: it has. What it stops is stopped last,
+/// and what could not be is a leftover.
+std::optional<std::string> trouble_of(std::future<SwitchResult>& switched, TimePoint deadline, bool stops) {
+  if (switched.wait_until(deadline) != std::future_status::ready) {
+    return "the transition has not ended in time";
+  }
+  const SwitchResult result = switched.get();
+  if (result.outcome != Outcome::Done) {
+    return result.error ? to_string(*result.error) : "it was " + std::string(to_string(result.outcome));
+  }
+  return stops && result.leftover ? std::optional(to_string(*result.leftover)) : std::nullopt;
+}
+
 }  // namespace
 
 Halts::Halts(host::TaskHost& host, EventLog& log, Ways ways)
@@ -219,18 +232,21 @@ void Halts::bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_to
   const auto how = under_way_->how;
   const TimePoint deadline = under_way_->begin + (how ? how->within : kStopDevices);
   HaltResult result;
-  result.stopped = std::move(under_way_->stopped);
+  auto devices = std::move(under_way_->stopped);
   lock.unlock();
-  auto trouble = trouble_of(switched, deadline);
+  auto trouble = trouble_of(switched, deadline, how == nullptr);
   if (!trouble && how) {
     trouble = wait_for_rest(*how, deadline, stop);
+  } else if (!trouble) {
+    result.stopped = std::move(devices);
   }
   if (trouble && how && !stop.stop_requested()) {
     auto otherwise = ways_.devices_stopped();
     auto again = ways_.request("the halt", std::move(otherwise.network), kStopDevices);
-    result.stopped = std::move(otherwise.tasks);
-    if (const auto more = trouble_of(again, RealClock::instance().now() + 2 * kStopDevices)) {
+    if (const auto more = trouble_of(again, RealClock::instance().now() + 2 * kStopDevices, true)) {
       *trouble += "; and its devices could not be stopped: " + *more;
+    } else {
+      result.stopped = std::move(otherwise.tasks);
     }
   }
   lock.lock();
@@ -244,17 +260,6 @@ void Halts::bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_to
   last_->result = result;
   under_way_->promise.set_value(std::move(result));
   under_way_.reset();
-}
-
-std::optional<std::string> Halts::trouble_of(std::future<SwitchResult>& switched, TimePoint deadline) {
-  if (switched.wait_until(deadline) != std::future_status::ready) {
-    return "the transition has not ended in time";
-  }
-  const SwitchResult result = switched.get();
-  if (result.outcome == Outcome::Done) {
-    return std::nullopt;
-  }
-  return result.error ? to_string(*result.error) : "it was " + std::string(to_string(result.outcome));
 }
 
 std::optional<std::string> Halts::wait_for_rest(const model::Halt& halt, TimePoint deadline,

@@ -101,8 +101,6 @@ class Halts {
   [[nodiscard]] std::string sentence_of_first(const std::vector<WhenWatch>& watches) const;
   std::unique_ptr<ConditionWatch> watch(const model::RobotCondition& condition, ConditionWatch::From from);
   void bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
-  /// Why the robot does not run what it was asked to by then.
-  static std::optional<std::string> trouble_of(std::future<SwitchResult>& switched, TimePoint deadline);
   /// Which conditions of rest do not hold by then.
   std::optional<std::string> wait_for_rest(const model::Halt& halt, TimePoint deadline,
                                            const std::stop_token& stop);
