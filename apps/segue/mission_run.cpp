@@ -121,8 +121,8 @@ draw::Diagram known_plan(const session::Session& plan, const RunRequest& request
 }
 
 Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& plan, RunRequest request,
-                                                       const MissionOptions& options, std::stop_token stop,
-                                                       const Context& context) {
+                                                       const MissionOptions& options,
+                                                       const std::stop_token& stop, const Context& context) {
   const auto style = style_of(options, context);
   const bool shows_plan = style == MissionProgress::Style::Block;
   MissionProgress progress(plan.name(), style, options.clock == "real",
@@ -138,7 +138,7 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
       if (further) further(event);
     };
   }
-  return plan.run(request, std::move(stop));
+  return plan.run(request, stop);
 }
 
 /// Also one that is stepped, which is asked for through a robot.

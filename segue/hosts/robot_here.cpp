@@ -189,8 +189,8 @@ void Session::begin_in_order(std::vector<model::Action> actions, Duration action
     begin_batch(*robot, epoch, std::move(ready), deadline, std::move(report));
   };
   begin_as_work(*robot_, epoch_, count, std::move(completed),
-                [&](TaskHostPart& part, host::Completion report) {
-                  part.begin_in_order(std::move(actions), action_deadline, std::move(report), begin);
+                [&](TaskHostPart& part, const host::Completion& report) {
+                  part.begin_in_order(std::move(actions), action_deadline, report, begin);
                 });
 }
 

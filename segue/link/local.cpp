@@ -31,7 +31,7 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   }
 
   static Result<std::shared_ptr<PortConnection>> make(OutputPortBase& from, InputPortBase& to,
-                                                      const Policy& policy, task::CommitGatePtr gate);
+                                                      const Policy& policy, const task::CommitGatePtr& gate);
 
   bool push(SampleSlot& sample) noexcept override;
   SampleRef pull() noexcept override;
@@ -104,12 +104,12 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
 
 Result<std::shared_ptr<PortConnection>> LocalConnection::make(OutputPortBase& from, InputPortBase& to,
                                                               const Policy& policy,
-                                                              task::CommitGatePtr gate) {
+                                                              const task::CommitGatePtr& gate) {
   auto connection = std::make_shared<LocalConnection>(from, to, policy, gate);
   // The reader first, so that no sample of the writer goes unnoticed.
   to.attach(connection);
   const bool at_once = gate == nullptr;
-  if (auto attached = from.attach(connection, to.full_name(), std::move(gate)); !attached) {
+  if (auto attached = from.attach(connection, to.full_name(), gate); !attached) {
     to.detach(*connection);
     return std::move(attached.error());
   }
@@ -209,14 +209,14 @@ Counters LocalConnection::counters() const {
 }  // namespace
 
 Result<std::shared_ptr<PortConnection>> connect(OutputPortBase& from, InputPortBase& to, const Policy& policy,
-                                                task::CommitGatePtr gate) {
+                                                const task::CommitGatePtr& gate) {
   if (auto checked = check_policy(policy); !checked) return std::move(checked.error());
   if (auto checked = check_types(from, to); !checked) return std::move(checked.error());
   if (policy.transport != Transport::Automatic && policy.transport != Transport::Local) {
     return fail(ErrorCode::Unsupported, "ports of one process are connected by the local link, not by " +
                                             std::string(to_string(policy.transport)));
   }
-  return LocalConnection::make(from, to, policy, std::move(gate));
+  return LocalConnection::make(from, to, policy, gate);
 }
 
 Result<void> check_types(const OutputPortBase& from, const InputPortBase& to) {

@@ -15,7 +15,8 @@ namespace segue::link {
 /// AlreadyExists for the same ports and policy; InvalidArgument for an invalid policy. Any thread, also while
 /// both tasks run. With a gate it is dormant until that opens.
 Result<std::shared_ptr<PortConnection>> connect(task::OutputPortBase& from, task::InputPortBase& to,
-                                                const Policy& policy, task::CommitGatePtr gate = nullptr);
+                                                const Policy& policy,
+                                                const task::CommitGatePtr& gate = nullptr);
 
 /// Whether samples of `from` fit `to`; the error shows both definitions.
 Result<void> check_types(const task::OutputPortBase& from, const task::InputPortBase& to);

@@ -113,7 +113,7 @@ void EngineCore::read_messages() {
     if (!activation.deferred || activation.generation != completion.generation) continue;
     if (completion.outputs.size() == activation.outputs.size())
       activation.outputs = std::move(completion.outputs);
-    complete(activation, std::move(completion.ending));
+    complete(activation, completion.ending);
   }
   if (messages.pause && mode_ == Mode::Run) mode_ = Mode::Hold;
   for (auto& task : messages.tasks) {
@@ -135,7 +135,7 @@ bool EngineCore::fire_timers() {
     if (!stale && timer.when > now()) break;
     timers_.pop();
     if (stale) continue;
-    complete(*timer.activation, std::move(timer.activation->timed));
+    complete(*timer.activation, timer.activation->timed);
     fired = true;
   }
   return fired;

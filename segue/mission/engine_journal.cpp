@@ -32,8 +32,8 @@ bool EngineCore::begin_postponed() {
   postponed_.pop_front();
   if (leaf->generation != generation) return true;  // it was preempted meanwhile
   bool under_way = false;
-  Ending ending = begin_with_journal(*leaf, under_way);
-  if (!under_way) complete(*leaf, std::move(ending));
+  const Ending ending = begin_with_journal(*leaf, under_way);
+  if (!under_way) complete(*leaf, ending);
   return true;
 }
 

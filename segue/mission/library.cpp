@@ -39,7 +39,9 @@ class Collector {
   }
 
  private:
-  void add(const std::string& name, const SourcePlace& user) {
+  /// By value: what the arguments come from may move while libraries are added.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param)
+  void add(const std::string name, const SourcePlace user) {
     const path file = find(name, path(user.file.empty() ? mission_.file : user.file).parent_path());
     if (file.empty()) return;
     const auto text = model::detail::read_text(file, diagnostics_);

@@ -184,7 +184,7 @@ class Converter {
     check_numbers(raw, shown);
     std::string name = id;
     std::ranges::replace(name, '/', ':');
-    action.name = ActionName(unique(std::move(name), action_names_));
+    action.name = ActionName(unique(name, action_names_));
     mission_.actions.push_back(action);
     return action.name;
   }

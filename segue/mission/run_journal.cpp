@@ -120,7 +120,7 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
   if (start.concurrent) line.append("concurrent", true);
   if (!start.resources.empty()) line.append("resources", counts_value(start.resources));
   if (start.seed != 0) line.append("seed", start.seed);
-  auto created = RunJournalFile::create(file, std::move(line), std::move(warn));
+  auto created = RunJournalFile::create(file, line, std::move(warn));
   if (!created) return created.error();
   std::unique_ptr<RunJournal> journal(new RunJournal(std::move(*created)));
   journal->start_ = std::move(start);

@@ -28,7 +28,7 @@ struct EmbeddedRobot::Implementation {
   void load_libraries(Diagnostics& diagnostics, bool required);
   void add_components_of(const std::string& library, const std::function<void(const Error&)>& report);
   void load_models(Diagnostics& diagnostics);
-  void start(ControllerSet controllers, host::LocalOptions local, const EmbeddedOptions& options,
+  void start(const ControllerSet& controllers, host::LocalOptions local, const EmbeddedOptions& options,
              Diagnostics& diagnostics);
   [[nodiscard]] fs::path journal_path(const EmbeddedOptions& options, Diagnostics& diagnostics) const;
   [[nodiscard]] fs::path robot_folder() const;
@@ -72,7 +72,7 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
   if (diagnostics.has_errors()) {
     return false;
   }
-  start(std::move(read->controllers), std::move(local), options, diagnostics);
+  start(read->controllers, std::move(local), options, diagnostics);
   return !diagnostics.has_errors();
 }
 
@@ -136,7 +136,7 @@ fs::path EmbeddedRobot::Implementation::robot_folder() const {
   return failed ? robot.folder : folder;
 }
 
-void EmbeddedRobot::Implementation::start(ControllerSet controllers, host::LocalOptions local,
+void EmbeddedRobot::Implementation::start(const ControllerSet& controllers, host::LocalOptions local,
                                           const EmbeddedOptions& options, Diagnostics& diagnostics) {
   auto created = detail::RobotTasks::create(robot, libraries, catalog, std::move(local), options);
   if (!created) {
@@ -157,7 +157,7 @@ void EmbeddedRobot::Implementation::start(ControllerSet controllers, host::Local
       robot.name, tasks->host(), catalog,
       RuntimeOptions{robot.fallback, robot.halt, robot.policies, robot.look_ahead,
                      journal_path(options, diagnostics), robot_folder(), robot.pools});
-  diagnostics.append(runtime->load(std::move(controllers)));
+  diagnostics.append(runtime->load(controllers));
   if (!runtime->belief().empty()) {
     runtime->reset_belief();  // adopted deployments: find the name of the controller that they run
   }

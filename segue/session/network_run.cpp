@@ -118,7 +118,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     options.world_copies = request.world_copies;
     options.warn = request.note;
     options.observe = request.on_action;
-    auto run = convert::Run::create(std::move(program), std::move(runners), std::move(*inputs), options);
+    auto run = convert::Run::create(std::move(program), runners, std::move(*inputs), std::move(options));
     if (!run) return run.error();
     run_ = std::move(*run);
     return {};

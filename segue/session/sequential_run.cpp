@@ -37,7 +37,7 @@ class SequentialRun final : public FinishedRun {
     options.facts = std::move(*facts);
     options.resources = start->resources;
     options.world_data = request.world_data;
-    auto engine = mission::Engine::create(std::move(program), std::move(runners), options);
+    auto engine = mission::Engine::create(std::move(program), runners, std::move(options));
     if (!engine) return engine.error();
     engine_ = std::move(*engine);
     for (const auto& [name, value] : start->inputs) {

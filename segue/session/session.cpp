@@ -141,12 +141,13 @@ Result<convert::AheadOfFailures> Session::ahead_of_failures(const ConvertRequest
   return convert::ahead_of_failures(program_, std::move(*inputs), *facts);
 }
 
-Result<std::unique_ptr<FinishedRun>> Session::run(const RunRequest& request, std::stop_token stop) const {
+Result<std::unique_ptr<FinishedRun>> Session::run(const RunRequest& request,
+                                                  const std::stop_token& stop) const {
   if (auto problem = problem_of(request, is_network()); !problem.empty())
     return fail(ErrorCode::Unsupported, std::move(problem));
-  if (is_network()) return detail::run_network(network_, request, std::move(stop));
-  if (request.mode == RunMode::Sequential) return detail::run_as_written(program_, request, std::move(stop));
-  return detail::run_concurrently(program_, request, std::move(stop));
+  if (is_network()) return detail::run_network(network_, request, stop);
+  if (request.mode == RunMode::Sequential) return detail::run_as_written(program_, request, stop);
+  return detail::run_concurrently(program_, request, stop);
 }
 
 namespace detail {

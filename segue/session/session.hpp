@@ -132,7 +132,7 @@ class Session {
   /// those of convert(), NotFound where an action has no runner, those of the journal, and Unsupported where
   /// the mode or the kind of plan does not have what is requested.
   [[nodiscard]] Result<std::unique_ptr<FinishedRun>> run(const RunRequest& request,
-                                                         std::stop_token stop = {}) const;
+                                                         const std::stop_token& stop = {}) const;
 
  private:
   Session() = default;
