@@ -43,6 +43,11 @@ Ending aborted(const Error& error) {
   return {kAborted, to_string(error)};
 }
 
+/// Whether a task, or its process, may be gone.
+bool may_be_lost(const Error& error) {
+  return error.code == ErrorCode::NotFound || error.code == ErrorCode::Unavailable;
+}
+
 /// What all executions of a runner have to do with.
 struct Shared {
   Shared(std::shared_ptr<CommandedRobot> commanded, const ControllerOptions& given,
@@ -251,7 +256,6 @@ class ControlledRun {
   /// begun by `give_up`: moved on while it mends. The ending where it does not, where the time is up before,
   /// and where nothing was lost.
   std::optional<Ending> await_repair(const Error& error, TimePoint& give_up, const std::stop_token& stop) {
-    const bool may_be_lost = error.code == ErrorCode::NotFound || error.code == ErrorCode::Unavailable;
     bool was_lost = false;
     while (!stop.stop_requested()) {
       const auto trouble = robot_.trouble(use_.controller, look(stop));
@@ -259,11 +263,11 @@ class ControlledRun {
       if (auto lost = loss_by(*trouble)) return lost;
       if (const auto up = time_is_up()) return ended_by(*up, stop);
       const bool mends = !trouble->repair.empty();
-      const bool runs = !mends && all_tasks_run(stop);
+      const bool runs = all_tasks_run(stop) && !mends;
       was_lost = was_lost || !runs || tasks_.has_begun_anew();
-      if (runs && was_lost) return std::nullopt;
+      if (runs && was_lost && !tasks_.lacks_any()) return std::nullopt;
       if (mends) give_up = now() + options_.notice;
-      if (now() > give_up || (!was_lost && !may_be_lost)) return aborted(error);
+      if (now() > give_up || (!was_lost && !may_be_lost(error))) return aborted(error);
       wait(stop);
       tasks_.ask();
       (void)tasks_.look();  // those that cannot be seen do not run
@@ -280,11 +284,17 @@ class ControlledRun {
     return std::nullopt;
   }
 
+  /// Those that do not will begin anew, and know nothing then of what they were told; one that is only silent
+  /// may still know it.
   bool all_tasks_run(const std::stop_token& stop) {
-    return std::ranges::all_of(tasks_.ids(), [&](const std::string& id) {
+    bool all = true;
+    for (const std::string& id : tasks_.ids()) {
       const auto task = robot_.task(id, {answer_by(), stop});
-      return task && task->state == "running";
-    });
+      if (task && task->state == "running") continue;
+      if (task || may_be_lost(task.error())) tasks_.note_gone(id);
+      all = false;
+    }
+    return all;
   }
 
   /// When a condition may hold although nothing has been said of a task or a port.

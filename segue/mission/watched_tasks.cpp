@@ -97,6 +97,15 @@ std::vector<std::string> WatchedTasks::take_begun_anew() {
   return anew;
 }
 
+void WatchedTasks::note_gone(std::string_view task) {
+  if (const auto found = std::ranges::find(tasks_, task, &One::task); found != tasks_.end())
+    found->is_gone = true;
+}
+
+bool WatchedTasks::lacks_any() const {
+  return std::ranges::any_of(tasks_, &One::is_gone);
+}
+
 void WatchedTasks::ask(One& one) {
   const bool each_update = one.view && one.view->updates <= one.after;
   one.question.ask(RealClock::instance().now() + one.patience, [&](const Wait& wait, TaskAnswer answer) {

@@ -48,6 +48,10 @@ class WatchedTasks {
   /// again, and know nothing of what they were told before. Their updates count from the beginning.
   [[nodiscard]] std::vector<std::string> take_begun_anew();
   [[nodiscard]] bool has_begun_anew() const;
+  /// Somebody has seen that it does not run: once it does, it has begun anew.
+  void note_gone(std::string_view task);
+  /// Whether one that is gone has not been seen to run again.
+  [[nodiscard]] bool lacks_any() const;
   /// As of the last look(). Null: nothing is known yet.
   [[nodiscard]] const TaskView* view(std::string_view task) const;
   /// Counts answers.
