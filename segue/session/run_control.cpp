@@ -67,8 +67,11 @@ void RunControl::set_paused(bool paused) {
 /// The engine looks at the wish when it comes to it, so that the last of several counts. Requires the lock.
 void RunControl::follow_wish() {
   if (run_->engine == nullptr) return run_->set_paused(wish_);
-  run_->engine->post([this, engine = run_->engine] {
+  const bool resumes = !wish_;
+  if (resumes) ++resuming_;
+  run_->engine->post([this, engine = run_->engine, resumes] {
     const std::lock_guard lock(mutex_);
+    if (resumes) --resuming_;
     if (wish_) return engine->pause();
     engine->resume();
     position_.at.reset();
@@ -146,6 +149,7 @@ RunControl::Attachment::Attachment(RunControl* control, Run run) : control_(cont
   const std::lock_guard lock(control_->mutex_);
   control_->position_ = {run.engine != nullptr, run.back, std::nullopt, run.breakpoints};
   control_->run_ = std::move(run);
+  control_->resuming_ = 0;
   if (control_->wish_) control_->follow_wish();
 }
 
@@ -165,6 +169,7 @@ RunControl::Attachment::~Attachment() {
 bool RunControl::Attachment::held_at(std::vector<std::string> paths) {
   if (control_ == nullptr) return true;
   const std::lock_guard lock(control_->mutex_);
+  if (control_->resuming_ > 0) return false;  // it is about to leave that place
   if (control_->position_.at == paths) return false;
   control_->position_.at = std::move(paths);
   return true;

@@ -88,7 +88,8 @@ class RunControl {
   bool wish_ = false;         ///< to be paused
   std::optional<Run> run_;
   Position position_;
-  std::uint64_t asked_ = 0;                  ///< questions so far
+  int resuming_ = 0;         ///< how often the engine has been told to resume and has not done so yet
+  std::uint64_t asked_ = 0;  ///< questions so far
   std::map<std::uint64_t, Answer> waiting_;  ///< for their answers
 };
 
