@@ -173,22 +173,25 @@ class Search {
   /// only costs time, unless it decides which state of a preemptive container ends first.
   [[nodiscard]] OpaqueSubtreeReason touching_the_same(StateIndex container) const {
     if (planted(ConversionFault::RacesConflict)) return {};
-    for (const StateIndex child : node(container).children) {
-      std::vector<Touched> own;
-      if (child != node(container).decider && collect(child, own)) return {Kind::ReadsWorldBeside, child};
-    }
-    const StateIndex child = first_beside(container, conflict);
+    StateIndex reader = kNoState;
+    const StateIndex child = first_beside(container, conflict, &reader);
+    if (reader != kNoState) return {Kind::ReadsWorldBeside, reader};
     return child == kNoState ? OpaqueSubtreeReason() : OpaqueSubtreeReason{Kind::ConflictBeside, child};
   }
 
   /// The first state in the container that touches something which stands so to what one before it touches.
+  /// `reader`: gets the first up to it that looks at all facts; the search ends there.
   [[nodiscard]] StateIndex first_beside(StateIndex container,
-                                        bool (*stand)(const Touched& a, const Touched& b)) const {
+                                        bool (*stand)(const Touched& a, const Touched& b),
+                                        StateIndex* reader = nullptr) const {
     std::vector<Touched> before;
     for (const StateIndex child : node(container).children) {
       if (child == node(container).decider) continue;
       std::vector<Touched> own;
-      (void)collect(child, own);
+      if (collect(child, own) && reader != nullptr) {
+        *reader = child;
+        return kNoState;
+      }
       for (const Touched& touched : own) {
         if (std::ranges::any_of(before, [&](const Touched& other) { return stand(touched, other); }))
           return child;
