@@ -215,8 +215,8 @@ class ControlledRun {
         look_at_controller = now() + options_.watch;
       }
       const auto met = first_that_holds(stop);
-      TimePoint give_up = now() + options_.notice;
       if (!met) {
+        TimePoint give_up = now() + options_.notice;
         if (auto ending = await_repair(met.error(), give_up, stop)) return *ending;
       } else if (*met < use_.until.size()) {
         return ended_by(*met, stop);
@@ -289,7 +289,7 @@ class ControlledRun {
   bool all_tasks_run(const std::stop_token& stop) {
     bool all = true;
     for (const std::string& id : tasks_.ids()) {
-      const auto task = robot_.task(id, {answer_by(), stop});
+      const auto task = robot_.task(id, {std::min(answer_by(), end_of_time()), stop});
       if (task && task->state == "running") continue;
       if (task || may_be_lost(task.error())) tasks_.note_gone(id);
       all = false;
@@ -299,12 +299,17 @@ class ControlledRun {
 
   /// When a condition may hold although nothing has been said of a task or a port.
   [[nodiscard]] TimePoint next_look() const {
-    TimePoint next = std::min({tasks_.next_question(), ports_.next_question(), next_call_});
+    return std::min({tasks_.next_question(), ports_.next_question(), next_call_, end_of_time()});
+  }
+
+  /// When its own time is up; never before its tasks have been told.
+  [[nodiscard]] TimePoint end_of_time() const {
+    TimePoint end = TimePoint::max();
     for (const EndCondition& condition : use_.until) {
-      if (const auto* time = std::get_if<TimeIsUp>(&condition.when))
-        next = std::min(next, begin_ + time->after);
+      const auto* time = std::get_if<TimeIsUp>(&condition.when);
+      if (time != nullptr && begin_ != TimePoint::max()) end = std::min(end, begin_ + time->after);
     }
-    return next;
+    return end;
   }
 
   /// The position of the first condition that holds; their number if none does.
