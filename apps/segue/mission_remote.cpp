@@ -70,6 +70,12 @@ void MissionRemote::Answers::wait(Duration longest, const std::stop_token& end) 
   is_new_ = false;
 }
 
+void MissionRemote::Answers::wake() {
+  const std::lock_guard lock(mutex_);
+  is_new_ = true;
+  changed_.notify_all();
+}
+
 void MissionRemote::Answers::add_to(type::ValueMap& control) const {
   const std::lock_guard lock(mutex_);
   control.append("heard", heard_);
@@ -77,15 +83,17 @@ void MissionRemote::Answers::add_to(type::ValueMap& control) const {
   if (!values_.is_null()) control.append("values", values_);
 }
 
-MissionRemote::MissionRemote(robot::ServedRobot& robot, const mission::Mission& mission, Plan plan,
+MissionRemote::MissionRemote(robot::ServedRobot& robot, const mission::Program& program, Plan plan,
                              RunControl& control, std::stop_source stop)
     : robot_(robot),
-      mission_(mission.name),
-      keeps_(mission.at_end == mission::Mission::AtEnd::Keep),
+      mission_(program.mission().name),
+      keeps_(program.mission().at_end == mission::Mission::AtEnd::Keep),
+      halts_at_stop_(!keeps_ && !program.handles_preemption()),
       plan_(std::move(plan)),
       control_(control),
       stop_(std::move(stop)),
-      thread_([this](const std::stop_token& end) { work(end); }) {
+      thread_([this](const std::stop_token& end) { work(end); }),
+      stopping_(stop_.get_token(), Stopping{*answers_}) {
   robot_.record().began(mission_);
 }
 
@@ -187,7 +195,8 @@ Value MissionRemote::doing() const {
                      {"running", std::move(running)},
                      {"ended", ended_},
                      {"control", std::move(control)},
-                     {"at_end", keeps_ ? "keep" : "halt"}});
+                     {"at_end", keeps_ ? "keep" : "halt"},
+                     {"at_stop", halts_at_stop_ ? "halt" : "go_on"}});
 }
 
 }  // namespace segue::cli

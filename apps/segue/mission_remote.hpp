@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/mission/action_runner.hpp>
-#include <segue/mission/mission.hpp>
+#include <segue/mission/program.hpp>
 #include <segue/robot/served_robot.hpp>
 #include <segue/session/run_control.hpp>
 
@@ -30,8 +30,8 @@ class MissionRemote {
   using Plan = std::function<type::Value(PlanDetail)>;
 
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
-  /// requested when the mission shall stop.
-  MissionRemote(robot::ServedRobot& robot, const mission::Mission& mission, Plan plan,
+  /// requested when the mission shall stop; where it is requested otherwise, the robot hears it at once.
+  MissionRemote(robot::ServedRobot& robot, const mission::Program& program, Plan plan,
                 session::RunControl& control, std::stop_source stop);
   MissionRemote(const MissionRemote&) = delete;
   MissionRemote& operator=(const MissionRemote&) = delete;
@@ -50,6 +50,8 @@ class MissionRemote {
     void heard_values(std::uint64_t number, const std::string& path, const Result<type::Value>& values);
     /// What is new is waited for until then, or until `end`.
     void wait(Duration longest, const std::stop_token& end);
+    /// Ends a wait.
+    void wake();
     void add_to(type::ValueMap& control) const;
 
    private:
@@ -71,7 +73,8 @@ class MissionRemote {
 
   robot::ServedRobot& robot_;
   const std::string mission_;
-  const bool keeps_;  ///< the robot runs on, however the mission ends
+  const bool keeps_;          ///< the robot runs on, however the mission ends
+  const bool halts_at_stop_;  ///< the mission has nothing to do when it is stopped
   const Plan plan_;
   session::RunControl& control_;
   std::stop_source stop_;
@@ -80,7 +83,12 @@ class MissionRemote {
   std::multiset<std::string, std::less<>> running_;                       ///< paths of actions
   std::uint64_t ended_ = 0;                                               ///< actions
   std::optional<PlanDetail> to_show_ = PlanDetail::States;                ///< for the thread only
+  struct Stopping {
+    Answers& answers;
+    void operator()() const { answers.wake(); }
+  };
   std::jthread thread_;
+  const std::stop_callback<Stopping> stopping_;
 };
 
 }  // namespace segue::cli

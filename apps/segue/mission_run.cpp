@@ -356,6 +356,7 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   std::stop_source stop;
   const std::stop_callback stopping(signal.token(), [&] { stop.request_stop(); });
   const auto robot = std::make_shared<robot::ServedRobot>(service, sender("mission run"));
+  robot->when_stopped([stop]() mutable { stop.request_stop(); });
   if (auto taken = robot->take(); !taken) return failed(context, taken.error());
   const auto conflicts = robot->conflicts(Wait(TimePoint::max()));
   if (!conflicts) return failed(context, conflicts.error());
@@ -377,7 +378,7 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   Ran run = fail(ErrorCode::Internal, "the mission has not run");
   {
     MissionRemote remote(
-        *robot, plan->program()->mission(),
+        *robot, *plan->program(),
         [&](MissionRemote::PlanDetail detail) { return shown_plan(*plan, request, detail); }, steering, stop);
     request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
     run = run_with_progress(*plan, request, options, stop.get_token(), context);

@@ -210,7 +210,7 @@ TEST_F(ControlTest, NobodyWaitsForALookThatIsWantedNoLonger) {
   EXPECT_EQ(robot->conflicts({}, wait).error().code, ErrorCode::Cancelled);
   EXPECT_EQ(robot->open_port("source", "out", 10, wait).error().code, ErrorCode::Cancelled);
   EXPECT_EQ(stream->read(1, wait).error().code, ErrorCode::Cancelled);
-  EXPECT_EQ(lease->lost_to(wait).error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(lease->standing(wait).error().code, ErrorCode::Cancelled);
 }
 
 TEST_F(ControlTest, ALookAtALeaseThatIsWantedNoLongerLosesNothingThatItsHolderWasAsked) {
@@ -220,7 +220,7 @@ TEST_F(ControlTest, ALookAtALeaseThatIsWantedNoLongerLosesNothingThatItsHolderWa
   EXPECT_EQ(*robot->ask_holder("pause", {}), 1U);
   robot_.lease_blocks = true;
   std::stop_source stop;
-  auto look = std::async(std::launch::async, [&] { return lease->lost_to({soon(), stop.get_token()}); });
+  auto look = std::async(std::launch::async, [&] { return lease->standing({soon(), stop.get_token()}); });
   EXPECT_TRUE(robot_.entered.wait());
   stop.request_stop();
   EXPECT_EQ(look.get().error().code, ErrorCode::Cancelled);
@@ -233,13 +233,15 @@ TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
   const auto robot = client();
   auto lease = robot->lease("a test").value();
   EXPECT_EQ(lease->number(), 7U);
-  EXPECT_EQ(lease->lost_to().value(), std::nullopt);
+  EXPECT_EQ(lease->standing().value(), LeaseStanding());
+  robot_.is_stopped = true;
+  EXPECT_EQ(lease->standing().value(), (LeaseStanding{std::nullopt, true}));
   robot_.is_taken_over = true;
-  EXPECT_EQ(lease->lost_to().value(), "somebody");
+  EXPECT_EQ(lease->standing().value(), (LeaseStanding{"somebody", true}));
   const Value step = Value::map({{"how", "over"}});
   EXPECT_EQ(*robot->ask_holder("pause", {}), 1U);
   EXPECT_EQ(*robot->ask_holder("step", step), 2U);
-  EXPECT_EQ(lease->lost_to().value(), "somebody") << "which keeps what is asked";
+  EXPECT_EQ(lease->standing().value().lost_to, "somebody") << "which keeps what is asked";
   EXPECT_EQ(lease->asked().value(), (std::vector<HolderRequest>{{1, "pause", {}}, {2, "step", step}}));
   EXPECT_EQ(lease->asked().value(), std::vector<HolderRequest>());
   EXPECT_TRUE(robot->report(lease->number(), "driving"));

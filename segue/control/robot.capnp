@@ -39,8 +39,8 @@ interface Robot {
                      properties :Wire.Value, lease :UInt64, takeOver :Bool) -> (answer :Wire.Answer);
   conflicts @15 (controllers :List(Text)) -> (answer :Wire.Answer);
   # `stream` only where the answer is not an error; the answer's value is the number of the lease. Reading from it waits for
-  # nothing: it gives {"lost_to": NAME} once somebody has taken the robot over, and {"asked": WHAT, "number", "arguments"}
-  # for each request of askHolder.
+  # nothing: it gives {"lost_to": NAME} once somebody has taken the robot over, {"stopped": true} once it commands nothing
+  # any more, and {"asked": WHAT, "number", "arguments"} for each request of askHolder.
   lease @16 (holder :Text) -> (answer :Wire.Answer, stream :Wire.SampleStream);
   write @17 (task :Text, port :Text, value :Wire.Value, timeout :Int64,
       sender :Sender) -> (answer :Wire.Answer);

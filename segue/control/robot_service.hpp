@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
+#include <segue/control/robot_lease.hpp>
 #include <segue/control/sample_stream.hpp>
 #include <segue/host/task_level.hpp>
 #include <segue/type/value.hpp>
@@ -17,28 +18,6 @@
 
 /// How other processes reach a running robot: Cap'n Proto over a Unix socket.
 namespace segue::control {
-
-/// What the holder of a lease has been asked to do.
-struct HolderRequest {
-  std::uint64_t number = 0;  ///< rising over all that this holder has been asked
-  std::string what;
-  type::Value arguments;  ///< null, or a map
-  friend bool operator==(const HolderRequest&, const HolderRequest&) = default;
-};
-
-/// The right of one holder to request controllers and to apply files: while it is held, requests of others
-/// are refused, unless they take the robot over. Has ended when its destructor returns; ends, too, with the
-/// holder's connection.
-class RobotLease {
- public:
-  virtual ~RobotLease() = default;
-  [[nodiscard]] virtual std::uint64_t number() const = 0;
-  /// Who took the robot over; nothing: the lease is still held. A look, as those of RobotService.
-  virtual Result<std::optional<std::string>> lost_to(const Wait& wait) = 0;
-  Result<std::optional<std::string>> lost_to() { return lost_to(Wait(TimePoint::max())); }
-  /// What its holder has been asked to do since the last call (RobotService::ask_holder), oldest first.
-  virtual Result<std::vector<HolderRequest>> asked() = 0;
-};
 
 /// "speed", or "speed.max" for a member of it.
 struct PropertyOf {
@@ -129,7 +108,9 @@ class RobotService {
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
   /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more. A
   /// mission says {"mission", "state", "running", "ended", "control", "at_end" ("keep": however its lease
-  /// ends, the robot runs on)}, and in "happened" what the robot's journal shall have: {"sent_ns" (the
+  /// ends, the robot runs on), "at_stop" ("halt": it has nothing to do when it is stopped, so the robot comes
+  /// to rest at once, and nothing is commanded with that lease any more, when it is asked to stop or says
+  /// that its state is "stopping")}, and in "happened" what the robot's journal shall have: {"sent_ns" (the
   /// sender's time since 1970), "lost" (entries so far that it could not keep), "entries": a list of
   /// {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"), "action" (none: the mission),
   /// "iteration", "controller", "outcome", "error", "duration_ns"}}.

@@ -224,5 +224,23 @@ TEST_F(PreemptedActions, EndWhileAnInstanceOfAPoolStillWorks) {
   EXPECT_EQ(ended().outcome_name, "preempted");
 }
 
+bool handles_preemption(const std::string& after_work) {
+  Diagnostics diagnostics;
+  auto mission =
+      read_mission("mission: m\nactions: {wait: {}}\nstart: work\nstates:\n  work: {action: wait, on: {" +
+                       after_work + "}}\n  back: {action: wait, on: {success: return success}}\n",
+                   "m.yaml", diagnostics);
+  EXPECT_TRUE(mission) << to_string(diagnostics);
+  const auto program = Program::compile(std::move(*mission));
+  EXPECT_TRUE(program) << to_string(program.error());
+  return (*program)->handles_preemption();
+}
+
+TEST(Preemption, IsHandledWhereAStateFollowsIt) {
+  EXPECT_TRUE(handles_preemption("success: back, preempted: back"));
+  EXPECT_FALSE(handles_preemption("success: back"));
+  EXPECT_FALSE(handles_preemption("success: back, preempted: return success")) << "nothing is done then";
+}
+
 }  // namespace
 }  // namespace segue::mission

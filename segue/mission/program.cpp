@@ -174,6 +174,12 @@ Result<std::shared_ptr<const Program>> Program::compile(Mission mission,
   return std::shared_ptr<const Program>(std::move(program));
 }
 
+bool Program::handles_preemption() const {
+  return std::ranges::any_of(nodes_, [](const CompiledState& node) {
+    return !node.next.empty() && node.next_after(kPreempted).kind == NextStep::Kind::Child;
+  });
+}
+
 std::string Program::outcome_name(StateIndex state, Outcome outcome) const {
   if (outcome == kAborted) return std::string(kAbortedName);
   if (outcome == kPreempted) return std::string(kPreemptedName);

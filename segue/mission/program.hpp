@@ -93,6 +93,8 @@ class Program {
     const CompiledState& node = nodes_[state];
     return is_leaf(node.kind) ? &mission_.actions[node.action] : node.required.get();
   }
+  /// Whether a state has something to do when one before it is preempted.
+  [[nodiscard]] bool handles_preemption() const;
   [[nodiscard]] std::string outcome_name(StateIndex state, Outcome outcome) const;
   /// The error of a container that aborts because its state ended with an outcome of its own that leads
   /// there.

@@ -138,7 +138,9 @@ auto ServedRobot::look(const Wait& wait, Ask ask) const -> decltype(ask(wait)) {
 template <class Ask>
 auto ServedRobot::command(const Wait& wait, Ask ask) -> decltype(ask(wait)) {
   if (auto refused = refusal()) return std::move(*refused);
-  return look(wait, ask);
+  auto answer = look(wait, ask);
+  if (!answer && !wait.is_stopped()) (void)lost_command(wait.stop);  // so that who is stopped knows it first
+  return answer;
 }
 
 Result<std::uint64_t> ServedRobot::lease() {
@@ -183,16 +185,19 @@ class ServedRobot::Looking {
   bool has_lease_ = false;
 };
 
-Result<std::optional<std::string>> ServedRobot::taken_over(const std::stop_token& stop) {
+Result<std::optional<std::string>> ServedRobot::lost_command(const std::stop_token& stop) {
   const Looking looking(*this, stop);
   if (!looking.has_lease()) return no_longer_wanted();
   const auto lease = present_lease();
   if (!lease) return lease.error();
   if (!*lease) return std::optional<std::string>();
-  const auto lost_to = heard((*lease)->lost_to(Wait(TimePoint::max(), stop)));
-  if (!lost_to) return lost_to.error();
-  if (!*lost_to) return std::optional<std::string>();
-  return std::optional("the robot was taken over by " + ((*lost_to)->empty() ? "somebody" : **lost_to));
+  const auto standing = heard((*lease)->standing(Wait(TimePoint::max(), stop)));
+  if (!standing) return standing.error();
+  if (const auto& to = standing->lost_to)
+    return std::optional("the robot was taken over by " + (to->empty() ? "somebody" : *to));
+  if (!standing->is_stopped) return std::optional<std::string>();
+  when_stopped_();
+  return std::optional<std::string>("the mission is stopped");
 }
 
 Result<void> ServedRobot::take() {
@@ -278,8 +283,7 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, const 
   const std::string outcome = text_at(*answer, "outcome");
   if (outcome == "done") return {};
   // The taker's request may have taken the place of this one, which says only that a newer one came.
-  if (const auto taken = taken_over(wait.stop); taken && *taken)
-    return fail(ErrorCode::InvalidState, **taken);
+  if (const auto lost = lost_command(wait.stop); lost && *lost) return fail(ErrorCode::InvalidState, **lost);
   const std::string error = text_at(*answer, "error");
   const ErrorCode code = outcome == "superseded" ? ErrorCode::Superseded : ErrorCode::InvalidState;
   return fail(code, "the request for " + name_of(controller) + " was " + outcome +
@@ -293,11 +297,12 @@ control::Sender ServedRobot::sender() const {
 }
 
 Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view controller, const Wait& wait) {
-  const auto taken = taken_over(wait.stop);
-  if (!taken) return taken.error();
-  if (*taken) return mission::ControllerTrouble{**taken};
+  // In this order: what it runs since it was taken over, or comes to rest, is no news.
   const auto status = look(wait, [&](const Wait& both) { return service_.running(both); });
   if (!status) return status.error();
+  const auto lost = lost_command(wait.stop);
+  if (!lost) return lost.error();
+  if (*lost) return mission::ControllerTrouble{**lost};
   const std::string running = text_at(*status, "controller");
   if (!is_part(controller, running)) return mission::ControllerTrouble{"the robot runs " + name_of(running)};
   return faults_of(controller, *status);

@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -34,6 +35,9 @@ class ServedRobot final : public mission::CommandedRobot {
   /// `service` must outlive this; `who` requests controllers, for the robot's journal.
   ServedRobot(control::RobotService& service, std::string who) : service_(service), who_(std::move(who)) {}
 
+  /// Calls this, on any thread and maybe more than once, where the robot says that its mission is stopped:
+  /// from then on it does nothing of what it is asked. To be set before it is asked for anything.
+  void when_stopped(std::function<void()> stopped) { when_stopped_ = std::move(stopped); }
   /// Takes the lease now, rather than with the first request.
   Result<void> take();
   /// What whoever holds the lease has been asked to do (control::RobotLease::asked), and says that it does.
@@ -73,8 +77,9 @@ class ServedRobot final : public mission::CommandedRobot {
   [[nodiscard]] std::optional<Error> loss() const;
   /// Why nothing may be commanded any more.
   [[nodiscard]] std::optional<Error> refusal() const;
-  /// By whom, as a sentence; nothing: the lease was not lost. Cancelled once a stop is requested.
-  Result<std::optional<std::string>> taken_over(const std::stop_token& stop);
+  /// Why the mission commands the robot no longer, as a sentence; nothing: it does. Cancelled once a stop is
+  /// requested.
+  Result<std::optional<std::string>> lost_command(const std::stop_token& stop);
   /// `ask(wait)`, which only looks, and ends, too, where the robot is lost.
   template <class Ask>
   auto look(const Wait& wait, Ask ask) const -> decltype(ask(wait));
@@ -84,6 +89,7 @@ class ServedRobot final : public mission::CommandedRobot {
 
   control::RobotService& service_;
   const std::string who_;
+  std::function<void()> when_stopped_ = [] {};
   MissionRecord record_;
   /// Held while the lease is looked at: whoever looks after one that was not answered knows that the robot is
   /// lost, and need not wait as long again.

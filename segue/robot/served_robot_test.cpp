@@ -29,11 +29,11 @@ struct LeaseAnswer {
 
 class FakeLease final : public control::RobotLease {
  public:
-  FakeLease(const std::optional<std::string>& lost_to, LeaseAnswer& answer)
-      : lost_to_(lost_to), answer_(answer) {}
+  FakeLease(const control::LeaseStanding& standing, LeaseAnswer& answer)
+      : standing_(standing), answer_(answer) {}
   [[nodiscard]] std::uint64_t number() const override { return 7; }
-  Result<std::optional<std::string>> lost_to(const Wait& /*wait*/) override {
-    if (!answer_.error) return lost_to_;
+  Result<control::LeaseStanding> standing(const Wait& /*wait*/) override {
+    if (!answer_.error) return standing_;
     ++answer_.looks;
     return *answer_.error;
   }
@@ -45,7 +45,7 @@ class FakeLease final : public control::RobotLease {
   }
 
  private:
-  const std::optional<std::string>& lost_to_;
+  const control::LeaseStanding& standing_;
   LeaseAnswer& answer_;
 };
 
@@ -64,7 +64,7 @@ class FakeService final : public control::RobotService {
   Result<host::TaskLevel> level_answer;
   host::LevelQuestion watched;
   Value conflicts_answer = Value::list({});
-  std::optional<std::string> lost_to;
+  control::LeaseStanding standing;
   std::string requested;
   control::SwitchOptions options;
   std::string lease_holder;
@@ -121,7 +121,7 @@ class FakeService final : public control::RobotService {
   }
   Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override {
     lease_holder = holder;
-    return std::make_unique<FakeLease>(lost_to, lease_answer);
+    return std::make_unique<FakeLease>(standing, lease_answer);
   }
   Result<void> report(std::uint64_t lease, const Value& doing) override {
     reported = Value::list({lease, doing});
@@ -290,13 +290,29 @@ TEST_F(ServedRobotTest, SeesWhichInstancesOfPoolsWork) {
 TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {
   EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
   EXPECT_EQ(robot_.trouble("explore", soon())->why, "");
-  service_.lost_to = "segue switch";
+  service_.standing.lost_to = "segue switch";
   EXPECT_EQ(robot_.trouble("explore", soon())->why, "the robot was taken over by segue switch");
   service_.switch_answer = Value::map({{"outcome", "superseded"}, {"error", "a newer request came"}});
   const auto refused = robot_.request({{"explore"}, {}}, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::InvalidState);
   EXPECT_EQ(refused.error().message, "the robot was taken over by segue switch");
+}
+
+TEST_F(ServedRobotTest, SaysThatItsMissionIsStoppedBeforeAnythingFails) {
+  int stopped = 0;
+  robot_.when_stopped([&] { ++stopped; });
+  EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
+  EXPECT_EQ(robot_.trouble("explore", soon())->why, "");
+  EXPECT_EQ(stopped, 0);
+  service_.standing.is_stopped = true;
+  EXPECT_EQ(robot_.trouble("explore", soon())->why, "the mission is stopped");
+  EXPECT_EQ(stopped, 1);
+  EXPECT_FALSE(robot_.set({"wheels", "speed"}, 1, {})) << "which this robot cannot do anyhow";
+  EXPECT_EQ(stopped, 2);
+  service_.switch_answer = Value::map({{"outcome", "refused"}, {"error", "the mission is being stopped"}});
+  EXPECT_FALSE(robot_.request({{"explore"}, {}}, {}));
+  EXPECT_EQ(stopped, 3);
 }
 
 TEST_F(ServedRobotTest, KnowsWhatCannotRunAtOnce) {

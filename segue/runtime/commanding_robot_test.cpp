@@ -165,14 +165,14 @@ TEST_F(CommandedRuntime, CanBeTakenOver) {
   theirs.take_over = true;
   theirs.who = "segue switch";
   EXPECT_EQ(switch_to("arm", theirs).outcome, Outcome::Done);
-  EXPECT_EQ(runtime_.lease_lost_to(mine.lease), "segue switch");
+  EXPECT_EQ(runtime_.lease_standing(mine.lease).lost_to, "segue switch");
   const auto late = switch_to("drive", mine);
   EXPECT_EQ(late.outcome, Outcome::Refused);
   EXPECT_THAT(why(late), HasSubstr("the robot was taken over by segue switch"));
   EXPECT_EQ(switch_to("drive").outcome, Outcome::Done) << "nobody holds it now";
   const auto next = runtime_.take_lease("mission again");
-  EXPECT_EQ(runtime_.lease_lost_to(*next), std::nullopt);
-  EXPECT_EQ(runtime_.lease_lost_to(mine.lease), "segue switch");
+  EXPECT_EQ(runtime_.lease_standing(*next).lost_to, std::nullopt);
+  EXPECT_EQ(runtime_.lease_standing(mine.lease).lost_to, "segue switch");
 }
 
 TEST_F(CommandedRuntime, TellsItsHolderWhatOthersWant) {
@@ -204,7 +204,7 @@ TEST_F(CommandedRuntime, EndsALeaseWithItsService) {
   auto lease = service.lease("a test");
   ASSERT_TRUE(lease);
   EXPECT_EQ(service.status()->find("commanded_by")->as_string(), "a test");
-  EXPECT_EQ(*(*lease)->lost_to(), std::nullopt);
+  EXPECT_EQ((*lease)->standing()->lost_to, std::nullopt);
   lease->reset();
   EXPECT_TRUE(service.status()->find("commanded_by")->is_null());
 }

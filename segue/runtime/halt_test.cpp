@@ -127,6 +127,66 @@ TEST(Halt, follows_a_lease_that_ends_unless_what_runs_shall_be_kept) {
   EXPECT_EQ(robot.switch_to("work").outcome, Outcome::Done) << "nothing holds the robot afterwards";
 }
 
+type::Value doing(const char* state, const char* at_stop) {
+  return type::Value::map({{"mission", "patrol"}, {"state", state}, {"at_stop", at_stop}});
+}
+
+TEST(Halt, follows_at_once_where_a_mission_is_stopped_that_then_commands_nothing_any_more) {
+  Robot robot;
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  ASSERT_TRUE(robot.runtime.report(lease, doing("running", "halt")));
+  ASSERT_TRUE(robot.runtime.ask_holder("stop"));
+  EXPECT_TRUE(robot.runtime.halt_on_its_way().get().at_rest) << "although the mission has heard nothing yet";
+  EXPECT_EQ(robot.running(), "hold");
+  EXPECT_EQ(robot.runtime.halted()->request.why, "its mission is stopped");
+  EXPECT_EQ(robot.runtime.lease_standing(lease), (control::LeaseStanding{std::nullopt, true}));
+  RequestOptions theirs;
+  theirs.lease = lease;
+  EXPECT_THAT(why(robot.switch_to("drive", theirs)), HasSubstr("the mission is being stopped"));
+  EXPECT_EQ(robot.runtime.allow({.who = "mission a", .lease = lease}, "sets 'x.y'").error().code,
+            ErrorCode::Cancelled);
+  EXPECT_EQ(robot.runtime.lease_refusal(lease)->code, ErrorCode::Cancelled);
+  EXPECT_EQ(robot.runtime.take_asked(lease).at(0).what, "stop");
+  EXPECT_TRUE(robot.runtime.report(lease, doing("stopping", "halt"))) << "it says how it ends";
+  EXPECT_TRUE(robot.runtime.end_lease(lease).get().at_rest) << "of the same halt";
+  EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done) << "nothing holds the robot afterwards";
+}
+
+TEST(Halt, follows_at_once_where_a_mission_says_that_it_is_stopping) {
+  Robot robot;
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  ASSERT_TRUE(robot.runtime.report(lease, doing("stopping", "halt")));
+  EXPECT_TRUE(robot.runtime.halt_on_its_way().get().at_rest);
+  EXPECT_EQ(robot.running(), "hold");
+}
+
+TEST(Halt, does_not_follow_before_a_mission_has_done_what_it_does_when_it_is_stopped) {
+  Robot robot;
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  ASSERT_TRUE(robot.runtime.report(lease, doing("running", "go_on")));
+  ASSERT_TRUE(robot.runtime.ask_holder("stop"));
+  ASSERT_TRUE(robot.runtime.report(lease, doing("stopping", "go_on")));
+  RequestOptions theirs;
+  theirs.lease = lease;
+  EXPECT_EQ(robot.switch_to("work", theirs).outcome, Outcome::Done);
+  EXPECT_FALSE(robot.runtime.halted());
+  EXPECT_TRUE(robot.runtime.end_lease(lease).get().at_rest);
+  EXPECT_EQ(robot.running(), "hold");
+}
+
+TEST(Halt, takes_the_robot_from_a_mission_that_is_stopped_and_does_not_end) {
+  Robot robot;
+  const auto lease = robot.runtime.take_lease("mission a").value();
+  ASSERT_TRUE(robot.runtime.report(lease, doing("running", "halt")));
+  ASSERT_TRUE(robot.runtime.ask_holder("stop"));
+  EXPECT_THAT(robot.switch_to("drive").error->message,
+              ::testing::AnyOf(HasSubstr("halted by mission a"), HasSubstr("commanded by mission a")));
+  EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);
+  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("ann")));
+  EXPECT_FALSE(robot.runtime.end_lease(lease).valid());
+  EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done);
+}
+
 TEST(Halt, does_not_follow_a_lease_that_was_taken_over) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
@@ -141,7 +201,7 @@ TEST(Halt, takes_the_robot_from_whoever_commands_it) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);
-  EXPECT_THAT(robot.runtime.lease_lost_to(lease), ::testing::Optional(HasSubstr("ann")));
+  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("ann")));
   RequestOptions theirs;
   theirs.lease = lease;
   EXPECT_EQ(robot.switch_to("work", theirs).outcome, Outcome::Refused);
@@ -207,7 +267,7 @@ TEST(Halt, comes_when_its_condition_holds_and_holds_the_robot_as_long) {
       1, model::ActionKind::Stop, model::TaskAction{model::TaskId("planner")}, model::Phase::Commit, {}};
   ASSERT_TRUE(robot.host.perform(stop, RealClock::instance().now() + std::chrono::seconds(60)));
   ASSERT_TRUE(segue::testing::eventually([&] { return robot.running() == "hold"; }));
-  EXPECT_THAT(robot.runtime.lease_lost_to(lease), ::testing::Optional(HasSubstr("halt")));
+  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("halt")));
   EXPECT_TRUE(segue::testing::eventually([&] {
     const auto halted = robot.runtime.halted();
     return halted && halted->result && halted->request.why == "task 'planner' is stopped";
@@ -363,9 +423,9 @@ TEST(TakeOver, by_a_request_that_cannot_be_carried_out_takes_the_robot_from_nobo
   broken.controllers.push_back(
       network_of("network: x\ntasks: {a: {component: \"x::A\"}}\nconnections: [a.out -> b.in]\n"));
   EXPECT_EQ(robot.runtime.apply(broken, options).get().outcome, Outcome::Refused);
-  EXPECT_FALSE(robot.runtime.lease_lost_to(lease));
+  EXPECT_FALSE(robot.runtime.lease_standing(lease).lost_to);
   EXPECT_EQ(robot.switch_to("work", options).outcome, Outcome::Done);
-  EXPECT_THAT(robot.runtime.lease_lost_to(lease), ::testing::Optional(std::string("ann")));
+  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(std::string("ann")));
 }
 
 }  // namespace

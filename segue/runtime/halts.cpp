@@ -84,23 +84,26 @@ std::shared_future<HaltResult> Halts::begin(HaltRequest request, const std::func
       who_of(request) + ", who halted it" + (request.why.empty() ? "" : ": " + request.why);
   std::shared_ptr<const model::Halt> how;
   std::shared_future<HaltResult> result;
+  bool is_on_its_way = true;
   {
     const std::lock_guard lock(mutex_);
     if (request.latch) {
       latch_ = request;
     }
     log_.add(EventKind::Halt, "", "the robot is halted " + cause_of(request));
-    if (under_way_ || ended_) {
-      return under_way_ ? under_way_->result : std::shared_future<HaltResult>();
+    is_on_its_way = under_way_ || ended_;
+    if (!is_on_its_way) {
+      under_way_.emplace(UnderWay{{std::move(request), std::chrono::system_clock::now(), std::nullopt, {}},
+                                  RealClock::instance().now(),
+                                  halt_});
+      under_way_->result = under_way_->promise.get_future().share();
+      how = halt_;
     }
-    under_way_.emplace(UnderWay{{std::move(request), std::chrono::system_clock::now(), std::nullopt, {}},
-                                RealClock::instance().now(),
-                                halt_});
-    under_way_->result = result = under_way_->promise.get_future().share();
-    how = halt_;
+    result = under_way_ ? under_way_->result : std::shared_future<HaltResult>();
   }
-  if (first) {
-    first();
+  first ? first() : ways_.take_robot(by);
+  if (is_on_its_way) {
+    return result;
   }
   DevicesStopped otherwise = how ? DevicesStopped{} : ways_.devices_stopped();
   auto switched = how ? ways_.request(by, how->controller, how->within)
@@ -115,6 +118,16 @@ std::shared_future<HaltResult> Halts::begin(HaltRequest request, const std::func
 std::shared_future<HaltResult> Halts::on_its_way() const {
   const std::lock_guard lock(mutex_);
   return under_way_ ? under_way_->result : std::shared_future<HaltResult>();
+}
+
+std::shared_future<HaltResult> Halts::latest() const {
+  const std::lock_guard lock(mutex_);
+  if (under_way_ || !last_) {
+    return under_way_ ? under_way_->result : std::shared_future<HaltResult>();
+  }
+  std::promise<HaltResult> ended;
+  ended.set_value(last_->result.value());
+  return ended.get_future().share();
 }
 
 Result<void> Halts::release(const std::string& who) {

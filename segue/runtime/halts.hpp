@@ -39,7 +39,9 @@ class Halts {
  public:
   /// What it asks of the runtime, without its own lock.
   struct Ways {
-    /// Has the robot run that before all else, and takes it from whoever commands it; `by` says who does.
+    /// Takes the robot from whoever commands it; `by` says who does.
+    std::function<void(const std::string& by)> take_robot;
+    /// Has the robot run that before all else.
     std::function<std::future<SwitchResult>(const std::string& by, Request request, Duration action_deadline)>
         request;
     /// What runs, but for tasks that hold devices.
@@ -63,9 +65,11 @@ class Halts {
   /// As long as a transition changes their states, conditions of `when` do not look at these. Does not block.
   void look_away_from(const std::set<model::TaskId>& tasks);
   /// As of Runtime::halt(). Requests are refused from before `first` is called, which is before the runtime
-  /// is asked for anything; it is not called where a halt is on its way already.
+  /// is asked for anything; without it, the robot is taken from whoever commands it.
   std::shared_future<HaltResult> begin(HaltRequest request, const std::function<void()>& first = {});
   [[nodiscard]] std::shared_future<HaltResult> on_its_way() const;
+  /// That one, or the last, if the robot has not been commanded since.
+  [[nodiscard]] std::shared_future<HaltResult> latest() const;
   Result<void> release(const std::string& who);
   [[nodiscard]] std::optional<Halted> halted() const;
   /// The robot has been commanded since it was halted.

@@ -20,11 +20,31 @@ Result<std::uint64_t> Leases::take(std::string holder) {
 
 std::optional<Leases::Holder> Leases::holder_of(std::uint64_t number) const {
   const std::lock_guard lock(mutex_);
-  if (!is_holder(number)) {
+  return is_holder(number) ? present_holder() : std::nullopt;
+}
+
+std::optional<Leases::Holder> Leases::holder() const {
+  const std::lock_guard lock(mutex_);
+  return present_holder();
+}
+
+std::optional<Leases::Holder> Leases::present_holder() const {
+  if (!held_) {
     return std::nullopt;
   }
-  const type::Value* at_end = held_->doing.find("at_end");
-  return Holder{held_->holder, at_end != nullptr && *at_end == type::Value("keep")};
+  const auto says = [this](std::string_view key, std::string_view what) {
+    const type::Value* said = held_->doing.find(key);
+    return said != nullptr && *said == type::Value(what);
+  };
+  return Holder{held_->holder, held_->number, says("at_end", "keep"), says("at_stop", "halt"),
+                held_->is_stopped};
+}
+
+void Leases::stop(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  if (is_holder(number) && !std::exchange(held_->is_stopped, true)) {
+    log_.add(EventKind::Lease, "", held_->holder + " is stopped, and commands nothing any more");
+  }
 }
 
 void Leases::end(std::uint64_t number) {
@@ -51,18 +71,21 @@ void Leases::lose(const std::string& to, const std::string& how) {
   held_.reset();
 }
 
-std::optional<std::string> Leases::lost_to(std::uint64_t number) const {
+control::LeaseStanding Leases::standing_of(std::uint64_t number) const {
   const std::lock_guard lock(mutex_);
-  return is_holder(number) ? std::nullopt : std::optional(who_took(number).value_or(""));
+  if (is_holder(number)) {
+    return {std::nullopt, held_->is_stopped};
+  }
+  return {who_took(number).value_or(""), false};
 }
 
 std::optional<std::string> Leases::who_took(std::uint64_t number) const {
   return lost_ && lost_->number == number ? std::optional(lost_->holder) : std::nullopt;
 }
 
-std::optional<std::string> Leases::holder() const {
+std::optional<Error> Leases::refusal_of(std::uint64_t lease) const {
   const std::lock_guard lock(mutex_);
-  return held_ ? std::optional(held_->holder) : std::nullopt;
+  return why_refused(lease);
 }
 
 Result<void> Leases::report(std::uint64_t number, type::Value doing) {
@@ -105,8 +128,8 @@ std::vector<control::HolderRequest> Leases::take_asked(std::uint64_t number) {
 
 std::optional<Error> Leases::refusal_of(const RequestOptions& options) const {
   const std::lock_guard lock(mutex_);
-  if (auto lost = loss_of(options.lease)) {
-    return lost;
+  if (auto refused = why_refused(options.lease)) {
+    return refused;
   }
   if (!held_ || is_holder(options.lease) || options.take_over) {
     return std::nullopt;
@@ -116,9 +139,13 @@ std::optional<Error> Leases::refusal_of(const RequestOptions& options) const {
                                            "(--take-over), which ends what it is doing");
 }
 
-std::optional<Error> Leases::loss_of(std::uint64_t lease) const {
-  if (lease == 0 || is_holder(lease)) {
+std::optional<Error> Leases::why_refused(std::uint64_t lease) const {
+  if (lease == 0) {
     return std::nullopt;
+  }
+  if (is_holder(lease)) {
+    return held_->is_stopped ? std::optional(fail(ErrorCode::Cancelled, "the mission is being stopped"))
+                             : std::nullopt;
   }
   const std::string who = who_took(lease).value_or("");
   return fail(ErrorCode::InvalidState, "the robot was taken over" + (who.empty() ? who : " by " + who));
@@ -126,8 +153,8 @@ std::optional<Error> Leases::loss_of(std::uint64_t lease) const {
 
 Result<void> Leases::allow(const TaskSender& sender, const std::string& what) {
   const std::lock_guard lock(mutex_);
-  if (auto lost = loss_of(sender.lease)) {
-    return std::move(*lost);
+  if (auto refused = why_refused(sender.lease)) {
+    return std::move(*refused);
   }
   if (!held_ || is_holder(sender.lease)) {
     return {};

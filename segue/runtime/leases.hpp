@@ -27,15 +27,22 @@ class Leases {
   Result<std::uint64_t> take(std::string holder);
   struct Holder {
     std::string name;
-    bool keeps = false;  ///< it has said that the robot runs on, however it ends
+    std::uint64_t number = 0;
+    bool keeps = false;          ///< it has said that the robot runs on, however it ends
+    bool halts_at_stop = false;  ///< it has said that the robot comes to rest at once where it is stopped
+    bool is_stopped = false;
   };
   /// Nothing where nobody holds it with that number.
   [[nodiscard]] std::optional<Holder> holder_of(std::uint64_t number) const;
+  [[nodiscard]] std::optional<Holder> holder() const;
+  /// Its holder commands nothing any more, and only says how it ends.
+  void stop(std::uint64_t number);
   void end(std::uint64_t number);
   /// From whoever holds it; `by` says who does.
   void take_away(const std::string& by);
-  [[nodiscard]] std::optional<std::string> lost_to(std::uint64_t number) const;
-  [[nodiscard]] std::optional<std::string> holder() const;
+  [[nodiscard]] control::LeaseStanding standing_of(std::uint64_t number) const;
+  /// Why nothing is done with that lease any more; nothing for 0, which is none.
+  [[nodiscard]] std::optional<Error> refusal_of(std::uint64_t lease) const;
   /// What the holder does, and what it has been asked to do (control::RobotService::report, ask_holder).
   Result<void> report(std::uint64_t number, type::Value doing);
   [[nodiscard]] type::Value doing() const;
@@ -61,6 +68,7 @@ class Leases {
     type::Value doing{};
     HolderInbox inbox{};
     bool shall_show_plan = false;
+    bool is_stopped = false;
   };
   [[nodiscard]] std::optional<std::string> who_took(std::uint64_t number) const;
   [[nodiscard]] bool is_holder(std::uint64_t lease) const { return held_ && held_->number == lease; }
@@ -69,8 +77,9 @@ class Leases {
   }
   /// Whoever holds it holds it no longer; `how` ends the mission that it ran.
   void lose(const std::string& to, const std::string& how);
-  /// Nothing where nobody has lost it.
-  [[nodiscard]] std::optional<Error> loss_of(std::uint64_t lease) const;
+  /// With the mutex held, as the next one.
+  [[nodiscard]] std::optional<Error> why_refused(std::uint64_t lease) const;
+  [[nodiscard]] std::optional<Holder> present_holder() const;
 
   EventLog& log_;
   mutable std::mutex mutex_;  ///< protects all below

@@ -108,7 +108,7 @@ TEST_F(LostRuntime, TakesTheRobotFromWhoeverCommandsItHere) {
   const auto lease = runtime_.take_lease("mission patrol");
   ASSERT_TRUE(lease);
   host_.lose();
-  EXPECT_EQ(runtime_.lease_lost_to(*lease), "another runtime");
+  EXPECT_EQ(runtime_.lease_standing(*lease).lost_to, "another runtime");
   EXPECT_EQ(runtime_.report(*lease, "driving").error().code, ErrorCode::InvalidState);
 }
 

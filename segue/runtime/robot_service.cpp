@@ -28,8 +28,8 @@ class Lease final : public control::RobotLease {
   Lease& operator=(const Lease&) = delete;
 
   [[nodiscard]] std::uint64_t number() const override { return number_; }
-  Result<std::optional<std::string>> lost_to(const Wait& /*wait*/) override {
-    return runtime_.lease_lost_to(number_);
+  Result<control::LeaseStanding> standing(const Wait& /*wait*/) override {
+    return runtime_.lease_standing(number_);
   }
   Result<std::vector<control::HolderRequest>> asked() override { return runtime_.take_asked(number_); }
 
@@ -302,8 +302,8 @@ Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& cont
   if (wait.is_stopped()) {
     return no_longer_wanted();
   }
-  if (lease != 0 && runtime_.lease_lost_to(lease)) {
-    return fail(ErrorCode::InvalidState, "the robot is not commanded with that lease any more");
+  if (auto refusal = runtime_.lease_refusal(lease)) {
+    return std::move(*refusal);
   }
   auto future = runtime_.prepare({controllers.begin(), controllers.end()}, lease);
   if (!has_answered(future, wait)) {

@@ -137,12 +137,17 @@ std::optional<Halted> Runtime::halted() const {
   return implementation_->halts.halted();
 }
 
-std::optional<std::string> Runtime::lease_lost_to(std::uint64_t lease) const {
-  return implementation_->leases.lost_to(lease);
+control::LeaseStanding Runtime::lease_standing(std::uint64_t lease) const {
+  return implementation_->leases.standing_of(lease);
+}
+
+std::optional<Error> Runtime::lease_refusal(std::uint64_t lease) const {
+  return implementation_->leases.refusal_of(lease);
 }
 
 std::optional<std::string> Runtime::lease_holder() const {
-  return implementation_->leases.holder();
+  const auto holder = implementation_->leases.holder();
+  return holder ? std::optional(holder->name) : std::nullopt;
 }
 
 AcceptedRequest Runtime::accept(Request request, RequestOptions options) {
@@ -255,7 +260,13 @@ std::vector<Event> Runtime::events(std::uint64_t after, Duration wait) const {
 }
 
 Result<void> Runtime::report(std::uint64_t lease, type::Value doing) {
-  return implementation_->leases.report(lease, std::move(doing));
+  const type::Value* state = doing.find("state");
+  const bool is_stopping = state != nullptr && *state == type::Value("stopping");
+  auto reported = implementation_->leases.report(lease, std::move(doing));
+  if (reported && is_stopping) {
+    implementation_->stop_holder(implementation_->leases.holder_of(lease));
+  }
+  return reported;
 }
 
 type::Value Runtime::reported() const {
@@ -267,7 +278,11 @@ type::Value Runtime::mission(std::uint64_t after, bool with_plan) {
 }
 
 Result<std::uint64_t> Runtime::ask_holder(std::string_view what, const type::Value& arguments) {
-  return implementation_->leases.ask(what, arguments);
+  auto number = implementation_->leases.ask(what, arguments);
+  if (number && what == "stop") {
+    implementation_->stop_holder(implementation_->leases.holder());
+  }
+  return number;
 }
 
 std::vector<control::HolderRequest> Runtime::take_asked(std::uint64_t lease) {

@@ -88,19 +88,22 @@ class Runtime {
   /// Unless it is to `keep` running what it runs, or that is nothing, a robot that says what rest is
   /// (ControllerSet::halt) halts: the result; otherwise no future. Open requests of that lease are cancelled.
   std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep = false);
-  /// Who took the robot over from that lease; nothing: it is still held.
-  [[nodiscard]] std::optional<std::string> lease_lost_to(std::uint64_t lease) const;
+  [[nodiscard]] control::LeaseStanding lease_standing(std::uint64_t lease) const;
+  /// Why nothing is done with that lease any more; nothing for 0, which is none.
+  [[nodiscard]] std::optional<Error> lease_refusal(std::uint64_t lease) const;
   [[nodiscard]] std::optional<std::string> lease_holder() const;
   /// Whether something other than a request may be done with tasks: by the holder of the lease, by anybody
   /// where there is none, and by others beside what the holder is doing, which is an event: "ann sets
   /// 'wheels.speed'". InvalidState. Nothing is changed by this.
   Result<void> allow(const TaskSender& sender, const std::string& what);
-  /// What the holder of that lease says that it is doing, for status; InvalidState where it lost it.
+  /// What the holder of that lease says that it is doing, for status; InvalidState where it lost it. One that
+  /// is stopped, and has said that it has nothing to do then, commands nothing any more, and the robot halts
+  /// at once.
   Result<void> report(std::uint64_t lease, type::Value doing);
   [[nodiscard]] type::Value reported() const;  ///< null: nothing
   /// As of control::RobotService::mission.
   [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan);
-  /// As of control::RobotService::ask_holder. The holder learns it by take_asked().
+  /// As of control::RobotService::ask_holder. The holder learns it by take_asked(); see report() for "stop".
   Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments = {});
   [[nodiscard]] std::vector<control::HolderRequest> take_asked(std::uint64_t lease);
 

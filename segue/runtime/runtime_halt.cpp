@@ -13,14 +13,14 @@ using detail::DevicesStopped;
 using detail::PendingRequest;
 
 detail::Halts::Ways Runtime::Implementation::ways_to_rest() {
-  return {[this](const std::string& by, Request request, Duration action_deadline) {
+  return {[this](const std::string& by) { leases.take_away(by); },
+          [this](const std::string& by, Request request, Duration action_deadline) {
             return request_rest(by, std::move(request), action_deadline);
           },
           [this] { return with_devices_stopped(); }};
 }
 
-/// Whoever commands the robot loses it, what waits is dropped, and what is prepared, retired or undone gives
-/// way.
+/// What waits is dropped, and what is prepared, retired or undone gives way.
 std::future<SwitchResult> Runtime::Implementation::request_rest(const std::string& by, Request request,
                                                                 Duration action_deadline) {
   PendingRequest job{0, std::move(request), {}, {}};
@@ -36,7 +36,6 @@ std::future<SwitchResult> Runtime::Implementation::request_rest(const std::strin
   std::optional<detail::PendingApply> dropped_files;
   {
     const std::lock_guard lock(mutex);
-    leases.take_away(by);
     dropped.swap(waiting);
     dropped_files.swap(waiting_apply);
     job.number = ++requests;
@@ -111,14 +110,27 @@ void Runtime::Implementation::look_away_from_changed(const model::Transition& tr
   halts.look_away_from(tasks);
 }
 
+bool Runtime::Implementation::may_halt() const {
+  if (belief.controller().empty() && open_requests().empty()) {
+    return false;
+  }
+  const std::lock_guard lock(mutex);
+  return definitions.halt && !stopping;
+}
+
+void Runtime::Implementation::stop_holder(const std::optional<detail::Leases::Holder>& holder) {
+  if (holder && holder->halts_at_stop && !holder->is_stopped && may_halt()) {
+    halts.begin({holder->name, "its mission is stopped"}, [&] { leases.stop(holder->number); });
+  }
+}
+
 std::shared_future<HaltResult> Runtime::Implementation::end_lease(std::uint64_t lease, bool keep) {
   const auto holder = leases.holder_of(lease);
-  const bool runs = !belief.controller().empty() || !open_requests().empty();
-  bool halts_after = holder && !keep && !holder->keeps && runs;
-  {
-    const std::lock_guard lock(mutex);
-    halts_after = halts_after && definitions.halt && !stopping;
+  if (holder && holder->is_stopped) {
+    leases.end(lease);
+    return halts.latest();
   }
+  const bool halts_after = holder && !keep && !holder->keeps && may_halt();
   if (!halts_after) {
     leases.end(lease);
     cancel_requests_of(lease, holder ? "the end of the lease of " + holder->name : "the end of its lease");

@@ -72,6 +72,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
             std::optional<detail::PendingApply> files);
   detail::Halts::Ways ways_to_rest();
   [[nodiscard]] detail::DevicesStopped with_devices_stopped() const;
+  [[nodiscard]] bool may_halt() const;  ///< something runs, and it is known what rest is
+  void stop_holder(const std::optional<detail::Leases::Holder>& holder);
   std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep);
   /// Conditions of the halt look at the tasks of the running controller, as the belief has it now.
   void look_at_what_runs();
@@ -112,8 +114,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   /// Replaces the belief by a snapshot; parts that are not in `controller` become its `extra`.
   void adopt(const detail::Observation& seen, const model::Network& controller,
              std::optional<model::Network> wanted);
-  /// Reports each difference once for as long as it lasts.
-  void note_differences(const model::Network& observed);
+  void note_differences(const model::Network& observed);  ///< each once for as long as it lasts
   /// From what should run, with reasons that are known; without `reports` the host is asked for them.
   [[nodiscard]] std::vector<std::string> differences_from(
       const model::Network& observed, const std::vector<host::ConnectionReport>* reports = nullptr) const;
@@ -122,8 +123,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
                                      const model::Network& second) const;
   std::optional<model::Network> known(const model::NetworkName& name) const;
   std::optional<model::Network> fallback() const;
-  /// The network as the host runs it.
-  std::optional<model::Network> expanded(std::optional<model::Network> network) const;
+  std::optional<model::Network> expanded(std::optional<model::Network> network) const;  ///< as it runs
   /// Runs `work` in the state Executing, unless a request waits. `work` returns the state to continue with.
   void run_if_idle(const std::function<RuntimeState(RuntimeState before)>& work);
   void settle(RuntimeState next);

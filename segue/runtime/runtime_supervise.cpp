@@ -262,7 +262,7 @@ std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_reque
   std::shared_ptr<const model::Halt> halt;
   {
     const std::lock_guard lock(mutex);
-    if (prepare_lease == 0 || !leases.lost_to(prepare_lease)) {
+    if (!leases.refusal_of(prepare_lease)) {
       names = requests_to_prepare;
     }
     halt = controller.empty() ? nullptr : definitions.halt;  // what runs nothing is at rest
@@ -339,7 +339,7 @@ std::future<std::vector<Readiness>> Runtime::Implementation::prepare(std::vector
   std::vector<Readiness> last;
   {
     const std::lock_guard lock(mutex);
-    if (lease != 0 && leases.lost_to(lease)) {
+    if (leases.refusal_of(lease)) {
       std::promise<std::vector<Readiness>> nothing;
       nothing.set_value({});
       return nothing.get_future();

@@ -234,7 +234,7 @@ std::string ObservedRobot::state() {
                           {"received", doors_test::received.load()},
                           {"called", doors_test::called.load()},
                           {"asked_to_end", asked_to_end_},
-                          {"lost_to", lease_->lost_to().value().value_or("")},
+                          {"lost_to", lease_->standing().value().lost_to.value_or("")},
                           {"asked_of_holder", asked.size()},
                           {"hosted_robots", host_->local->robots().value().size()},
                           {"launched", processes_.launched.robot},

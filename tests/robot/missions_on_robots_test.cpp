@@ -299,7 +299,7 @@ RC_GTEST_PROP(Leases, BelongToOneHolderAtATime, (std::uint64_t seed)) {
     }
     RC_ASSERT(robot.runtime.lease_holder().has_value() == (held != 0));
     for (const std::uint64_t number : numbers)
-      RC_ASSERT(number == 0 || robot.runtime.lease_lost_to(number).has_value() == (number != held));
+      RC_ASSERT(number == 0 || robot.runtime.lease_standing(number).lost_to.has_value() == (number != held));
   }
 }
 

@@ -54,6 +54,7 @@ class FakeRobot : public RobotService {
   std::atomic<bool> asked_to_end{false};
   std::atomic<int> leases{0};              ///< that are held
   std::atomic<bool> is_taken_over{false};  ///< by "somebody"
+  std::atomic<bool> is_stopped{false};     ///< its mission
   std::atomic<bool> lease_blocks{false};   ///< whoever looks at it calls a blocking function
 
   using RobotService::conflicts;
@@ -261,12 +262,13 @@ class FakeRobot : public RobotService {
     explicit Lease(FakeRobot& robot) : robot_(robot) { ++robot_.leases; }
     ~Lease() override { --robot_.leases; }
     [[nodiscard]] std::uint64_t number() const override { return 7; }
-    Result<std::optional<std::string>> lost_to(const Wait& /*wait*/) override {
+    Result<LeaseStanding> standing(const Wait& /*wait*/) override {
       if (robot_.lease_blocks) {
         robot_.entered.open();
         robot_.release.wait();
       }
-      return robot_.is_taken_over ? std::optional<std::string>("somebody") : std::nullopt;
+      return LeaseStanding{robot_.is_taken_over ? std::optional<std::string>("somebody") : std::nullopt,
+                           robot_.is_stopped};
     }
 
     Result<std::vector<HolderRequest>> asked() override {

@@ -35,6 +35,20 @@ std::chrono::milliseconds left_until(Clock::time_point deadline) {
   return std::max(left, std::chrono::milliseconds(0));
 }
 
+/// What somebody types Ctrl-C for must hear it, even where the tests run in the background of a shell, which
+/// has them ignore it.
+posix_spawnattr_t hearing_interrupts() {
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t interrupts;
+  sigemptyset(&interrupts);
+  sigaddset(&interrupts, SIGINT);
+  sigaddset(&interrupts, SIGQUIT);
+  posix_spawnattr_setsigdefault(&attributes, &interrupts);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  return attributes;
+}
+
 pid_t spawn(const std::vector<std::string>& command, const std::filesystem::path& folder, int output,
             int errors) {
   std::vector<char*> arguments;
@@ -47,9 +61,11 @@ pid_t spawn(const std::vector<std::string>& command, const std::filesystem::path
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
+  posix_spawnattr_t attributes = hearing_interrupts();
   pid_t pid = -1;
   const int failed =
-      ::posix_spawn(&pid, command.front().c_str(), &actions, nullptr, arguments.data(), environ);
+      ::posix_spawn(&pid, command.front().c_str(), &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) throw std::runtime_error("cannot start " + command.front());
   return pid;

@@ -289,7 +289,24 @@ TEST_F(RobotMission, IsInterruptedAndStopsTheRobot) {
   const auto finished = mission.wait();
   EXPECT_EQ(finished.status, 1);
   EXPECT_THAT(finished.output, HasSubstr("endless: preempted"));
-  EXPECT_EQ(controller(), "");
+  EXPECT_EQ(controller(), "hold");
+}
+
+TEST_F(RobotMission, StopsTheRobotAtOnceEvenWhereItsProgramHearsNothing) {
+  start();
+  write("endless.yaml", kEndless);
+  Process mission(command({"mission", "run", "endless.yaml"}), folder_);
+  wait_for_controller("go_to");
+  ASSERT_TRUE(eventually([&] { return segue({"mission", "status"}).status == 0; }));
+  mission.signal(SIGSTOP);
+  EXPECT_THAT(segue({"mission", "stop", "--timeout", "10ms"}).errors, HasSubstr("has not followed yet"));
+  wait_for_controller("hold");
+  EXPECT_THAT(segue({"switch", "go_to"}).errors, HasSubstr("is commanded by segue mission run"));
+  mission.signal(SIGCONT);
+  const auto finished = mission.wait();
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_THAT(finished.output, HasSubstr("endless: preempted"));
+  EXPECT_EQ(segue({"switch", "go_to"}).status, 0);
 }
 
 TEST_F(RobotMission, IsSeenPausedResumedAndStoppedFromElsewhere) {

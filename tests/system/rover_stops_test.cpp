@@ -44,6 +44,7 @@ struct Stop {
   By by = By::Stop;
   During during = During::Mission;
   Standstill standstill;
+  double halt = 0;      ///< s from the stop until the robot was halted
   double rest = 0;      ///< s from the stop until the robot was at rest, or its devices were stopped
   bool in_time = true;  ///< it was at rest within the time of its robot file
 };
@@ -52,13 +53,14 @@ constexpr std::size_t kFewStops = 4;
 
 void print_stop(std::size_t number, const Stop& stop) {
   const Standstill& still = stop.standstill;
-  fmt::print(
-      "{} by {}, {}: {}{}at rest after {:.0f} ms\n", number, kByNames.at(static_cast<std::size_t>(stop.by)),
-      kDuringNames.at(static_cast<std::size_t>(stop.during)),
-      still.drove ? fmt::format("wheels still after {:.0f} ms, driven {:.0f} mm, ", 1e3 * still.wheels,
-                                1e3 * still.way.distance)
-                  : "",
-      still.moved_arm ? fmt::format("arm still after {:.0f} ms, ", 1e3 * still.arm) : "", 1e3 * stop.rest);
+  fmt::print("{} by {}, {}: halted after {:.0f} ms, {}{}at rest after {:.0f} ms\n", number,
+             kByNames.at(static_cast<std::size_t>(stop.by)),
+             kDuringNames.at(static_cast<std::size_t>(stop.during)), 1e3 * stop.halt,
+             still.drove ? fmt::format("wheels still after {:.0f} ms, driven {:.0f} mm, ", 1e3 * still.wheels,
+                                       1e3 * still.way.distance)
+                         : "",
+             still.moved_arm ? fmt::format("arm still after {:.0f} ms, ", 1e3 * still.arm) : "",
+             1e3 * stop.rest);
   std::fflush(stdout);
 }
 
@@ -79,8 +81,10 @@ void print_rows(const std::string& name, const std::vector<Stop>& stops) {
   std::vector<double> driven;
   std::vector<double> turned;
   std::vector<double> arm;
+  std::vector<double> halt;
   std::vector<double> rest;
   for (const Stop& stop : stops) {
+    halt.push_back(1e3 * stop.halt);
     rest.push_back(1e3 * stop.rest);
     if (stop.standstill.moved_arm) arm.push_back(1e3 * stop.standstill.arm);
     if (!stop.standstill.drove) continue;
@@ -89,6 +93,7 @@ void print_rows(const std::string& name, const std::vector<Stop>& stops) {
     driven.push_back(1e3 * stop.standstill.way.distance);
     turned.push_back(180 / std::numbers::pi * stop.standstill.way.turn);
   }
+  print_row(name, "the robot is halted, ms", halt);
   print_row(name, "the wheels begin to brake, ms", braking);
   print_row(name, "wheels commanded still, ms", wheels);
   print_row(name, "driven after the stop, mm", driven);
@@ -204,7 +209,8 @@ class RoverStops : public SystemTest {
       if (halt == nullptr || halt->is_null() || halt->find("state")->as_string() == "halting") return false;
       stop.in_time = halt->find("state")->as_string() == "at_rest";
       devices_are_stopped = !halt->find("stopped")->as_list().empty();
-      stop.rest = halt->find("time_s")->as_double() + halt->find("duration_s")->as_double() - stopped;
+      stop.halt = halt->find("time_s")->as_double() - stopped;
+      stop.rest = stop.halt + halt->find("duration_s")->as_double();
       return true;
     }));
     EXPECT_TRUE(stop.in_time || (load_ > 0 && devices_are_stopped)) << segue({"status"}).output;
@@ -247,7 +253,7 @@ TEST_F(RoverStops, BringItToRestWheneverTheyCome) {
   std::vector<Stop> stops;
   const auto count = static_cast<std::size_t>(number_from("SEGUE_ROVER_STOPS", kFewStops));
   for (std::size_t i = 0; i < count && !HasFailure(); ++i) {
-    Stop stop{kBy.at(i % kBy.size()), kDuring.at(i % kDuring.size()), {}, 0, true};
+    Stop stop{kBy.at(i % kBy.size()), kDuring.at(i % kDuring.size()), {}, 0, 0, true};
     SCOPED_TRACE(fmt::format("stop {}, by {}, {}", i, kByNames.at(i % kByNames.size()),
                              kDuringNames.at(i % kDuringNames.size())));
     ASSERT_NO_FATAL_FAILURE(stop_once(stop));

@@ -60,9 +60,9 @@ class LeaseNews {
     ++answers_;
     answered_.notify_all();
   }
-  [[nodiscard]] std::optional<std::string> lost_to() {
+  [[nodiscard]] LeaseStanding standing() {
     const std::lock_guard lock(mutex_);
-    return lost_to_;
+    return standing_;
   }
   std::vector<HolderRequest> take_asked() {
     const std::lock_guard lock(mutex_);
@@ -74,7 +74,9 @@ class LeaseNews {
     const Value* who = one.find("lost_to");
     const Value* what = one.find("asked");
     const Value* arguments = one.find("arguments");
-    if (who != nullptr && who->is_string()) lost_to_ = who->as_string();
+    const Value* stopped = one.find("stopped");
+    if (who != nullptr && who->is_string()) standing_.lost_to = who->as_string();
+    if (stopped != nullptr && *stopped == Value(true)) standing_.is_stopped = true;
     if (what == nullptr || !what->is_string()) return;
     asked_.push_back(
         {request_number(one.find("number")), what->as_string(), arguments == nullptr ? Value() : *arguments});
@@ -85,7 +87,7 @@ class LeaseNews {
   bool is_asked_ = false;
   std::uint64_t answers_ = 0;
   Result<void> last_;
-  std::optional<std::string> lost_to_;
+  LeaseStanding standing_;
   std::vector<HolderRequest> asked_;
 };
 
@@ -104,9 +106,9 @@ class ClientLease final : public RobotLease {
   ClientLease& operator=(const ClientLease&) = delete;
 
   [[nodiscard]] std::uint64_t number() const override { return number_; }
-  Result<std::optional<std::string>> lost_to(const Wait& wait) override {
+  Result<LeaseStanding> standing(const Wait& wait) override {
     if (auto read = read_news(wait); !read) return read.error();
-    return news_->lost_to();
+    return news_->standing();
   }
   Result<std::vector<HolderRequest>> asked() override {
     if (auto read = read_news(Wait(TimePoint::max())); !read) return read.error();

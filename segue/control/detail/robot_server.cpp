@@ -98,9 +98,10 @@ class LeaseStream final : public SampleStream {
 
   Result<std::vector<Value>> read(std::size_t /*limit*/, const Wait& wait) override {
     std::vector<Value> news;
-    const auto lost = lease_->lost_to(wait);
-    if (!lost) return lost.error();
-    if (*lost) news.push_back(Value::map({{"lost_to", **lost}}));
+    const auto standing = lease_->standing(wait);
+    if (!standing) return standing.error();
+    if (standing->lost_to) news.push_back(Value::map({{"lost_to", *standing->lost_to}}));
+    if (standing->is_stopped) news.push_back(Value::map({{"stopped", true}}));
     const auto asked = lease_->asked();
     if (!asked) return asked.error();
     for (const HolderRequest& one : *asked)

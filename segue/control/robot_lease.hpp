@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/base/wait.hpp>
+#include <segue/type/value.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace segue::control {
+
+/// What the holder of a lease has been asked to do.
+struct HolderRequest {
+  std::uint64_t number = 0;  ///< rising over all that this holder has been asked
+  std::string what;
+  type::Value arguments;  ///< null, or a map
+  friend bool operator==(const HolderRequest&, const HolderRequest&) = default;
+};
+
+/// Whether the holder of a lease still commands the robot.
+struct LeaseStanding {
+  std::optional<std::string> lost_to{};  ///< who took the robot over
+  bool is_stopped = false;               ///< the robot comes to rest; the holder only says how it ends
+  friend bool operator==(const LeaseStanding&, const LeaseStanding&) = default;
+};
+
+/// The right of one holder to request controllers and to apply files: while it is held, requests of others
+/// are refused, unless they take the robot over. Has ended when its destructor returns; ends, too, with the
+/// holder's connection.
+class RobotLease {
+ public:
+  virtual ~RobotLease() = default;
+  [[nodiscard]] virtual std::uint64_t number() const = 0;
+  /// A look, as those of RobotService.
+  virtual Result<LeaseStanding> standing(const Wait& wait) = 0;
+  Result<LeaseStanding> standing() { return standing(Wait(TimePoint::max())); }
+  /// What its holder has been asked to do since the last call (RobotService::ask_holder), oldest first.
+  virtual Result<std::vector<HolderRequest>> asked() = 0;
+};
+
+}  // namespace segue::control
