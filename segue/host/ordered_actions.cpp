@@ -62,8 +62,9 @@ OrderedActions::OrderedActions(std::vector<model::Action> actions, Duration acti
   }
 }
 
-void OrderedActions::run(const std::stop_token& stop) {
-  const std::stop_callback cancelling(stop, [this] { cancel(); });
+void OrderedActions::run(const EarlyEnd& early_end) {
+  const std::stop_callback cancelling(early_end.stop, [this] { cancel(); });
+  const std::stop_callback leaving(early_end.leave, [&] { leave(early_end); });
   std::unique_lock lock(mutex_);
   while (true) {
     if (!doubtful_.empty()) {
@@ -133,6 +134,7 @@ OrderedActions::BatchPtr OrderedActions::take_ready() {
   }
   std::sort(batch->indices.begin(), batch->indices.end());
   batch->reported.resize(batch->indices.size());
+  batch->left.resize(batch->indices.size());
   batch->begin = RealClock::instance().now();
   for (const std::size_t index : batch->indices) {
     progress_[index] = Progress::Begun;
@@ -171,10 +173,17 @@ void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
   // What a failure kept from beginning is not the failure.
   std::stable_partition(ended.begin(), ended.end(), [](const Completed& one) { return one.begun; });
   std::unique_lock lock(mutex_);
+  Indices late;
   for (auto& one : ended) {
-    if (one.index < batch.indices.size() && !batch.reported[one.index]) {
+    if (one.index >= batch.indices.size()) {
+      continue;
+    }
+    const std::size_t index = batch.indices[one.index];
+    if (batch.left[one.index]) {
+      batch.left[one.index] = false;
+      late.push_back(index);
+    } else if (!batch.reported[one.index]) {
       batch.reported[one.index] = true;
-      const std::size_t index = batch.indices[one.index];
       finish(batch, index, std::move(one));
     }
   }
@@ -184,6 +193,17 @@ void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
   if (is_idle() || !doubtful_.empty()) {
     changed_.notify_all();
   }
+  tell_left_ended(late, lock);
+}
+
+void OrderedActions::tell_left_ended(const Indices& indices, std::unique_lock<std::mutex>& lock) {
+  lock.unlock();
+  for (const std::size_t index : indices) {
+    if (left_ended_) {  // which does not change any more
+      left_ended_(actions_[index]);
+    }
+  }
+  lock.lock();
 }
 
 void OrderedActions::deliver(std::unique_lock<std::mutex>& lock) {
@@ -275,7 +295,29 @@ void OrderedActions::settle_doubtful(std::unique_lock<std::mutex>& lock) {
 void OrderedActions::cancel() {
   std::unique_lock lock(mutex_);
   cancelled_ = true;
+  report_unbegun(lock);  // whoever waits for one of them need not wait for others that are in progress
   begin_no_more(lock);
+  changed_.notify_all();
+}
+
+void OrderedActions::leave(const EarlyEnd& early_end) {
+  cancel();
+  std::unique_lock lock(mutex_);
+  left_ended_ = early_end.left_ended;
+  for (const auto& batch : batches_) {
+    for (std::size_t i = 0; i < batch->indices.size(); ++i) {
+      const std::size_t index = batch->indices[i];
+      if (batch->reported[i] || !early_end.may_be_left(actions_[index])) {
+        continue;
+      }
+      batch->reported[i] = batch->left[i] = true;
+      Completed left{index, fail(ErrorCode::Cancelled, "was left in progress", actions_[index].label())};
+      left.span = Span{batch->begin - started_, RealClock::instance().now() - started_};
+      left.begun = false;
+      report(index, std::move(left));
+    }
+  }
+  deliver(lock);
   changed_.notify_all();
 }
 

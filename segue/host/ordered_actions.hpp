@@ -55,9 +55,9 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   OrderedActions(const OrderedActions&) = delete;
   OrderedActions& operator=(const OrderedActions&) = delete;
 
-  /// Blocks until all actions are reported, so until their deadlines and a little at most. After a request to
-  /// stop no further action begins. To be called once.
-  void run(const std::stop_token& stop);
+  /// Blocks until all actions are reported, so until their deadlines and a little at most. After an early end
+  /// no further action begins. To be called once.
+  void run(const EarlyEnd& early_end);
 
  private:
   using Indices = std::vector<std::size_t>;
@@ -65,6 +65,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   struct Batch {
     Indices indices;
     std::vector<bool> reported;
+    std::vector<bool> left;  ///< in progress, and reported as if they had not begun
     TimePoint begin;
     TimePoint deadline;
   };
@@ -94,9 +95,13 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   [[nodiscard]] bool is_idle() const { return in_progress_ == 0 && beginning_.empty() && !delivering_; }
   [[nodiscard]] bool may_begin() const { return !cancelled_ && !failed_ && !ready_.empty(); }
 
+  /// Lets go of the lock.
+  void tell_left_ended(const Indices& indices, std::unique_lock<std::mutex>& lock);
   /// The performer reports how actions of a batch ended.
   void complete(Batch& batch, std::vector<Completed> ended);
   void cancel();
+  /// The same, and those in progress that may be left count as if they had not begun.
+  void leave(const EarlyEnd& early_end);
 
   enum class Progress : std::uint8_t { Waiting, Begun, Reported };
 
@@ -119,6 +124,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   bool cancelled_ = false;
   bool told_ = false;
   std::vector<Completed> undelivered_;
+  std::function<void(const model::Action&)> left_ended_;  ///< of EarlyEnd
   bool delivering_ = false;
   std::set<std::thread::id> beginning_;  ///< threads in begin_ready(), where the performer may report at once
 };

@@ -89,7 +89,7 @@ struct Ends {
 };
 
 Ends ends_of(Performers& performers, const std::vector<Action>& actions, bool with_places = false,
-             const std::stop_token& stop = {}) {
+             const EarlyEnd& early_end = {}) {
   Ends all;
   std::make_shared<OrderedActions>(actions, 10s, performers.performer(with_places),
                                    [&](std::vector<Completed> ended) {
@@ -98,7 +98,7 @@ Ends ends_of(Performers& performers, const std::vector<Action>& actions, bool wi
                                        EXPECT_TRUE(all.reports.emplace(id, std::move(one)).second) << id;
                                      }
                                    })
-      ->run(stop);
+      ->run(early_end);
   EXPECT_EQ(all.reports.size(), actions.size());
   return all;
 }
@@ -176,11 +176,44 @@ TEST(OrderedActions, AfterARequestToStopNothingBegins) {
     };
     if (when == 0) stop.request_stop();
     const Ends ended =
-        ends_of(performers, {action(1), action(2, {1}), action(3, {2})}, false, stop.get_token());
+        ends_of(performers, {action(1), action(2, {1}), action(3, {2})}, false, {.stop = stop.get_token()});
     EXPECT_EQ(ended.ids(true, true).size(), static_cast<std::size_t>(when));
     EXPECT_EQ(ended.ids(false, false).size(), static_cast<std::size_t>(3 - when));
     EXPECT_EQ(performers.told, when == 0 ? 0 : 1);
   }
+}
+
+TEST(OrderedActions, WhatIsLeftInProgressIsNotWaitedFor) {
+  Performers performers;
+  performers.answers[1] = std::nullopt;
+  std::stop_source leave;
+  performers.on_begin = [&](int id) {
+    if (id == 3) leave.request_stop();
+  };
+  const Ends ended =
+      ends_of(performers, {action(1), action(2, {1}), action(3)}, false,
+              {.leave = leave.get_token(), .may_be_left = [](const Action& one) { return one.id == 1; }});
+  EXPECT_THAT(ended.ids(false, false), ElementsAre(1, 2));
+  EXPECT_THAT(ended.ids(true, true), ElementsAre(3)) << "which had begun, and may not be left";
+  EXPECT_EQ(performers.told, 1);
+}
+
+TEST(OrderedActions, WhatIsLeftInProgressMayEndLate) {
+  Completion late;
+  std::stop_source leave;
+  OrderedActions::Performer performer;
+  performer.begin = [&](const std::vector<Action>&, TimePoint, Completion completed) {
+    late = std::move(completed);
+    leave.request_stop();
+  };
+  int reported = 0;
+  std::make_shared<OrderedActions>(
+      std::vector<Action>{action(1), action(2, {1})}, 10s, std::move(performer),
+      [&](const std::vector<Completed>& ended) { reported += static_cast<int>(ended.size()); })
+      ->run({.leave = leave.get_token(), .may_be_left = [](const Action&) { return true; }});
+  EXPECT_EQ(reported, 2);
+  late({{0, Result<void>()}});
+  EXPECT_EQ(reported, 2);
 }
 
 TEST(OrderedActions, WhatWasNotReportedInTimeCountsByWhatIsSeen) {

@@ -66,7 +66,7 @@ std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> a
 }
 
 void TaskHost::perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                                const std::stop_token& stop, Completion completed) {
+                                const EarlyEnd& early_end, Completion completed) {
   OrderedActions::Performer performer;
   performer.begin = [this](std::vector<model::Action> batch, TimePoint deadline, Completion ended) {
     begin_all(std::move(batch), deadline, std::move(ended));
@@ -74,7 +74,7 @@ void TaskHost::perform_in_order(std::vector<model::Action> actions, Duration act
   performer.observe = [this] { return observe(); };
   std::make_shared<OrderedActions>(std::move(actions), action_deadline, std::move(performer),
                                    std::move(completed))
-      ->run(stop);
+      ->run(early_end);
 }
 
 std::vector<ComputerReport> TaskHost::computers() const {

@@ -50,6 +50,16 @@ struct Completed {
 /// block; may begin other batches.
 using Completion = std::function<void(std::vector<Completed>)>;
 
+/// How actions that are carried out in their order are ended before all are done.
+struct EarlyEnd {
+  std::stop_token stop{};   ///< nothing new begins any more
+  std::stop_token leave{};  ///< nor are those in progress waited for that `may_be_left`
+  // Both are called from any thread, and must not block:
+  std::function<bool(const model::Action& action)> may_be_left{};  ///< once for each, after `leave`
+  std::function<void(const model::Action& action)>
+      left_ended{};  ///< when one that was left has ended; or empty
+};
+
 /// Calls `begin` with a Completion, waits until it has got `count` actions, and returns their outcomes in the
 /// order of their indices.
 std::vector<Result<void>> wait_for_outcomes(std::size_t count, const std::function<void(Completion)>& begin);
@@ -120,11 +130,12 @@ class TaskHost {
 
   /// Carries out actions in their partial order: each begins once those of `actions` that its `after` names
   /// are done; others count as done. Blocks until each was reported, once, by `completed`, which may be
-  /// called from any thread and must not block. The first failure, or a request to stop,
+  /// called from any thread and must not block. The first failure, or `early_end`,
   /// lets nothing new begin. `action_deadline` is for each action, from its begin; one that has not ended by
-  /// then counts by what is observed of it.
+  /// then counts by what is observed of it. One that is left in progress is reported as if it had not begun;
+  /// how it ends must be observed.
   virtual void perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                                const std::stop_token& stop, Completion completed);
+                                const EarlyEnd& early_end, Completion completed);
 
   /// The network that actually runs: every configured or named task with its actual state, properties and
   /// placement, every connection, every deployment.

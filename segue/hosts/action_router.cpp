@@ -195,7 +195,7 @@ Result<Site*> ActionRouter::site_of(const model::Action& action) const {
 }
 
 void ActionRouter::perform(std::vector<model::Action> actions, Duration action_deadline,
-                           const std::stop_token& stop, host::Completion completed) {
+                           const host::EarlyEnd& early_end, host::Completion completed) {
   let_receivers_wait(actions);
   host::OrderedActions::Performer performer;
   performer.begin = [this, action_deadline](std::vector<model::Action> some, TimePoint /*deadline*/,
@@ -210,7 +210,7 @@ void ActionRouter::perform(std::vector<model::Action> actions, Duration action_d
   performer.begin_no_more = [this] { begin_no_more(); };
   std::make_shared<host::OrderedActions>(std::move(actions), action_deadline, std::move(performer),
                                          std::move(completed))
-      ->run(stop);
+      ->run(early_end);
 }
 
 void ActionRouter::begin_no_more() const {

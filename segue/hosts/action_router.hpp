@@ -25,7 +25,7 @@ class ActionRouter {
 
   /// As TaskHost::perform_in_order: one message for each computer, unless its actions have to wait for what
   /// happens on another. What a sender has taken is delivered before its receivers stop and are disconnected.
-  void perform(std::vector<model::Action> actions, Duration action_deadline, const std::stop_token& stop,
+  void perform(std::vector<model::Action> actions, Duration action_deadline, const host::EarlyEnd& early_end,
                host::Completion completed);
 
   /// As TaskHost::begin_all, of actions on each computer that may depend on each other.

@@ -403,8 +403,8 @@ model::Network DistributedTaskHost::condensed(model::Network network) const {
 }
 
 void DistributedTaskHost::perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                                           const std::stop_token& stop, host::Completion completed) {
-  implementation_->router.perform(std::move(actions), action_deadline, stop, std::move(completed));
+                                           const host::EarlyEnd& early_end, host::Completion completed) {
+  implementation_->router.perform(std::move(actions), action_deadline, early_end, std::move(completed));
 }
 
 Result<void> DistributedTaskHost::perform(const model::Action& action, TimePoint deadline) {

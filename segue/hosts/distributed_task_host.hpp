@@ -84,7 +84,7 @@ class DistributedTaskHost final : public host::TaskHost {
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
   void perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                        const std::stop_token& stop, host::Completion completed) override;
+                        const host::EarlyEnd& early_end, host::Completion completed) override;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<host::TaskReport> tasks() const override;
   [[nodiscard]] View look() const override;

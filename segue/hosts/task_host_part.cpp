@@ -54,7 +54,7 @@ void TaskHostPart::begin_in_order(std::vector<model::Action> actions, Duration a
     const std::lock_guard lock(stop_mutex_);
     stop = stop_.get_token();
   }
-  if (!pool_.submit([ordered = std::move(ordered), stop] { ordered->run(stop); })) {
+  if (!pool_.submit([ordered = std::move(ordered), stop] { ordered->run({stop}); })) {
     std::vector<host::Completed> refused;
     for (std::size_t i = 0; i < count; ++i) {
       refused.push_back({i, fail(ErrorCode::ResourceExhausted, "the host has no thread for it")});

@@ -6,8 +6,12 @@
 namespace segue::runtime::detail {
 
 Execution::Execution(host::TaskHost& host, const model::Transition& transition, Duration action_deadline,
-                     TimePoint started, Progress progress)
-    : host_(host), action_deadline_(action_deadline), progress_(std::move(progress)), started_(started) {
+                     TimePoint started, Progress progress, std::shared_ptr<LeftActions> left)
+    : host_(host),
+      action_deadline_(action_deadline),
+      progress_(std::move(progress)),
+      left_(std::move(left)),
+      started_(started) {
   records_.reserve(transition.actions.size());
   for (const auto& action : transition.actions) {
     records_.push_back({action, {}, {}, std::nullopt, false});
@@ -26,13 +30,34 @@ bool Execution::run(model::Phase phase) {
   if (!actions.empty() && !stop_.stop_requested()) {
     const TimePoint begin = RealClock::instance().now();
     host_.perform_in_order(
-        std::move(actions), action_deadline_, stop_.get_token(),
+        std::move(actions), action_deadline_,
+        {stop_.get_token(), leave_.get_token(),
+         [this](const model::Action& action) {
+           const bool leaves = may_be_left_(action);
+           if (leaves) {
+             left_->add(action);
+           }
+           return leaves;
+         },
+         [left = left_](const model::Action& action) { left->ended(action); }},
         [self = shared_from_this(), indices = std::move(indices), since = begin - started_](
             std::vector<host::Completed> ended) { self->complete(indices, since, std::move(ended)); });
     windows_.at(static_cast<std::size_t>(phase)) = RealClock::instance().now() - begin;
   }
   const std::lock_guard lock(mutex_);
   return failed_ == kNobody && !stop_.stop_requested();
+}
+
+void Execution::leave(MayBeLeft may_be_left) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (may_be_left_) {
+      return;
+    }
+    may_be_left_ = std::move(may_be_left);
+  }
+  stop_.request_stop();
+  leave_.request_stop();
 }
 
 void Execution::complete(const Indices& indices, Duration begin, std::vector<host::Completed> ended) {

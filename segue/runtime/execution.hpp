@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/host/task_host.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/runtime/left_actions.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <array>
@@ -23,11 +24,11 @@ class Execution : public std::enable_shared_from_this<Execution> {
   /// Called after every action that was carried out, one call at a time, from any thread; must not block.
   using Progress = std::function<void(const ActionRecord& record)>;
 
-  /// An action of `transition` waits for none of a later phase. `action_deadline` is
-  /// for each action, from its begin. Times of the records are since `started`. Made by std::make_shared:
-  /// reports that come late keep this alive.
+  /// An action of `transition` waits for none of a later phase. `left` gets what leave() leaves in progress.
+  /// `action_deadline` is for each action, from its begin. Times of the records are since `started`. Made by
+  /// std::make_shared: reports that come late keep this alive.
   Execution(host::TaskHost& host, const model::Transition& transition, Duration action_deadline,
-            TimePoint started, Progress progress);
+            TimePoint started, Progress progress, std::shared_ptr<LeftActions> left);
   Execution(const Execution&) = delete;
   Execution& operator=(const Execution&) = delete;
 
@@ -37,6 +38,10 @@ class Execution : public std::enable_shared_from_this<Execution> {
   bool run(model::Phase phase);
   /// No further action begins. From any thread.
   void cancel() { stop_.request_stop(); }
+  using MayBeLeft = std::function<bool(const model::Action& action)>;
+  /// The same, and those in progress that may be left are not waited for, and count as if they had not begun;
+  /// how they end must be observed. Only the first call counts. From any thread.
+  void leave(MayBeLeft may_be_left);
 
   /// One record for each action, in the order of the transition. None may be in progress.
   [[nodiscard]] const std::vector<ActionRecord>& records() const { return records_; }
@@ -57,13 +62,16 @@ class Execution : public std::enable_shared_from_this<Execution> {
   host::TaskHost& host_;
   const Duration action_deadline_;
   const Progress progress_;
+  const std::shared_ptr<LeftActions> left_;
   const TimePoint started_;
   std::stop_source stop_;
+  std::stop_source leave_;
 
   mutable std::mutex mutex_;  ///< protects all below while a phase runs; not held while the host is called
   std::vector<ActionRecord> records_;
   std::array<Duration, model::kPhaseNames.size()> windows_{};
   std::size_t failed_ = kNobody;
+  MayBeLeft may_be_left_;  ///< does not change once leave_ is stopped
 };
 
 }  // namespace segue::runtime::detail

@@ -342,6 +342,63 @@ TEST(Halt, at_each_action_of_a_transition_gives_way_to_nothing_but_its_commit) {
   }
 }
 
+/// An action of a task that neither runs nor is needed at rest may take as long as it likes, and ends late.
+TEST(Halt, waits_for_no_action_that_concerns_nothing_of_what_runs_or_brings_it_to_rest) {
+  Robot planned;
+  const auto transition = planned.runtime.plan(NetworkName("work")).value();
+  int tried = 0;
+  for (const auto& at : transition.actions) {
+    const auto* what = std::get_if<model::TaskAction>(&at.what);
+    if (what == nullptr || what->task.str() == "wheels" || at.phase == model::Phase::Commit) continue;
+    SCOPED_TRACE(at.label());
+    ++tried;
+    Robot robot;
+    std::atomic<bool> halted = false;
+    bool came_to_rest = false;
+    std::promise<void> ended;
+    robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
+      if (!is_same(action, at) || halted.exchange(true)) return {};
+      const auto rest = robot.runtime.halt({.who = "ann"});
+      came_to_rest =
+          rest.wait_for(std::chrono::seconds(30)) == std::future_status::ready && rest.get().at_rest;
+      ended.set_value();
+      return {};
+    });
+    const auto result = robot.switch_to("work");
+    ended.get_future().wait();
+    robot.asking.ask_after({});
+    EXPECT_TRUE(came_to_rest) << "while the action was in progress";
+    EXPECT_EQ(result.outcome, at.phase == model::Phase::Prepare ? Outcome::Superseded : Outcome::Done)
+        << why(result);
+    EXPECT_EQ(robot.running(), "hold");
+    EXPECT_EQ(robot.switch_to("work").outcome, Outcome::Done) << "what ended late is in nobody's way";
+    EXPECT_THAT(robot.runtime.observed_differences(), IsEmpty());
+  }
+  EXPECT_GE(tried, 2);
+}
+
+TEST(Halt, has_brought_the_robot_to_rest_before_what_ran_is_retired) {
+  Robot robot;
+  std::promise<std::shared_future<HaltResult>> begun;
+  const auto halt = begun.get_future().share();
+  std::atomic<int> retired = 0;
+  std::atomic<bool> came_to_rest = true;
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    if (action.phase != model::Phase::Retire) return {};
+    ++retired;
+    const bool in_time = halt.get().wait_for(std::chrono::seconds(30)) == std::future_status::ready;
+    came_to_rest = came_to_rest && in_time;
+    return {};
+  });
+  begun.set_value(robot.runtime.halt({.who = "ann"}));
+  EXPECT_TRUE(halt.get().get().at_rest);
+  EXPECT_EQ(robot.running(), "hold");
+  EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done);
+  robot.asking.ask({});
+  EXPECT_GT(retired, 0);
+  EXPECT_TRUE(came_to_rest);
+}
+
 TEST(Halt, takes_the_place_of_what_is_undone) {
   Robot robot;
   std::atomic<bool> failed = false;
@@ -362,6 +419,57 @@ TEST(Halt, takes_the_place_of_what_is_undone) {
   robot.asking.ask({});
   EXPECT_TRUE(ended.at_rest) << ended.trouble;
   EXPECT_EQ(robot.running(), "hold");
+}
+
+/// Of look-ahead's, whose end is waited for only by what needs the task.
+TEST(Request, waits_for_no_action_in_progress_but_of_tasks_that_it_needs) {
+  Robot robot(RuntimeOptions{});
+  std::promise<void> begun;
+  std::promise<void> go_on;
+  const auto may_end = go_on.get_future().share();
+  std::atomic<int> configured = 0;
+  robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
+    if (action.label() != "configure tool" || configured++ > 0) return {};
+    begun.set_value();
+    may_end.wait_for(std::chrono::seconds(30));
+    return {};
+  });
+  const auto prepared = robot.runtime.prepare({NetworkName("work")});
+  begun.get_future().wait();
+  EXPECT_EQ(robot.switch_to("hold").outcome, Outcome::Done) << "while the tool is being configured";
+  auto work = robot.runtime.request(NetworkName("work"));
+  EXPECT_EQ(work.wait_for(std::chrono::milliseconds(20)), std::future_status::timeout);
+  EXPECT_EQ(robot.runtime.open_requests().at(0).state, "waiting");
+  go_on.set_value();
+  const auto result = work.get();
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  robot.asking.ask_after({});
+  EXPECT_THAT(robot.runtime.observed_differences(), IsEmpty());
+}
+
+TEST(Request, that_waits_for_an_action_in_progress_can_be_cancelled_and_superseded) {
+  Robot robot(RuntimeOptions{});
+  std::promise<void> begun;
+  std::promise<void> go_on;
+  const auto may_end = go_on.get_future().share();
+  std::atomic<bool> blocked = false;
+  robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
+    if (action.label() != "configure tool" || blocked.exchange(true)) return {};
+    begun.set_value();
+    may_end.wait_for(std::chrono::seconds(30));
+    return {};
+  });
+  const auto prepared = robot.runtime.prepare({NetworkName("work")});
+  begun.get_future().wait();
+  EXPECT_EQ(robot.switch_to("hold").outcome, Outcome::Done);
+  auto first = robot.runtime.accept(NetworkName("work"));
+  EXPECT_TRUE(robot.runtime.cancel(first.number, "ann"));
+  EXPECT_EQ(first.result.get().outcome, Outcome::Cancelled);
+  auto second = robot.runtime.request(NetworkName("work"));
+  EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done);
+  EXPECT_EQ(second.get().outcome, Outcome::Superseded);
+  go_on.set_value();
+  robot.asking.ask_after({});
 }
 
 TEST(Lease, keeps_others_from_setting_calling_and_writing_unless_they_mean_it) {

@@ -3,6 +3,7 @@
 
 #include <segue/model/halt.hpp>
 #include <segue/runtime/controller_set.hpp>
+#include <segue/runtime/network_parts.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/switch_result.hpp>
 
@@ -50,6 +51,9 @@ struct PendingRequest {
   Request request;
   RequestOptions options;
   std::promise<SwitchResult> promise;
+  std::optional<NetworkParts> parts{};  ///< of what shall run; nothing: it may be about anything
+  bool at_commit = false;  ///< it is answered when its network runs, before the old one is retired
+  bool is_answered = false;
 };
 
 /// The request whose turn it is, until its result is known.

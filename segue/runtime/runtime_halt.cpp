@@ -27,6 +27,8 @@ std::future<SwitchResult> Runtime::Implementation::request_rest(const std::strin
   if (auto* controller = std::get_if<model::NetworkName>(&job.request)) {
     *controller = model::joined_name(model::controllers_in(controller->str()));
   }
+  job.parts = parts_of(job.request);
+  job.at_commit = std::holds_alternative<model::NetworkName>(job.request);
   job.options.action_deadline = action_deadline;
   job.options.who = "halt";
   job.options.although_halted = true;
@@ -44,7 +46,7 @@ std::future<SwitchResult> Runtime::Implementation::request_rest(const std::strin
             "request " + std::to_string(job.number) + ", to halt the robot");
     waiting = std::move(job);
     if (transaction) {
-      transaction->make_way();
+      transaction->make_way_to_rest(waiting->parts.value_or(detail::NetworkParts()));
     }
   }
   wake.notify_all();

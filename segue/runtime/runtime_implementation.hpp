@@ -36,8 +36,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   AcceptedRequest repair(RequestOptions options);
   /// Its turn comes next; returns the one whose place it takes. With the mutex held.
   std::optional<detail::PendingRequest> enqueue(detail::PendingRequest job);
-  /// The controller of that name; the empty name is the empty network.
-  Result<model::Network> resolve(const model::NetworkName& wanted) const;
+  Result<model::Network> resolve(const model::NetworkName& wanted) const;  ///< empty: the empty network
+  [[nodiscard]] std::optional<detail::NetworkParts> parts_of(const Request& request) const;
   detail::Planned plan(const model::Network& current, const Request& request,
                        const RequestOptions& options) const;
   /// A snapshot and a plan that starts from it; both leave out the same computers.
@@ -52,7 +52,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   [[nodiscard]] std::optional<detail::Refusal> refusal_of_take_over(const Request& request,
                                                                     const RequestOptions& options) const;
   Result<std::vector<ControllerConflict>> conflicts(const std::vector<model::NetworkName>& names) const;
-  SwitchResult serve(const detail::PendingRequest& job);
+  SwitchResult serve(detail::PendingRequest& job);
   void answer(detail::PendingRequest& job, SwitchResult result);
   SwitchResult superseded(const detail::PendingRequest& job) const;
   SwitchResult cancelled(const detail::PendingRequest& job) const;
@@ -61,8 +61,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   // (runtime_cancel.cpp)
   Result<std::future<SwitchResult>> cancel(std::uint64_t request, std::string who);
   std::vector<OpenRequest> open_requests() const;
-  /// With the mutex held.
-  Result<std::future<SwitchResult>> cancel_served(const std::string& who);
+  Result<std::future<SwitchResult>> cancel_served(const std::string& who);  ///< with the mutex held
   /// Where one has not ended that was made with this lease, which is lost.
   void cancel_requests_of(std::uint64_t lease, const std::string& who);
 
@@ -104,9 +103,10 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
 
   // The worker and its transitions (runtime_worker.cpp)
   void work();
+  [[nodiscard]] bool may_serve() const;  ///< the request that waits; with the mutex held
   /// Executes the plan from `current`, fills in the result and takes a new snapshot for the belief. Blocks.
   void carry_out(const model::Network& current, const detail::SwitchPlan& plan, Duration action_deadline,
-                 SwitchResult& result);
+                 SwitchResult& result, std::function<void()> committed = {});
   /// Returns what was observed to run.
   model::Network conclude(const detail::SwitchPlan& plan, SwitchResult& result);
   void begin(const std::shared_ptr<detail::Transaction>& begun, Cause cause);

@@ -58,6 +58,7 @@ AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions 
   auto invalid = refusal_of_take_over(request, request_options);
   PendingRequest job{0, std::move(request), std::move(request_options), {}};
   std::future<SwitchResult> future = job.promise.get_future();
+  job.parts = parts_of(job.request);
   std::optional<PendingRequest> older;
   std::uint64_t number = 0;
   {
@@ -121,7 +122,8 @@ std::optional<PendingRequest> Runtime::Implementation::enqueue(PendingRequest jo
   log.add(EventKind::RequestAccepted, name_of(job.request).str(), "request " + std::to_string(job.number));
   auto older = std::exchange(waiting, std::move(job));
   if (transaction) {
-    transaction->supersede();
+    // What look-ahead prepares may be for a controller that nobody wants now.
+    transaction_yields && waiting->parts ? transaction->make_way(*waiting->parts) : transaction->supersede();
   }
   return older;
 }
@@ -171,7 +173,7 @@ type::Value Runtime::Implementation::mission(std::uint64_t after, bool with_plan
   return leases.mission(after, with_plan, halts.on_its_way().valid(), definitions.halt != nullptr);
 }
 
-SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
+SwitchResult Runtime::Implementation::serve(PendingRequest& job) {
   const TimePoint begin = RealClock::instance().now();
   SwitchResult result = new_result(job);
   pools_run = !job.options.end_pools;
@@ -190,7 +192,13 @@ SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
     note_differences(current.network);
     adopt(current, held.controller, held.wanted);
   }
-  carry_out(current.network, *plan, job.options.action_deadline, result);
+  carry_out(current.network, *plan, job.options.action_deadline, result, [&, &wanted = *plan] {
+    if (job.at_commit) {
+      adopt(belief.observe(), wanted.controller, wanted.controller);
+      job.is_answered = true;
+      job.promise.set_value(result);
+    }
+  });
   return result;
 }
 
@@ -250,6 +258,20 @@ detail::Planned Runtime::Implementation::plan(const model::Network& current, con
   return detail::plan_network(current, std::move(*network), beside, host, catalog, std::move(how));
 }
 
+std::optional<detail::NetworkParts> Runtime::Implementation::parts_of(const Request& request) const {
+  const auto* given = std::get_if<model::Network>(&request);
+  const auto* named = std::get_if<model::NetworkName>(&request);
+  const auto network = given != nullptr   ? std::optional(*given)
+                       : named != nullptr ? known(*named)
+                                          : std::nullopt;
+  if (!network && (named == nullptr || !named->empty())) {
+    return std::nullopt;
+  }
+  detail::NetworkParts parts;
+  parts.add(network ? host.expanded(*network) : model::Network());
+  return parts;
+}
+
 Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName& wanted) const {
   const std::lock_guard lock(mutex);
   return find_controller(definitions.controllers, wanted, catalog);
@@ -283,7 +305,9 @@ Result<std::vector<ControllerConflict>> Runtime::Implementation::conflicts(
 
 void Runtime::Implementation::answer(PendingRequest& job, SwitchResult result) {
   remember(result);
-  job.promise.set_value(std::move(result));
+  if (!job.is_answered) {
+    job.promise.set_value(std::move(result));
+  }
 }
 
 void Runtime::Implementation::remember(SwitchResult result) {

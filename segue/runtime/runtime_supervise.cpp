@@ -117,7 +117,8 @@ void Runtime::Implementation::supervise() {
   {
     const std::lock_guard lock(mutex);
     unresolved = std::move(left);
-    due = std::exchange(look_ahead_due, false) && !waiting;
+    // What is left in progress may be just what is to be prepared; its end wakes this thread.
+    due = !left_actions->any() && std::exchange(look_ahead_due, false) && !waiting;
   }
   if (due) {
     look_ahead();
@@ -204,7 +205,11 @@ void Runtime::Implementation::fall_back(const Observation& seen) {
 }
 
 /// Removes leftovers: tasks and processes that could not be retired, or that a superseded request prepared.
+/// Those of which an action is still in progress would hold it up, and requests with it.
 std::vector<UnresolvedFault> Runtime::Implementation::collect_leftovers(const Observation& seen) {
+  if (left_actions->any()) {
+    return {};
+  }
   const model::Network extra = belief.held().extra;
   const model::Network left = model::subtract(pools_run ? without_pools(extra) : extra, standby);
   std::vector<DetectedFault> faults;

@@ -31,6 +31,7 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
       host(task_host),
       catalog(components),
       options(std::move(runtime_options)) {
+  left_actions = std::make_shared<detail::LeftActions>([this] { wake_worker(); });
   definitions.fallback = options.fallback;
   definitions.halt = options.halt ? std::make_shared<const model::Halt>(*options.halt) : nullptr;
   halts.use(definitions.halt);
@@ -70,6 +71,7 @@ Runtime::Implementation::~Implementation() {
            fail(ErrorCode::Cancelled, "the runtime ended before the files took effect"));
   }
   worker.join();
+  left_actions->close();
   halts.end();
   journal.stopped();
   if (prepare_waiting) {
@@ -81,17 +83,25 @@ Runtime::Implementation::~Implementation() {
   }
 }
 
+/// Not while something is left in progress that it needs.
+bool Runtime::Implementation::may_serve() const {
+  return waiting && (waiting->parts ? !left_actions->concern(*waiting->parts) : !left_actions->any());
+}
+
 void Runtime::Implementation::work() {
   std::unique_lock lock(mutex);
   while (true) {
     wake.wait_until(lock, next_supervision(),
-                    [&] { return stopping || waiting || waiting_apply || wake_requested; });
+                    [&] { return stopping || may_serve() || waiting_apply || wake_requested; });
     if (stopping) {
       return;
     }
+    if (waiting && !may_serve()) {
+      wake.wait(lock, [&] { return stopping || !waiting || may_serve(); });
+      continue;
+    }
     if (!waiting && waiting_apply) {
-      detail::PendingApply job = std::move(*waiting_apply);
-      waiting_apply.reset();
+      detail::PendingApply job = *std::exchange(waiting_apply, std::nullopt);
       const RuntimeState before = std::exchange(state, RuntimeState::Executing);
       lock.unlock();
       settle(serve(std::move(job), before));
@@ -107,8 +117,7 @@ void Runtime::Implementation::work() {
       lock.lock();
       continue;
     }
-    PendingRequest job = std::move(*waiting);
-    waiting.reset();
+    PendingRequest job = *std::exchange(waiting, std::nullopt);
     served.emplace(
         detail::ServedRequest{job.number, detail::name_of(job.request), job.options.who, job.options.lease});
     const RuntimeState before = std::exchange(state, RuntimeState::Executing);
@@ -137,7 +146,8 @@ void Runtime::Implementation::run_if_idle(const std::function<RuntimeState(Runti
 }
 
 void Runtime::Implementation::carry_out(const model::Network& current, const SwitchPlan& plan,
-                                        Duration action_deadline, SwitchResult& result) {
+                                        Duration action_deadline, SwitchResult& result,
+                                        std::function<void()> committed) {
   const bool changes_controller =
       result.cause == Cause::Request || result.cause == Cause::Fallback || result.cause == Cause::Apply;
   const std::string way = changes_controller
@@ -152,7 +162,8 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
   const auto running = std::make_shared<detail::Transaction>(
       context, current, plan,
       detail::Transaction::Options{action_deadline, std::move(way_out),
-                                   [this](const auto& next) { look_away_from_changed(next); }});
+                                   [this](const auto& next) { look_away_from_changed(next); },
+                                   std::move(committed), left_actions});
   begin(running, result.cause);
   const auto known_before = journal.known();
   const bool may_be_prepared = changes_controller && !standby.empty();

@@ -41,6 +41,7 @@ struct SharedState {
       pending_reset;  ///< a reset requested during a transition; done after it
   std::deque<SwitchResult> history;
   std::shared_ptr<Transaction> transaction;
+  std::shared_ptr<LeftActions> left_actions;  ///< of transactions that made way; never null, has its own lock
   bool transaction_yields = false;  ///< it only prepares or collects, so files that are applied supersede it
   bool wake_requested = false;      ///< the worker has to supervise now (an event, or the end of a request)
   std::vector<model::NetworkName> requests_to_prepare;

@@ -125,13 +125,36 @@ void Transaction::supersede() {
   }
 }
 
-void Transaction::make_way() {
+void Transaction::make_way(NetworkParts wanted) {
   const std::lock_guard lock(mutex_);
   superseded_ = true;
-  makes_way_ = true;
-  if (execution_ && stage_ != Stage::Commit && stage_ != Stage::Committed) {
+  if (execution_ && stage_ == Stage::Prepare) {
+    leave_all_but(std::move(wanted));
+  } else if (execution_ && stage_ == Stage::Retire) {
     execution_->cancel();
   }
+}
+
+void Transaction::make_way_to_rest(NetworkParts rest) {
+  const std::lock_guard lock(mutex_);
+  superseded_ = true;
+  rests_ = true;
+  if (execution_ && stage_ != Stage::Commit && stage_ != Stage::Committed) {
+    leave_all_but(std::move(rest));
+  }
+}
+
+/// An undo may be about all of both networks.
+void Transaction::leave_all_but(NetworkParts needed) {
+  if (stage_ != Stage::Retire) {
+    needed.add(before_);
+  }
+  if (stage_ != Stage::Prepare) {
+    needed.add(plan_.target);
+  }
+  execution_->leave([needed = std::move(needed)](const model::Action& action) {
+    return needed.are_independent_of(action);
+  });
 }
 
 void Transaction::abandon() {
@@ -207,11 +230,12 @@ std::optional<std::string> Transaction::enter_undo() {
 }
 
 std::shared_ptr<Execution> Transaction::begin(const model::Transition& transition) {
-  auto created = std::make_shared<Execution>(context_.host, transition, options_.action_deadline, started_,
-                                             [this](const ActionRecord& record) { on_action(record); });
+  auto created = std::make_shared<Execution>(
+      context_.host, transition, options_.action_deadline, started_,
+      [this](const ActionRecord& record) { on_action(record); }, options_.left);
   const std::lock_guard lock(mutex_);
   execution_ = created;
-  if (abandoned_ || (makes_way_ && stage_ == Stage::Undo) || (cancelled_by_ && stage_ != Stage::Undo)) {
+  if (abandoned_ || (rests_ && stage_ == Stage::Undo) || (cancelled_by_ && stage_ != Stage::Undo)) {
     created->cancel();
   }
   return created;
@@ -308,6 +332,9 @@ std::optional<Transaction::Failure> Transaction::failure_of(const Execution& exe
 void Transaction::retire(Execution& execution, SwitchResult& result) {
   context_.log.add(EventKind::TransitionCommitted, plan_.transition.to.str(),
                    "after " + format_seconds(execution.window(model::Phase::Commit)) + " of commit");
+  if (options_.committed) {
+    options_.committed();
+  }
   const bool retired = enter(Stage::Retire) && execution.run(model::Phase::Retire);
   context_.host.conclude(plan_.transition);
   const ActionRecord* failed = retired ? nullptr : execution.failure();
@@ -334,7 +361,7 @@ void Transaction::end_early(SwitchResult& result) {
 bool Transaction::replan(const Failure& failed, SwitchResult& result) {
   const bool ends = [&] {
     const std::lock_guard lock(mutex_);
-    return cancelled_by_.has_value() || makes_way_;
+    return cancelled_by_.has_value() || rests_;
   }();
   if (!failed.took_down || ends) {
     return false;

@@ -4,6 +4,7 @@
 #include <segue/host/task_host.hpp>
 #include <segue/runtime/event_log.hpp>
 #include <segue/runtime/execution.hpp>
+#include <segue/runtime/network_parts.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
 
@@ -39,6 +40,9 @@ class Transaction {
     std::optional<model::Network> fallback;  ///< tried if the old network cannot be restored
     /// Called before each commit, also of what undoes; must not block.
     std::function<void(const model::Transition&)> before_commit{};
+    /// Called once the transition has been committed, not for what undoes, before anything is retired.
+    std::function<void()> committed{};
+    std::shared_ptr<LeftActions> left{};  ///< gets what is in progress when it makes way; not null
   };
 
   /// `before` is the network that runs now. References must outlive this.
@@ -52,9 +56,11 @@ class Transaction {
   /// A newer request waits: prepare ends early as superseded and leaves what it has created, retire ends
   /// early and leaves the rest, commit is finished. From any thread; does not block.
   void supersede();
-  /// The robot is to come to rest: as supersede(), and an undo, too, ends early and leaves the rest. From any
-  /// thread; does not block.
-  void make_way();
+  /// The same, and what prepare has in progress is only waited for where it concerns what runs or `wanted`,
+  /// the parts of the network that comes next: a task of neither may take as long as it likes.
+  void make_way(NetworkParts wanted);
+  /// The robot is to come to rest: so does retire, and an undo, too, ends early and leaves the rest.
+  void make_way_to_rest(NetworkParts rest);
   /// The runtime ends: no further action begins and nothing is undone. From any thread; does not block.
   void abandon();
   /// Before the point of commit: no further action begins, and what was done is undone as after a failure.
@@ -68,6 +74,8 @@ class Transaction {
   [[nodiscard]] Stage stage() const;
 
  private:
+  /// With the mutex held.
+  void leave_all_but(NetworkParts needed);
   /// Begins a stage; false if the transaction was abandoned, cancelled or superseded.
   bool enter(Stage stage);
   /// From here on it cannot be cancelled; false if it was before.
@@ -118,7 +126,7 @@ class Transaction {
   std::shared_ptr<Execution> execution_;
   Stage stage_ = Stage::Prepare;
   bool superseded_ = false;
-  bool makes_way_ = false;
+  bool rests_ = false;  ///< the robot is to come to rest
   bool abandoned_ = false;
   std::optional<std::string> cancelled_by_;
 };

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/full_id.hpp>
+#include <segue/runtime/network_parts.hpp>
+
+#include <variant>
+
+namespace segue::runtime::detail {
+
+void NetworkParts::add(const model::Network& network) {
+  for (const auto& task : network.tasks) {
+    tasks_.insert(host::plain_id(task.id));
+  }
+}
+
+bool NetworkParts::has(const model::TaskId& task) const {
+  return tasks_.contains(host::plain_id(task));
+}
+
+bool NetworkParts::are_independent_of(const model::Action& action) const {
+  struct Visitor {
+    const NetworkParts& self;
+    bool operator()(const model::TaskAction& what) const { return !self.has(what.task); }
+    bool operator()(const model::CallAction& what) const { return !self.has(what.task); }
+    bool operator()(const model::HandOverAction& what) const {
+      return !self.has(what.from) && !self.has(what.to);
+    }
+    bool operator()(const model::ConnectionAction& what) const {
+      return !self.has(what.connection.from.task) || !self.has(what.connection.to.task);
+    }
+    bool operator()(const model::DeploymentAction& /*what*/) const { return false; }
+    bool operator()(const model::ConfigAction& /*what*/) const { return false; }
+  };
+  return std::visit(Visitor{*this}, action.what);
+}
+
+}  // namespace segue::runtime::detail
