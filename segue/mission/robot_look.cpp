@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/robot_look.hpp>
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 
 namespace segue::mission {
+
+namespace {
+
+/// Whoever has samples may need a moment to say that none has come.
+constexpr Duration kGrace = std::chrono::milliseconds(100);
+
+}  // namespace
 
 Result<PortFeed> PortFeed::open(CommandedRobot& robot, const Member& port, const Wait& wait) {
   auto samples = robot.open(port, wait);
@@ -14,7 +23,19 @@ Result<PortFeed> PortFeed::open(CommandedRobot& robot, const Member& port, const
 }
 
 Result<void> PortFeed::look(const Wait& wait) {
-  auto came = samples->take(wait);
+  return take_in(samples->take(wait));
+}
+
+Result<void> PortFeed::next(const Wait& wait) {
+  const Wait patient(std::min(wait.deadline, TimePoint::max() - kGrace) + kGrace, wait.stop);
+  auto came = answer_to<std::vector<type::Value>>(patient, [&](const Wait& asked, SamplesAnswer answer) {
+    samples->next(Wait(wait.deadline, asked.stop), std::move(answer));
+  });
+  const bool is_late = !came && came.error().code == ErrorCode::DeadlineExceeded;
+  return take_in(is_late ? std::vector<type::Value>() : std::move(came));
+}
+
+Result<void> PortFeed::take_in(Result<std::vector<type::Value>> came) {
   if (!came) return came.error();
   fresh = std::move(*came);
   if (!fresh.empty()) last = fresh.back();

@@ -27,6 +27,11 @@ struct PortFeed {
   static Result<PortFeed> open(CommandedRobot& robot, const Member& port, const Wait& wait);
   /// Takes in what has come. Does not wait for samples.
   Result<void> look(const Wait& wait);
+  /// Takes in what has come, or else what comes next; nothing at the deadline. Blocks.
+  Result<void> next(const Wait& wait);
+
+ private:
+  Result<void> take_in(Result<std::vector<type::Value>> came);
 };
 
 [[nodiscard]] bool is_in(const TaskView& task, const TaskReaches& state);

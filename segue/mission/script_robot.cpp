@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/script_robot.hpp>
 
+#include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/robot_look.hpp>
 #include <segue/mission/script_messages.hpp>
@@ -182,6 +183,7 @@ class RobotUse final : public ScriptRobot::Use {
   Result<Value> serve(const Value& request, const std::stop_token& stop) {
     const std::string call = detail::message_text(request, "call");
     if (call == "task") return task(request, stop);
+    if (call == "wait_for_state") return wait_for_state(request, stop);
     if (call == "request" || call == "set" || call == "write") {
       if (!rights_.may_command)
         return fail(ErrorCode::PermissionDenied, "a sensing action can only look at the robot");
@@ -210,8 +212,40 @@ class RobotUse final : public ScriptRobot::Use {
   Result<Value> task(const Value& request, const std::stop_token& stop) {
     const Wait wait(RealClock::instance().now() + kAnswer, stop);
     const auto view = robot_->task(detail::message_text(request, "name"), wait);
-    if (!view) return view.error();
-    return Value::map({{"state", view->state}, {"state_name", view->state_name}, {"updates", view->updates}});
+    return view ? to_value(*view) : Result<Value>(view.error());
+  }
+
+  static Value to_value(const TaskView& view) {
+    return Value::map({{"state", view.state}, {"state_name", view.state_name}, {"updates", view.updates}});
+  }
+
+  /// The task, once it has been updated since and is in that state.
+  Result<Value> wait_for_state(const Value& request, const std::stop_token& stop) {
+    const std::string name = detail::message_text(request, "name");
+    const TaskReaches wanted{name, detail::message_text(request, "state")};
+    const TimePoint deadline = request.find("timeout") == nullptr ? TimePoint::max() : deadline_of(request);
+    auto view = robot_->task(name, {RealClock::instance().now() + kAnswer, stop});
+    const std::uint64_t updates = view ? view->updates : 0;
+    while (view) {
+      const bool is_there = is_in(*view, wanted);
+      if (is_there && (view->updates > updates || view->state != "running")) return to_value(*view);
+      if (RealClock::instance().now() >= deadline) {
+        const std::string& state = view->state_name.empty() ? view->state : view->state_name;
+        return fail(ErrorCode::DeadlineExceeded,
+                    "the task was not " + wanted.state + " in time, but " + state);
+      }
+      view = changed_from({name, *view, is_there}, deadline, stop);
+    }
+    return view.error();
+  }
+
+  /// How a task is once that is news, and from time to time.
+  Result<TaskView> changed_from(const TaskQuestion& question, TimePoint deadline,
+                                const std::stop_token& stop) {
+    const TimePoint until = std::min(deadline, RealClock::instance().now() + kAnswer);
+    return answer_to<TaskView>(Wait(until + kAnswer, stop), [&](const Wait& asked, TaskAnswer answer) {
+      robot_->watch(question, Wait(until, asked.stop), std::move(answer));
+    });
   }
 
   /// A sample that came since the last call for that port; waits for one.
@@ -219,18 +253,16 @@ class RobotUse final : public ScriptRobot::Use {
     const auto feed = feed_of(port, {deadline, stop});
     if (!feed) return feed.error();
     const std::lock_guard reading((*feed)->mutex);
-    while (true) {
-      if (auto looked = (*feed)->port.look({deadline, stop}); !looked) {
-        const std::lock_guard lock(mutex_);
-        feeds_.erase(to_string(port));  // opened anew by the next call
-        return looked.error();
-      }
-      if (!(*feed)->port.fresh.empty()) return (*feed)->port.fresh.back();
-      if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "it was preempted");
-      if (RealClock::instance().now() >= deadline)
-        return fail(ErrorCode::DeadlineExceeded, "no sample came from " + to_string(port));
-      wait_for_next_look(options_.period, stop);
+    const auto came = (*feed)->port.next({deadline, stop});
+    if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "it was preempted");
+    if (!came) {
+      const std::lock_guard lock(mutex_);
+      feeds_.erase(to_string(port));  // opened anew by the next call
+      return came.error();
     }
+    if ((*feed)->port.fresh.empty())
+      return fail(ErrorCode::DeadlineExceeded, "no sample came from " + to_string(port));
+    return (*feed)->port.fresh.back();
   }
 
   Result<std::shared_ptr<Feed>> feed_of(const Member& port, const Wait& wait) {

@@ -40,7 +40,7 @@ class RobotScripts : public RunningMission {
     ScriptOptions options;
     if (robot_) {
       ScriptRobotOptions how;
-      how.period = how.watch = 1ms;
+      how.watch = 1ms;
       options.robot = std::make_shared<ScriptRobot>(
           robot_, std::make_shared<ControllerUnion>(robot_, ControllerUnion::Options{}), how);
     }

@@ -8,7 +8,6 @@ import math
 import queue
 import re
 import threading
-import time
 import traceback
 from collections.abc import Mapping
 
@@ -341,7 +340,6 @@ class Robot:
     Error = RobotError
     Timeout = RobotTimeout
     Preempted = Preempted
-    LONGEST_PAUSE = 0.02  # seconds between two looks at the state of a task
 
     def __init__(self, channel, message, state):
         self._channel = channel
@@ -409,22 +407,8 @@ class Robot:
 
     def wait_for_state(self, name, state, timeout=None):
         """Waits until the task has been updated and is in that state; returns the task."""
-        until = None if timeout is None else time.monotonic() + seconds(timeout)
-        begin = self.task(name)
-        while True:
-            task = self.task(name)
-            if task.is_in(state) and (task.updates > begin.updates or task.state != "running"):
-                return task
-            if until is not None and time.monotonic() >= until:
-                raise RobotTimeout(f"task {name} was not {state} after {timeout} s, but {task.state_name or task.state}",
-                                   "deadline-exceeded")
-            self._pause()
-
-    def _pause(self):
-        if self._state.preemptive_wait(self.LONGEST_PAUSE):
-            with self._lock:
-                self._tell_once()
-            time.sleep(self.LONGEST_PAUSE)
+        longest = {} if timeout is None else {"timeout": seconds(timeout)}
+        return Task(self._ask("wait_for_state", text(name), state=text(state), **longest))
 
     def request(self, controller, set=None, afterwards="keep"):
         """Has the robot run a controller beside what other actions use, until release() or the end of the action;

@@ -16,8 +16,9 @@ constexpr const char* kNobodyWaits = "carries out what nobody waits for any more
 InstanceCalls::End end_of(const Result<type::Value>& answer) {
   using End = InstanceCalls::End;
   if (answer) return End::Answered;
-  if (answer.error().code == ErrorCode::DeadlineExceeded) return End::Silent;
-  return answer.error().code == ErrorCode::Unavailable ? End::Disconnected : End::Answered;
+  const ErrorCode code = answer.error().code;
+  const bool is_unknown = code == ErrorCode::DeadlineExceeded || code == ErrorCode::Unavailable;
+  return is_unknown ? End::Unknown : End::Answered;
 }
 
 }  // namespace
@@ -68,7 +69,7 @@ void InstanceCalls::no_longer_wanted(std::uint64_t call) {
     const auto found = std::ranges::find(calls, call, &Call::number);
     if (found == calls.end()) continue;
     found->is_wanted = false;
-    if (found == calls.begin()) abandoned_.emplace(life, Abandoned{kNobodyWaits});
+    if (found == calls.begin()) abandoned_.emplace(life, kNobodyWaits);
   }
 }
 
@@ -82,7 +83,7 @@ void InstanceCalls::ended(std::uint64_t call, End end) {
     if (had_begun && end == End::Answered) abandoned_.erase(life);
     const bool goes_on_for_nobody = had_begun && !calls.empty() && !calls.front().is_wanted;
     if (goes_on_for_nobody || (had_begun && end != End::Answered))
-      abandoned_.insert_or_assign(life, Abandoned{kNobodyWaits, end == End::Disconnected});
+      abandoned_.insert_or_assign(life, kNobodyWaits);
   }
   std::erase_if(calls_, [](const auto& one) { return one.second.empty(); });
 }
@@ -91,7 +92,7 @@ void InstanceCalls::abandon_all(const std::string& why) {
   const auto seen = processes();
   const std::lock_guard lock(mutex_);
   for (const auto& [instance, process] : seen) {
-    abandoned_.insert_or_assign(Life{instance, process.pid}, Abandoned{why});
+    abandoned_.insert_or_assign(Life{instance, process.pid}, why);
   }
 }
 
@@ -103,7 +104,7 @@ bool InstanceCalls::is_busy(const Life& life) const {
 std::string InstanceCalls::why_abandoned(const Life& life) const {
   const std::lock_guard lock(mutex_);
   const auto found = abandoned_.find(life);
-  return found == abandoned_.end() ? std::string() : found->second.why;
+  return found == abandoned_.end() ? std::string() : found->second;
 }
 
 std::map<InstanceCalls::Life, std::string> InstanceCalls::abandoned() {
@@ -113,8 +114,8 @@ std::map<InstanceCalls::Life, std::string> InstanceCalls::abandoned() {
   std::erase_if(abandoned_, [&](const auto& one) {
     const auto found = seen.find(one.first.instance);
     const bool is_there = found != seen.end() && found->second.pid == one.first.pid;
-    if (is_there && (found->second.answers || !one.second.may_be_gone)) {
-      present.emplace(one.first, one.second.why);
+    if (is_there && found->second.answers) {
+      present.insert(one);
     }
     return found != seen.end() && !is_there;
   });

@@ -46,8 +46,7 @@ class InstanceCalls {
   void no_longer_wanted(std::uint64_t call);
   enum class End : std::uint8_t {
     Answered,
-    Silent,       ///< no answer in time: if it had begun, it is still carried out
-    Disconnected  ///< the connection has ended: it is still carried out if the process has not ended with it
+    Unknown  ///< no answer came: if it had begun, it is still carried out, unless its process has ended
   };
   /// It is not under way any more.
   void ended(std::uint64_t call, End end);
@@ -57,8 +56,8 @@ class InstanceCalls {
   [[nodiscard]] bool is_busy(const Life& life) const;
   /// Why the instance must be ended; empty: it need not.
   [[nodiscard]] std::string why_abandoned(const Life& life) const;
-  /// Those that are to be ended, and why: those that are there and, after a connection has ended, answer
-  /// again. Forgets those that have begun another life.
+  /// Those that are to be ended, and why. One that does not answer may have ended, which is for the policy of
+  /// its pool; once it answers again, it is among them. Forgets those that have begun another life.
   [[nodiscard]] std::map<Life, std::string> abandoned();
   /// That life begins anew.
   void forget(const Life& life);
@@ -73,11 +72,6 @@ class InstanceCalls {
     int pid = 0;
     bool answers = false;
   };
-  struct Abandoned {
-    std::string why;
-    bool may_be_gone = false;  ///< its process may have ended
-  };
-
   [[nodiscard]] std::map<model::TaskId, Seen> processes() const;
 
   host::TaskHost& host_;
@@ -86,7 +80,7 @@ class InstanceCalls {
   mutable std::mutex mutex_;  ///< protects all below; not held while the host is asked
   std::uint64_t last_ = 0;
   std::map<Life, std::deque<Call>> calls_;  ///< under way, the oldest first
-  std::map<Life, Abandoned> abandoned_;
+  std::map<Life, std::string> abandoned_;   ///< and why
 };
 
 }  // namespace segue::runtime::detail

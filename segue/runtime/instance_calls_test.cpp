@@ -2,13 +2,18 @@
 #include <segue/host/local_task_host.hpp>
 #include <segue/runtime/instance_calls.hpp>
 
+#include <support/forwarding_host.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace segue::runtime::detail {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Key;
 
 using End = InstanceCalls::End;
 const InstanceCalls::Life kPlanner{model::TaskId("planner_1"), 7};
@@ -38,7 +43,7 @@ TEST_F(CallsOfInstances, AbandonThemWhereNobodyWaitsForTheAnswer) {
   EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits"));
   calls.ended(stopped, End::Answered);
   EXPECT_EQ(calls.why_abandoned(kPlanner), "") << "it was answered all the same";
-  calls.ended(calls.begin(kPlanner), End::Silent);
+  calls.ended(calls.begin(kPlanner), End::Unknown);
   EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits"));
   EXPECT_EQ(calls.why_abandoned({kPlanner.instance, 8}), "") << "its next process does nothing yet";
   calls.forget(kPlanner);
@@ -48,13 +53,40 @@ TEST_F(CallsOfInstances, AbandonThemWhereNobodyWaitsForTheAnswer) {
 TEST_F(CallsOfInstances, AbandonNoneThatHasNotBegunWithThem) {
   const auto first = calls.begin(kPlanner);
   const auto second = calls.begin(kPlanner);
-  calls.ended(second, End::Silent);
+  calls.ended(second, End::Unknown);
   EXPECT_EQ(calls.why_abandoned(kPlanner), "") << "it still works for who called first";
   const auto third = calls.begin(kPlanner);
   calls.no_longer_wanted(third);
   EXPECT_EQ(calls.why_abandoned(kPlanner), "");
   calls.ended(first, End::Answered);
   EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits")) << "that one has begun now";
+}
+
+/// Of a process that may have ended: a connection ends before it is known why.
+class SeenHost final : public segue::testing::ForwardingHost {
+ public:
+  using segue::testing::ForwardingHost::ForwardingHost;
+  bool answers = true;
+  [[nodiscard]] std::vector<host::TaskReport> tasks() const override {
+    host::TaskReport report;
+    report.id = kPlanner.instance;
+    report.pid = kPlanner.pid;
+    report.unknown = !answers;
+    return {report};
+  }
+};
+
+TEST_F(CallsOfInstances, AreToBeEndedOnlyWhereTheirProcessesAnswer) {
+  SeenHost host(host_);
+  model::Network pools;
+  pools.tasks.emplace_back().id = kPlanner.instance;
+  InstanceCalls at_host(host, pools, [] {});
+  at_host.no_longer_wanted(at_host.begin(kPlanner));
+  EXPECT_THAT(at_host.abandoned(), ElementsAre(Key(kPlanner)));
+  host.answers = false;
+  EXPECT_THAT(at_host.abandoned(), IsEmpty()) << "what comes of it is for the policy of the pool";
+  host.answers = true;
+  EXPECT_THAT(at_host.abandoned(), ElementsAre(Key(kPlanner))) << "it has not ended";
 }
 
 }  // namespace

@@ -25,6 +25,8 @@ class LeftActions {
   [[nodiscard]] bool any() const;
   /// Whether one of them is about these.
   [[nodiscard]] bool concern(const NetworkParts& parts) const;
+  /// What was observed, without processes that begin or end: nothing can be done with them meanwhile.
+  [[nodiscard]] model::Network without_their_processes(model::Network observed) const;
 
  private:
   mutable std::mutex mutex_;  ///< protects the next one

@@ -10,6 +10,9 @@ void NetworkParts::add(const model::Network& network) {
   for (const auto& task : network.tasks) {
     tasks_.insert(host::plain_id(task.id));
   }
+  for (const auto& deployment : network.deployments) {
+    processes_.insert(deployment.key());
+  }
 }
 
 bool NetworkParts::has(const model::TaskId& task) const {
@@ -27,7 +30,9 @@ bool NetworkParts::are_independent_of(const model::Action& action) const {
     bool operator()(const model::ConnectionAction& what) const {
       return !self.has(what.connection.from.task) || !self.has(what.connection.to.task);
     }
-    bool operator()(const model::DeploymentAction& /*what*/) const { return false; }
+    bool operator()(const model::DeploymentAction& what) const {
+      return !self.processes_.contains(what.deployment.key());
+    }
     bool operator()(const model::ConfigAction& /*what*/) const { return false; }
   };
   return std::visit(Visitor{*this}, action.what);

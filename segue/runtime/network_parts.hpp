@@ -8,19 +8,19 @@
 
 namespace segue::runtime::detail {
 
-/// The tasks of networks, whatever their incarnations.
+/// The tasks of networks, whatever their incarnations, and their processes.
 class NetworkParts {
  public:
   void add(const model::Network& network);
-  /// Whether what runs without an action, or ends with it late, is none of these tasks: it moves another task
-  /// through its life cycle, or makes or ends a connection of another one. Actions on processes are not
-  /// independent of anything.
+  /// Whether these do not care when an action ends: it moves another task through its life cycle, makes or
+  /// ends a connection of another one, or begins or ends another process.
   [[nodiscard]] bool are_independent_of(const model::Action& action) const;
 
  private:
   [[nodiscard]] bool has(const model::TaskId& task) const;
 
   std::set<model::TaskId> tasks_;
+  std::set<model::DeploymentKey> processes_;
 };
 
 }  // namespace segue::runtime::detail

@@ -208,6 +208,7 @@ std::pair<detail::Observation, detail::Planned> Runtime::Implementation::plan_fr
   for (int attempt = 1;; ++attempt) {
     const auto lost = detail::unreachable_hosts(host);
     auto current = belief.starting_point();
+    current.network = left_actions->without_their_processes(std::move(current.network));
     auto plan = this->plan(current.network, request, request_options);
     if (!plan || plan->lost == lost || attempt == kAttempts) {
       return {std::move(current), std::move(plan)};

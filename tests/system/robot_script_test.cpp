@@ -141,7 +141,7 @@ TEST_F(RobotScript, IsPreemptedAndGivesTheRobotBack) {
   wait_for_controller("go_to");
   stopped.signal(SIGINT);
   EXPECT_EQ(stopped.wait().status, 1);
-  EXPECT_EQ(controller(), "") << "it stops the robot";
+  EXPECT_EQ(controller(), "hold");
   Process disturbed(command({"mission", "run", "endless.yaml"}), folder_);
   wait_for_controller("go_to");
   EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0);
