@@ -64,7 +64,11 @@ OrderedActions::OrderedActions(std::vector<model::Action> actions, Duration acti
 
 void OrderedActions::run(const EarlyEnd& early_end) {
   const std::stop_callback cancelling(early_end.stop, [this] { cancel(); });
-  const std::stop_callback leaving(early_end.leave, [&] { leave(early_end); });
+  {
+    const std::lock_guard lock(mutex_);
+    left_ended_ = early_end.left_ended;
+  }
+  const Leaving::Handler leaving(early_end.leaving, [this](const auto& may_be_left) { leave(may_be_left); });
   std::unique_lock lock(mutex_);
   while (true) {
     if (!doubtful_.empty()) {
@@ -199,7 +203,7 @@ void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
 void OrderedActions::tell_left_ended(const Indices& indices, std::unique_lock<std::mutex>& lock) {
   lock.unlock();
   for (const std::size_t index : indices) {
-    if (left_ended_) {  // which does not change any more
+    if (left_ended_) {
       left_ended_(actions_[index]);
     }
   }
@@ -300,14 +304,13 @@ void OrderedActions::cancel() {
   changed_.notify_all();
 }
 
-void OrderedActions::leave(const EarlyEnd& early_end) {
+void OrderedActions::leave(const Leaving::MayBeLeft& may_be_left) {
   cancel();
   std::unique_lock lock(mutex_);
-  left_ended_ = early_end.left_ended;
   for (const auto& batch : batches_) {
     for (std::size_t i = 0; i < batch->indices.size(); ++i) {
       const std::size_t index = batch->indices[i];
-      if (batch->reported[i] || !early_end.may_be_left(actions_[index])) {
+      if (batch->reported[i] || !may_be_left(actions_[index])) {
         continue;
       }
       batch->reported[i] = batch->left[i] = true;

@@ -101,7 +101,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   void complete(Batch& batch, std::vector<Completed> ended);
   void cancel();
   /// The same, and those in progress that may be left count as if they had not begun.
-  void leave(const EarlyEnd& early_end);
+  void leave(const Leaving::MayBeLeft& may_be_left);
 
   enum class Progress : std::uint8_t { Waiting, Begun, Reported };
 
@@ -124,7 +124,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   bool cancelled_ = false;
   bool told_ = false;
   std::vector<Completed> undelivered_;
-  std::function<void(const model::Action&)> left_ended_;  ///< of EarlyEnd
+  std::function<void(const model::Action&)> left_ended_;  ///< of EarlyEnd; set once, before anything begins
   bool delivering_ = false;
   std::set<std::thread::id> beginning_;  ///< threads in begin_ready(), where the performer may report at once
 };

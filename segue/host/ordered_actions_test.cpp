@@ -186,34 +186,42 @@ TEST(OrderedActions, AfterARequestToStopNothingBegins) {
 TEST(OrderedActions, WhatIsLeftInProgressIsNotWaitedFor) {
   Performers performers;
   performers.answers[1] = std::nullopt;
-  std::stop_source leave;
+  performers.answers[4] = std::nullopt;
+  Leaving leaving;
   performers.on_begin = [&](int id) {
-    if (id == 3) leave.request_stop();
+    if (id != 5) return;
+    for (const int left : {1, 4})
+      leaving.leave([&](const Action& one) { return one.id == left; });
   };
   const Ends ended =
-      ends_of(performers, {action(1), action(2, {1}), action(3)}, false,
-              {.leave = leave.get_token(), .may_be_left = [](const Action& one) { return one.id == 1; }});
-  EXPECT_THAT(ended.ids(false, false), ElementsAre(1, 2));
-  EXPECT_THAT(ended.ids(true, true), ElementsAre(3)) << "which had begun, and may not be left";
+      ends_of(performers, {action(1), action(2, {1}), action(3), action(4), action(5), action(6, {5})}, false,
+              {.leaving = &leaving});
+  EXPECT_THAT(ended.ids(false, false), ElementsAre(1, 2, 4, 6));
+  EXPECT_THAT(ended.ids(true, true), ElementsAre(3, 5)) << "which had begun, and may not be left";
   EXPECT_EQ(performers.told, 1);
 }
 
 TEST(OrderedActions, WhatIsLeftInProgressMayEndLate) {
   Completion late;
-  std::stop_source leave;
+  Leaving leaving;
   OrderedActions::Performer performer;
   performer.begin = [&](const std::vector<Action>&, TimePoint, Completion completed) {
     late = std::move(completed);
-    leave.request_stop();
+    leaving.leave([](const Action&) { return true; });
   };
   int reported = 0;
+  Ids left;
   std::make_shared<OrderedActions>(
       std::vector<Action>{action(1), action(2, {1})}, 10s, std::move(performer),
       [&](const std::vector<Completed>& ended) { reported += static_cast<int>(ended.size()); })
-      ->run({.leave = leave.get_token(), .may_be_left = [](const Action&) { return true; }});
+      ->run({.leaving = &leaving, .left_ended = [&](const Action& one) { left.push_back(one.id); }});
   EXPECT_EQ(reported, 2);
-  late({{0, Result<void>()}});
+  EXPECT_TRUE(left.empty());
+  for (int twice = 0; twice < 2; ++twice)
+    late({{0, Result<void>()}});
   EXPECT_EQ(reported, 2);
+  EXPECT_EQ(left, Ids{1});
+  leaving.leave([](const Action&) { return true; });
 }
 
 TEST(OrderedActions, WhatWasNotReportedInTimeCountsByWhatIsSeen) {

@@ -5,6 +5,7 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
+#include <segue/host/early_end.hpp>
 #include <segue/host/port_reader.hpp>
 #include <segue/host/reports.hpp>
 #include <segue/host/task_level.hpp>
@@ -49,16 +50,6 @@ struct Completed {
 /// also before the function that begins the batch returns, and by several threads at the same time. Must not
 /// block; may begin other batches.
 using Completion = std::function<void(std::vector<Completed>)>;
-
-/// How actions that are carried out in their order are ended before all are done.
-struct EarlyEnd {
-  std::stop_token stop{};   ///< nothing new begins any more
-  std::stop_token leave{};  ///< nor are those in progress waited for that `may_be_left`
-  // Both are called from any thread, and must not block:
-  std::function<bool(const model::Action& action)> may_be_left{};  ///< once for each, after `leave`
-  std::function<void(const model::Action& action)>
-      left_ended{};  ///< when one that was left has ended; or empty
-};
 
 /// Calls `begin` with a Completion, waits until it has got `count` actions, and returns their outcomes in the
 /// order of their indices.

@@ -31,15 +31,7 @@ bool Execution::run(model::Phase phase) {
     const TimePoint begin = RealClock::instance().now();
     host_.perform_in_order(
         std::move(actions), action_deadline_,
-        {stop_.get_token(), leave_.get_token(),
-         [this](const model::Action& action) {
-           const bool leaves = may_be_left_(action);
-           if (leaves) {
-             left_->add(action);
-           }
-           return leaves;
-         },
-         [left = left_](const model::Action& action) { left->ended(action); }},
+        {stop_.get_token(), &leaving_, [left = left_](const model::Action& action) { left->ended(action); }},
         [self = shared_from_this(), indices = std::move(indices), since = begin - started_](
             std::vector<host::Completed> ended) { self->complete(indices, since, std::move(ended)); });
     windows_.at(static_cast<std::size_t>(phase)) = RealClock::instance().now() - begin;
@@ -48,16 +40,15 @@ bool Execution::run(model::Phase phase) {
   return failed_ == kNobody && !stop_.stop_requested();
 }
 
-void Execution::leave(MayBeLeft may_be_left) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (may_be_left_) {
-      return;
-    }
-    may_be_left_ = std::move(may_be_left);
-  }
+void Execution::leave(const host::Leaving::MayBeLeft& may_be_left) {
   stop_.request_stop();
-  leave_.request_stop();
+  leaving_.leave([&](const model::Action& action) {
+    const bool leaves = may_be_left(action);
+    if (leaves) {
+      left_->add(action);
+    }
+    return leaves;
+  });
 }
 
 void Execution::complete(const Indices& indices, Duration begin, std::vector<host::Completed> ended) {

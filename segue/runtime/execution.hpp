@@ -38,10 +38,9 @@ class Execution : public std::enable_shared_from_this<Execution> {
   bool run(model::Phase phase);
   /// No further action begins. From any thread.
   void cancel() { stop_.request_stop(); }
-  using MayBeLeft = std::function<bool(const model::Action& action)>;
   /// The same, and those in progress that may be left are not waited for, and count as if they had not begun;
-  /// how they end must be observed. Only the first call counts. From any thread.
-  void leave(MayBeLeft may_be_left);
+  /// how they end must be observed. From any thread, also several times.
+  void leave(const host::Leaving::MayBeLeft& may_be_left);
 
   /// One record for each action, in the order of the transition. None may be in progress.
   [[nodiscard]] const std::vector<ActionRecord>& records() const { return records_; }
@@ -65,13 +64,12 @@ class Execution : public std::enable_shared_from_this<Execution> {
   const std::shared_ptr<LeftActions> left_;
   const TimePoint started_;
   std::stop_source stop_;
-  std::stop_source leave_;
+  host::Leaving leaving_;
 
   mutable std::mutex mutex_;  ///< protects all below while a phase runs; not held while the host is called
   std::vector<ActionRecord> records_;
   std::array<Duration, model::kPhaseNames.size()> windows_{};
   std::size_t failed_ = kNobody;
-  MayBeLeft may_be_left_;  ///< does not change once leave_ is stopped
 };
 
 }  // namespace segue::runtime::detail

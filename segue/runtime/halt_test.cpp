@@ -472,6 +472,28 @@ TEST(Request, that_waits_for_an_action_in_progress_can_be_cancelled_and_supersed
   robot.asking.ask_after({});
 }
 
+TEST(Halt, does_not_wait_for_what_a_request_waits_for) {
+  Robot robot;
+  std::promise<void> begun;
+  std::promise<void> go_on;
+  const auto may_end = go_on.get_future().share();
+  std::atomic<bool> blocked = false;
+  robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
+    if (action.label() != "configure tool" || blocked.exchange(true)) return {};
+    begun.set_value();
+    may_end.wait_for(std::chrono::seconds(30));
+    return {};
+  });
+  const auto prepared = robot.runtime.prepare({NetworkName("work")});
+  begun.get_future().wait();
+  auto work = robot.runtime.request(NetworkName("work"));
+  EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);
+  EXPECT_EQ(work.get().outcome, Outcome::Cancelled);
+  EXPECT_EQ(robot.running(), "hold");
+  go_on.set_value();
+  robot.asking.ask_after({});
+}
+
 TEST(Lease, keeps_others_from_setting_calling_and_writing_unless_they_mean_it) {
   Robot robot;
   EXPECT_TRUE(robot.runtime.allow({"ann"}, "sets x")) << "nobody commands the robot";

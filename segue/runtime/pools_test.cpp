@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <future>
 #include <stop_token>
 #include <string>
@@ -20,6 +21,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using segue::testing::eventually;
+using testing::AskingHost;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using testing::network_of;
@@ -72,6 +74,25 @@ TEST(RobotPools, RunBesideEveryController) {
   EXPECT_TRUE(all_ready(robot.runtime));
   EXPECT_THAT(robot.runtime.observed_differences(), ::testing::IsEmpty());
   EXPECT_EQ(robot.host.tasks().size(), 2U);
+}
+
+TEST(RobotPools, LeaveAnInstanceThatFailsAsSoonAsItRunsToItsPolicy) {
+  model::Pool pool = pool_of(1);
+  pool.task.on_failure = model::FailurePolicy::Report;
+  RuntimeOptions options = with_pool(pool);
+  StandInRobot robot;  // whose runtime does nothing
+  std::atomic<int> starts = 0;
+  AskingHost asking(robot.host);
+  asking.ask_after([&](const model::Action& action) -> Result<void> {
+    if (action.label() != "start planner_1") return {};
+    ++starts;
+    model::Action stop = action;
+    stop.kind = model::ActionKind::Stop;
+    return robot.host.perform(stop, RealClock::instance().now() + 60s);
+  });
+  Runtime runtime("robot", asking, robot.catalog, std::move(options));
+  EXPECT_TRUE(eventually([&] { return runtime.pools().at(0).instances.at(0).given_up; }));
+  EXPECT_EQ(starts, 1);
 }
 
 TEST(RobotPools, EndWithARequestThatSaysSo) {

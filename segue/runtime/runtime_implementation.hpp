@@ -171,8 +171,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   /// Whether there is anything to prepare, or to answer. With the mutex held.
   [[nodiscard]] bool looks_ahead() const;
   /// Executes what concerns `scope` of the transition to the desired network, beside which `pools_part` runs.
-  /// `force`: processes that it replaces are killed.
-  void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope,
+  /// `force`: processes that it replaces are killed. Whether that is done.
+  bool repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope,
               const model::Network& pools_part, bool force = false);
   [[nodiscard]] std::vector<detail::PrepareRequest> known_prepare_requests(
       const model::Network& controller) const;

@@ -137,8 +137,10 @@ void Runtime::Implementation::start_instance(const DetectedFault& fault) {
     journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
   }
   // What an instance carries out cannot be interrupted, so a process that is to be replaced is killed.
-  repair(Cause::Pool, seen, scope, model::unite(only(instance, pools), pool_part(seen.network)),
-         fault.needs_process);
+  const auto part = model::unite(only(instance, pools), pool_part(seen.network));
+  if (repair(Cause::Pool, seen, scope, part, fault.needs_process)) {
+    pool_instances_seen.insert(instance);  // also where it has failed before it is looked at again
+  }
 }
 
 void Runtime::Implementation::note_pool_faults(const std::vector<DetectedFault>& faults) {

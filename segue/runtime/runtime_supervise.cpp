@@ -235,7 +235,7 @@ std::vector<UnresolvedFault> Runtime::Implementation::collect_leftovers(const Ob
   return unremoved;
 }
 
-void Runtime::Implementation::repair(Cause cause, const Observation& seen, const solve::RepairScope& scope,
+bool Runtime::Implementation::repair(Cause cause, const Observation& seen, const solve::RepairScope& scope,
                                      const model::Network& pools_part, bool force) {
   const auto held = belief.held();
   SwitchPlan plan;
@@ -247,18 +247,21 @@ void Runtime::Implementation::repair(Cause cause, const Observation& seen, const
                                   detail::solve_options(host, model::Order::Seamless, force), scope);
   if (!transition) {
     log.add(EventKind::TransitionFailed, plan.controller.name.str(), to_string(transition.error()));
-    return;
+    return false;
   }
   if (transition->actions.empty() && transition->removes.empty()) {
-    return;
+    return true;
   }
   plan.transition = std::move(*transition);
+  bool done = false;
   run_if_idle([&](RuntimeState before) {
     SwitchResult result = unrequested_result(cause, held.controller.name, plan.controller.name);
     carry_out(seen.network, plan, kActionDeadline, result);
+    done = result.outcome == Outcome::Done;
     remember(result);
     return before;
   });
+  return done;
 }
 
 std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_requests(

@@ -95,7 +95,7 @@ TEST_F(PoolMission, SaysWhyWhereNoInstanceIsLeft) {
   wait_until_planning();
   kill_first();
   const auto finished = mission.wait();
-  EXPECT_EQ(finished.status, 1);
+  EXPECT_EQ(finished.status, 1) << segue({"status"}).output << segue({"events"}).output;
   // Its connection ends before the system says that it has ended.
   EXPECT_THAT(finished.errors + finished.output,
               ContainsRegex("no instance of pool 'planner' is ready: planner_1: its process (is gone|does "

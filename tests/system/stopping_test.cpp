@@ -128,6 +128,7 @@ TEST_F(Stopping, OfARobotThatDoesNotSayWhatRestIsStopsItsDevices) {
   write("rover/robot.yaml",
         "robot: rover\nlibraries: [segue_components_demo]\ncontrollers: [controllers/*.yaml]\n");
   start({"--controller", "explore"});
+  wait_for_controller("explore");
   const auto stopped = segue({"stop"});
   EXPECT_EQ(stopped.status, 0) << stopped.errors;
   EXPECT_THAT(stopped.output, HasSubstr("stopped, since they hold devices: drive"));
