@@ -352,10 +352,10 @@ TEST(Halt, waits_for_no_action_that_concerns_nothing_of_what_runs_or_brings_it_t
     if (what == nullptr || what->task.str() == "wheels" || at.phase == model::Phase::Commit) continue;
     SCOPED_TRACE(at.label());
     ++tried;
-    Robot robot;
     std::atomic<bool> halted = false;
     bool came_to_rest = false;
     std::promise<void> ended;
+    Robot robot;
     robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
       if (!is_same(action, at) || halted.exchange(true)) return {};
       const auto rest = robot.runtime.halt({.who = "ann"});
@@ -378,11 +378,11 @@ TEST(Halt, waits_for_no_action_that_concerns_nothing_of_what_runs_or_brings_it_t
 }
 
 TEST(Halt, has_brought_the_robot_to_rest_before_what_ran_is_retired) {
-  Robot robot;
   std::promise<std::shared_future<HaltResult>> begun;
   const auto halt = begun.get_future().share();
   std::atomic<int> retired = 0;
   std::atomic<bool> came_to_rest = true;
+  Robot robot;
   robot.asking.ask([&](const model::Action& action) -> Result<void> {
     if (action.phase != model::Phase::Retire) return {};
     ++retired;
@@ -423,11 +423,11 @@ TEST(Halt, takes_the_place_of_what_is_undone) {
 
 /// Of look-ahead's, whose end is waited for only by what needs the task.
 TEST(Request, waits_for_no_action_in_progress_but_of_tasks_that_it_needs) {
-  Robot robot(RuntimeOptions{});
   std::promise<void> begun;
   std::promise<void> go_on;
   const auto may_end = go_on.get_future().share();
   std::atomic<int> configured = 0;
+  Robot robot(RuntimeOptions{});
   robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
     if (action.label() != "configure tool" || configured++ > 0) return {};
     begun.set_value();
@@ -448,11 +448,11 @@ TEST(Request, waits_for_no_action_in_progress_but_of_tasks_that_it_needs) {
 }
 
 TEST(Request, that_waits_for_an_action_in_progress_can_be_cancelled_and_superseded) {
-  Robot robot(RuntimeOptions{});
   std::promise<void> begun;
   std::promise<void> go_on;
   const auto may_end = go_on.get_future().share();
   std::atomic<bool> blocked = false;
+  Robot robot(RuntimeOptions{});
   robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
     if (action.label() != "configure tool" || blocked.exchange(true)) return {};
     begun.set_value();
@@ -473,11 +473,11 @@ TEST(Request, that_waits_for_an_action_in_progress_can_be_cancelled_and_supersed
 }
 
 TEST(Halt, does_not_wait_for_what_a_request_waits_for) {
-  Robot robot;
   std::promise<void> begun;
   std::promise<void> go_on;
   const auto may_end = go_on.get_future().share();
   std::atomic<bool> blocked = false;
+  Robot robot;
   robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
     if (action.label() != "configure tool" || blocked.exchange(true)) return {};
     begun.set_value();
