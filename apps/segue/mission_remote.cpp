@@ -60,20 +60,7 @@ void MissionRemote::Answers::heard_values(std::uint64_t number, const std::strin
 void MissionRemote::Answers::note(std::uint64_t number, const std::optional<Error>& refused) {
   heard_ = std::max(heard_, number);
   if (refused) problem_ = Value::map({{"number", number}, {"text", refused->message}});
-  is_new_ = true;
-  changed_.notify_all();
-}
-
-void MissionRemote::Answers::wait(Duration longest, const std::stop_token& end) {
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, end, longest, [this] { return is_new_; });
-  is_new_ = false;
-}
-
-void MissionRemote::Answers::wake() {
-  const std::lock_guard lock(mutex_);
-  is_new_ = true;
-  changed_.notify_all();
+  bell_.ring();
 }
 
 void MissionRemote::Answers::add_to(type::ValueMap& control) const {
@@ -121,7 +108,7 @@ void MissionRemote::work(const std::stop_token& end) {
         heed(request);
     }
     report(reported);
-    answers_->wait(kPeriod, end);
+    answers_->bell().wait({RealClock::instance().now() + kPeriod, end});
   } while (!end.stop_requested());
   while (robot_.record().has_waiting()) {
     if (!robot_.report(doing())) break;

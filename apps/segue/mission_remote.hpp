@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
+#include <segue/base/question.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/program.hpp>
 #include <segue/robot/served_robot.hpp>
 #include <segue/session/run_control.hpp>
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -48,18 +49,15 @@ class MissionRemote {
    public:
     void heard(std::uint64_t number, const Result<void>& outcome);
     void heard_values(std::uint64_t number, const std::string& path, const Result<type::Value>& values);
-    /// What is new is waited for until then, or until `end`.
-    void wait(Duration longest, const std::stop_token& end);
-    /// Ends a wait.
-    void wake();
+    /// Rung when something is new.
+    [[nodiscard]] Bell& bell() { return bell_; }
     void add_to(type::ValueMap& control) const;
 
    private:
     void note(std::uint64_t number, const std::optional<Error>& refused);
 
+    Bell bell_;
     mutable std::mutex mutex_;  ///< protects all below
-    std::condition_variable_any changed_;
-    bool is_new_ = false;
     std::uint64_t heard_ = 0;
     type::Value problem_;
     type::Value values_;
@@ -85,7 +83,7 @@ class MissionRemote {
   std::optional<PlanDetail> to_show_ = PlanDetail::States;                ///< for the thread only
   struct Stopping {
     Answers& answers;
-    void operator()() const { answers.wake(); }
+    void operator()() const { answers.bell().ring(); }
   };
   std::jthread thread_;
   const std::stop_callback<Stopping> stopping_;

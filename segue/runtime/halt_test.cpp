@@ -421,26 +421,38 @@ TEST(Halt, takes_the_place_of_what_is_undone) {
   EXPECT_EQ(robot.running(), "hold");
 }
 
-/// Of look-ahead's, whose end is waited for only by what needs the task.
+/// Look-ahead configures the tool of "work", which takes until end() is called. Outlives the robot.
+class ToolBeingConfigured {
+ public:
+  std::future<std::vector<Readiness>> begin(Robot& robot) {
+    robot.asking.ask_after([this](const model::Action& action) -> Result<void> {
+      if (action.label() != "configure tool" || has_begun_.exchange(true)) return {};
+      begun_.set_value();
+      may_end_.wait_for(std::chrono::seconds(30));
+      return {};
+    });
+    auto prepared = robot.runtime.prepare({NetworkName("work")});
+    begun_.get_future().wait();
+    return prepared;
+  }
+  void end() { end_.set_value(); }
+
+ private:
+  std::atomic<bool> has_begun_ = false;
+  std::promise<void> begun_;
+  std::promise<void> end_;
+  const std::shared_future<void> may_end_ = end_.get_future().share();
+};
+
 TEST(Request, waits_for_no_action_in_progress_but_of_tasks_that_it_needs) {
-  std::promise<void> begun;
-  std::promise<void> go_on;
-  const auto may_end = go_on.get_future().share();
-  std::atomic<int> configured = 0;
+  ToolBeingConfigured tool;
   Robot robot(RuntimeOptions{});
-  robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
-    if (action.label() != "configure tool" || configured++ > 0) return {};
-    begun.set_value();
-    may_end.wait_for(std::chrono::seconds(30));
-    return {};
-  });
-  const auto prepared = robot.runtime.prepare({NetworkName("work")});
-  begun.get_future().wait();
+  const auto prepared = tool.begin(robot);
   EXPECT_EQ(robot.switch_to("hold").outcome, Outcome::Done) << "while the tool is being configured";
   auto work = robot.runtime.request(NetworkName("work"));
   EXPECT_EQ(work.wait_for(std::chrono::milliseconds(20)), std::future_status::timeout);
   EXPECT_EQ(robot.runtime.open_requests().at(0).state, "waiting");
-  go_on.set_value();
+  tool.end();
   const auto result = work.get();
   EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
   robot.asking.ask_after({});
@@ -448,19 +460,9 @@ TEST(Request, waits_for_no_action_in_progress_but_of_tasks_that_it_needs) {
 }
 
 TEST(Request, that_waits_for_an_action_in_progress_can_be_cancelled_and_superseded) {
-  std::promise<void> begun;
-  std::promise<void> go_on;
-  const auto may_end = go_on.get_future().share();
-  std::atomic<bool> blocked = false;
+  ToolBeingConfigured tool;
   Robot robot(RuntimeOptions{});
-  robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
-    if (action.label() != "configure tool" || blocked.exchange(true)) return {};
-    begun.set_value();
-    may_end.wait_for(std::chrono::seconds(30));
-    return {};
-  });
-  const auto prepared = robot.runtime.prepare({NetworkName("work")});
-  begun.get_future().wait();
+  const auto prepared = tool.begin(robot);
   EXPECT_EQ(robot.switch_to("hold").outcome, Outcome::Done);
   auto first = robot.runtime.accept(NetworkName("work"));
   EXPECT_TRUE(robot.runtime.cancel(first.number, "ann"));
@@ -468,29 +470,19 @@ TEST(Request, that_waits_for_an_action_in_progress_can_be_cancelled_and_supersed
   auto second = robot.runtime.request(NetworkName("work"));
   EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done);
   EXPECT_EQ(second.get().outcome, Outcome::Superseded);
-  go_on.set_value();
+  tool.end();
   robot.asking.ask_after({});
 }
 
 TEST(Halt, does_not_wait_for_what_a_request_waits_for) {
-  std::promise<void> begun;
-  std::promise<void> go_on;
-  const auto may_end = go_on.get_future().share();
-  std::atomic<bool> blocked = false;
+  ToolBeingConfigured tool;
   Robot robot;
-  robot.asking.ask_after([&](const model::Action& action) -> Result<void> {
-    if (action.label() != "configure tool" || blocked.exchange(true)) return {};
-    begun.set_value();
-    may_end.wait_for(std::chrono::seconds(30));
-    return {};
-  });
-  const auto prepared = robot.runtime.prepare({NetworkName("work")});
-  begun.get_future().wait();
+  const auto prepared = tool.begin(robot);
   auto work = robot.runtime.request(NetworkName("work"));
   EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);
   EXPECT_EQ(work.get().outcome, Outcome::Cancelled);
   EXPECT_EQ(robot.running(), "hold");
-  go_on.set_value();
+  tool.end();
   robot.asking.ask_after({});
 }
 

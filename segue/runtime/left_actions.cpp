@@ -2,21 +2,10 @@
 #include <segue/runtime/left_actions.hpp>
 
 #include <algorithm>
+#include <set>
 #include <variant>
 
 namespace segue::runtime::detail {
-
-namespace {
-
-/// With its connections.
-void remove_task(const model::TaskId& id, model::Network& network) {
-  std::erase_if(network.tasks, [&](const model::Task& task) { return task.id == id; });
-  std::erase_if(network.connections, [&](const model::Connection& connection) {
-    return connection.from.task == id || connection.to.task == id;
-  });
-}
-
-}  // namespace
 
 void LeftActions::close() {
   const std::lock_guard lock(changed_mutex_);
@@ -48,23 +37,16 @@ bool LeftActions::any() const {
 }
 
 model::Network LeftActions::without_their_processes(model::Network observed) const {
-  const std::lock_guard lock(mutex_);
-  for (const model::Action& action : actions_) {
-    const auto* what = std::get_if<model::DeploymentAction>(&action.what);
-    if (what == nullptr) {
-      continue;
-    }
-    std::erase_if(observed.deployments, [&](const model::Deployment& one) {
-      const bool is_it = one.key() == what->deployment.key();
-      for (const auto& placement : one.tasks) {
-        if (is_it) {
-          remove_task(placement.task, observed);
-        }
+  std::set<model::DeploymentKey> processes;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const model::Action& action : actions_) {
+      if (const auto* what = std::get_if<model::DeploymentAction>(&action.what)) {
+        processes.insert(what->deployment.key());
       }
-      return is_it;
-    });
+    }
   }
-  return observed;
+  return without_processes(std::move(observed), processes);
 }
 
 bool LeftActions::concern(const NetworkParts& parts) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/look_ahead.hpp>
+#include <segue/runtime/network_parts.hpp>
 
 #include <segue/model/network_sets.hpp>
 #include <segue/solve/look_ahead.hpp>
@@ -52,25 +53,6 @@ class Budget {
   const MemoryOf& memory_of_;
   Cost taken_;
 };
-
-/// The network without some of its processes, their tasks and the connections of these.
-model::Network without_processes(model::Network network, const Keys& processes) {
-  std::set<model::TaskId> gone;
-  std::erase_if(network.deployments, [&](const model::Deployment& deployment) {
-    if (!processes.contains(deployment.key())) {
-      return false;
-    }
-    for (const auto& placement : deployment.tasks) {
-      gone.insert(placement.task);
-    }
-    return true;
-  });
-  std::erase_if(network.tasks, [&](const model::Task& task) { return gone.contains(task.id); });
-  std::erase_if(network.connections, [&](const model::Connection& connection) {
-    return gone.contains(connection.from.task) || gone.contains(connection.to.task);
-  });
-  return network;
-}
 
 /// Counts the tasks of `wanted` that are configured in `there`.
 Readiness readiness_of(const model::Network& wanted, const model::Network& there) {

@@ -38,4 +38,22 @@ bool NetworkParts::are_independent_of(const model::Action& action) const {
   return std::visit(Visitor{*this}, action.what);
 }
 
+model::Network without_processes(model::Network network, const std::set<model::DeploymentKey>& processes) {
+  std::set<model::TaskId> gone;
+  std::erase_if(network.deployments, [&](const model::Deployment& deployment) {
+    if (!processes.contains(deployment.key())) {
+      return false;
+    }
+    for (const auto& placement : deployment.tasks) {
+      gone.insert(placement.task);
+    }
+    return true;
+  });
+  std::erase_if(network.tasks, [&](const model::Task& task) { return gone.contains(task.id); });
+  std::erase_if(network.connections, [&](const model::Connection& connection) {
+    return gone.contains(connection.from.task) || gone.contains(connection.to.task);
+  });
+  return network;
+}
+
 }  // namespace segue::runtime::detail

@@ -23,4 +23,7 @@ class NetworkParts {
   std::set<model::DeploymentKey> processes_;
 };
 
+/// The network without these processes, their tasks, and the connections of these.
+model::Network without_processes(model::Network network, const std::set<model::DeploymentKey>& processes);
+
 }  // namespace segue::runtime::detail
