@@ -18,11 +18,12 @@ interface Host {
   # `launch` as in Processes.start. The robot is given up when it is not renewed, not when the connection ends.
   # Whose `secret` and certificate are those of the present lease gets it anew.
   acquire @3 (holder :Text, launch :Wire.Value, models :List(ModelFile), takeOver :Bool, timeout :Int64,
-      secret :Text, again :Bool)
+      secret :Text, again :Bool, term :UInt64)
       -> (error :Wire.Error, robot :HostedRobot);
   # `after` instead of `lines` where it is there.
   log @4 (robot :Text, process :Text, lines :UInt64, after :LogPosition)
       -> (error :Wire.Error, text :Data, end :LogPosition);
+  highestTerm @5 (robot :Text) -> (error :Wire.Error, term :UInt64);
 }
 
 struct LogPosition {

@@ -267,6 +267,13 @@ class HostClient final : public hosts::HostService {
       });
     });
   }
+  Result<std::uint64_t> highest_term(const std::string& robot) override {
+    return ask<std::uint64_t>(kHostPatience, [&](wire::Host::Client host) {
+      auto request = host.highestTermRequest();
+      request.setRobot(as_text(robot));
+      return RpcChannel::send<std::uint64_t>(request, [](auto& results) { return results.getTerm(); });
+    });
+  }
   Result<process::LogPart> log(const hosts::LogRequest& what) override {
     return ask<process::LogPart>(kLookTimeout, [&](wire::Host::Client host) {
       auto request = host.logRequest();
@@ -295,6 +302,7 @@ class HostClient final : public hosts::HostService {
                           [](const auto& file, auto builder) { encode(file, builder); });
       request.setTakeOver(what.take_over);
       request.setAgain(what.again);
+      request.setTerm(what.term);
       request.setTimeout(left.count());
       return RpcChannel::send<void>(request, [&connection, id](auto& results) {
         connection.hold(id, results.getRobot());

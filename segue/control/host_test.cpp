@@ -32,6 +32,9 @@ class FakeHostDaemon final : public hosts::HostService {
   Result<hosts::HostInfo> info() override { return who; }
   Result<std::chrono::system_clock::time_point> clock() override { return time; }
   Result<std::vector<hosts::LeaseInfo>> robots() override { return leases; }
+  Result<std::uint64_t> highest_term(const std::string& name) override {
+    return name == "spot" ? Result<std::uint64_t>(UINT64_MAX) : fail(ErrorCode::NotFound, "no such robot");
+  }
   Result<process::LogPart> log(const hosts::LogRequest& request) override {
     if (request.process.str() == "none") return fail(ErrorCode::NotFound, "no output");
     process::LogPart part{request.robot + '\0' + std::to_string(request.lines), {7, request.lines}};
@@ -108,6 +111,8 @@ TEST_F(HostTest, WhatADaemonSaysTravels) {
   EXPECT_EQ(leases[0].epoch, UINT64_MAX);
   EXPECT_EQ(leases[0].left, Duration(5s));
   EXPECT_EQ(leases[1].robot, "mule");
+  EXPECT_EQ(host->highest_term("spot").value(), UINT64_MAX);
+  EXPECT_EQ(host->highest_term("mule").error().code, ErrorCode::NotFound);
 }
 
 TEST_F(HostTest, ARequestForARobotTravels) {
@@ -121,9 +126,11 @@ TEST_F(HostTest, ARequestForARobotTravels) {
   asked.models = {{"arm.yaml", std::string("a\0b", 3)}, {"", ""}};
   asked.take_over = true;
   asked.again = true;
+  asked.term = UINT64_MAX;
   ASSERT_TRUE(host->acquire(asked, soon()));
   const auto got = daemon_.request();
   EXPECT_TRUE(got.again);
+  EXPECT_EQ(got.term, UINT64_MAX);
   EXPECT_EQ(got.holder, asked.holder);
   EXPECT_EQ(got.launch, asked.launch);
   EXPECT_TRUE(got.take_over);

@@ -182,6 +182,24 @@ TEST_F(SecureTest, EachVerbNeedsItsRole) {
   EXPECT_TRUE(log_->has({"refused 'olga' (observe) at 127.0.0.1:", "needs the role operate"}));
 }
 
+TEST_F(SecureTest, OnlyAdministratorsTakeARobotOverOrHaveATerm) {
+  enrol({.name = "root", .role = Role::Administer});
+  hosts::testing::Computer left("left");
+  serve_tcp(left.local.get());
+  const auto refusal = [&](const std::string& name, bool take_over, std::uint64_t term) {
+    auto request = hosts::testing::request_of(name, take_over);
+    request.term = term;
+    const auto robot = connect_host(endpoint(name), soon(), nullptr).value()->acquire(request, soon());
+    return robot ? std::nullopt : std::optional(robot.error().code);
+  };
+  EXPECT_EQ(refusal("ann", true, 0), ErrorCode::PermissionDenied);
+  EXPECT_EQ(refusal("ann", false, 7), ErrorCode::PermissionDenied);
+  EXPECT_EQ(refusal("ann", false, 0), std::nullopt);
+  EXPECT_EQ(refusal("root", true, 1), std::nullopt);
+  EXPECT_EQ(connect_host(endpoint("ann"), soon(), nullptr).value()->highest_term("robot").value(), 1U);
+  server_.reset();
+}
+
 TEST_F(SecureTest, OnlyAdministratorsSetTheEnvironmentOfProcesses) {
   enrol({.name = "root", .role = Role::Administer});
   hosts::testing::Computer left("left");

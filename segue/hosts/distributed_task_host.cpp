@@ -10,6 +10,7 @@
 #include <segue/hosts/distributed_commit.hpp>
 #include <segue/hosts/link_counts.hpp>
 #include <segue/hosts/link_matching.hpp>
+#include <segue/hosts/robot_claim.hpp>
 #include <segue/hosts/sites.hpp>
 
 #include <algorithm>
@@ -37,7 +38,8 @@ struct DistributedTaskHost::Implementation {
         catalog(components),
         options(std::move(chosen)),
         part(own, *options.clock),
-        sites(part, options.gateways.own, std::move(places), [this](const Error& why) { lose(why); }) {}
+        sites(part, options.gateways.own, std::move(places), [this](const Error& why) { lose(why); }),
+        claim(sites, options.request) {}
 
   void begin();
   void close();
@@ -60,6 +62,7 @@ struct DistributedTaskHost::Implementation {
   const DistributedOptions options;
   TaskHostPart part;
   detail::Sites sites;
+  detail::RobotClaim claim;
   detail::ActionRouter router{sites};
   detail::DistributedCommit commits{sites, router, options.promise, *options.clock};
   detail::LinkMatching matching{sites, router};
@@ -78,10 +81,11 @@ struct DistributedTaskHost::Implementation {
 
 void DistributedTaskHost::Implementation::begin() {
   own.set_listener([this](const host::HostEvent& event) { events.post(event); });
+  claim.choose_term(options.patience);
   std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& site : sites.all()) {
     jobs.emplace_back([this, &site = *site] {
-      if (site.link() != nullptr && site.link()->connect(options.request, in(options.patience))) {
+      if (site.link() != nullptr && site.link()->connect(claim.first(site), in(options.patience))) {
         greet(site);
       }
     });
@@ -175,9 +179,7 @@ void DistributedTaskHost::Implementation::look_after(const Site& site) {
   }
   if (!site.reachable()) {
     report(site, false, site.link()->report().state);
-    auto request = options.request;
-    request.take_over = false;  // only what its user has asked for takes it from another runtime
-    if (site.link()->connect(request, in(options.patience))) {
+    if (site.link()->connect(claim.later(), in(options.patience))) {
       greet(site);
     }
   }

@@ -123,6 +123,11 @@ Result<void> HostLink::measure(HostService& service) {
   return {};
 }
 
+Result<std::uint64_t> HostLink::highest_term(const std::string& robot, TimePoint deadline) {
+  const auto made = open(deadline);
+  return made ? (*made)->service->highest_term(robot) : Result<std::uint64_t>(made.error());
+}
+
 Result<void> HostLink::tend() {
   std::shared_ptr<Connection> connection;
   std::uint64_t number = 0;

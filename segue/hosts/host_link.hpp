@@ -46,6 +46,8 @@ class HostLink {
   /// Connects and gets the robot. Does nothing where it has it already. Superseded, without asking, once the
   /// robot is lost to another runtime. Blocks until `deadline` at most.
   Result<void> connect(const RobotRequest& request, TimePoint deadline);
+  /// The highest term of those that have had the robot there, asked over a connection of its own.
+  [[nodiscard]] Result<std::uint64_t> highest_term(const std::string& robot, TimePoint deadline);
   /// Extends the lease, and measures the round trip and the host's clock. An error: the connection is lost.
   Result<void> tend();
   /// What is asked of the host from now on fails, until connect() succeeds. Does nothing where the connection

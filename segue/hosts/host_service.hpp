@@ -62,6 +62,9 @@ struct RobotRequest {
   bool take_over = false;  ///< although another runtime has a lease that has not run out
   /// It has had the robot here before: Superseded if another runtime has had it since.
   bool again = false;
+  /// Of a runtime that has taken the robot over, the same on all hosts and in all its requests: higher than
+  /// those of all runtimes before it (HostService::highest_term). 0: it has not taken it over.
+  std::uint64_t term = 0;
 };
 
 /// The daemon of a computer (`segue host`), in this process (LocalHost) or elsewhere (control::connect_host).
@@ -78,10 +81,13 @@ class HostService {
   /// The output of a process here, whether or not it runs; at most 64 KiB of it where `after` is there, else
   /// 1 MiB. NotFound where there is none.
   virtual Result<process::LogPart> log(const LogRequest& request) = 0;
+  /// The highest term of all runtimes that have had this robot here; 0 where none has.
+  virtual Result<std::uint64_t> highest_term(const std::string& robot) = 0;
   /// Gives the caller the command of a robot on this host. AlreadyExists while another runtime has it (the
   /// message says which, and for how long at least), Superseded as RobotRequest::again says. Transitions that
-  /// the former one had begun are given up. Blocks until `deadline` at most: until actions that the former
-  /// one had begun have ended.
+  /// the former one had begun are given up. Superseded, too, where it takes the robot over from a runtime
+  /// whose term is higher. Blocks until `deadline` at most: until actions that the former one had begun have
+  /// ended.
   virtual Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) = 0;
 };
 

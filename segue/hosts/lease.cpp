@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <charconv>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 namespace segue::hosts {
@@ -37,7 +38,7 @@ Duration Lease::left() const {
   return holder_.empty() ? Duration(0) : std::max(Duration(0), until_ - clock_.now());
 }
 
-/// Lines: the epoch, who had it last ("held" or "released"), the key, the name.
+/// Lines: the epoch, who had it last ("held" or "released"), the key, the name, the term, the highest term.
 Lease::Kept Lease::read(const std::filesystem::path& file) {
   Kept kept;
   const auto text = read_file(file, 4096);
@@ -45,20 +46,28 @@ Lease::Kept Lease::read(const std::filesystem::path& file) {
     return kept;
   }
   std::istringstream lines(*text);
-  std::string epoch;
-  std::string state;
-  std::getline(lines, epoch);
-  std::getline(lines, state);
-  std::getline(lines, kept.key);
-  std::getline(lines, kept.holder);
-  std::from_chars(epoch.data(), epoch.data() + epoch.size(), kept.epoch);
-  kept.is_held = state == "held";
+  const auto next_line = [&] {
+    std::string line;
+    std::getline(lines, line);
+    return line;
+  };
+  const auto next_number = [&](std::uint64_t& number) {
+    const std::string line = next_line();
+    std::from_chars(line.data(), line.data() + line.size(), number);
+  };
+  next_number(kept.epoch);
+  kept.is_held = next_line() == "held";
+  kept.key = next_line();
+  kept.holder = next_line();
+  next_number(kept.term);
+  next_number(kept.highest_term);
   return kept;
 }
 
 Result<void> Lease::keep(const Kept& kept) const {
   const std::string text = std::to_string(kept.epoch) + (kept.is_held ? "\nheld\n" : "\nreleased\n") +
-                           kept.key + "\n" + printable(kept.holder.substr(0, 256)) + "\n";
+                           kept.key + "\n" + printable(kept.holder.substr(0, 256)) + "\n" +
+                           std::to_string(kept.term) + "\n" + std::to_string(kept.highest_term) + "\n";
   if (auto written = write_private_file(file_, text); !written) {
     return fail(ErrorCode::IoError, "cannot keep the epoch of its lease", robot_).because_of(written.error());
   }
@@ -69,9 +78,21 @@ bool Lease::is_of_last(const Claim& claim) const {
   return !claim.key.empty() && equal_secrets(claim.key, last_.key);
 }
 
-std::optional<Error> Lease::refusal_of(const Claim& claim) const {
-  if (is_of_last(claim) || claim.take_over) {
+std::optional<Error> Lease::refusal_of_take_over(const Claim& claim) const {
+  const auto rank = [](const auto& of) { return std::tie(of.term, of.holder, of.key); };
+  if (!is_wanted() || rank(claim) > rank(last_)) {
     return std::nullopt;
+  }
+  return fail(ErrorCode::Superseded,
+              "runtime " + quote(last_.holder) + " has taken this robot over at the same moment", robot_);
+}
+
+std::optional<Error> Lease::refusal_of(const Claim& claim) const {
+  if (is_of_last(claim)) {
+    return std::nullopt;
+  }
+  if (claim.take_over) {
+    return refusal_of_take_over(claim);
   }
   if (claim.again && last_.epoch > 0) {
     return fail(ErrorCode::Superseded, "runtime " + quote(last_.holder) + " has got this robot since",
@@ -97,7 +118,7 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
   }
   // Whatever was begun under the former epoch ends before anything begins under the new one.
   const std::uint64_t mine = last_.epoch + 1;
-  const Kept kept{mine, claim.key, claim.holder, true};
+  const Kept kept{mine, claim.key, claim.holder, true, claim.term, std::max(last_.highest_term, claim.term)};
   if (auto written = keep(kept); !written) {
     return written.error();
   }
@@ -106,7 +127,10 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
   holder_.clear();
   until_ = {};
   const Duration limit = std::max(Duration(0), deadline - RealClock::instance().now());
-  if (!idle_.wait_for(lock, limit, [&] { return working_ == 0; })) {
+  ++waiting_;
+  const bool is_idle = idle_.wait_for(lock, limit, [&] { return working_ == 0; });
+  --waiting_;
+  if (!is_idle) {
     return fail(ErrorCode::DeadlineExceeded, "actions that the former runtime had begun have not ended",
                 robot_);
   }
@@ -153,6 +177,11 @@ void Lease::close() {
 LeaseInfo Lease::info() const {
   const std::lock_guard lock(mutex_);
   return {robot_, holder_, last_.epoch, left()};
+}
+
+std::uint64_t Lease::highest_term() const {
+  const std::lock_guard lock(mutex_);
+  return last_.highest_term;
 }
 
 Error Lease::refusal(std::uint64_t epoch) const {

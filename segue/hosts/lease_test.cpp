@@ -53,8 +53,12 @@ class LeaseTest : public ::testing::Test {
   }
   [[nodiscard]] fs::path file() const { return folder_ / "spot.epoch"; }
 
-  static Claim claim(const std::string& holder, bool take_over = false) {
-    return {holder, "key of " + holder, take_over};
+  /// Who takes it over has seen what has gone before.
+  [[nodiscard]] Claim claim(const std::string& holder, bool take_over = false) const {
+    return {holder, "key of " + holder, take_over, false, take_over ? lease_->highest_term() + 1 : 0};
+  }
+  [[nodiscard]] static Claim of_term(const std::string& holder, std::uint64_t term) {
+    return {holder, "key of " + holder, true, false, term};
   }
   /// The daemon is started again.
   void restart() { lease_.emplace("spot", file(), clock_); }
@@ -148,7 +152,55 @@ TEST_F(LeaseTest, WhoAsksAgainGetsItWhereNobodyElseHasHadItSince) {
 TEST_F(LeaseTest, WhoTakesItOverGetsItAlthoughSomebodyElseHasHadItSince) {
   ASSERT_GT(acquire("a"), 0U);
   ASSERT_GT(acquire("b", true), 0U);
-  EXPECT_TRUE(lease_->acquire({"a", "key of a", true, true}, before_long()));
+  EXPECT_TRUE(lease_->acquire({"a", "key of a", true, true, 2}, before_long()));
+}
+
+TEST_F(LeaseTest, OfTwoThatTakeItOverAtOnceTheHigherTermWinsInBothOrders) {
+  ASSERT_GT(acquire("a"), 0U);
+  ASSERT_TRUE(lease_->acquire(of_term("low", 6), before_long()));
+  ASSERT_TRUE(lease_->acquire(of_term("high", 7), before_long()));
+  const auto refused = lease_->acquire(of_term("low", 6), before_long());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::Superseded);
+  EXPECT_NE(refused.error().message.find("'high'"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(lease_->info().holder, "high");
+}
+
+TEST_F(LeaseTest, OfTwoWithTheSameTermTheGreaterNameWins) {
+  ASSERT_TRUE(lease_->acquire(of_term("m", 1), before_long()));
+  EXPECT_FALSE(lease_->acquire(of_term("l", 1), before_long()));
+  EXPECT_TRUE(lease_->acquire(of_term("n", 1), before_long()));
+  EXPECT_TRUE(lease_->acquire(of_term("n", 1), before_long())) << "it has it";
+  EXPECT_TRUE(lease_->acquire({"n", "another run of the same name", true, false, 2}, before_long()));
+}
+
+TEST_F(LeaseTest, TheTermCountsWhoeverHadItBefore) {
+  EXPECT_EQ(lease_->highest_term(), 0U);
+  const auto first = lease_->acquire(of_term("a", 6), before_long());
+  ASSERT_TRUE(first);
+  EXPECT_EQ(lease_->highest_term(), 6U);
+  ASSERT_TRUE(lease_->release(*first));
+  EXPECT_GT(acquire("b"), 0U) << "nobody has it";
+  EXPECT_EQ(lease_->highest_term(), 6U);
+  EXPECT_TRUE(lease_->acquire(of_term("c", 1), before_long())) << "b has taken it over from nobody";
+  restart();
+  EXPECT_EQ(lease_->highest_term(), 6U);
+  EXPECT_EQ(lease_->acquire(of_term("b", 1), before_long()).error().code, ErrorCode::Superseded)
+      << "c gets it again before all others";
+  clock_.pass(Lease::kValidity);
+  EXPECT_TRUE(lease_->acquire(of_term("b", 1), before_long())) << "but not for ever";
+}
+
+TEST_F(LeaseTest, WhoWaitsForTheEndOfWorkIsNotTakenOverByALowerTerm) {
+  const auto first = acquire("a");
+  std::optional<Lease::Work> work(std::in_place, *lease_, first);
+  auto high =
+      std::async(std::launch::async, [&] { return lease_->acquire(of_term("high", 7), before_long()); });
+  ASSERT_TRUE(eventually([&] { return lease_->info().epoch != first; }));
+  EXPECT_EQ(lease_->acquire(of_term("low", 6), before_long()).error().code, ErrorCode::Superseded);
+  work.reset();
+  EXPECT_TRUE(high.get());
+  EXPECT_EQ(lease_->info().holder, "high");
 }
 
 TEST_F(LeaseTest, TheNameOfWhoHasItIsNoKey) {

@@ -38,6 +38,10 @@ std::string file_name(std::size_t number, const std::string& name) {
   return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits + "_" + safe.substr(0, 100);
 }
 
+Error not_a_robot(const std::string& name) {
+  return fail(ErrorCode::InvalidArgument, quote(name.substr(0, 64)) + " is no name of a robot");
+}
+
 std::string architecture() {
   utsname system{};
   return ::uname(&system) == 0 ? system.machine : "unknown";
@@ -71,7 +75,7 @@ struct LocalHost::Implementation {
 
 Result<std::shared_ptr<detail::LeasedRobot>> LocalHost::Implementation::leased(const std::string& robot) {
   if (!is_identifier(robot)) {
-    return fail(ErrorCode::InvalidArgument, quote(robot.substr(0, 64)) + " is no name of a robot");
+    return not_a_robot(robot);
   }
   const std::lock_guard lock(mutex);
   if (robots.size() >= kMaxRobots && !robots.contains(robot)) {
@@ -190,6 +194,17 @@ Result<std::vector<LeaseInfo>> LocalHost::robots() {
   return all;
 }
 
+Result<std::uint64_t> LocalHost::highest_term(const std::string& robot) {
+  if (!is_identifier(robot)) {
+    return not_a_robot(robot);
+  }
+  const std::lock_guard lock(implementation_->mutex);
+  const auto known = implementation_->robots.find(robot);
+  return known != implementation_->robots.end()
+             ? known->second->lease.highest_term()
+             : Lease(robot, implementation_->epoch_file(robot), RealClock::instance()).highest_term();
+}
+
 Result<process::LogPart> LocalHost::log(const LogRequest& request) {
   const auto folder = runtime_folder();
   if (!folder) {
@@ -227,7 +242,8 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
   }
   // Bound to who asks, so that a secret that was found out serves nobody else.
   const std::string key = request.secret.empty() ? "" : sha256(request.secret + '\n' + request.identity);
-  const auto epoch = robot->lease.acquire({request.holder, key, request.take_over, request.again}, deadline);
+  const auto epoch =
+      robot->lease.acquire({request.holder, key, request.take_over, request.again, request.term}, deadline);
   if (!epoch) {
     return epoch.error();
   }

@@ -33,6 +33,7 @@ class LocalHost final : public HostService {
   Result<HostInfo> info() override;
   Result<std::chrono::system_clock::time_point> clock() override;
   Result<std::vector<LeaseInfo>> robots() override;
+  Result<std::uint64_t> highest_term(const std::string& robot) override;
   Result<process::LogPart> log(const LogRequest& request) override;
   Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) override;
 

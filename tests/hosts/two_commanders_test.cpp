@@ -6,16 +6,13 @@
 // SEGUE_COMMANDERS_ROUNDS=200 runs as many rounds, SEGUE_SEED=n another sequence of them.
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
-#include <segue/host/component_library.hpp>
-#include <segue/host/local_task_host.hpp>
-#include <segue/hosts/distributed_task_host.hpp>
 #include <segue/model/files.hpp>
-#include <segue/runtime/runtime.hpp>
 
 #include <support/eventually.hpp>
-#include <support/fake_hosts.hpp>
 #include <support/number_from.hpp>
 #include <support/sanitizers.hpp>
+
+#include "commanding_computer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,14 +30,14 @@ using namespace std::chrono_literals;
 using runtime::Outcome;
 using segue::testing::eventually;
 using segue::testing::number_from;
+using testing::CommandingComputer;
 using testing::Computer;
+using testing::Daemons;
+using testing::kDaemons;
 using testing::Line;
 
 constexpr int kDefaultRounds = kSanitized ? 15 : 60;
 constexpr Duration kNoLonger = 30s;
-constexpr std::size_t kDaemons = 2;
-
-using Daemons = std::array<std::unique_ptr<Computer>, kDaemons>;
 
 std::string why(const runtime::SwitchResult& result) {
   return std::string(to_string(result.outcome)) + (result.error ? ": " + to_string(*result.error) : "");
@@ -77,55 +74,6 @@ std::string held(Computer& computer) {
   std::sort(all.begin(), all.end());
   return listed(all);
 }
-
-/// A computer that commands the robot, or has lost it.
-class CommandingComputer {
- public:
-  CommandingComputer(const std::string& name, Daemons& daemons, std::size_t count, Line* lines,
-                     bool take_over)
-      : holder(name) {
-    std::vector<HostPlace> places;
-    for (std::size_t i = 0; i < count; ++i)
-      places.push_back(daemons.at(i)->place_over(lines[i]));
-    DistributedOptions options;
-    options.request = testing::request_of(name, take_over);
-    options.gateways.robot = "robot";
-    options.watch = 2ms;
-    host.emplace(own_, std::move(places), catalog_, std::move(options));
-  }
-  /// Nothing is done with the robot before.
-  void begin() {
-    runtime::RuntimeOptions options;
-    options.policies.watch = 20ms;
-    runtime.emplace("robot", *host, catalog_, std::move(options));
-  }
-  std::future<runtime::SwitchResult> request(const model::Network& network) {
-    runtime::RequestOptions options;
-    options.action_deadline = 1s;
-    return runtime->request(network, std::move(options));
-  }
-
-  const std::string holder;
-
- private:
-  host::LibrarySet libraries_;
-  model::ComponentCatalog catalog_;
-  host::LocalTaskHost local_{
-      libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
-  deploy::testing::FakeWorld world_;
-  deploy::testing::FakeProcesses processes_{world_};
-  deploy::testing::FakeService service_{world_, world_.own()};
-  deploy::DeployedTaskHost own_{service_,
-                                processes_,
-                                deploy::testing::connector(world_),
-                                testing::request_of("").launch,
-                                local_,
-                                {60s, 1h, {model::kLocalHost}}};
-
- public:
-  std::optional<DistributedTaskHost> host;
-  std::optional<runtime::Runtime> runtime;
-};
 
 class TwoCommanders : public ::testing::Test {
  protected:

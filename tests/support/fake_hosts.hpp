@@ -392,6 +392,12 @@ class Computer {
         return computer_.local->robots();
       });
     }
+    Result<std::uint64_t> highest_term(const std::string& robot) override {
+      return wire_.pass("highest_term", [&] {
+        const std::shared_lock running(computer_.booting);
+        return computer_.local->highest_term(robot);
+      });
+    }
     Result<process::LogPart> log(const LogRequest& request) override {
       return wire_.pass("log", [&] { return computer_.local->log(request); });
     }

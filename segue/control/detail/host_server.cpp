@@ -212,6 +212,14 @@ class HostServer final : public wire::Host::Server {
           encode(part.end, results.initEnd());
         });
   }
+  kj::Promise<void> highestTerm(HighestTermContext context) override {
+    return caller_.answer(
+        context,
+        [&service = service(), robot = as_string(context.getParams().getRobot())] {
+          return service.highest_term(robot);
+        },
+        [](std::uint64_t& term, auto results) { results.setTerm(term); });
+  }
   kj::Promise<void> acquire(AcquireContext context) override {
     const auto params = context.getParams();
     hosts::RobotRequest request;
@@ -220,6 +228,7 @@ class HostServer final : public wire::Host::Server {
     request.identity = identity_of(caller_.client()->peer);
     request.take_over = params.getTakeOver();
     request.again = params.getAgain();
+    request.term = params.getTerm();
     request.models =
         decode_list<hosts::ModelFile>(params.getModels(), [](const auto& part) { return decode(part); });
     auto job = [&service = service(), request = std::move(request),
@@ -233,8 +242,10 @@ class HostServer final : public wire::Host::Server {
       request.launch.deployment = {};  // of whichever process is deployed
       return service.acquire(request, deadline);
     };
-    // Who takes a robot away from a runtime that lives decides more than what it does next.
-    return caller_.answer(params.getTakeOver() ? Role::Administer : Role::Operate, context, std::move(job),
+    // Who takes a robot away from a runtime that lives decides more than what it does next. A term says that
+    // it has done so, and keeps others from it.
+    const bool takes_over = params.getTakeOver() || params.getTerm() > 0;
+    return caller_.answer(takes_over ? Role::Administer : Role::Operate, context, std::move(job),
                           [caller = caller_](std::shared_ptr<HostedRobot>& robot, auto results) {
                             results.setRobot(kj::heap<HostedRobotServer>(caller, std::move(robot)));
                           });
