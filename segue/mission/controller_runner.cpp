@@ -242,14 +242,14 @@ class ControlledRun {
         tasks_.follow(reaches->task, updates_when_told(reaches->task));
       if (const auto* answers = condition_of<OperationAnswers>(condition))
         tasks_.follow(answers->operation.task, UINT64_MAX, kBetweenCallsWithoutUpdates);
-      if (const auto* shows = condition_of<SampleShows>(condition)) tasks_.follow_life(shows->port.task);
+      if (const auto* shows = condition_of<SampleShows>(condition)) tasks_.follow_if_seen(shows->port.task);
     }
     for (const auto* told : {&use_.call, &use_.write}) {
       for (const MemberValue& one : *told)
-        tasks_.follow_life(one.member.task);
+        tasks_.follow_if_seen(one.member.task);
     }
     for (const OutputSource& one : use_.outputs)
-      tasks_.follow_life(one.port.task);
+      tasks_.follow_if_seen(one.port.task);
   }
 
   /// What failed because a task was lost can be tried again once the robot has mended it, which it must have

@@ -19,33 +19,84 @@ TimePoint time_now() {
 
 FactObserver::FactObserver(std::shared_ptr<CommandedRobot> robot, std::vector<ObservedFact> facts,
                            Options options)
-    : robot_(std::move(robot)), options_(options) {
+    : robot_(std::move(robot)),
+      options_(options),
+      tasks_(*robot_, bell_, options.period),
+      port_tasks_(*robot_, bell_, options.period) {
   for (ObservedFact& fact : facts) {
     const auto grounded = ground(fact.fact);
     if (grounded) entries_.emplace(grounded->text, Entry{std::move(fact)});
   }
+  follow_tasks();
   thread_ = std::jthread([this](const std::stop_token& end) { work(end); });
 }
 
 FactObserver::~FactObserver() = default;
 
-/// Ports are followed all the time, since what a sample has shown counts until the next one.
+void FactObserver::follow_tasks() {
+  for (const auto& [name, entry] : entries_) {
+    const RobotCondition& when = entry.declared.when;
+    if (const auto* reaches = std::get_if<TaskReaches>(&when)) tasks_.follow_if_seen(reaches->task);
+    if (const auto* answers = std::get_if<OperationAnswers>(&when))
+      tasks_.follow_if_seen(answers->operation.task, UINT64_MAX, options_.period);
+    if (const auto* shows = std::get_if<SampleShows>(&when)) port_tasks_.follow_if_seen(shows->port.task);
+  }
+}
+
 void FactObserver::work(const std::stop_token& end) {
   while (!end.stop_requested()) {
-    for (auto& [name, entry] : entries_) {
-      const std::lock_guard lock(looking_);
-      if (std::holds_alternative<SampleShows>(entry.declared.when)) look(entry);
-    }
-    std::unique_lock lock(mutex_);
-    auto watches = std::exchange(watches_, {});
-    lock.unlock();
-    std::erase_if(watches, [](const auto& look) { return !look(); });
-    lock.lock();
-    watches_.insert(watches_.end(), std::make_move_iterator(watches.begin()),
-                    std::make_move_iterator(watches.end()));
-    lock.unlock();
-    wait_for_next_look(options_.period, end);
+    // What they say is asked anew: it may be older than what somebody has been told meanwhile.
+    (void)tasks_.look();
+    (void)port_tasks_.look();
+    (void)ports_.look();
+    follow_ports();
+    const auto again = call_watchers();
+    port_tasks_.ask();
+    ports_.ask();
+    if (again) tasks_.ask();
+    const TimePoint next = again ? std::min(*again, tasks_.next_question()) : TimePoint::max();
+    bell_->wait({std::min({next, port_tasks_.next_question(), ports_.next_question()}), end});
   }
+}
+
+/// All the time, since what a sample has shown counts until the next one.
+void FactObserver::follow_ports() {
+  for (auto& [name, entry] : entries_) {
+    const std::lock_guard lock(looking_);
+    const auto* shows = std::get_if<SampleShows>(&entry.declared.when);
+    if (shows == nullptr) continue;
+    look(entry);
+    if (entry.feed && entry.followed == entry.opened) continue;
+    follow_port(entry, shows->port);
+    look(entry);  // samples that came before it was followed
+  }
+}
+
+/// A port has two readers, since one that is waited for is not read.
+void FactObserver::follow_port(Entry& entry, const Member& port) {
+  ports_.forget(port);
+  entry.followed = {};
+  if (!entry.feed) return;
+  auto samples = robot_->open(port, time_now() + options_.answer_deadline);
+  if (!samples) return;
+  ports_.follow(port, std::move(*samples));
+  entry.followed = entry.opened;
+}
+
+std::optional<TimePoint> FactObserver::call_watchers() {
+  std::unique_lock lock(mutex_);
+  auto watches = std::exchange(watches_, {});
+  lock.unlock();
+  std::optional<TimePoint> again;
+  std::erase_if(watches, [&again](const Look& look) {
+    const auto next = look();
+    if (next) again = std::min(*next, again.value_or(TimePoint::max()));
+    return !next;
+  });
+  lock.lock();
+  watches_.insert(watches_.end(), std::make_move_iterator(watches.begin()),
+                  std::make_move_iterator(watches.end()));
+  return again;
 }
 
 std::optional<bool> FactObserver::look(Entry& entry) {
@@ -136,9 +187,12 @@ Duration FactObserver::settle(std::string_view fact) const {
   return found == entries_.end() ? Duration::zero() : found->second.declared.settle;
 }
 
-void FactObserver::watch(std::function<bool()> look) {
-  const std::lock_guard lock(mutex_);
-  watches_.push_back(std::move(look));
+void FactObserver::watch(Look look) {
+  {
+    const std::lock_guard lock(mutex_);
+    watches_.push_back(std::move(look));
+  }
+  bell_->ring();
 }
 
 }  // namespace segue::mission

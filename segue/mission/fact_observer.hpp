@@ -2,11 +2,14 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/question.hpp>
 #include <segue/base/result.hpp>
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/mission/footprint.hpp>
 #include <segue/mission/mission.hpp>
 #include <segue/mission/robot_look.hpp>
+#include <segue/mission/watched_ports.hpp>
+#include <segue/mission/watched_tasks.hpp>
 #include <segue/mission/world.hpp>
 
 #include <cstdint>
@@ -28,7 +31,9 @@ namespace segue::mission {
 class FactObserver {
  public:
   struct Options {
-    Duration period = std::chrono::milliseconds(20);  ///< how often the robot is looked at
+    /// How often a task is asked that cannot be seen, and an operation whose task is not updated. All else is
+    /// looked at when the robot says that it has changed.
+    Duration period = std::chrono::milliseconds(20);
     Duration answer_deadline = std::chrono::seconds(1);
   };
   /// Begins to look, in a thread of its own.
@@ -51,8 +56,12 @@ class FactObserver {
   /// How long an effect on that fact may take to show.
   [[nodiscard]] Duration settle(std::string_view fact) const;
 
-  /// Calls `look` on the thread of this, once in each period, until it answers false.
-  void watch(std::function<bool()> look);
+  /// Says when it is to be called again at the latest; nothing: never again.
+  using Look = std::function<std::optional<TimePoint>()>;
+  /// Calls `look` on the thread of this: soon, whenever a fact may have changed, at the time that it has
+  /// said, and when the bell is rung.
+  void watch(Look look);
+  [[nodiscard]] const std::shared_ptr<Bell>& bell() const { return bell_; }
 
  private:
   struct Entry {
@@ -60,12 +69,18 @@ class FactObserver {
     bool value = false;  ///< as observed last
     bool seen = false;   ///< it could be observed at least once
     std::optional<PortFeed> feed{};
-    TimePoint opened{};
+    TimePoint opened{};    ///< `feed`
+    TimePoint followed{};  ///< `opened` when it was followed last
     std::uint64_t updates =
         0;  ///< of the task whose port is followed; fewer are those of another incarnation
   };
 
   void work(const std::stop_token& end);
+  void follow_tasks();
+  void follow_ports();
+  void follow_port(Entry& entry, const Member& port);
+  /// When they are to be called again at the latest; nothing: nobody watches.
+  std::optional<TimePoint> call_watchers();
   std::optional<bool> look(Entry& entry);
   std::optional<bool> look(Entry& entry, const TaskReaches& when);
   std::optional<bool> look(Entry& entry, const SampleShows& when);
@@ -77,7 +92,13 @@ class FactObserver {
   std::mutex looking_;  ///< protects `entries_`; held while the robot is asked
   std::map<std::string, Entry, std::less<>> entries_;
   std::mutex mutex_;  ///< protects `watches_`
-  std::vector<std::function<bool()>> watches_;
+  std::vector<Look> watches_;
+
+  // Used by the thread only. Their answers ring the bell; what is so then is asked anew.
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
+  WatchedTasks tasks_;       ///< that show facts; asked for while somebody watches
+  WatchedTasks port_tasks_;  ///< whose ports show facts
+  WatchedPorts ports_{bell_};
   std::jthread thread_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/observing_runner.hpp>
 
+#include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
 #include <segue/base/time_after.hpp>
 
@@ -23,12 +24,13 @@ std::string signed_text(const GroundFact& fact) {
 }
 
 /// One execution, which is watched until it has ended and its effects have shown. Shared by the runner that
-/// carries it out, the engine, and the observer; each calls it on a thread of its own. Uses the observer on
-/// that one's thread only, which ends before the observer does.
+/// carries it out, the engine, and the observer; each calls it on a thread of its own. Uses the observer, but
+/// for its bell, on that one's thread only, which ends before the observer does.
 class ObservedRun {
  public:
   ObservedRun(FactObserver& observer, const ActionCall& call)
       : observer_(observer),
+        bell_(observer.bell()),
         during_(call.observed()->during),
         effects_(call.observed()->effects),
         foreseen_(call.outcome(call.action().foreseen_outcome()).value_or(kAborted)) {}
@@ -65,21 +67,26 @@ class ObservedRun {
     finish(lock, std::move(ending));
   }
 
-  /// On the observer's thread; false once it has ended.
-  bool look() {
+  /// On the observer's thread: when it is to be called again at the latest; nothing once it has ended.
+  std::optional<TimePoint> look() {
+    const TimePoint now = clock_now();
     std::unique_lock lock(mutex_);
-    if (is_over_) return false;
-    if (due_ && clock_now() >= *due_) {
+    if (is_over_) return std::nullopt;
+    if (due_ && now >= *due_) {
       due_.reset();
       finish(lock, ending_);
-    } else if (confirms_) {
-      lock.unlock();
-      confirm();
-    } else if (lost_.empty() && !preempted_) {
-      lock.unlock();
+      if (!lock.owns_lock()) return std::nullopt;
+    }
+    const bool is_guarded = lost_.empty() && !preempted_;
+    const bool confirms = confirms_;
+    lock.unlock();
+    if (confirms) {
+      confirm(now);
+    } else if (is_guarded) {
       guard();
     }
-    return true;
+    lock.lock();
+    return is_over_ ? std::nullopt : std::optional(next_look(now));
   }
 
  private:
@@ -97,8 +104,8 @@ class ObservedRun {
     if (notify) notify();
   }
 
-  /// Ends it once all effects show, or one has not in time.
-  void confirm() {
+  /// Ends it once all effects show, or one has not in time, which is `now`.
+  void confirm(TimePoint now) {
     std::vector<GroundFact> unknown;
     std::optional<GroundFact> differs;
     for (const GroundFact& effect : effects_) {
@@ -108,9 +115,7 @@ class ObservedRun {
     }
     std::unique_lock lock(mutex_);
     if (is_over_) return;
-    const auto is_late = [&](const GroundFact& effect) {
-      return clock_now() >= confirms_since_ + observer_.settle(effect.text);
-    };
+    const auto is_late = [&](const GroundFact& effect) { return now >= settled_at(effect); };
     if (differs && !is_late(*differs)) return;
     if (differs) return end(lock, {kAborted, difference(*differs)});
     if (!std::ranges::all_of(unknown, is_late)) return;
@@ -118,6 +123,19 @@ class ObservedRun {
     observer_.assume(unknown);
     lock.lock();
     if (!is_over_) end(lock, ending_);
+  }
+
+  /// When something happens after `now` although no fact changes. With the mutex held.
+  [[nodiscard]] TimePoint next_look(TimePoint now) const {
+    TimePoint next = due_.value_or(TimePoint::max());
+    for (const GroundFact& effect : effects_) {
+      const TimePoint settled = settled_at(effect);
+      if (confirms_ && settled > now) next = std::min(next, settled);
+    }
+    return next;
+  }
+  [[nodiscard]] TimePoint settled_at(const GroundFact& effect) const {
+    return time_after(confirms_since_, observer_.settle(effect.text)).value_or(TimePoint::max());
   }
 
   [[nodiscard]] std::string difference(const GroundFact& effect) const {
@@ -131,6 +149,7 @@ class ObservedRun {
     ending_ = std::move(ending);
     confirms_ = true;
     confirms_since_ = clock_now();
+    bell_->ring();
   }
 
   void end(std::unique_lock<std::mutex>& lock, Ending ending) {
@@ -142,6 +161,7 @@ class ObservedRun {
   }
 
   FactObserver& observer_;
+  const std::shared_ptr<Bell> bell_;
   const std::vector<GroundFact> during_;
   const std::vector<GroundFact> effects_;
   const Outcome foreseen_;

@@ -13,6 +13,10 @@ void WatchedPorts::forget(std::string_view task) {
   std::erase_if(ports_, [&](const One& one) { return one.port.task == task; });
 }
 
+void WatchedPorts::forget(const Member& port) {
+  std::erase_if(ports_, [&](const One& one) { return one.port == port; });
+}
+
 Result<void> WatchedPorts::look() {
   for (One& one : ports_) {
     one.fresh.clear();

@@ -32,6 +32,7 @@ class WatchedPorts {
   void follow(const Member& port, std::unique_ptr<PortSamples> samples);
   /// The ports of that task are not followed any more.
   void forget(std::string_view task);
+  void forget(const Member& port);
   /// Takes in the answers that have come. The error of a port that cannot be read.
   Result<void> look();
   /// Asks for samples of the ports that are not being asked of, where it is time.

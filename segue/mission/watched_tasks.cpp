@@ -6,27 +6,20 @@
 
 namespace segue::mission {
 
-namespace {
-
-/// Between questions for a task that cannot be seen.
-constexpr Duration kBetweenTries = std::chrono::milliseconds(250);
-
-}  // namespace
-
-WatchedTasks::One& WatchedTasks::one_of(const std::string& task) {
+WatchedTasks::One& WatchedTasks::follow_one(const std::string& task, std::uint64_t after, Duration patience) {
   const auto found = std::ranges::find(tasks_, task, &One::task);
-  return found == tasks_.end() ? tasks_.emplace_back(task, bell_) : *found;
+  One& one = found == tasks_.end() ? tasks_.emplace_back(task, bell_) : *found;
+  one.after = std::max(one.after, after);
+  one.patience = std::min(one.patience, patience);
+  return one;
 }
 
 void WatchedTasks::follow(const std::string& task, std::uint64_t after, Duration patience) {
-  One& one = one_of(task);
-  one.after = std::max(one.after, after);
-  one.patience = std::min(one.patience, patience);
-  one.must_be_seen = true;
+  follow_one(task, after, patience).must_be_seen = true;
 }
 
-void WatchedTasks::follow_life(const std::string& task) {
-  one_of(task);
+void WatchedTasks::follow_if_seen(const std::string& task, std::uint64_t after, Duration patience) {
+  follow_one(task, after, patience);
 }
 
 Result<void> WatchedTasks::look() {
@@ -51,7 +44,7 @@ Result<void> WatchedTasks::take(One& one) {
     const bool is_gone = code == ErrorCode::NotFound || code == ErrorCode::Unavailable;
     const bool was_seen = std::exchange(one.view, std::nullopt).has_value();
     one.is_gone = one.is_gone || is_gone;
-    one.ask_at = was_seen ? TimePoint() : RealClock::instance().now() + kBetweenTries;
+    one.ask_at = was_seen ? TimePoint() : RealClock::instance().now() + between_tries_;
     return was_seen || !one.must_be_seen ? Result<void>() : answer->error();
   }
   const bool runs = (*answer)->state == "running";

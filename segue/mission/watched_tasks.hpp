@@ -26,14 +26,19 @@ class WatchedTasks {
   /// How long a question waits; then it is asked again.
   static constexpr Duration kPatience = std::chrono::seconds(10);
 
+  /// Between questions for a task that cannot be seen.
+  static constexpr Duration kBetweenTries = std::chrono::milliseconds(250);
+
   /// `robot` must outlive this. Answers ring `bell`.
-  WatchedTasks(CommandedRobot& robot, std::shared_ptr<Bell> bell) : robot_(robot), bell_(std::move(bell)) {}
+  WatchedTasks(CommandedRobot& robot, std::shared_ptr<Bell> bell, Duration between_tries = kBetweenTries)
+      : robot_(robot), bell_(std::move(bell)), between_tries_(between_tries) {}
 
   /// Follows that task; its updates are changes, too, while there have been no more than `after`.
-  /// `patience`: how long a question waits. One that was gone is seen again when it runs.
+  /// `patience`: how long a question waits. One that was gone is seen again when it runs. That it cannot be
+  /// seen is an error of look().
   void follow(const std::string& task, std::uint64_t after, Duration patience = kPatience);
-  /// Follows it only to know whether it has begun anew; that it cannot be seen is no error.
-  void follow_life(const std::string& task);
+  /// As follow(), but that the task cannot be seen is no error.
+  void follow_if_seen(const std::string& task, std::uint64_t after = 0, Duration patience = kPatience);
   /// Takes in the answers that have come. The error of a task that cannot be seen: where one is gone, the
   /// robot may have it anew, so only a question for its present level can fail.
   Result<void> look();
@@ -74,7 +79,7 @@ class WatchedTasks {
     Question<TaskView> question;
   };
 
-  One& one_of(const std::string& task);
+  One& follow_one(const std::string& task, std::uint64_t after, Duration patience);
   Result<void> take(One& one);
   static void note_life(One& one, const TaskView& now, bool runs);
   void ask(One& one);
@@ -82,6 +87,7 @@ class WatchedTasks {
 
   CommandedRobot& robot_;
   const std::shared_ptr<Bell> bell_;
+  const Duration between_tries_;
   std::list<One> tasks_;
 };
 

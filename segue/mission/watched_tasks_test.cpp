@@ -143,7 +143,7 @@ TEST_F(TasksThatAreWatched, HaveBegunAnewOnceTheyRunAfterTheyWereGone) {
 }
 
 TEST_F(TasksThatAreWatched, HaveBegunAnewWhereTheirUpdatesAreCountedAnew) {
-  tasks_.follow_life("planner");
+  tasks_.follow_if_seen("planner");
   tasks_.ask();
   EXPECT_TRUE(answer(arrived_));
   EXPECT_FALSE(tasks_.has_begun_anew());

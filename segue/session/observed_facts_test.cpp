@@ -24,6 +24,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+/// Nothing is looked at unless the robot has said that it has changed.
+constexpr Duration kNever = 1h;
+
 class ObservedFacts : public ::testing::TestWithParam<RunMode> {
  protected:
   /// A mission that observes the planner's task, its port and an operation; `actions` and `states` in YAML.
@@ -51,7 +54,7 @@ class ObservedFacts : public ::testing::TestWithParam<RunMode> {
     request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot_, how));
     if (!simulate) {
       request.runners.set_observer(std::make_shared<mission::FactObserver>(
-          robot_, session->program()->mission().observed, mission::FactObserver::Options{.period = 1ms}));
+          robot_, session->program()->mission().observed, mission::FactObserver::Options{.period = kNever}));
     }
     thread_ = std::jthread([this, session = *session, request] { run_ = session.run(request); });
   }
@@ -110,6 +113,22 @@ TEST_P(ObservedFacts, PreemptAnActionThatNeedsThemAllAlong) {
   robot_->show(type::Value::map({{"charge", 0.5}}));
   robot_->show(type::Value::map({{"charge", 0.1}}));
   EXPECT_EQ(ended(), "handled");
+}
+
+TEST_P(ObservedFacts, OfATaskOrAnOperationPreemptAnAction) {
+  for (const std::string fact : {"arrived()", "failed()"}) {
+    robot_ = std::make_shared<FakeRobot>();
+    begin("  go:\n    while: ['!" + fact +
+              "']\n    run: {controller: go_home, until: [{port: planner.status, where: 'charge > 1'}]}\n",
+          "start: go\nstates: {go: {on: {success: return done}}}\n");
+    robot_->wait_until_asked("request go_home");
+    if (fact == "arrived()") {
+      robot_->become("arrived");
+    } else {
+      robot_->fail_by_call();
+    }
+    EXPECT_THAT(ended(), HasSubstr("it was preempted, since !" + fact + " does not hold any more"));
+  }
 }
 
 TEST_P(ObservedFacts, SayWhyTheyPreemptedAnAction) {
