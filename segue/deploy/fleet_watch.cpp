@@ -251,8 +251,12 @@ void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& cha
   for (const auto& task : change.hanging) {
     report_task(placements_.name(task, record.key()), TaskState::Fatal, hanging_text(view, task));
   }
+  if (change.hanging_no_more.empty()) {
+    return;
+  }
+  const model::TaskIndex known(view.snapshot->network);
   for (const auto& task : change.hanging_no_more) {
-    if (const model::Task* found = view.snapshot->network.find_task(task)) {
+    if (const model::Task* found = known.find(task)) {
       report_task(placements_.name(task, record.key()), found->state, "what hung has returned");
     }
   }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -86,9 +87,13 @@ std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
     return snapshot_;
   }
   auto known = snapshot_ ? std::make_shared<Snapshot>(*snapshot_) : std::make_shared<Snapshot>();
+  std::set<model::TaskId> seen;
+  for (const auto& task : known->network.tasks) {
+    seen.insert(task.id);
+  }
   model::Deployment placements;
   for (const auto& [number, action] : created_) {
-    if (known->network.find_task(action.definition.id) != nullptr) {
+    if (!seen.insert(action.definition.id).second) {
       continue;
     }
     known->network.tasks.push_back(action.definition);

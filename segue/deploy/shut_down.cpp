@@ -20,9 +20,10 @@ bool runs(TaskState state) {
 void perform_on_all(const host::LocalTaskHost& host, host::ActionPool& pool, model::ActionKind verb,
                     bool (*wanted)(TaskState), TimePoint deadline) {
   const model::Network network = host.observe();
+  const model::TaskIndex tasks(network);
   std::vector<model::Action> actions;
   for (const auto& id : producers_first(network)) {
-    if (wanted(network.find_task(id)->state)) {
+    if (wanted(tasks.find(id)->state)) {
       actions.push_back({0, verb, model::TaskAction{id}, {}, {}});
     }
   }

@@ -38,6 +38,18 @@ Task* Network::find_task(const TaskId& id) {
   return found == tasks.end() ? nullptr : &*found;
 }
 
+TaskIndex::TaskIndex(const Network& network) {
+  tasks_.reserve(network.tasks.size());
+  for (const auto& task : network.tasks) {
+    tasks_.try_emplace(task.id.str(), &task);
+  }
+}
+
+const Task* TaskIndex::find(const TaskId& id) const {
+  const auto found = tasks_.find(id.str());
+  return found == tasks_.end() ? nullptr : found->second;
+}
+
 bool operator==(const Network& a, const Network& b) {
   return a.name == b.name && a.tasks == b.tasks && a.deployments == b.deployments &&
          a.connections == b.connections;

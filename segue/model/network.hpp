@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -126,12 +127,23 @@ struct Network {
   /// Not compared.
   std::string version;
 
-  /// Linear search; algorithms over whole networks build their own index.
+  /// Linear search; whoever looks for many tasks uses a TaskIndex.
   [[nodiscard]] const Task* find_task(const TaskId& id) const;
   [[nodiscard]] Task* find_task(const TaskId& id);
   [[nodiscard]] bool empty() const { return tasks.empty() && deployments.empty() && connections.empty(); }
 
   friend bool operator==(const Network& a, const Network& b);
+};
+
+/// The tasks of a network by id. Refers to the network, which outlives it and keeps its tasks where they are.
+class TaskIndex {
+ public:
+  explicit TaskIndex(const Network& network);
+  /// nullptr where the network has no such task. Constant time.
+  [[nodiscard]] const Task* find(const TaskId& id) const;
+
+ private:
+  std::unordered_map<std::string_view, const Task*> tasks_;
 };
 
 /// Whether both describe the same controller. Ignores names of networks, order of lists, and placements of

@@ -26,30 +26,27 @@ std::map<DeploymentKey, std::size_t> places_of(const Network& network) {
   return places;
 }
 
-/// Equal for equal connections: both ports and the policy.
-std::string identity(const Connection& connection) {
-  return to_string(connection);
-}
-
-std::set<std::string> identities(const Network& network) {
-  std::set<std::string> all;
-  for (const auto& connection : network.connections) {
-    all.insert(identity(connection));
-  }
-  return all;
-}
-
 void add_placements(Deployment& deployment, const Deployment& other) {
-  for (const auto& placement : other.tasks) {
-    const bool known = std::any_of(deployment.tasks.begin(), deployment.tasks.end(),
-                                   [&](const Placement& mine) { return mine.task == placement.task; });
-    if (!known) {
+  std::set<TaskId> known;
+  for (const Placement& mine : deployment.tasks) {
+    known.insert(mine.task);
+  }
+  for (const Placement& placement : other.tasks) {
+    if (known.insert(placement.task).second) {
       deployment.tasks.push_back(placement);
     }
   }
 }
 
 }  // namespace
+
+std::set<std::string> connection_texts(const Network& network) {
+  std::set<std::string> all;
+  for (const auto& connection : network.connections) {
+    all.insert(to_string(connection));
+  }
+  return all;
+}
 
 Network unite(Network first, const Network& second) {
   const auto ids = ids_of(first);
@@ -67,9 +64,9 @@ Network unite(Network first, const Network& second) {
       add_placements(first.deployments[found->second], deployment);
     }
   }
-  const auto known = identities(first);
+  const auto known = connection_texts(first);
   for (const auto& connection : second.connections) {
-    if (!known.contains(identity(connection))) {
+    if (!known.contains(to_string(connection))) {
       first.connections.push_back(connection);
     }
   }
@@ -95,9 +92,9 @@ Network subtract(const Network& all, const Network& part) {
       rest.deployments.push_back(std::move(deployment));
     }
   }
-  const auto known = identities(part);
+  const auto known = connection_texts(part);
   for (const auto& connection : all.connections) {
-    if (!known.contains(identity(connection))) {
+    if (!known.contains(to_string(connection))) {
       rest.connections.push_back(connection);
     }
   }

@@ -4,6 +4,7 @@
 #include <segue/model/network.hpp>
 
 #include <set>
+#include <string>
 
 /// Set operations on networks. A robot runs the union of its controller, standby tasks of other controllers
 /// and leftovers of earlier ones. Linear in the size of the networks.
@@ -20,6 +21,9 @@ Network subtract(const Network& all, const Network& part);
 /// What is not on these computers: their processes, the tasks there and all connections of these are left
 /// out.
 Network without_hosts(Network network, const std::set<HostName>& hosts);
+
+/// Texts of its connections, equal for equal ones: both ports and the policy.
+std::set<std::string> connection_texts(const Network& network);
 
 /// Whether every part of `part` is in `all`, with equal definition and state.
 bool includes(const Network& all, const Network& part);

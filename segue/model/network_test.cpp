@@ -213,5 +213,16 @@ TEST(ControllerNamesTest, SeveralAtOnceHaveOneName) {
   EXPECT_EQ(joined_name({}), NetworkName());
 }
 
+TEST(TaskIndex, FindsTheFirstTaskOfAnId) {
+  Network network;
+  for (const char* id : {"a", "b", "a"}) {
+    network.tasks.emplace_back().id = TaskId(id);
+  }
+  const TaskIndex index(network);
+  EXPECT_EQ(index.find(TaskId("a")), &network.tasks[0]);
+  EXPECT_EQ(index.find(TaskId("b")), &network.tasks[1]);
+  EXPECT_EQ(index.find(TaskId("c")), nullptr);
+}
+
 }  // namespace
 }  // namespace segue::model

@@ -10,14 +10,6 @@ namespace segue::runtime::detail {
 
 namespace {
 
-void set_state(BeliefState& held, const model::TaskId& id, TaskState state) {
-  for (model::Network* network : {&held.controller, &held.extra}) {
-    if (model::Task* task = network->find_task(id)) {
-      task->state = state;
-    }
-  }
-}
-
 /// Whether a computer was lost or found after that moment.
 bool any_came_or_went_since(TimePoint begin, const host::TaskHost& host) {
   const auto computers = host.computers();
@@ -100,27 +92,42 @@ bool Belief::refresh(BeliefState seen, const Observation& observed) {
 }
 
 void Belief::replace(BeliefState seen, std::uint64_t task_events) {
-  ++adoptions_;
-  held_ = std::move(seen);
+  hold(std::move(seen));
   assumed_ = false;
   for (const auto& [id, last] : reported_) {
     if (last.first > task_events) {
-      set_state(held_, id, last.second);
+      set_state(id, last.second);
     }
+  }
+}
+
+void Belief::hold(BeliefState state) {
+  ++adoptions_;
+  held_ = std::move(state);
+  states_.clear();
+  for (model::Network* network : {&held_.controller, &held_.extra}) {
+    for (model::Task& task : network->tasks) {
+      states_.emplace(task.id, &task.state);
+    }
+  }
+}
+
+void Belief::set_state(const model::TaskId& id, TaskState state) {
+  for (auto [one, end] = states_.equal_range(id); one != end; ++one) {
+    *one->second = state;
   }
 }
 
 void Belief::adopt_assumed(model::Network network) {
   const std::lock_guard lock(mutex_);
-  ++adoptions_;
-  held_ = {std::move(network), {}, {}};
+  hold({std::move(network), {}, {}});
   assumed_ = true;
 }
 
 void Belief::on_event(const host::TaskEvent& event) {
   const std::lock_guard lock(mutex_);
   reported_.insert_or_assign(event.task, std::pair(++task_events_, event.state));
-  set_state(held_, event.task, event.state);
+  set_state(event.task, event.state);
 }
 
 Observation Belief::starting_point() const {

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 namespace segue::runtime::detail {
@@ -66,11 +67,16 @@ class Belief {
   [[nodiscard]] Observation starting_point() const;
 
  private:
+  // With the mutex held.
   void replace(BeliefState seen, std::uint64_t task_events);
+  void hold(BeliefState state);
+  void set_state(const model::TaskId& id, TaskState state);
 
   const host::TaskHost& host_;
   mutable std::mutex mutex_;  ///< protects all members below
   BeliefState held_;
+  std::unordered_multimap<model::TaskId, TaskState*>
+      states_;  ///< in `held_`; a task may be in both its parts
   bool assumed_ = false;
   std::uint64_t task_events_ = 0;
   std::uint64_t adoptions_ = 0;

@@ -44,8 +44,7 @@ std::vector<Event> EventLog::after(std::uint64_t number, Duration wait) const {
   if (!has_after(number) && wait > Duration::zero()) {
     added_.wait_for(lock, std::min(wait, kLongestWait), [&] { return has_after(number) || closed_; });
   }
-  const auto first =
-      std::find_if(events_.begin(), events_.end(), [&](const Event& event) { return event.number > number; });
+  const auto first = std::ranges::upper_bound(events_, number, {}, &Event::number);
   return {first, events_.end()};
 }
 

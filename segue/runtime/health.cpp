@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 namespace segue::runtime::detail {
 
@@ -24,18 +25,42 @@ std::string attempts_text(int attempts) {
   return std::to_string(attempts) + (attempts == 1 ? " attempt has" : " attempts have") + " not helped";
 }
 
+/// What tasks say that have failed: the first of each id and of each process.
+class FailedTasks {
+ public:
+  explicit FailedTasks(const std::vector<host::TaskReport>& reports) {
+    for (const host::TaskReport& one : reports) {
+      if (one.error.empty()) continue;
+      by_task_.try_emplace(one.id, &one.error);
+      by_process_.try_emplace(one.process, &one.error);
+    }
+  }
+
+  /// Empty: nothing is said of it.
+  [[nodiscard]] std::string error_of(const std::variant<model::TaskId, model::DeploymentKey>& subject) const {
+    const auto* task = std::get_if<model::TaskId>(&subject);
+    return task != nullptr ? find(by_task_, *task)
+                           : find(by_process_, std::get<model::DeploymentKey>(subject));
+  }
+
+ private:
+  template <class Errors, class Key>
+  static std::string find(const Errors& errors, const Key& key) {
+    const auto found = errors.find(key);
+    return found == errors.end() ? std::string() : *found->second;
+  }
+
+  std::map<model::TaskId, const std::string*> by_task_;
+  std::map<model::DeploymentKey, const std::string*> by_process_;
+};
+
 /// What the host says of the task or process that is at fault.
-std::string why_at_fault(const DetectedFault& fault, const HealthView& view) {
-  const auto* task = std::get_if<model::TaskId>(&fault.subject);
-  const auto* process = std::get_if<model::DeploymentKey>(&fault.subject);
-  if (process != nullptr) {
+std::string why_at_fault(const DetectedFault& fault, const HealthView& view, const FailedTasks& failed) {
+  if (const auto* process = std::get_if<model::DeploymentKey>(&fault.subject)) {
     const auto found = view.ended.find(*process);
     if (found != view.ended.end()) return first_line(found->second);
   }
-  const auto report = std::ranges::find_if(view.tasks, [&](const host::TaskReport& one) {
-    return !one.error.empty() && (task != nullptr ? one.id == *task : one.process == *process);
-  });
-  return report == view.tasks.end() ? std::string() : first_line(report->error);
+  return first_line(failed.error_of(fault.subject));
 }
 
 void say_what_repairs(Trouble& trouble, const DetectedFault& fault, const HealthView& view) {
@@ -57,7 +82,7 @@ void say_what_repairs(Trouble& trouble, const DetectedFault& fault, const Health
   }
 }
 
-Trouble trouble_of(const DetectedFault& fault, const HealthView& view) {
+Trouble trouble_of(const DetectedFault& fault, const HealthView& view, const FailedTasks& failed) {
   Trouble trouble;
   if (const auto* task = std::get_if<model::TaskId>(&fault.subject)) {
     trouble.kind = fault.lacks_connection ? Trouble::Kind::Connection : Trouble::Kind::Task;
@@ -67,7 +92,7 @@ Trouble trouble_of(const DetectedFault& fault, const HealthView& view) {
     trouble.name = to_string(std::get<model::DeploymentKey>(fault.subject));
   }
   trouble.what = fault.name() + ' ' + fault.symptom;
-  trouble.why = why_at_fault(fault, view);
+  trouble.why = why_at_fault(fault, view, failed);
   if (trouble.why.find(fault.symptom) != std::string::npos) trouble.why.clear();  // it says no more
   say_what_repairs(trouble, fault, view);
   return trouble;
@@ -129,8 +154,9 @@ Health health_of(const HealthView& view) {
   for (const auto& computer : view.computers) {
     if (auto trouble = trouble_of(computer)) health.troubles.push_back(std::move(*trouble));
   }
+  const FailedTasks failed(view.tasks);
   for (const DetectedFault& fault : view.faults)
-    health.troubles.push_back(trouble_of(fault, view));
+    health.troubles.push_back(trouble_of(fault, view, failed));
   for (const PoolReport& pool : view.pools) {
     if (auto trouble = trouble_of(pool)) health.troubles.push_back(std::move(*trouble));
   }

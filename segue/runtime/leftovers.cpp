@@ -28,9 +28,10 @@ std::map<model::TaskId, model::TaskId> prepared_incarnations(const model::Networ
                                                              const model::Network& target) {
   std::map<model::TaskId, model::TaskId> prepared;
   const auto processes = model::task_processes(target);
+  const model::TaskIndex wanted_tasks(target);
   for (const auto& task : current.tasks) {
     const auto [plain, process] = host::split_id(task.id);
-    if (!process || target.find_task(plain) == nullptr) {
+    if (!process || wanted_tasks.find(plain) == nullptr) {
       continue;
     }
     const auto wanted = processes.find(plain);

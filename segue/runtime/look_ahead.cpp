@@ -114,9 +114,10 @@ model::Network already_present(const model::Network& standby, const model::Netwo
   model::Network kept;
   const auto processes = model::task_processes(standby);
   const auto current_processes = model::task_processes(current);
+  const model::TaskIndex present(current);
   std::set<model::TaskId> ids;
   for (const auto& task : standby.tasks) {
-    const model::Task* now = current.find_task(task.id);
+    const model::Task* now = present.find(task.id);
     const auto process = processes.find(task.id);
     const auto current_process = current_processes.find(task.id);
     const bool same_place = (process == processes.end()) == (current_process == current_processes.end()) &&
@@ -139,9 +140,9 @@ model::Network already_present(const model::Network& standby, const model::Netwo
       kept.deployments.push_back(std::move(deployment));
     }
   }
+  const auto connected = model::connection_texts(current);
   for (const auto& connection : standby.connections) {
-    const bool there = std::find(current.connections.begin(), current.connections.end(), connection) !=
-                       current.connections.end();
+    const bool there = connected.contains(to_string(connection));
     if (there && ids.contains(connection.from.task) && ids.contains(connection.to.task)) {
       kept.connections.push_back(connection);
     }
@@ -150,8 +151,9 @@ model::Network already_present(const model::Network& standby, const model::Netwo
 }
 
 model::Network with_properties_of(const model::Network& seen, model::Network controller) {
+  const model::TaskIndex present(seen);
   for (auto& task : controller.tasks) {
-    const model::Task* observed = seen.find_task(task.id);
+    const model::Task* observed = present.find(task.id);
     if (observed != nullptr && observed->component == task.component) {
       task.properties = observed->properties;
     }

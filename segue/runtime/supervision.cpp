@@ -2,6 +2,7 @@
 #include <segue/runtime/supervision.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/model/network_sets.hpp>
 
 #include <algorithm>
 #include <set>
@@ -19,14 +20,11 @@ constexpr Duration kLongestBackoff = std::chrono::minutes(5);
 class FaultFinder {
  public:
   FaultFinder(const model::Network& wanted, const model::Network& observed, FailurePolicy otherwise)
-      : wanted_(wanted), observed_(observed), otherwise_(otherwise) {
+      : wanted_(wanted), observed_(observed), otherwise_(otherwise), wanted_tasks_(wanted), tasks_(observed) {
     for (const auto& deployment : wanted.deployments) {
       for (const auto& placement : deployment.tasks) {
         deployment_of_.emplace(placement.task, &deployment);
       }
-    }
-    for (const auto& task : observed.tasks) {
-      tasks_.emplace(task.id, &task);
     }
     for (const auto& deployment : observed.deployments) {
       processes_.emplace(deployment.key(), &deployment);
@@ -61,7 +59,7 @@ class FaultFinder {
   [[nodiscard]] FailurePolicy policy_of(const model::Deployment& deployment) const {
     FailurePolicy strongest = deployment.on_failure.value_or(otherwise_);
     for (const auto& placement : deployment.tasks) {
-      const model::Task* task = wanted_.find_task(placement.task);
+      const model::Task* task = wanted_tasks_.find(placement.task);
       if (task != nullptr && task->on_failure) {
         strongest = std::max(strongest, *task->on_failure);
       }
@@ -73,27 +71,23 @@ class FaultFinder {
     if (covered_.contains(task.id)) {
       return;
     }
-    const auto found = tasks_.find(task.id);
-    if (found == tasks_.end()) {
+    const model::Task* found = tasks_.find(task.id);
+    if (found == nullptr) {
       add(task, "is gone", false);
-    } else if (found->second->state != task.state) {
-      add(task, "is " + std::string(to_string(found->second->state)),
-          found->second->state == TaskState::Fatal);
+    } else if (found->state != task.state) {
+      add(task, "is " + std::string(to_string(found->state)), found->state == TaskState::Fatal);
     }
   }
 
   /// A missing connection counts as a fault of its reader, unless one of its two tasks has a fault already.
   void check_connections() {
-    std::set<std::string> there;
-    for (const auto& connection : observed_.connections) {
-      there.insert(to_string(connection));
-    }
+    const auto there = model::connection_texts(observed_);
     for (const auto& connection : wanted_.connections) {
       const bool known = covered_.contains(connection.from.task) || covered_.contains(connection.to.task);
       if (known || there.contains(to_string(connection))) {
         continue;
       }
-      if (const model::Task* reader = wanted_.find_task(connection.to.task)) {
+      if (const model::Task* reader = wanted_tasks_.find(connection.to.task)) {
         add(*reader, "has lost " + to_string(connection), false);
         found_.back().lacks_connection = true;
       }
@@ -113,7 +107,8 @@ class FaultFinder {
   const model::Network& observed_;
   const FailurePolicy otherwise_;
   std::map<model::TaskId, const model::Deployment*> deployment_of_;
-  std::map<model::TaskId, const model::Task*> tasks_;
+  const model::TaskIndex wanted_tasks_;
+  const model::TaskIndex tasks_;  ///< that are observed
   std::map<model::DeploymentKey, const model::Deployment*> processes_;
   std::set<model::TaskId> covered_;
   std::vector<DetectedFault> found_;

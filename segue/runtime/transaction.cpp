@@ -17,9 +17,10 @@ namespace {
 
 /// Tasks of the target that are in Fatal in the runtime's own process, where no transition can replace them.
 std::set<model::TaskId> stuck_tasks(const model::Network& target, const model::Network& observed) {
+  const model::TaskIndex wanted(target);
   std::set<model::TaskId> stuck;
   for (const auto& task : observed.tasks) {
-    if (task.state == TaskState::Fatal && target.find_task(task.id) != nullptr) {
+    if (task.state == TaskState::Fatal && wanted.find(task.id) != nullptr) {
       stuck.insert(task.id);
     }
   }
@@ -42,25 +43,25 @@ model::Network with_stuck(model::Network target, const model::Network& observed)
     std::erase_if(deployment.tasks,
                   [&](const model::Placement& placement) { return stuck.contains(placement.task); });
   }
+  const auto there = model::connection_texts(observed);
   std::erase_if(target.connections, [&](const model::Connection& wanted) {
     const bool ends_there = stuck.contains(wanted.from.task) || stuck.contains(wanted.to.task);
-    const auto& there = observed.connections;
-    return ends_there && std::find(there.begin(), there.end(), wanted) == there.end();
+    return ends_there && !there.contains(to_string(wanted));
   });
-  for (const auto& id : stuck) {
-    target.tasks.push_back(*observed.find_task(id));
-  }
+  std::ranges::copy_if(observed.tasks, std::back_inserter(target.tasks),
+                       [&](const model::Task& task) { return stuck.contains(task.id); });
   return target;
 }
 
 /// The closest reachable network: a task whose target state is an error keeps its present state, or becomes
 /// PreOperational if that is an error as well.
 model::Network reachable(model::Network target, const model::Network& observed) {
+  const model::TaskIndex present(observed);
   for (auto& task : target.tasks) {
     if (!is_error(task.state)) {
       continue;
     }
-    const model::Task* now = observed.find_task(task.id);
+    const model::Task* now = present.find(task.id);
     task.state = now != nullptr && !is_error(now->state) ? now->state : TaskState::PreOperational;
   }
   return with_stuck(std::move(target), observed);
@@ -73,11 +74,13 @@ bool is_restored(model::Network before, const model::Network& observed) {
   const bool runs_alone = std::none_of(extra.tasks.begin(), extra.tasks.end(), [](const model::Task& task) {
     return task.state == TaskState::Running || task.state == TaskState::RunTimeError;
   });
-  const bool hears_no_other = std::none_of(
-      extra.connections.begin(), extra.connections.end(),
-      [&](const model::Connection& other) { return before.find_task(other.to.task) != nullptr; });
+  const model::TaskIndex ran(before);
+  const bool hears_no_other =
+      std::none_of(extra.connections.begin(), extra.connections.end(),
+                   [&](const model::Connection& other) { return ran.find(other.to.task) != nullptr; });
+  const model::TaskIndex present(observed);
   for (auto& task : before.tasks) {
-    const model::Task* now = observed.find_task(task.id);
+    const model::Task* now = present.find(task.id);
     if (is_error(task.state) && now != nullptr && !is_error(now->state)) {
       task.state = now->state;
     }
