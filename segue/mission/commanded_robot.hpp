@@ -94,6 +94,7 @@ struct ControllerTrouble {
   };
   std::vector<Task> tasks{};  ///< that are broken, and will not be mended
   std::string repair{};       ///< what of it is being mended; empty: nothing
+  [[nodiscard]] bool runs_well() const { return why.empty() && tasks.empty() && repair.empty(); }
 };
 
 /// An instance of a pool of processes.

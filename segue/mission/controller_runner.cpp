@@ -335,8 +335,10 @@ class ControlledRun {
 
   /// The ending where the controller does not run as it should.
   std::optional<Ending> loss(const std::stop_token& stop) {
+    const TimePoint asked = now();
     const auto trouble = robot_.trouble(use_.controller, look(stop));
     if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
+    if (trouble->runs_well()) shared_.controllers->note_runs(use_.controller, asked);
     return loss_by(*trouble);
   }
   [[nodiscard]] std::optional<Ending> loss_by(const ControllerTrouble& trouble) const {

@@ -19,12 +19,46 @@ ControllerUnion::~ControllerUnion() {
 
 Result<void> ControllerUnion::begin(const std::string& controller, std::vector<MemberValue> properties,
                                     ControllerWish wish) {
+  if (wish.stop.stop_requested()) return no_longer_wanted();
+  const TimePoint now = RealClock::instance().now();
+  if (use_what_runs(controller, properties, now - options_.fresh)) return {};
+  if (may_run(controller, properties) && runs_well(controller, Wait(now + options_.deadline, wish.stop)) &&
+      use_what_runs(controller, properties, now))
+    return {};
   return carry_out({{controller, std::move(properties), 1}, false, std::move(wish)});
+}
+
+bool ControllerUnion::may_run(const std::string& controller, const std::vector<MemberValue>& properties) {
+  const std::lock_guard lock(mutex_);
+  const auto known = find(controller);
+  return has_lease_ && known != members_.end() && known->properties == properties;
+}
+
+bool ControllerUnion::runs_well(const std::string& controller, const Wait& wait) {
+  const TimePoint asked = RealClock::instance().now();
+  const auto trouble = robot_->trouble(controller, wait);
+  if (!trouble || !trouble->runs_well()) return false;
+  note_runs(controller, asked);
+  return true;
+}
+
+/// Where it was seen to run with these properties, no earlier than then, and nothing else is about to be run.
+bool ControllerUnion::use_what_runs(const std::string& controller, const std::vector<MemberValue>& properties,
+                                    TimePoint earliest) {
+  const std::lock_guard lock(mutex_);
+  const auto known = find(controller);
+  const bool runs = has_lease_ && known != members_.end() && known->properties == properties &&
+                    known->seen >= earliest && known->seen > changed_at_ && waiting_.empty() &&
+                    served_.empty();
+  if (!runs) return false;
+  ++known->users;
+  members_.splice(members_.begin(), members_, known);
+  return true;
 }
 
 void ControllerUnion::take_over(const std::string& controller, std::vector<MemberValue> properties) {
   const std::lock_guard lock(mutex_);
-  const auto found = std::ranges::find(members_, controller, &Member::controller);
+  const auto found = find(controller);
   if (found == members_.end())
     members_.push_back({controller, std::move(properties), 1});
   else
@@ -35,12 +69,28 @@ Result<void> ControllerUnion::end(const std::string& controller, bool keep,
                                   std::optional<ControllerUser> user) {
   {
     const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(members_, controller, &Member::controller);
+    const auto found = find(controller);
     if (found == members_.end()) return {};
     if (found->users > 0) --found->users;
     if (keep || found->users > 0) return {};
   }
   return carry_out({{controller, {}, 0}, true, {.user = std::move(user)}});
+}
+
+void ControllerUnion::note_runs(const std::string& controller, TimePoint asked) {
+  const std::lock_guard lock(mutex_);
+  const auto found = find(controller);
+  if (found != members_.end() && asked > changed_at_) found->seen = asked;
+}
+
+void ControllerUnion::note_changed() {
+  const std::lock_guard lock(mutex_);
+  changed_at_ = RealClock::instance().now();
+}
+
+/// Requires the lock.
+ControllerUnion::Members::iterator ControllerUnion::find(const std::string& controller) {
+  return std::ranges::find(members_, controller, &Member::controller);
 }
 
 std::size_t ControllerUnion::waiting() const {
@@ -173,6 +223,7 @@ Result<void> ControllerUnion::request(const Members& members, const Changes& cha
       what.causes.push_back({user->action, user->iteration, change->stop ? "" : change->member.controller});
   }
   served_ = changes;
+  changed_at_ = RealClock::instance().now();
   unwanted_ = {};
   if (thread_.get_stop_token().stop_requested()) unwanted_.request_stop();
   const Wait wait(RealClock::instance().now() + options_.deadline, unwanted_.get_token());
@@ -180,6 +231,8 @@ Result<void> ControllerUnion::request(const Members& members, const Changes& cha
   auto outcome = robot_->request(what, wait);
   lock.lock();
   served_.clear();
+  changed_at_ = RealClock::instance().now();  // what was seen meanwhile may be what ran before
+  has_lease_ = has_lease_ || outcome;
   return outcome;
 }
 

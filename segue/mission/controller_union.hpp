@@ -37,13 +37,16 @@ struct ControllerWish {
 /// What the actions of a mission have a robot run: the union of the controllers that they use now and of
 /// those that are kept from earlier ones, as long as nothing needs the robot otherwise and they do not write
 /// to tasks of what is in use. One transition at a time; what is asked meanwhile, or at about the same time,
-/// is one transition; what runs already waits for no others. What nobody wants any more is not requested, and
-/// a transition that nobody wants any more is undone where it has not committed. Thread safe.
+/// is one transition. What runs already waits for no others, and is requested only where the robot says that
+/// it does not run as it should. What nobody wants any more is not requested, and a transition that nobody
+/// wants any more is undone where it has not committed. Thread safe.
 class ControllerUnion {
  public:
   struct Options {
     Duration gather = std::chrono::milliseconds(3);  ///< how long a transition waits for others to join it
-    Duration deadline = std::chrono::seconds(60);    ///< of a request
+    /// How long a controller that was seen to run is not looked at anew.
+    Duration fresh = std::chrono::milliseconds(10);
+    Duration deadline = std::chrono::seconds(60);  ///< of a request
   };
   ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options options);
   /// Gives up what is asked of the robot. Nobody may wait here any more.
@@ -57,11 +60,15 @@ class ControllerUnion {
   Result<void> begin(const std::string& controller, std::vector<MemberValue> properties,
                      ControllerWish wish = {});
   /// The robot runs it already, with these properties, for an action of an earlier run that goes on. As
-  /// begin(), but asks the robot for nothing.
+  /// begin(), but asks the robot for nothing, so it gets no lease.
   void take_over(const std::string& controller, std::vector<MemberValue> properties);
   /// The action that had begun it has ended. `keep`: it runs on until something else is needed in its place;
   /// otherwise the robot stops it, and this blocks until it has.
   Result<void> end(const std::string& controller, bool keep, std::optional<ControllerUser> user = {});
+  /// Somebody who uses it has asked the robot after `asked`, and it ran as it should.
+  void note_runs(const std::string& controller, TimePoint asked);
+  /// What runs may have been changed otherwise than by a request: what was seen before counts no longer.
+  void note_changed();
   /// How many callers wait for the next transition.
   [[nodiscard]] std::size_t waiting() const;
 
@@ -69,7 +76,8 @@ class ControllerUnion {
   struct Member {
     std::string controller;
     std::vector<MemberValue> properties;
-    int users = 0;  ///< 0: kept
+    int users = 0;     ///< 0: kept
+    TimePoint seen{};  ///< to run, since it was requested last
   };
   /// A begin() or an end() without `keep` that waits.
   struct Change {
@@ -84,10 +92,15 @@ class ControllerUnion {
   using Members = std::list<Member>;  ///< the latest first
   using Lock = std::unique_lock<std::mutex>;
 
+  bool may_run(const std::string& controller, const std::vector<MemberValue>& properties);
+  bool runs_well(const std::string& controller, const Wait& wait);
+  bool use_what_runs(const std::string& controller, const std::vector<MemberValue>& properties,
+                     TimePoint earliest);
   Result<void> carry_out(Change change);
   void withdraw(const std::shared_ptr<Change>& change);
   void work(const std::stop_token& end);
   [[nodiscard]] bool is_transition(const Change& change) const;
+  Members::iterator find(const std::string& controller);
   void serve_waiting(Lock& lock);
   Result<void> serve(const Changes& changes, Lock& lock);
   void stop_unwanted(const Changes& changes);
@@ -105,6 +118,8 @@ class ControllerUnion {
   Changes waiting_;
   Changes served_;             ///< that the robot is asked for now
   std::stop_source unwanted_;  ///< stops that request
+  bool has_lease_ = false;     ///< the robot has carried out a request of this
+  TimePoint changed_at_{};     ///< the robot was asked for another controller, or what runs was changed
   std::jthread thread_;        ///< asks the robot
 };
 

@@ -39,8 +39,12 @@ class RequestedRobot final : public CommandedRobot {
     runs_ = what;
     return {};
   }
-  Result<ControllerTrouble> trouble(std::string_view /*controller*/, const Wait& /*wait*/) override {
-    return ControllerTrouble{};
+  Result<ControllerTrouble> trouble(std::string_view controller, const Wait& /*wait*/) override {
+    const std::lock_guard lock(mutex_);
+    looks_.emplace_back(controller);
+    return ControllerTrouble{.why = broken_.contains(std::string(controller)) ? "it is broken" : "",
+                             .tasks = {},
+                             .repair = repair_};
   }
   Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override {
     std::unique_lock lock(mutex_);
@@ -103,6 +107,15 @@ class RequestedRobot final : public CommandedRobot {
     const std::lock_guard lock(mutex_);
     broken_.insert(controller);
   }
+  void mend(const std::string& task) {
+    const std::lock_guard lock(mutex_);
+    repair_ = task;
+  }
+  /// The controllers that somebody has looked at.
+  std::vector<std::string> looks() {
+    const std::lock_guard lock(mutex_);
+    return looks_;
+  }
   ControllerRequest runs() {
     const std::lock_guard lock(mutex_);
     return runs_;
@@ -118,6 +131,8 @@ class RequestedRobot final : public CommandedRobot {
   std::vector<ControllerRequest> requests_;
   ControllerRequest runs_;
   std::set<std::string> broken_;
+  std::string repair_;
+  std::vector<std::string> looks_;
   bool held_ = false;
   bool keeps_conflicts_ = false;
   std::size_t let_go_ = 0;  ///< that many requests are answered although it holds
@@ -194,7 +209,58 @@ TEST_F(UnionOfControllers, WaitsForNoOthersWhereTheControllerRunsAlready) {
   ControllerUnion one(robot_, {.gather = 1h});
   one.take_over("drive", {});
   EXPECT_TRUE(one.begin("drive", {})) << "returns at once";
-  EXPECT_THAT(robot_->requests(), SizeIs(1)) << "it may have failed meanwhile: the robot is asked";
+  EXPECT_THAT(robot_->requests(), SizeIs(1)) << "its lease is to be had";
+}
+
+TEST_F(UnionOfControllers, DoesNotRequestWhatRunsWell) {
+  const auto speed = [](int value) { return std::vector<MemberValue>{{{"base", "speed"}, value, {}}}; };
+  EXPECT_TRUE(union_.begin("drive", speed(1)));
+  EXPECT_TRUE(union_.begin("arm", {}));
+  EXPECT_TRUE(union_.end("drive", true));
+  EXPECT_THAT(robot_->looks(), IsEmpty());
+  EXPECT_TRUE(union_.begin("drive", speed(1)));
+  EXPECT_THAT(robot_->looks(), ElementsAre("drive"));
+  EXPECT_THAT(robot_->requests(), SizeIs(2));
+  EXPECT_TRUE(union_.begin("drive", speed(2))) << "it runs with other properties";
+  EXPECT_THAT(robot_->requests(), SizeIs(3));
+  EXPECT_TRUE(union_.end("drive", false));
+  EXPECT_TRUE(union_.end("drive", false));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("arm")) << "it was used twice";
+}
+
+TEST_F(UnionOfControllers, RequestsWhatDoesNotRunWell) {
+  EXPECT_TRUE(union_.begin("drive", {}));
+  robot_->mend("task base");
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_THAT(robot_->requests(), SizeIs(2));
+  robot_->mend("");
+  robot_->break_controller("drive");
+  EXPECT_FALSE(union_.begin("drive", {}));
+  EXPECT_THAT(robot_->requests(), SizeIs(3));
+}
+
+TEST_F(UnionOfControllers, DoesNotLookAtWhatWasSeenJustNow) {
+  ControllerUnion one(robot_, {.gather = 0ms, .fresh = 1h});
+  const auto now = [] { return RealClock::instance().now(); };
+  const TimePoint before = now();
+  EXPECT_TRUE(one.begin("drive", {}));
+  one.note_runs("drive", before);
+  EXPECT_TRUE(one.begin("drive", {}));
+  EXPECT_THAT(robot_->looks(), SizeIs(1)) << "it was seen before the robot was to run this";
+  EXPECT_TRUE(one.begin("drive", {}));
+  one.note_runs("drive", now());
+  EXPECT_TRUE(one.begin("drive", {}));
+  EXPECT_THAT(robot_->looks(), SizeIs(1));
+  EXPECT_TRUE(one.begin("arm", {}));
+  EXPECT_TRUE(one.begin("drive", {}));
+  EXPECT_THAT(robot_->looks(), SizeIs(2)) << "another request has come since";
+  one.note_changed();
+  EXPECT_TRUE(one.begin("drive", {}));
+  EXPECT_THAT(robot_->looks(), SizeIs(3));
+  std::stop_source stopped;
+  stopped.request_stop();
+  EXPECT_FALSE(one.begin("drive", {}, {.stop = stopped.get_token()}));
+  EXPECT_THAT(robot_->requests(), SizeIs(2));
 }
 
 TEST_F(UnionOfControllers, StopsNothingThatAnotherActionUses) {

@@ -199,7 +199,11 @@ class RobotUse final : public ScriptRobot::Use {
     const Value value = value_at(request, "value");
     const Wait wait(deadline_of(request), stop);
     if (call == "call") return robot_->call(*member, value, wait);
-    if (call == "set") return nothing_of(robot_->set(*member, value, wait));
+    if (call == "set") {
+      auto done = robot_->set(*member, value, wait);
+      controllers_->note_changed();
+      return nothing_of(std::move(done));
+    }
     if (call == "write") return nothing_of(robot_->write(*member, value, wait));
     return fail(ErrorCode::Unsupported, "a robot has no operation " + quote(call));
   }

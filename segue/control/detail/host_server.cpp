@@ -214,7 +214,7 @@ class HostServer final : public wire::Host::Server {
   }
   kj::Promise<void> highestTerm(HighestTermContext context) override {
     return caller_.answer(
-        context,
+        Role::Operate, context,
         [&service = service(), robot = as_string(context.getParams().getRobot())] {
           return service.highest_term(robot);
         },
