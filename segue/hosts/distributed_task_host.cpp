@@ -81,11 +81,12 @@ struct DistributedTaskHost::Implementation {
 
 void DistributedTaskHost::Implementation::begin() {
   own.set_listener([this](const host::HostEvent& event) { events.post(event); });
-  claim.choose_term(options.patience);
+  const TimePoint deadline = in(options.patience);
+  claim.choose_term(in(options.patience / 2));  // a host that does not answer leaves time for the others
   std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& site : sites.all()) {
-    jobs.emplace_back([this, &site = *site] {
-      if (site.link() != nullptr && site.link()->connect(claim.first(site), in(options.patience))) {
+    jobs.emplace_back([this, deadline, &site = *site] {
+      if (site.link() != nullptr && site.link()->connect(claim.first(site), deadline)) {
         greet(site);
       }
     });

@@ -7,11 +7,10 @@
 
 namespace segue::hosts::detail {
 
-void RobotClaim::choose_term(Duration patience) {
+void RobotClaim::choose_term(TimePoint deadline) {
   if (!request_.take_over) {
     return;
   }
-  const TimePoint deadline = RealClock::instance().now() + patience;
   std::mutex mutex;
   std::uint64_t highest = 0;
   std::vector<concurrent::ThreadPool::Job> jobs;

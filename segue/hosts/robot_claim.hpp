@@ -16,8 +16,8 @@ class RobotClaim {
   RobotClaim(const Sites& sites, RobotRequest request) : sites_(sites), request_(std::move(request)) {}
 
   /// Where it takes the robot over, asks all hosts for their highest terms, all at the same time. Blocks
-  /// until `patience` has passed at most. Called before everything below, once.
-  void choose_term(Duration patience);
+  /// until `deadline` at most. Called before everything below, once.
+  void choose_term(TimePoint deadline);
   /// With which a host is asked first. One that has not told its terms is not taken over: whether others have
   /// a higher one there is not known.
   [[nodiscard]] RobotRequest first(const Site& site) const;
