@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <string_view>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 
 namespace segue::model {
@@ -54,13 +53,11 @@ class Findings {
   std::vector<std::string> sentences_;
 };
 
-template <class Items, class Key>
-auto index_by(const Items& items, Key key) {
-  using Item = typename Items::value_type;
-  std::unordered_map<std::decay_t<decltype(key(items.front()))>, const Item*> index;
-  index.reserve(items.size());
-  for (const Item& item : items)
-    index.try_emplace(key(item), &item);
+std::unordered_map<DeploymentKey, const Deployment*> deployments_by_key(const Network& network) {
+  std::unordered_map<DeploymentKey, const Deployment*> index;
+  index.reserve(network.deployments.size());
+  for (const Deployment& deployment : network.deployments)
+    index.try_emplace(deployment.key(), &deployment);
   return index;
 }
 
@@ -144,25 +141,21 @@ void compare_tasks(const Task& a, const Task& b, Findings& findings) {
   compare(a.on_failure == b.on_failure, "on_failure", word_of(a.on_failure), word_of(b.on_failure));
 }
 
-std::string_view name_of(const Task& task) {
-  return task.id.str();
-}
-
 void compare_all_tasks(const Network& a, const Network& b, Findings& findings) {
-  const auto in_a = index_by(a.tasks, name_of);
-  const auto in_b = index_by(b.tasks, name_of);
+  const TaskIndex in_a(a);
+  const TaskIndex in_b(b);
   for (const Task& task : a.tasks) {
     if (findings.full()) return;
-    auto other = in_b.find(name_of(task));
-    if (other == in_b.end()) {
+    const Task* other = in_b.find(task.id);
+    if (other == nullptr) {
       findings.add_missing("task " + quote(task.id.str()));
-    } else if (!(task == *other->second)) {
-      compare_tasks(task, *other->second, findings);
+    } else if (!(task == *other)) {
+      compare_tasks(task, *other, findings);
     }
   }
   for (const Task& task : b.tasks) {
     if (findings.full()) return;
-    if (!in_a.contains(name_of(task))) findings.add_extra("task " + quote(task.id.str()));
+    if (in_a.find(task.id) == nullptr) findings.add_extra("task " + quote(task.id.str()));
   }
   if (a.tasks.size() != b.tasks.size() && in_a.size() == in_b.size()) {
     findings.add("a task occurs twice in one of them");
@@ -173,21 +166,12 @@ void compare_all_tasks(const Network& a, const Network& b, Findings& findings) {
 using Placements = std::unordered_map<std::string_view, std::string_view>;
 
 /// The placements of tasks that the network has.
-Placements placements(const Deployment& deployment, const std::unordered_set<std::string_view>& tasks) {
+Placements placements(const Deployment& deployment, const TaskIndex& tasks) {
   Placements result;
   for (const Placement& placement : deployment.tasks) {
-    const std::string_view task = placement.task.str();
-    if (tasks.contains(task)) result.try_emplace(task, placement.name);
+    if (tasks.find(placement.task) != nullptr) result.try_emplace(placement.task.str(), placement.name);
   }
   return result;
-}
-
-std::unordered_set<std::string_view> task_ids(const Network& network) {
-  std::unordered_set<std::string_view> ids;
-  ids.reserve(network.tasks.size());
-  for (const Task& task : network.tasks)
-    ids.insert(name_of(task));
-  return ids;
 }
 
 void compare_placements(const std::string& process, const Placements& a, const Placements& b,
@@ -215,10 +199,10 @@ Value attributes(Deployment deployment) {
 }
 
 void compare_deployments(const Network& a, const Network& b, Findings& findings) {
-  const auto in_a = index_by(a.deployments, [](const Deployment& d) { return d.key(); });
-  const auto in_b = index_by(b.deployments, [](const Deployment& d) { return d.key(); });
-  const auto tasks_a = task_ids(a);
-  const auto tasks_b = task_ids(b);
+  const auto in_a = deployments_by_key(a);
+  const auto in_b = deployments_by_key(b);
+  const TaskIndex tasks_a(a);
+  const TaskIndex tasks_b(b);
   for (const auto& [key, deployment] : in_a) {
     if (findings.full()) return;
     auto other = in_b.find(key);

@@ -141,6 +141,8 @@ class TaskIndex {
   explicit TaskIndex(const Network& network);
   /// nullptr where the network has no such task. Constant time.
   [[nodiscard]] const Task* find(const TaskId& id) const;
+  /// How many different ids there are.
+  [[nodiscard]] std::size_t size() const { return tasks_.size(); }
 
  private:
   std::unordered_map<std::string_view, const Task*> tasks_;

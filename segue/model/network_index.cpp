@@ -56,10 +56,8 @@ std::vector<std::string> ComponentIndex::property_names() const {
   return names;
 }
 
-NetworkIndex::NetworkIndex(const Network& network, const ComponentCatalog& catalog) : network_(network) {
-  tasks_.reserve(network.tasks.size());
+NetworkIndex::NetworkIndex(const Network& network, const ComponentCatalog& catalog) : network_(network), tasks_(network) {
   for (const Task& task : network.tasks) {
-    tasks_.try_emplace(task.id.str(), &task);
     if (components_.contains(task.component)) continue;
     if (const ComponentModel* model = catalog.find(task.component)) {
       components_.try_emplace(task.component, *model);
@@ -70,11 +68,6 @@ NetworkIndex::NetworkIndex(const Network& network, const ComponentCatalog& catal
     for (const Placement& placement : deployment.tasks)
       deployments_.try_emplace(placement.task.str(), &deployment);
   }
-}
-
-const Task* NetworkIndex::task(const TaskId& id) const {
-  const auto found = tasks_.find(id.str());
-  return found == tasks_.end() ? nullptr : found->second;
 }
 
 const Deployment* NetworkIndex::deployment(const TaskId& id) const {

@@ -38,7 +38,7 @@ class NetworkIndex {
  public:
   NetworkIndex(const Network& network, const ComponentCatalog& catalog);
 
-  [[nodiscard]] const Task* task(const TaskId& id) const;
+  [[nodiscard]] const Task* task(const TaskId& id) const { return tasks_.find(id); }
   /// The deployment that holds the task, or nullptr: the runtime's own process.
   [[nodiscard]] const Deployment* deployment(const TaskId& id) const;
   [[nodiscard]] const HostName& host(const TaskId& id) const;
@@ -49,7 +49,7 @@ class NetworkIndex {
 
  private:
   const Network& network_;
-  std::unordered_map<std::string_view, const Task*> tasks_;  // by id
+  TaskIndex tasks_;
   std::unordered_map<std::string_view, const Deployment*> deployments_;
   std::unordered_map<ComponentName, ComponentIndex> components_;
   mutable int suggestions_left_ = 20;
