@@ -150,6 +150,8 @@ TEST(SampleQueue, OlderSampleIsOnlyTakenWhereNoNewerOneCame) {
   EXPECT_EQ(Fixture::value_of(queue.pull()), 2U);
   EXPECT_TRUE(queue.offer_older(*older));
   EXPECT_FALSE(queue.pull()) << "older than what was read";
+  EXPECT_TRUE(queue.offer_older(*newer));
+  EXPECT_FALSE(queue.pull()) << "what was read";
   older->release();
   newer->release();
 }

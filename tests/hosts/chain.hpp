@@ -43,7 +43,7 @@ class ChainTest : public HostsTest {
   /// arrived.
   std::uint64_t expect_each_once_and_in_order();
   /// The same, but samples may arrive late: where a switch gives the consumer another connection while
-  /// packets are delayed, what is on its way on the old one may be overtaken.
+  /// packets are delayed or the computer is busy, what is on its way on the old one may be overtaken.
   std::uint64_t expect_each_once();
   struct Flow {
     std::uint64_t written = 0;

@@ -51,8 +51,9 @@ TEST_F(SamplesBetweenHosts, arrive_beside_sixty_other_connections) {
   expect_all_arrived();
 }
 
-// A relay that is removed takes with it what it has not passed on yet. The consumer counts that.
-TEST_F(SamplesBetweenHosts, arrive_once_and_in_order_although_the_relay_is_exchanged) {
+// A relay that is removed takes with it what it has not passed on yet. The consumer counts that. Order is
+// promised for each connection, and the consumer gets another one.
+TEST_F(SamplesBetweenHosts, arrive_once_although_the_relay_is_exchanged) {
   make_chain();
   start_chain("plain");
   wait_for_more();
@@ -64,7 +65,7 @@ TEST_F(SamplesBetweenHosts, arrive_once_and_in_order_although_the_relay_is_excha
     EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
   }
   wait_for_more();
-  const std::uint64_t lost = expect_each_once_and_in_order();
+  const std::uint64_t lost = expect_each_once();
   EXPECT_LT(lost, updates("producer") / 2);
 }
 
