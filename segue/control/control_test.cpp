@@ -233,6 +233,7 @@ TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
   const auto robot = client();
   auto lease = robot->lease("a test").value();
   EXPECT_EQ(lease->number(), 7U);
+  EXPECT_EQ(*robot->running(lease->number(), soon())->find("lease"), Value(7));
   EXPECT_EQ(lease->standing().value(), LeaseStanding());
   robot_.is_stopped = true;
   EXPECT_EQ(lease->standing().value(), (LeaseStanding{std::nullopt, true}));

@@ -56,7 +56,7 @@ interface Robot {
   # As of TaskAccess.
   watch @26 (task :Text, seen :Tasks.TaskLevel, eachUpdate :Bool, timeout :Int64)
       -> (error :Wire.Error, level :Tasks.TaskLevel);
-  running @27 () -> (answer :Wire.Answer);
+  running @27 (lease :UInt64) -> (answer :Wire.Answer);
   repair @28 (force :Bool, order :Text, who :Text, timeout :Int64, lease :UInt64, takeOver :Bool)
       -> (answer :Wire.Answer);
 }

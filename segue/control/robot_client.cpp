@@ -99,9 +99,10 @@ class Client final : public RobotService {
         [](RpcChannel::Connection& connection) { return connection.as<wire::Robot>().watchRequest(); });
   }
 
-  Result<Value> running(const Wait& wait) override {
-    return look(wait, [](RpcChannel::Connection& connection) {
+  Result<Value> running(std::uint64_t lease, const Wait& wait) override {
+    return look(wait, [lease](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().runningRequest();
+      request.setLease(lease);
       return RpcChannel::send(request);
     });
   }

@@ -70,8 +70,9 @@ class RobotService {
   /// How a task is, once that is not as whoever asks has seen it; as host::TaskHost::watch().
   virtual void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) = 0;
   /// {"controller", "unresolved"} of status(), and like the latter "in_repair", faults that are being mended,
-  /// or will be; no process is asked.
-  virtual Result<type::Value> running(const Wait& wait) = 0;
+  /// or will be; no process is asked. Where `lease` is not 0, also the standing() of that lease, which is
+  /// looked at last: "lost_to" (null: its holder commands the robot), "stopped".
+  virtual Result<type::Value> running(std::uint64_t lease, const Wait& wait) = 0;
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
   /// dry_run: the JSON of `diff`.
   virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,

@@ -114,7 +114,7 @@ std::vector<Question> all_questions() {
            robot.watch({model::TaskId("slam")}, wait, std::move(answer));
          }));
        }},
-      {Verb::Running, [](auto& robot) { return outcome(robot.running(soon())); }},
+      {Verb::Running, [](auto& robot) { return outcome(robot.running(0, soon())); }},
       {Verb::Events, [](auto& robot) { return outcome(robot.events(3, {})); }},
       {Verb::History, [](auto& robot) { return outcome(robot.history()); }},
       {Verb::Past, [](auto& robot) { return outcome(robot.past(Value("ask"))); }},

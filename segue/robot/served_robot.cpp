@@ -68,6 +68,12 @@ mission::ControllerTrouble faults_of(std::string_view controller, const Value& s
   return trouble;
 }
 
+control::LeaseStanding standing_in(const Value& status) {
+  const Value* to = status.find("lost_to");
+  return {to != nullptr && to->is_string() ? std::optional(to->as_string()) : std::nullopt,
+          is_true(status, "stopped")};
+}
+
 class StreamSamples final : public mission::PortSamples {
  public:
   explicit StreamSamples(std::unique_ptr<control::SampleStream> stream) : stream_(std::move(stream)) {}
@@ -193,11 +199,15 @@ Result<std::optional<std::string>> ServedRobot::lost_command(const std::stop_tok
   if (!*lease) return std::optional<std::string>();
   const auto standing = heard((*lease)->standing(Wait(TimePoint::max(), stop)));
   if (!standing) return standing.error();
-  if (const auto& to = standing->lost_to)
-    return std::optional("the robot was taken over by " + (to->empty() ? "somebody" : *to));
-  if (!standing->is_stopped) return std::optional<std::string>();
+  return lost_by(*standing);
+}
+
+std::optional<std::string> ServedRobot::lost_by(const control::LeaseStanding& standing) const {
+  if (const auto& to = standing.lost_to)
+    return "the robot was taken over by " + (to->empty() ? "somebody" : *to);
+  if (!standing.is_stopped) return std::nullopt;
   when_stopped_();
-  return std::optional<std::string>("the mission is stopped");
+  return "the mission is stopped";
 }
 
 Result<void> ServedRobot::take() {
@@ -297,12 +307,13 @@ control::Sender ServedRobot::sender() const {
 }
 
 Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view controller, const Wait& wait) {
-  // In this order: what it runs since it was taken over, or comes to rest, is no news.
-  const auto status = look(wait, [&](const Wait& both) { return service_.running(both); });
+  const std::uint64_t lease = sender().lease;
+  auto status = look(wait, [&](const Wait& both) { return service_.running(lease, both); });
+  if (wait.deadline == TimePoint::max()) status = heard(std::move(status));  // which it answers at once
   if (!status) return status.error();
-  const auto lost = lost_command(wait.stop);
-  if (!lost) return lost.error();
-  if (*lost) return mission::ControllerTrouble{**lost};
+  // What it runs since it was taken over, or comes to rest, is no news.
+  if (auto lost = lease == 0 ? std::nullopt : lost_by(standing_in(*status)))
+    return mission::ControllerTrouble{*std::move(lost)};
   const std::string running = text_at(*status, "controller");
   if (!is_part(controller, running)) return mission::ControllerTrouble{"the robot runs " + name_of(running)};
   return faults_of(controller, *status);

@@ -80,6 +80,7 @@ class ServedRobot final : public mission::CommandedRobot {
   /// Why the mission commands the robot no longer, as a sentence; nothing: it does. Cancelled once a stop is
   /// requested.
   Result<std::optional<std::string>> lost_command(const std::stop_token& stop);
+  [[nodiscard]] std::optional<std::string> lost_by(const control::LeaseStanding& standing) const;
   /// `ask(wait)`, which only looks, and ends, too, where the robot is lost.
   template <class Ask>
   auto look(const Wait& wait, Ask ask) const -> decltype(ask(wait));

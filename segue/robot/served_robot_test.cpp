@@ -78,6 +78,7 @@ class FakeService final : public control::RobotService {
   bool switch_waits = false;                   ///< until it is wanted no longer
   std::promise<void> switches;                 ///< it waits
   std::promise<void>* status_waits = nullptr;  ///< for the same, and says so
+  std::optional<Error> running_error;
 
   Result<Value> status(const Wait& /*wait*/) override { return status_answer; }
   Result<Value> task(std::string_view /*id*/) override { return no(); }
@@ -85,10 +86,17 @@ class FakeService final : public control::RobotService {
     watched = question;
     answered(level_answer);
   }
-  Result<Value> running(const Wait& wait) override {
-    if (!status_waits) return status_answer;
-    status_waits->set_value();
-    return until_stopped(wait);
+  Result<Value> running(std::uint64_t lease, const Wait& wait) override {
+    if (status_waits) {
+      status_waits->set_value();
+      return until_stopped(wait);
+    }
+    if (running_error) return *running_error;
+    Value answer = status_answer;
+    if (lease == 0) return answer;
+    answer.as_map().set("lost_to", standing.lost_to ? Value(*standing.lost_to) : Value());
+    answer.as_map().set("stopped", standing.is_stopped);
+    return answer;
   }
   Result<Value> switch_to(std::string_view controller, const control::SwitchOptions& asked,
                           const Wait& wait) override {
@@ -350,14 +358,16 @@ TEST_F(ServedRobotTest, WritesToPorts) {
   EXPECT_EQ(service_.written, Value::list({"planner", "goal", 7}));
 }
 
-TEST_F(ServedRobotTest, IsLostWhereItDoesNotSayInTimeWhatBecameOfTheLease) {
+TEST_F(ServedRobotTest, IsLostWhereItDoesNotSayInTimeWhatItRuns) {
   ASSERT_TRUE(robot_.take());
-  service_.lease_answer.error = fail(ErrorCode::DeadlineExceeded, "robot 'spot' did not answer within 10s");
-  const auto trouble = robot_.trouble("explore", soon());
+  service_.running_error = fail(ErrorCode::DeadlineExceeded, "robot 'spot' did not answer within 10s");
+  EXPECT_EQ(robot_.trouble("explore", soon()).error().code, ErrorCode::DeadlineExceeded);
+  EXPECT_TRUE(robot_.asked()) << "the deadline was that of who asked";
+  const auto trouble = robot_.trouble("explore", Wait(TimePoint::max()));
   ASSERT_FALSE(trouble);
   EXPECT_EQ(trouble.error().code, ErrorCode::Unavailable);
   EXPECT_EQ(trouble.error().message, "robot 'spot' did not answer within 10s, and counts as lost");
-  service_.lease_answer.error.reset();
+  service_.running_error.reset();
   EXPECT_FALSE(robot_.trouble("explore", soon())) << "for good";
   EXPECT_FALSE(robot_.write({"planner", "goal"}, 7, {}));
   EXPECT_TRUE(service_.written.is_null());
@@ -387,11 +397,12 @@ TEST_F(ServedRobotTest, ThatIsSilentIsWaitedForOnce) {
   service_.lease_answer.wait = &silent;
   auto first = std::async(std::launch::async, [&] { return robot_.asked(); });
   begun.get_future().wait();
-  auto second = std::async(std::launch::async, [&] { return robot_.trouble("explore", soon()); });
+  auto second = std::async(std::launch::async, [&] { return robot_.set({"wheels", "speed"}, 1, soon()); });
   silent.set_value();
   EXPECT_FALSE(first.get());
-  EXPECT_EQ(second.get().error().message, "it is silent, and counts as lost");
+  EXPECT_FALSE(second.get()) << "and asks what became of the lease, since that could not be done";
   EXPECT_EQ(service_.lease_answer.looks, 0);
+  EXPECT_EQ(robot_.take().error().message, "it is silent, and counts as lost");
 }
 
 TEST_F(ServedRobotTest, ThatIsSilentIsLookedAtNoLongerThanWanted) {
@@ -416,10 +427,10 @@ TEST_F(ServedRobotTest, WhoseLeaseIsLookedAtByOthersIsWaitedForNoLongerThanWante
   begun.get_future().wait();
   std::stop_source stop;
   auto second = std::async(std::launch::async, [&] {
-    return robot_.trouble("explore", {soon(), stop.get_token()});
+    return robot_.set({"wheels", "speed"}, 1, {soon(), stop.get_token()});
   });
   stop.request_stop();
-  EXPECT_EQ(second.get().error().code, ErrorCode::Cancelled);
+  EXPECT_FALSE(second.get());
   silent.set_value();
   EXPECT_TRUE(first.get());
 }

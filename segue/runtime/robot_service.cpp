@@ -133,8 +133,16 @@ void RuntimeService::watch(const host::LevelQuestion& question, const Wait& wait
   runtime_.host().watch(question, wait, std::move(answered));
 }
 
-Result<type::Value> RuntimeService::running(const Wait& /*wait*/) {
-  return running_of(runtime_);
+/// In this order: what runs since the lease was lost is not what its holder has to know.
+Result<type::Value> RuntimeService::running(std::uint64_t lease, const Wait& /*wait*/) {
+  type::Value running = running_of(runtime_);
+  if (lease == 0) {
+    return running;
+  }
+  const auto standing = runtime_.lease_standing(lease);
+  running.as_map().set("lost_to", standing.lost_to ? type::Value(*standing.lost_to) : type::Value());
+  running.as_map().set("stopped", standing.is_stopped);
+  return running;
 }
 
 Result<type::Value> RuntimeService::switch_to(std::string_view controller,

@@ -57,6 +57,23 @@ TEST_F(Service, reports_the_status_that_tools_rely_on) {
   EXPECT_TRUE(status->find("differences")->as_list().empty());
 }
 
+TEST_F(Service, tells_the_holder_of_a_lease_whether_it_commands_what_runs) {
+  EXPECT_EQ(service_.running(0, soon())->find("lost_to"), nullptr);
+  const auto lease = service_.lease("mission patrol");
+  ASSERT_TRUE(lease) << to_string(lease.error());
+  const std::uint64_t number = (*lease)->number();
+  ASSERT_TRUE(service_.switch_to("only", {.lease = number}, soon()));
+  const auto before = service_.running(number, soon());
+  ASSERT_TRUE(before);
+  EXPECT_EQ(*before->find("controller"), type::Value("only"));
+  EXPECT_EQ(*before->find("lost_to"), type::Value());
+  EXPECT_EQ(*before->find("stopped"), type::Value(false));
+  ASSERT_TRUE(service_.switch_to("", {.who = "ann", .take_over = true}, soon()));
+  const auto after = service_.running(number, soon());
+  ASSERT_TRUE(after);
+  EXPECT_EQ(*after->find("lost_to"), type::Value("ann"));
+}
+
 TEST_F(Service, answers_a_switch_with_its_outcome) {
   const auto planned =
       service_.switch_to("only", {.dry_run = true, .force = false, .order = "seamless", .who = {}}, soon());

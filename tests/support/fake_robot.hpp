@@ -81,8 +81,8 @@ class FakeRobot : public RobotService {
       return true;
     });
   }
-  Result<type::Value> running(const Wait& /*wait*/) override {
-    return type::Value::map({{"controller", "fake"}});
+  Result<type::Value> running(std::uint64_t lease, const Wait& /*wait*/) override {
+    return type::Value::map({{"controller", "fake"}, {"lease", lease}});
   }
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
                                 const Wait& wait) override {

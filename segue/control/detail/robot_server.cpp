@@ -160,8 +160,10 @@ class RobotServer final : public wire::Robot::Server {
   }
 
   kj::Promise<void> running(RunningContext context) override {
-    return caller_.answer_value(role_for(Verb::Running), context,
-                                [&service = service()] { return service.running(Wait(TimePoint::max())); });
+    const std::uint64_t lease = context.getParams().getLease();
+    return answer_holder(role_for(Verb::Running), lease, context, [&service = service(), lease] {
+      return service.running(lease, Wait(TimePoint::max()));
+    });
   }
 
   kj::Promise<void> switchTo(SwitchToContext context) override {
