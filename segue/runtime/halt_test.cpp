@@ -4,7 +4,7 @@
 // action of a transition.
 #include <segue/model/network_sets.hpp>
 #include <segue/runtime/condition_watch.hpp>
-#include <segue/runtime/test_support.hpp>
+#include <segue/runtime/halting_robot.hpp>
 
 #include <support/eventually.hpp>
 
@@ -27,59 +27,12 @@ using model::TaskReaches;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::hold;
 using ::testing::IsEmpty;
 using testing::network_of;
-using testing::StandInRobot;
 using testing::why;
-
-const char* const kDrive =
-    "network: drive\n"
-    "tasks:\n"
-    "  wheels: {component: \"x::Wheels\", exclusive: [wheels], activity: {periodic: 1ms}}\n"
-    "  planner: {component: \"x::Planner\"}\n"
-    "  button: {component: \"x::Button\"}\n"
-    "connections: [planner.out -> wheels.command]\n";
-const char* const kWork =
-    "network: work\n"
-    "tasks:\n"
-    "  wheels: {component: \"x::Wheels\", exclusive: [wheels], activity: {periodic: 1ms}}\n"
-    "  tool: {component: \"x::Tool\", properties: {speed: 2}}\n"
-    "  button: {component: \"x::Button\"}\n"
-    "connections: [tool.out -> wheels.command]\n";
-const char* const kHold =
-    "network: hold\n"
-    "tasks:\n"
-    "  wheels: {component: \"x::Wheels\", exclusive: [wheels], activity: {periodic: 1ms}}\n"
-    "  brake: {component: \"x::Brake\"}\n"
-    "  button: {component: \"x::Button\"}\n"
-    "connections: [brake.out -> wheels.command]\n";
-
-model::Halt hold(std::vector<HaltCondition> at_rest = {{TaskReaches{"wheels", "running"}, {}}}) {
-  model::Halt halt;
-  halt.controller = NetworkName("hold");
-  halt.at_rest = std::move(at_rest);
-  halt.within = std::chrono::seconds(60);
-  return halt;
-}
-
-RuntimeOptions with(model::Halt halt) {
-  RuntimeOptions options;
-  options.halt = std::move(halt);
-  return options;
-}
-
-/// Runs "drive".
-struct Robot : StandInRobot {
-  explicit Robot(RuntimeOptions options = with(hold())) : StandInRobot(std::move(options)) {
-    for (const char* text : {kDrive, kWork, kHold})
-      EXPECT_FALSE(runtime.add_controller(network_of(text)).has_errors());
-    EXPECT_EQ(switch_to("drive").outcome, Outcome::Done);
-  }
-  SwitchResult switch_to(const char* name, RequestOptions options = {}) {
-    return runtime.switch_to(NetworkName(name), std::move(options));
-  }
-  std::string running() { return runtime.belief().name.str(); }
-};
+using testing::with;
+using Robot = testing::HaltingRobot;
 
 TEST(Halt, is_prepared_beside_whatever_runs_without_a_request) {
   Robot robot;
@@ -484,70 +437,6 @@ TEST(Halt, does_not_wait_for_what_a_request_waits_for) {
   EXPECT_EQ(robot.running(), "hold");
   tool.end();
   robot.asking.ask_after({});
-}
-
-TEST(Lease, keeps_others_from_setting_calling_and_writing_unless_they_mean_it) {
-  Robot robot;
-  EXPECT_TRUE(robot.runtime.allow({"ann"}, "sets x")) << "nobody commands the robot";
-  const auto lease = robot.runtime.take_lease("mission a").value();
-  EXPECT_TRUE(robot.runtime.allow({"mission a", lease}, "sets x"));
-  EXPECT_EQ(robot.runtime.allow({"ann"}, "sets x").error().code, ErrorCode::InvalidState);
-  EXPECT_TRUE(robot.runtime.allow({"ann", 0, true}, "sets x"));
-  std::vector<std::string> events;
-  for (const auto& event : robot.runtime.events())
-    events.push_back(event.message);
-  EXPECT_THAT(events, Contains("ann sets x, beside what mission a does"));
-}
-
-TEST(Lease, that_is_lost_permits_nothing_although_another_is_held) {
-  Robot robot;
-  const auto lost = robot.runtime.take_lease("mission a").value();
-  robot.runtime.end_lease(lost, true);
-  ASSERT_TRUE(robot.runtime.take_lease("mission b"));
-  EXPECT_EQ(robot.runtime.allow({"mission a", lost, true}, "sets x").error().code, ErrorCode::InvalidState);
-}
-
-TEST(Lease, that_ends_takes_with_it_what_was_prepared_meanwhile) {
-  for (const bool is_taken_over : {false, true}) {
-    Robot robot{RuntimeOptions{}};
-    const auto plain = robot.host.observe();
-    const auto lease = robot.runtime.take_lease("ann").value();
-    robot.runtime.prepare({NetworkName("work")}, lease).get();
-    EXPECT_FALSE(equivalent(robot.host.observe(), plain));
-    if (is_taken_over) {
-      EXPECT_EQ(robot.switch_to("drive", {.who = "eve", .take_over = true}).outcome, Outcome::Done);
-    } else {
-      robot.runtime.end_lease(lease);
-    }
-    EXPECT_TRUE(robot.runtime.prepare({NetworkName("work")}, lease).get().empty()) << "too late";
-    EXPECT_TRUE(segue::testing::eventually([&] { return equivalent(robot.host.observe(), plain); }));
-  }
-}
-
-TEST(Lease, that_was_lost_allows_nothing_any_more) {
-  Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
-  (void)robot.runtime.halt({.who = "ann"}).get();
-  EXPECT_EQ(robot.runtime.allow({"mission a", lease, true}, "sets x").error().code, ErrorCode::InvalidState);
-}
-
-TEST(TakeOver, by_a_request_that_cannot_be_carried_out_takes_the_robot_from_nobody) {
-  Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
-  RequestOptions options;
-  options.take_over = true;
-  options.who = "ann";
-  EXPECT_EQ(robot.switch_to("no_such_controller", options).outcome, Outcome::Refused);
-  RequestOptions wrong = options;
-  wrong.properties.push_back({model::TaskId("no_such_task"), "speed", 1});
-  EXPECT_EQ(robot.switch_to("work", wrong).outcome, Outcome::Refused);
-  ControllerSet broken;
-  broken.controllers.push_back(
-      network_of("network: x\ntasks: {a: {component: \"x::A\"}}\nconnections: [a.out -> b.in]\n"));
-  EXPECT_EQ(robot.runtime.apply(broken, options).get().outcome, Outcome::Refused);
-  EXPECT_FALSE(robot.runtime.lease_standing(lease).lost_to);
-  EXPECT_EQ(robot.switch_to("work", options).outcome, Outcome::Done);
-  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(std::string("ann")));
 }
 
 }  // namespace
