@@ -59,7 +59,7 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
  public:
   /// `id` names the robot's capability, which the channel holds.
   HostedRobotClient(std::shared_ptr<RpcChannel> channel, RpcChannel::StreamId id)
-      : TaskAccessClient(channel,
+      : TaskAccessClient(std::move(channel),
                          [id](RpcChannel::Connection& connection) -> wire::TaskAccess::Client {
                            return connection.held<wire::HostedRobot>(id);
                          }),

@@ -43,6 +43,19 @@ TEST_F(ControlTest, SocketAndFolderAreOnlyForTheirOwner) {
   EXPECT_EQ(mode_of(socket_.parent_path()), 0700U);
 }
 
+TEST_F(ControlTest, WhoeverConnectsToAServerThatIsSilentIsToldHowLongThatWasTried) {
+  const Descriptor silent(::socket(AF_UNIX, SOCK_STREAM, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  socket_.native().copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(silent.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(::listen(silent.get(), 1), 0);
+  const auto connected = connect(socket_, std::chrono::milliseconds(20));
+  ASSERT_FALSE(connected);
+  EXPECT_EQ(connected.error().code, ErrorCode::DeadlineExceeded);
+  EXPECT_THAT(connected.error().message, ::testing::EndsWith("did not answer within 20 ms"));
+}
+
 /// Connects as another user. The system call itself, since the library's function changes all threads.
 Descriptor connect_as(uid_t user, const std::filesystem::path& path) {
   sockaddr_un address{};

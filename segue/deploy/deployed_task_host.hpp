@@ -34,7 +34,8 @@ struct DeployedOptions {
 /// observe() shows the processes that answer with their tasks, and the connections both of whose endpoints
 /// are connected. A process that ended by itself is missing, with its tasks and connections. The tasks of a
 /// process that does not answer are Fatal, as is a task with a hook that hangs, so that the next transition
-/// replaces the process; if it answers again before that, they have their former states. The listener gets an
+/// replaces the process; if it answers again before that, they have their former states. The runtime's own
+/// process, which nothing can replace, is only busy then, and is shown as it was last. The listener gets an
 /// event of each such change.
 class DeployedTaskHost final : public host::TaskHost {
  public:

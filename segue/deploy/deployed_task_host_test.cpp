@@ -95,13 +95,20 @@ class EventRecorder {
     });
   }
   bool task(const std::string& id, TaskState state) {
-    return wait([&](const host::HostEvent& event) {
-      const auto* what = std::get_if<host::TaskEvent>(&event);
-      return what != nullptr && what->task.str() == id && what->state == state;
-    });
+    return wait([&](const host::HostEvent& event) { return says(event, id, state); });
+  }
+  bool has_seen(const std::string& id, TaskState state) {
+    const std::lock_guard lock(mutex_);
+    return std::any_of(events_.begin(), events_.end(),
+                       [&](const host::HostEvent& event) { return says(event, id, state); });
   }
 
  private:
+  static bool says(const host::HostEvent& event, const std::string& id, TaskState state) {
+    const auto* what = std::get_if<host::TaskEvent>(&event);
+    return what != nullptr && what->task.str() == id && what->state == state;
+  }
+
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<host::HostEvent> events_;
@@ -592,6 +599,25 @@ TEST(DeployedTaskHost, AsksAProcessThatDoesNotAnswerForNothingAboutItsTasks) {
 }
 
 /// Actions that a process does not end: what it was asked for is held up, and then it stops answering.
+// It is only busy, and nothing could replace it.
+TEST(DeployedTaskHost, LeavesTasksAsTheyWereWhereTheRuntimesOwnProcessDoesNotAnswer) {
+  FakeWorld world;
+  Robot robot(world, {20ms, 1h});
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+  std::promise<void> answers;
+  const auto answered = answers.get_future().share();
+  world.on_call([&](const std::string& what, const FakePtr& process) {
+    if (what == "snapshot" && process == world.own()) answered.wait();
+  });
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+  EXPECT_TRUE(robot.recorded.process("", "too busy to answer", false));
+  answers.set_value();
+  EXPECT_TRUE(robot.recorded.process("", "answers again", false));
+  EXPECT_FALSE(robot.recorded.has_seen("d", TaskState::Fatal));
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+}
+
 class SilentDuringActions : public ::testing::Test {
  protected:
   SilentDuringActions() { EXPECT_EQ(text(robot_.switch_to(kOne)), "done"); }

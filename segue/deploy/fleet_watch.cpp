@@ -237,7 +237,9 @@ void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& cha
   if (change.silent) {
     const std::string why = silence_text(record.key(), view.pid);
     events_.post(host::ProcessEvent{record.key(), why, false});
-    report_all_tasks(view, TaskState::Fatal, why);
+    if (view.is_silent()) {
+      report_all_tasks(view, TaskState::Fatal, why);
+    }
   }
   for (const SilenceWatch& watch : change.watches) {
     if (!pool_.submit([watch] { (*watch)(); })) {

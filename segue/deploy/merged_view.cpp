@@ -78,7 +78,7 @@ class Merger {
     for (const host::TaskReport& report : snapshot.tasks) {
       add_report(process, report);
     }
-    if (process.answers) {
+    if (!process.is_silent()) {
       for (const auto& connection : snapshot.network.connections) {
         merged_.network.connections.push_back(called(connection, process, process));
       }
@@ -105,7 +105,7 @@ class Merger {
 
   /// Why a task is Fatal whatever state it reports; "" where it is not.
   static std::string trouble(const ProcessView& process, const model::TaskId& task) {
-    if (!process.answers) {
+    if (process.is_silent()) {
       return silence_text(process.deployment.key(), process.pid);
     }
     if (!process.fault.empty()) {
@@ -211,7 +211,7 @@ class Merger {
   template <class See>
   void for_each_endpoint(See see) const {
     for (const ProcessView& process : processes_) {
-      if (!process.answers || process.snapshot == nullptr) {
+      if (process.is_silent() || process.snapshot == nullptr) {
         continue;
       }
       for (const EndpointReport& endpoint : process.snapshot->endpoints) {
@@ -232,7 +232,7 @@ class Merger {
       return other.incarnation == endpoint.peer;
     });
     const bool found = peer != processes_.end();
-    if (found && !peer->answers) {
+    if (found && peer->is_silent()) {
       return;  // its endpoint may be connected
     }
     // A process whose incarnation is not known yet may be the peer.

@@ -21,7 +21,9 @@ struct ProcessView {
       snapshot;  ///< the latest one; may be null where the process does not answer
   bool answers = true;
   std::string fault{};  ///< why a transition replaces it although it answers; "" where none does
-  [[nodiscard]] bool is_to_be_replaced() const { return !answers || !fault.empty(); }
+  /// Not the runtime's own, which is only busy then: what it said last counts.
+  [[nodiscard]] bool is_silent() const { return !answers && !deployment.key().is_runtime(); }
+  [[nodiscard]] bool is_to_be_replaced() const { return is_silent() || !fault.empty(); }
 };
 
 /// An endpoint whose counterpart in the other process is missing, or that carries nothing: before the

@@ -200,9 +200,9 @@ class RobotUse final : public ScriptRobot::Use {
     const Wait wait(deadline_of(request), stop);
     if (call == "call") return robot_->call(*member, value, wait);
     if (call == "set") {
-      auto done = robot_->set(*member, value, wait);
+      const auto done = robot_->set(*member, value, wait);
       controllers_->note_changed();
-      return nothing_of(std::move(done));
+      return nothing_of(done);
     }
     if (call == "write") return nothing_of(robot_->write(*member, value, wait));
     return fail(ErrorCode::Unsupported, "a robot has no operation " + quote(call));

@@ -80,15 +80,23 @@ class ValueComparison {
 
   void compare(const std::string& path, const Value* expected, const Value* found) {
     if (findings_.full() || (expected != nullptr && found != nullptr && *expected == *found)) return;
-    if (is_map(expected) && is_map(found)) return compare_maps(path, expected->as_map(), found->as_map());
-    if (is_list(expected) && is_list(found) && expected->as_list().size() == found->as_list().size())
-      return compare_lists(path, expected->as_list(), found->as_list());
+    const auto* map = map_in(expected);
+    const auto* found_map = map_in(found);
+    if (map != nullptr && found_map != nullptr) return compare_maps(path, *map, *found_map);
+    const auto* list = list_in(expected);
+    const auto* found_list = list_in(found);
+    if (list != nullptr && found_list != nullptr && list->size() == found_list->size())
+      return compare_lists(path, *list, *found_list);
     findings_.add_changed(what_ + (path.empty() ? "" : ' ' + quote(path)), text_of(expected), text_of(found));
   }
 
  private:
-  static bool is_map(const Value* value) { return value != nullptr && value->is_map(); }
-  static bool is_list(const Value* value) { return value != nullptr && value->is_list(); }
+  static const type::ValueMap* map_in(const Value* value) {
+    return value != nullptr && value->is_map() ? &value->as_map() : nullptr;
+  }
+  static const Value::List* list_in(const Value* value) {
+    return value != nullptr && value->is_list() ? &value->as_list() : nullptr;
+  }
 
   void compare_maps(const std::string& path, const type::ValueMap& expected, const type::ValueMap& found) {
     const auto inner = [&](const std::string& key) { return path.empty() ? key : path + '.' + key; };

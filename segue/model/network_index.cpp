@@ -56,7 +56,8 @@ std::vector<std::string> ComponentIndex::property_names() const {
   return names;
 }
 
-NetworkIndex::NetworkIndex(const Network& network, const ComponentCatalog& catalog) : network_(network), tasks_(network) {
+NetworkIndex::NetworkIndex(const Network& network, const ComponentCatalog& catalog)
+    : network_(network), tasks_(network) {
   for (const Task& task : network.tasks) {
     if (components_.contains(task.component)) continue;
     if (const ComponentModel* model = catalog.find(task.component)) {

@@ -211,9 +211,13 @@ std::vector<Halts::WhenWatch> Halts::watch_when(const model::Halt& halt, const W
     const auto kept = std::ranges::find_if(watches, [&, look = task->second](const WhenWatch& one) {
       return one.watch && one.look == look && one.watch->condition() == wanted.condition;
     });
-    all.push_back(kept != watches.end()
-                      ? std::move(*kept)
-                      : WhenWatch{task->second, watch(wanted.condition, ConditionWatch::From::Now)});
+    if (kept != watches.end()) {
+      all.push_back(std::move(*kept));
+      continue;
+    }
+    WhenWatch& begun = all.emplace_back();
+    begun.look = task->second;
+    begun.watch = watch(wanted.condition, ConditionWatch::From::Now);
   }
   return all;
 }

@@ -10,7 +10,6 @@
 namespace segue::runtime {
 
 using detail::PendingRequest;
-using detail::quoted_name;
 
 namespace {
 constexpr std::size_t kKeptResults = 100;

@@ -15,7 +15,6 @@ namespace segue::runtime {
 
 using detail::DetectedFault;
 using detail::Observation;
-using detail::quoted_name;
 using detail::scope_of;
 using detail::sentence_of;
 using detail::SwitchPlan;

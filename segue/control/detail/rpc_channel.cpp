@@ -61,18 +61,19 @@ RpcChannel::~RpcChannel() {
 
 Result<std::shared_ptr<RpcChannel>> RpcChannel::open(const Endpoint& endpoint, std::string_view kind,
                                                      std::string who, Duration timeout, const Begin& first) {
-  const TimePoint deadline = RealClock::instance().now() + timeout;
+  const Limit limit{timeout, RealClock::instance().now() + timeout};
   const auto* path = std::get_if<std::filesystem::path>(&endpoint);
   const auto* tcp = std::get_if<TcpEndpoint>(&endpoint);
-  auto connected = path != nullptr ? connect_socket(*path, timeout) : connect_tcp(tcp->address, deadline);
+  auto connected =
+      path != nullptr ? connect_socket(*path, timeout) : connect_tcp(tcp->address, limit.deadline);
   if (!connected) return connected.error();
   try {
     std::shared_ptr<RpcChannel> channel(new RpcChannel(std::move(who)));
     const auto used = path != nullptr
                           ? channel->use(std::move(*connected), kind == kDeploymentKind ? kMaxDescriptors : 0)
-                          : channel->use(std::move(*connected), *tcp, deadline);
+                          : channel->use(std::move(*connected), *tcp, limit);
     if (!used) return used.error();
-    if (auto greeted = channel->greet(kind, deadline, first); !greeted) return greeted.error();
+    if (auto greeted = channel->greet(kind, limit, first); !greeted) return greeted.error();
     return channel;
   } catch (const std::exception& exception) {
     return fail(ErrorCode::ResourceExhausted, std::string("cannot connect: ") + exception.what());
@@ -89,7 +90,7 @@ Result<void> RpcChannel::use(Descriptor socket, unsigned descriptors) {
   return {};
 }
 
-Result<void> RpcChannel::use(Descriptor socket, const TcpEndpoint& endpoint, TimePoint deadline) {
+Result<void> RpcChannel::use(Descriptor socket, const TcpEndpoint& endpoint, const Limit& limit) {
   auto done = std::make_shared<std::promise<Result<void>>>();
   auto outcome = done->get_future();
   loop_.run([&](kj::AsyncIoContext& io) {
@@ -97,18 +98,18 @@ Result<void> RpcChannel::use(Descriptor socket, const TcpEndpoint& endpoint, Tim
     calls_ = std::make_unique<kj::TaskSet>(*failures_);
     auto stream = io.lowLevelProvider->wrapSocketFd(kj::AutoCloseFd(socket.release()), kReadySocket);
     shake_hands(endpoint.credentials.encryption().connect(kj::mv(stream), endpoint.host),
-                endpoint.credentials, time_left(deadline), done);
+                endpoint.credentials, limit, done);
   });
   done.reset();  // so that it is broken where the loop has failed
   return outcome.get();
 }
 
-void RpcChannel::shake_hands(kj::Own<SecureStream> stream, const Credentials& credentials, Duration timeout,
+void RpcChannel::shake_hands(kj::Own<SecureStream> stream, const Credentials& credentials, const Limit& limit,
                              const std::shared_ptr<std::promise<Result<void>>>& done) {
-  auto late = loop_.timer().afterDelay(to_kj(timeout)).then([this, timeout] {
-    return Result<Identity>(
-        fail(ErrorCode::DeadlineExceeded,
-             who_ + " did not answer within " + format_seconds(timeout) + " in the TLS handshake"));
+  auto late = loop_.timer().afterDelay(to_kj(time_left(limit.deadline))).then([this, timeout = limit.whole] {
+    Error silent = silence(timeout);
+    silent.message += " in the TLS handshake";
+    return Result<Identity>(std::move(silent));
   });
   auto handshake = stream->handshake();
   calls_->add(handshake.exclusiveJoin(kj::mv(late))
@@ -121,8 +122,8 @@ void RpcChannel::shake_hands(kj::Own<SecureStream> stream, const Credentials& cr
                   }));
 }
 
-Result<void> RpcChannel::greet(std::string_view kind, TimePoint deadline, const Begin& first) {
-  const auto greeted = ask(time_left(deadline), [&](Connection& connection) -> Answer {
+Result<void> RpcChannel::greet(std::string_view kind, const Limit& limit, const Begin& first) {
+  const auto greeted = ask(time_left(limit.deadline), [&](Connection& connection) -> Answer {
     auto hello = connection.hello(kind);
     if (!first) return hello;
     return hello.then([more = first(connection)](Result<Value>&& answer) mutable -> Answer {
@@ -130,8 +131,13 @@ Result<void> RpcChannel::greet(std::string_view kind, TimePoint deadline, const 
       return more.then([answer = std::move(answer)]() mutable { return std::move(answer); });
     });
   });
-  if (!greeted) return greeted.error();
-  return {};
+  if (greeted) return {};
+  // Of which connecting has taken a part.
+  return greeted.error().code == ErrorCode::DeadlineExceeded ? silence(limit.whole) : greeted.error();
+}
+
+Error RpcChannel::silence(Duration timeout) const {
+  return fail(ErrorCode::DeadlineExceeded, who_ + " did not answer within " + format_seconds(timeout));
 }
 
 kj::Promise<RpcChannel::End> RpcChannel::stopped(const std::stop_token& stop) {
@@ -165,8 +171,7 @@ bool RpcChannel::start(Duration timeout, Begin begin, Failed failed, std::stop_t
                         [this, failed, timeout](End end) {
                           if (end == End::Answer) return;
                           if (end == End::Stop) return failed(no_longer_wanted());
-                          failed(fail(ErrorCode::DeadlineExceeded,
-                                      who_ + " did not answer within " + format_seconds(timeout)));
+                          failed(silence(timeout));
                         },
                         [this, failed](kj::Exception&& exception) { failed(translate(exception)); });
     calls_->add(kj::mv(call));

@@ -98,10 +98,16 @@ class RpcChannel {
  private:
   explicit RpcChannel(std::string who);
   Result<void> use(Descriptor socket, unsigned descriptors);
-  Result<void> use(Descriptor socket, const TcpEndpoint& endpoint, TimePoint deadline);
-  void shake_hands(kj::Own<SecureStream> stream, const Credentials& credentials, Duration timeout,
+  /// The time for all of a connection, and until when that lasts.
+  struct Limit {
+    Duration whole{};
+    TimePoint deadline{};
+  };
+  Result<void> use(Descriptor socket, const TcpEndpoint& endpoint, const Limit& limit);
+  void shake_hands(kj::Own<SecureStream> stream, const Credentials& credentials, const Limit& limit,
                    const std::shared_ptr<std::promise<Result<void>>>& done);
-  Result<void> greet(std::string_view kind, TimePoint deadline, const Begin& first);
+  Result<void> greet(std::string_view kind, const Limit& limit, const Begin& first);
+  [[nodiscard]] Error silence(Duration timeout) const;
   [[nodiscard]] Error translate(const kj::Exception& exception) const;
 
   enum class End : std::uint8_t { Answer, Timeout, Stop };  ///< what ends a call
