@@ -59,4 +59,6 @@ interface Robot {
   running @27 (lease :UInt64) -> (answer :Wire.Answer);
   repair @28 (force :Bool, order :Text, who :Text, timeout :Int64, lease :UInt64, takeOver :Bool)
       -> (answer :Wire.Answer);
+  # As of RobotService.
+  changes @29 (seen :UInt64, timeout :Int64) -> (error :Wire.Error, count :UInt64);
 }

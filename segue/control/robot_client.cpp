@@ -107,6 +107,17 @@ class Client final : public RobotService {
     });
   }
 
+  void changes(std::uint64_t seen, const Wait& wait, ChangesAnswer answered) override {
+    detail::ask_later<std::uint64_t>(
+        *channel_, wait, std::move(answered), [seen](RpcChannel::Connection& connection, Duration left) {
+          auto request = connection.as<wire::Robot>().changesRequest();
+          request.setSeen(seen);
+          request.setTimeout(left.count());
+          return RpcChannel::send<std::uint64_t>(
+              request, [](auto& results) { return Result<std::uint64_t>(results.getCount()); });
+        });
+  }
+
   Result<Value> switch_to(std::string_view controller, const SwitchOptions& options,
                           const Wait& wait) override {
     return ask(wait,

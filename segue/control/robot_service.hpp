@@ -46,6 +46,9 @@ struct Sender {
   bool beside_mission = false;  ///< although somebody else commands the robot
 };
 
+/// Gets the count, once, from any thread, also before the function that asks returns. Must not block.
+using ChangesAnswer = std::function<void(Result<std::uint64_t>)>;
+
 /// What a running robot offers. The same interface on both sides: the runtime implements it, the server
 /// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
 /// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
@@ -73,6 +76,9 @@ class RobotService {
   /// or will be; no process is asked. Where `lease` is not 0, also the standing() of that lease, which is
   /// looked at last: "lost_to" (null: its holder commands the robot), "stopped".
   virtual Result<type::Value> running(std::uint64_t lease, const Wait& wait) = 0;
+  /// Counts, from 1 on, whatever may change the answer of running(). Has `answered` called with the count
+  /// when it is not `seen`; at the deadline as it is then. Returns at once.
+  virtual void changes(std::uint64_t seen, const Wait& wait, ChangesAnswer answered) = 0;
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
   /// dry_run: the JSON of `diff`.
   virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,

@@ -115,6 +115,12 @@ std::vector<Question> all_questions() {
          }));
        }},
       {Verb::Running, [](auto& robot) { return outcome(robot.running(0, soon())); }},
+      {Verb::Changes,
+       [](auto& robot) {
+         return outcome(answer_to<std::uint64_t>(soon(), [&](const Wait& wait, ChangesAnswer answer) {
+           robot.changes(0, wait, std::move(answer));
+         }));
+       }},
       {Verb::Events, [](auto& robot) { return outcome(robot.events(3, {})); }},
       {Verb::History, [](auto& robot) { return outcome(robot.history()); }},
       {Verb::Past, [](auto& robot) { return outcome(robot.past(Value("ask"))); }},

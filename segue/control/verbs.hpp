@@ -15,6 +15,7 @@ enum class Verb : std::uint8_t {
   Task,
   Watch,
   Running,
+  Changes,
   Events,
   History,
   Past,
@@ -50,11 +51,12 @@ struct VerbRule {
 };
 
 /// The one place that says who may do what. In the order of the verbs.
-inline constexpr std::array<VerbRule, 30> kVerbRules = {
+inline constexpr std::array<VerbRule, 31> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},
      {Verb::Watch, "watch", Role::Observe},
      {Verb::Running, "running", Role::Observe},
+     {Verb::Changes, "changes", Role::Observe},
      {Verb::Events, "events", Role::Observe},
      {Verb::History, "history", Role::Observe},
      {Verb::Past, "past", Role::Observe},

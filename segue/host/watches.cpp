@@ -76,7 +76,7 @@ TimePoint Watches::look_at_all(TimePoint now) {
       one = open_.erase(one);
       open_count_.fetch_sub(1, std::memory_order_seq_cst);
     } else {
-      next = std::min({next, now + kLook, (*one)->wait.deadline});
+      next = std::min({next, now + look_, (*one)->wait.deadline});
       ++one;
     }
   }

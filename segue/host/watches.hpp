@@ -29,7 +29,8 @@ class Watches {
   /// an end, and must not block.
   using Look = std::function<bool(End end)>;
 
-  Watches() = default;
+  /// Looks at least so often while somebody waits.
+  explicit Watches(Duration look = kLook) : look_(look) {}
   Watches(const Watches&) = delete;
   Watches& operator=(const Watches&) = delete;
   ~Watches() { close(); }
@@ -55,6 +56,7 @@ class Watches {
   TimePoint look_at_all(TimePoint now);
   [[nodiscard]] End end_of(const Open& open, TimePoint now) const;
 
+  const Duration look_;
   /// ring() looks at `open_count_` after the change that it stands for; add() raises that before it looks for
   /// changes (both sequentially consistent): so one of them sees the other.
   std::atomic<std::uint32_t> open_count_{0};

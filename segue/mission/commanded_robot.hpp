@@ -40,6 +40,9 @@ struct TaskQuestion {
 /// Gets the answer, once, from any thread, also before the function that asks returns. Must not block.
 using TaskAnswer = std::function<void(Result<TaskView>)>;
 
+/// Gets a count of changes, as TaskAnswer.
+using ChangesAnswer = std::function<void(Result<std::uint64_t>)>;
+
 /// Gets samples, oldest first, once, from any thread, also before the function that asks returns. Must not
 /// block.
 using SamplesAnswer = std::function<void(Result<std::vector<type::Value>>)>;
@@ -143,6 +146,9 @@ class CommandedRobot {
   /// Has `answered` called with how the task is, once that is not as `question.seen` says; or, at the
   /// deadline, as it is then. Returns at once.
   virtual void watch(const TaskQuestion& question, const Wait& wait, TaskAnswer answered) = 0;
+  /// Counts, from 1 on, whatever may change the answer of trouble(). Has `answered` called with the count
+  /// when it is not `seen`; at the deadline as it is then. Returns at once.
+  virtual void changes(std::uint64_t seen, const Wait& wait, ChangesAnswer answered) = 0;
   /// How the task is now.
   Result<TaskView> task(const std::string& id, const Wait& wait) {
     return answer_to<TaskView>(

@@ -2,6 +2,7 @@
 #include <segue/mission/controller_runner.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/mission/change_watch.hpp>
 #include <segue/mission/controller_progress.hpp>
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/index.hpp>
@@ -208,11 +209,11 @@ class ControlledRun {
   /// Until a condition holds, the controller is lost, or the action is preempted.
   Ending watch(const std::stop_token& stop) {
     if (use_.until.empty()) return {0, {}};
-    TimePoint look_at_controller = begin_;
+    ChangeWatch changes(robot_, bell_);
+    changes.ask();
     while (!stop.stop_requested()) {
-      if (now() >= look_at_controller) {
+      if (changes.take()) {
         if (auto lost = loss(stop)) return *lost;
-        look_at_controller = now() + options_.watch;
       }
       const auto met = first_that_holds(stop);
       if (!met) {
@@ -226,7 +227,8 @@ class ControlledRun {
       }
       tasks_.ask();
       ports_.ask();
-      bell_->wait({std::min(look_at_controller, next_look()), stop});
+      changes.ask();
+      bell_->wait({std::min(changes.next_question(), next_look()), stop});
     }
     return preempted();
   }

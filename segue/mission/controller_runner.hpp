@@ -17,8 +17,6 @@ struct ControllerOptions {
   /// states of tasks when they change, samples when they come, every 10 ms at most; operations are called
   /// after updates of their tasks, every 10 ms at most.
   Duration period = std::chrono::milliseconds(20);
-  /// How often it is checked that the controller still runs as it should.
-  Duration watch = std::chrono::milliseconds(250);
   /// How many controllers are kept prepared for what the mission does next, at most; 0: none. The robot's
   /// budget limits them, too.
   std::size_t look_ahead = 3;

@@ -135,7 +135,6 @@ class ControllerActions : public RunningMission {
     Runners runners;
     ControllerOptions options;
     options.period = 1ms;
-    options.watch = 1ms;
     runners.set_controllers(std::make_shared<ControllerRunner>(robot_, options));
     begin_mission(text, runners);
   }

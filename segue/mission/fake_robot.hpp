@@ -33,6 +33,7 @@ class FakeRobot : public CommandedRobot {
   }
   Result<ControllerTrouble> trouble(std::string_view controller, const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
+    ++looks_;
     if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     if (taken_over_) return ControllerTrouble{kTakenOver};
     return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_, broken_};
@@ -74,6 +75,13 @@ class FakeRobot : public CommandedRobot {
     lock.unlock();
     answered(view);
   }
+  void changes(std::uint64_t seen, const Wait& /*wait*/, ChangesAnswer answered) override {
+    std::unique_lock lock(mutex_);
+    if (seen == changes_) return static_cast<void>(waiting_for_changes_.push_back(std::move(answered)));
+    const std::uint64_t count = changes_;
+    lock.unlock();
+    answered(count);
+  }
   Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& /*wait*/) override {
     note("open " + to_string(port));
     return port_.open();
@@ -111,6 +119,11 @@ class FakeRobot : public CommandedRobot {
     const std::lock_guard lock(mutex_);
     return asked_;
   }
+  /// How often somebody has asked whether a controller runs.
+  std::size_t looks() {
+    const std::lock_guard lock(mutex_);
+    return looks_;
+  }
   /// Questions for the task so far.
   std::size_t watches() {
     const std::lock_guard lock(mutex_);
@@ -139,16 +152,23 @@ class FakeRobot : public CommandedRobot {
     if (taken_over_) return fail(ErrorCode::InvalidState, kTakenOver);
     if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
     runs_ = what.controllers.empty() ? "" : what.controllers.front();
+    count_change();
     return {};
   }
   void change(const std::function<void()>& how) {
     const std::lock_guard lock(mutex_);
     how();
+    count_change();
     std::erase_if(waiting_, [&](const auto& one) {
       if (!one.first.is_news(task_)) return false;
       one.second(task_);
       return true;
     });
+  }
+  void count_change() {
+    ++changes_;
+    for (const ChangesAnswer& answered : std::exchange(waiting_for_changes_, {}))
+      answered(changes_);
   }
   void note(std::string what) {
     const std::lock_guard lock(mutex_);
@@ -166,6 +186,9 @@ class FakeRobot : public CommandedRobot {
   TaskView task_{"running", "driving", 0};
   std::vector<std::pair<TaskQuestion, TaskAnswer>>
       waiting_;  ///< questions whose askers have seen how the task is
+  std::vector<ChangesAnswer> waiting_for_changes_;
+  std::uint64_t changes_ = 1;
+  std::size_t looks_ = 0;
   std::size_t watches_ = 0;
   bool updates_ = true;
   bool failed_ = false;

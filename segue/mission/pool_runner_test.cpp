@@ -58,6 +58,9 @@ class PlanningRobot final : public CommandedRobot {
   void watch(const TaskQuestion& /*question*/, const Wait& /*wait*/, TaskAnswer answered) override {
     answered(TaskView{});
   }
+  void changes(std::uint64_t seen, const Wait& /*wait*/, ChangesAnswer answered) override {
+    if (seen == 0) answered(1);
+  }
   Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& /*wait*/) override {
     return fail(ErrorCode::NotFound, to_string(port));
   }

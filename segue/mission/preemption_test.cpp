@@ -145,7 +145,6 @@ class PreemptedActions : public RunningMission {
     robot_ = std::make_shared<HeldRobot>(held);
     ControllerOptions options;
     options.period = 1ms;
-    options.watch = 1ms;
     Runners runners;
     runners.set_controllers(std::make_shared<ControllerRunner>(robot_, options));
     runners.set_pools(std::make_shared<PoolRunner>(robot_, PoolOptions{1ms, 60s, 60s}));

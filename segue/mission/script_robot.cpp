@@ -3,10 +3,12 @@
 
 #include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
+#include <segue/mission/change_watch.hpp>
 #include <segue/mission/robot_look.hpp>
 #include <segue/mission/script_messages.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <condition_variable>
 #include <map>
@@ -301,6 +303,8 @@ class RobotUse final : public ScriptRobot::Use {
     const auto found = std::ranges::find(used_, controller, &Used::controller);
     if (found == used_.end()) {
       used_.push_back({controller, keep});
+      uses_more_ = true;
+      bell_->ring();
     } else {
       found->keep = keep;
       (void)controllers_->end(controller, true);  // counted once
@@ -327,9 +331,12 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   void watch(const std::stop_token& stop) {
+    ChangeWatch changes(*robot_, bell_);
     while (!stop.stop_requested()) {
-      if (look_after_controllers(stop)) return preempt_();
-      wait_for_next_look(options_.watch, stop);
+      changes.ask();
+      const bool uses_more = uses_more_.exchange(false);
+      if ((changes.take() || uses_more) && look_after_controllers(stop)) return preempt_();
+      bell_->wait({changes.next_question(), stop});
     }
   }
 
@@ -393,6 +400,9 @@ class RobotUse final : public ScriptRobot::Use {
   ExecutionThreads& threads_;
   const ScriptRobot::Rights rights_;
   const std::function<void()> preempt_;
+
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();  ///< of what watches the controllers
+  std::atomic<bool> uses_more_ = false;                          ///< since it last looked at them
 
   std::mutex mutex_;  ///< protects all below; not held while the robot is asked
   std::condition_variable answered_;

@@ -15,8 +15,6 @@
 namespace segue::mission {
 
 struct ScriptRobotOptions {
-  /// How often it is checked that the controllers of a script still run as they should.
-  Duration watch = std::chrono::milliseconds(250);
   /// As ControllerOptions::unreachable.
   std::function<void(const Error& why)> unreachable{};
 };

@@ -39,10 +39,8 @@ class RobotScripts : public RunningMission {
   void begin(const std::string& body, const std::string& declared = kUsesGoHome) {
     ScriptOptions options;
     if (robot_) {
-      ScriptRobotOptions how;
-      how.watch = 1ms;
       options.robot = std::make_shared<ScriptRobot>(
-          robot_, std::make_shared<ControllerUnion>(robot_, ControllerUnion::Options{}), how);
+          robot_, std::make_shared<ControllerUnion>(robot_, ControllerUnion::Options{}));
     }
     Runners runners;
     runners.set_scripts(std::make_shared<ScriptRunner>(options));

@@ -148,6 +148,9 @@ class PreparingRobot final : public CommandedRobot {
   void watch(const TaskQuestion& /*question*/, const Wait& /*wait*/, TaskAnswer answered) override {
     answered(TaskView{});
   }
+  void changes(std::uint64_t seen, const Wait& /*wait*/, ChangesAnswer answered) override {
+    if (seen == 0) answered(1);
+  }
   Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/, const Wait& /*wait*/) override {
     return fail(ErrorCode::Unsupported, "not in this test");
   }

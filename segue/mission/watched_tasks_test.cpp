@@ -25,6 +25,9 @@ class AskedRobot final : public CommandedRobot {
   void watch(const TaskQuestion& question, const Wait& wait, TaskAnswer answered) override {
     asked.push_back({question, wait, std::move(answered)});
   }
+  void changes(std::uint64_t /*seen*/, const Wait& /*wait*/, ChangesAnswer answered) override {
+    answered(no());
+  }
   Result<void> request(const ControllerRequest& /*what*/, const Wait& /*wait*/) override { return no(); }
   Result<ControllerTrouble> trouble(std::string_view /*controller*/, const Wait& /*wait*/) override {
     return no();

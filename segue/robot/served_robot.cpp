@@ -393,6 +393,14 @@ void ServedRobot::watch(const mission::TaskQuestion& question, const Wait& wait,
                  });
 }
 
+void ServedRobot::changes(std::uint64_t seen, const Wait& wait, mission::ChangesAnswer answered) {
+  if (auto lost = loss()) return answered(std::move(*lost));
+  const auto either = std::make_shared<EitherStop>(wait.stop, lost_.get_token());
+  service_.changes(
+      seen, Wait(wait.deadline, either->token()),
+      [either, answered = std::move(answered)](Result<std::uint64_t> count) { answered(std::move(count)); });
+}
+
 Result<std::unique_ptr<mission::PortSamples>> ServedRobot::open(const mission::Member& port,
                                                                 const Wait& wait) {
   auto stream =

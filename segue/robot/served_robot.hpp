@@ -62,6 +62,7 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<void> set(const mission::Member& property, const type::Value& value, const Wait& wait) override;
   Result<void> write(const mission::Member& port, const type::Value& value, const Wait& wait) override;
   void watch(const mission::TaskQuestion& question, const Wait& wait, mission::TaskAnswer answered) override;
+  void changes(std::uint64_t seen, const Wait& wait, mission::ChangesAnswer answered) override;
   Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port, const Wait& wait) override;
 
  private:

@@ -79,6 +79,8 @@ class FakeService final : public control::RobotService {
   std::promise<void> switches;                 ///< it waits
   std::promise<void>* status_waits = nullptr;  ///< for the same, and says so
   std::optional<Error> running_error;
+  std::stop_token changes_wait;
+  control::ChangesAnswer changes_answered;
 
   Result<Value> status(const Wait& /*wait*/) override { return status_answer; }
   Result<Value> task(std::string_view /*id*/) override { return no(); }
@@ -97,6 +99,11 @@ class FakeService final : public control::RobotService {
     answer.as_map().set("lost_to", standing.lost_to ? Value(*standing.lost_to) : Value());
     answer.as_map().set("stopped", standing.is_stopped);
     return answer;
+  }
+  void changes(std::uint64_t seen, const Wait& wait, control::ChangesAnswer answered) override {
+    if (seen != 7) return answered(7);
+    changes_wait = wait.stop;
+    changes_answered = std::move(answered);
   }
   Result<Value> switch_to(std::string_view controller, const control::SwitchOptions& asked,
                           const Wait& wait) override {
@@ -433,6 +440,24 @@ TEST_F(ServedRobotTest, WhoseLeaseIsLookedAtByOthersIsWaitedForNoLongerThanWante
   EXPECT_FALSE(second.get());
   silent.set_value();
   EXPECT_TRUE(first.get());
+}
+
+TEST_F(ServedRobotTest, CountsChangesUntilItIsLost) {
+  ASSERT_TRUE(robot_.take());
+  std::optional<Result<std::uint64_t>> count;
+  const auto answered = [&](Result<std::uint64_t> answer) { count = std::move(answer); };
+  robot_.changes(0, Wait(TimePoint::max()), answered);
+  ASSERT_TRUE(count);
+  EXPECT_EQ(**count, 7U);
+  count.reset();
+  robot_.changes(7, Wait(TimePoint::max()), answered);
+  EXPECT_FALSE(count || service_.changes_wait.stop_requested());
+  service_.lease_answer.error = fail(ErrorCode::DeadlineExceeded, "it is silent");
+  EXPECT_FALSE(robot_.asked());
+  EXPECT_TRUE(service_.changes_wait.stop_requested());
+  robot_.changes(7, Wait(TimePoint::max()), answered);
+  ASSERT_TRUE(count);
+  EXPECT_EQ(count->error().message, "it is silent, and counts as lost");
 }
 
 TEST_F(ServedRobotTest, HasControllersPreparedUnderItsLease) {

@@ -44,6 +44,7 @@ void Leases::stop(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   if (is_holder(number) && !std::exchange(held_->is_stopped, true)) {
     log_.add(EventKind::Lease, "", held_->holder + " is stopped, and commands nothing any more");
+    changes_.add();
   }
 }
 
@@ -53,6 +54,7 @@ void Leases::end(std::uint64_t number) {
     log_.add(EventKind::Lease, "", held_->holder + " no longer commands the robot");
     missions_.end("whoever ran it gave the robot back without saying how it ended");
     held_.reset();
+    changes_.add();
   }
 }
 
@@ -69,6 +71,7 @@ void Leases::lose(const std::string& to, const std::string& how) {
   missions_.end(how);
   lost_ = Lease{.number = held_->number, .holder = to};
   held_.reset();
+  changes_.add();
 }
 
 control::LeaseStanding Leases::standing_of(std::uint64_t number) const {

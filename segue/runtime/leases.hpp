@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/runtime/change_count.hpp>
 #include <segue/runtime/event_log.hpp>
 #include <segue/runtime/holder_inbox.hpp>
 #include <segue/runtime/mission_reports.hpp>
@@ -21,8 +22,10 @@ namespace segue::runtime::detail {
 /// blocks.
 class Leases {
  public:
-  /// `log` gets an event for each change, `journal` what missions report. Both must outlive this.
-  Leases(EventLog& log, JournalKeeper& journal) : log_(log), missions_(journal) {}
+  /// `log` gets an event for each change, `journal` what missions report; `changes` counts. All must outlive
+  /// this.
+  Leases(EventLog& log, JournalKeeper& journal, ChangeCount& changes)
+      : log_(log), changes_(changes), missions_(journal) {}
 
   Result<std::uint64_t> take(std::string holder);
   struct Holder {
@@ -82,6 +85,7 @@ class Leases {
   [[nodiscard]] std::optional<Holder> present_holder() const;
 
   EventLog& log_;
+  ChangeCount& changes_;
   mutable std::mutex mutex_;  ///< protects all below
   MissionReports missions_;
   std::optional<Lease> held_;

@@ -133,6 +133,10 @@ void RuntimeService::watch(const host::LevelQuestion& question, const Wait& wait
   runtime_.host().watch(question, wait, std::move(answered));
 }
 
+void RuntimeService::changes(std::uint64_t seen, const Wait& wait, control::ChangesAnswer answered) {
+  runtime_.watch_changes(seen, wait, std::move(answered));
+}
+
 /// In this order: what runs since the lease was lost is not what its holder has to know.
 Result<type::Value> RuntimeService::running(std::uint64_t lease, const Wait& /*wait*/) {
   type::Value running = running_of(runtime_);

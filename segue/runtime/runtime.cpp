@@ -232,6 +232,11 @@ std::vector<PoolReport> Runtime::pools() const {
              : implementation_->report_pools(implementation_->host.tasks());
 }
 
+void Runtime::watch_changes(std::uint64_t seen, const Wait& wait,
+                            std::function<void(Result<std::uint64_t>)> answered) const {
+  implementation_->changes.watch(seen, wait, std::move(answered));
+}
+
 std::vector<UnresolvedFault> Runtime::unresolved() const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->unresolved;

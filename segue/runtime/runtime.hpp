@@ -176,6 +176,11 @@ class Runtime {
   /// Faults that are being mended, or will be: for as long as the policies permit further attempts.
   [[nodiscard]] std::vector<UnresolvedFault> in_repair() const;
 
+  /// Counts, from 1 on, what may change belief().name, unresolved(), in_repair() or lease_standing():
+  /// `answered` gets the count, once, from any thread, when it is not `seen`, or at the deadline.
+  void watch_changes(std::uint64_t seen, const Wait& wait,
+                     std::function<void(Result<std::uint64_t>)> answered) const;
+
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
   [[nodiscard]] const std::filesystem::path& journal() const;  ///< its file; empty: none is kept

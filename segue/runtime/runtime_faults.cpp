@@ -150,7 +150,11 @@ void Runtime::Implementation::note_in_repair(const std::vector<DetectedFault>& f
   for (const auto& fault : repaired) {
     mended.push_back(as_unresolved(fault, fault.name() + " " + fault.symptom, owners));
   }
+  const bool has_any = !in_repair.empty() || !mended.empty();
   in_repair = std::move(mended);
+  if (has_any) {
+    changes.add();
+  }
 }
 
 void Runtime::Implementation::report_given_up(const std::vector<DetectedFault>& faults) {

@@ -99,6 +99,7 @@ void Runtime::Implementation::look_at_what_runs() {
     }
   }
   halts.look_at(tasks);
+  changes.add();
 }
 
 void Runtime::Implementation::look_away_from_changed(const model::Transition& transition) {

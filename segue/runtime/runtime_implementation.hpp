@@ -188,7 +188,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   const model::Network pools = model::pool_network(options.pools);
   detail::EventLog log;
   detail::JournalKeeper journal{options.journal, options.robot_folder, log};
-  detail::Leases leases{log, journal};
+  detail::Leases leases{log, journal, changes};
   detail::InstanceCalls instance_calls{host, pools, [this] { wake_worker(); }};
   detail::Belief belief{host};
   detail::TroubleTimes trouble_times;

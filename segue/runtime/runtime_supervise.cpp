@@ -115,7 +115,11 @@ void Runtime::Implementation::supervise() {
   bool due = false;
   {
     const std::lock_guard lock(mutex);
+    const bool has_any = !unresolved.empty() || !left.empty();
     unresolved = std::move(left);
+    if (has_any) {
+      changes.add();
+    }
     // What is left in progress may be just what is to be prepared; its end wakes this thread.
     due = !left_actions->any() && std::exchange(look_ahead_due, false) && !waiting;
   }

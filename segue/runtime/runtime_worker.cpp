@@ -61,6 +61,7 @@ Runtime::Implementation::~Implementation() {
   }
   wake.notify_all();
   log.close();
+  changes.close();
   if (left) {
     SwitchResult result = cancelled(*left);
     journal.ended(std::as_const(result));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/robot_service.hpp>
 
+#include <segue/base/question.hpp>
 #include <segue/control/server.hpp>
 #include <segue/runtime/report.hpp>
 #include <segue/runtime/test_support.hpp>
@@ -72,6 +73,32 @@ TEST_F(Service, tells_the_holder_of_a_lease_whether_it_commands_what_runs) {
   const auto after = service_.running(number, soon());
   ASSERT_TRUE(after);
   EXPECT_EQ(*after->find("lost_to"), type::Value("ann"));
+}
+
+TEST_F(Service, counts_whatever_changes_what_runs_or_who_commands_it) {
+  const auto count = [this](std::uint64_t seen) {
+    const auto answer = answer_to<std::uint64_t>(soon(), [&](const Wait& wait, control::ChangesAnswer then) {
+      service_.changes(seen, wait, std::move(then));
+    });
+    EXPECT_TRUE(answer);
+    return answer.value_or(0);
+  };
+  const auto lease = service_.lease("mission patrol");
+  ASSERT_TRUE(lease) << to_string(lease.error());
+  const std::uint64_t number = (*lease)->number();
+  std::uint64_t seen = count(0);
+  const auto runs = [&] { return service_.running(number, soon()).value_or(type::Value()); };
+  ASSERT_FALSE(robot_.runtime
+                   .add_controller(testing::network_of(
+                       "network: broken\ntasks: {a: {component: x::A, on_failure: report, "
+                       "properties: {stand_in: {rate: 1000, fail: [update]}}}}\n"))
+                   .has_errors());
+  ASSERT_TRUE(service_.switch_to("broken", {.lease = number}, soon()));
+  while (runs().find("unresolved")->as_list().empty())
+    seen = count(seen);
+  ASSERT_TRUE(service_.switch_to("", {.who = "ann", .take_over = true}, soon()));
+  while (runs().find("lost_to")->is_null())
+    seen = count(seen);
 }
 
 TEST_F(Service, answers_a_switch_with_its_outcome) {

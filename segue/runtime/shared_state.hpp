@@ -3,6 +3,7 @@
 
 #include <segue/model/ids.hpp>
 #include <segue/model/network.hpp>
+#include <segue/runtime/change_count.hpp>
 #include <segue/runtime/health.hpp>
 #include <segue/runtime/pending.hpp>
 #include <segue/runtime/pool_report.hpp>
@@ -26,6 +27,7 @@ namespace segue::runtime::detail {
 
 /// What the worker of a Runtime shares with the threads that call it.
 struct SharedState {
+  ChangeCount changes;  ///< has no need of the mutex
   /// Protects all below. Never held while the host is called, since the host may call on_event(), which takes
   /// it. The belief, the log, leases and halts have locks of their own, which may be taken within it.
   mutable std::mutex mutex;

@@ -57,7 +57,7 @@ class GoingOn : public ::testing::TestWithParam<RunMode> {
     request.mode = GetParam();
     request.journal = JournalRequest{folder_ / journal, resume, mission::RunJournal::UnderWay::GoOn};
     mission::ControllerOptions how;
-    how.period = how.watch = 1ms;
+    how.period = 1ms;
     how.look_ahead = 0;
     how.unreachable = [&](const Error& /*why*/) { stop.request_stop(); };
     request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot_, how));

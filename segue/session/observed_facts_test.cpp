@@ -49,7 +49,7 @@ class ObservedFacts : public ::testing::TestWithParam<RunMode> {
     request.mode = GetParam();
     request.simulate = simulate;
     mission::ControllerOptions how;
-    how.period = how.watch = 1ms;
+    how.period = 1ms;
     how.look_ahead = 0;
     request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot_, how));
     if (!simulate) {

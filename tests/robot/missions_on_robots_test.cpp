@@ -126,8 +126,8 @@ class RobotRun {
     session::RunRequest request;
     request.mode = mode_;
     request.on_action = [this](const mission::ActionEvent& event) { note(event); };
-    request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(
-        checked_, mission::ControllerOptions{.period = 1ms, .watch = 2ms}));
+    request.runners.set_controllers(
+        std::make_shared<mission::ControllerRunner>(checked_, mission::ControllerOptions{.period = 1ms}));
     const auto run = plan->run(request);
     ASSERT_TRUE(run) << to_string(run.error());
     const auto& overview = (*run)->overview();

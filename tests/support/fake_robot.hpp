@@ -84,6 +84,14 @@ class FakeRobot : public RobotService {
   Result<type::Value> running(std::uint64_t lease, const Wait& /*wait*/) override {
     return type::Value::map({{"controller", "fake"}, {"lease", lease}});
   }
+  void changes(std::uint64_t seen, const Wait& wait, ChangesAnswer answered) override {
+    watches_.add(wait, [seen, answered](host::detail::Watches::End end) {
+      constexpr std::uint64_t kCount = 3;
+      if (end == host::detail::Watches::End::No && seen == kCount) return false;
+      answered(kCount);
+      return true;
+    });
+  }
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
                                 const Wait& wait) override {
     return type::Value::map({{"to", controller},

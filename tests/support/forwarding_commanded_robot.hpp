@@ -43,6 +43,9 @@ class ForwardingCommandedRobot : public mission::CommandedRobot {
   void watch(const mission::TaskQuestion& question, const Wait& wait, mission::TaskAnswer answered) override {
     inner_->watch(question, wait, std::move(answered));
   }
+  void changes(std::uint64_t seen, const Wait& wait, mission::ChangesAnswer answered) override {
+    inner_->changes(seen, wait, std::move(answered));
+  }
   Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port, const Wait& wait) override {
     return inner_->open(port, wait);
   }

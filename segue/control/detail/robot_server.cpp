@@ -166,6 +166,17 @@ class RobotServer final : public wire::Robot::Server {
     });
   }
 
+  kj::Promise<void> changes(ChangesContext context) override {
+    const auto params = context.getParams();
+    return answer_later<std::uint64_t>(
+        role_for(Verb::Changes), caller_, context,
+        [&service = service(), seen = params.getSeen(), deadline = deadline_after(params.getTimeout())](
+            const std::stop_token& dropped, ChangesAnswer answered) {
+          service.changes(seen, Wait(deadline, dropped), std::move(answered));
+        },
+        [](std::uint64_t count, auto results) { results.setCount(count); });
+  }
+
   kj::Promise<void> switchTo(SwitchToContext context) override {
     const auto params = context.getParams();
     return answer_holder(

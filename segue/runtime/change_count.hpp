@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/base/wait.hpp>
+#include <segue/host/watches.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+
+namespace segue::runtime::detail {
+
+/// Counts changes of what the robot runs, of its faults, and of who commands it, for those who wait for one.
+/// Thread safe.
+class ChangeCount {
+ public:
+  /// Something may have changed, which whoever asks from now on sees. Does not block.
+  void add() noexcept;
+  /// As Runtime::watch_changes().
+  void watch(std::uint64_t seen, const Wait& wait, std::function<void(Result<std::uint64_t>)> answered);
+  /// What waits is answered with an error; later questions are at once.
+  void close() { watches_.close(); }
+
+ private:
+  std::atomic<std::uint64_t> count_{1};
+  host::detail::Watches watches_{std::chrono::hours(1)};  ///< every change rings
+};
+
+}  // namespace segue::runtime::detail
