@@ -241,6 +241,20 @@ TEST_F(ControllerActions, AbortWhereTheControllerIsLost) {
               HasSubstr("controller 'go_home' was lost: task 'planner' failed still"));
 }
 
+TEST_F(ControllerActions, AskWhetherTheirControllerRunsOnlyWhereSomethingHasChanged) {
+  begin(std::string("controller: go_home, ") + kArrived);
+  robot_->wait_until_looked(1);
+  for (int i = 0; i < 10; ++i) {
+    const std::size_t before = robot_->watches();
+    robot_->become("on leg " + std::to_string(i));
+    robot_->wait_until_watched(before + 1);
+  }
+  EXPECT_EQ(robot_->looks(), 1U);
+  robot_->lose("task 'planner' failed still");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_EQ(robot_->looks(), 2U);
+}
+
 TEST_F(ControllerActions, AbortWhereATaskIsBroken) {
   begin(std::string("controller: go_home, ") + kArrived);
   robot_->wait_until_asked("request go_home");

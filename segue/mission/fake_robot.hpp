@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/mission/commanded_robot.hpp>
+#include <segue/mission/fake_changes.hpp>
 #include <segue/mission/fake_port.hpp>
 
 #include <gtest/gtest.h>
@@ -28,12 +29,14 @@ class FakeRobot : public CommandedRobot {
     for (const MemberValue& one : what.properties)
       text += " " + to_string(one.member) + "=" + std::to_string(one.value.as_double());
     const auto answered = answer(what);
+    changes_.add();
     note(text);  // last: what a test does once it has been asked comes after the answer
     return answered;
   }
   Result<ControllerTrouble> trouble(std::string_view controller, const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
     ++looks_;
+    asked_one_.notify_all();
     if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     if (taken_over_) return ControllerTrouble{kTakenOver};
     return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_, broken_};
@@ -76,11 +79,7 @@ class FakeRobot : public CommandedRobot {
     answered(view);
   }
   void changes(std::uint64_t seen, const Wait& /*wait*/, ChangesAnswer answered) override {
-    std::unique_lock lock(mutex_);
-    if (seen == changes_) return static_cast<void>(waiting_for_changes_.push_back(std::move(answered)));
-    const std::uint64_t count = changes_;
-    lock.unlock();
-    answered(count);
+    changes_.watch(seen, std::move(answered));
   }
   Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& /*wait*/) override {
     note("open " + to_string(port));
@@ -98,19 +97,19 @@ class FakeRobot : public CommandedRobot {
     change([&] { failed_ = true; });
   }
   void lose(const std::string& why) {
-    change([&] { trouble_ = why; });
+    change_trouble([&] { trouble_ = why; });
   }
   void break_task(const std::string& task) {
-    change([&] { broken_.push_back({task, "task '" + task + "' is in exception"}); });
+    change_trouble([&] { broken_.push_back({task, "task '" + task + "' is in exception"}); });
   }
   void switch_away() {
-    change([&] { runs_ = "explore"; });
+    change_trouble([&] { runs_ = "explore"; });
   }
   void take_over() {
-    change([&] { taken_over_ = true; });
+    change_trouble([&] { taken_over_ = true; });
   }
   void vanish(bool is_away) {
-    change([&] { vanished_ = is_away; });
+    change_trouble([&] { vanished_ = is_away; });
   }
   void refuse() {
     change([&] { refuses_ = true; });
@@ -123,6 +122,10 @@ class FakeRobot : public CommandedRobot {
   std::size_t looks() {
     const std::lock_guard lock(mutex_);
     return looks_;
+  }
+  void wait_until_looked(std::size_t times) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(asked_one_.wait_for(lock, std::chrono::seconds(60), [&] { return looks_ >= times; }));
   }
   /// Questions for the task so far.
   std::size_t watches() {
@@ -152,23 +155,21 @@ class FakeRobot : public CommandedRobot {
     if (taken_over_) return fail(ErrorCode::InvalidState, kTakenOver);
     if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
     runs_ = what.controllers.empty() ? "" : what.controllers.front();
-    count_change();
     return {};
   }
   void change(const std::function<void()>& how) {
     const std::lock_guard lock(mutex_);
     how();
-    count_change();
     std::erase_if(waiting_, [&](const auto& one) {
       if (!one.first.is_news(task_)) return false;
       one.second(task_);
       return true;
     });
   }
-  void count_change() {
-    ++changes_;
-    for (const ChangesAnswer& answered : std::exchange(waiting_for_changes_, {}))
-      answered(changes_);
+  /// Of what trouble() answers.
+  void change_trouble(const std::function<void()>& how) {
+    change(how);
+    changes_.add();
   }
   void note(std::string what) {
     const std::lock_guard lock(mutex_);
@@ -177,6 +178,7 @@ class FakeRobot : public CommandedRobot {
   }
 
   FakePort port_;
+  FakeChanges changes_;
   std::mutex mutex_;  ///< protects all below
   std::condition_variable asked_one_;
   std::vector<std::string> asked_;
@@ -186,8 +188,6 @@ class FakeRobot : public CommandedRobot {
   TaskView task_{"running", "driving", 0};
   std::vector<std::pair<TaskQuestion, TaskAnswer>>
       waiting_;  ///< questions whose askers have seen how the task is
-  std::vector<ChangesAnswer> waiting_for_changes_;
-  std::uint64_t changes_ = 1;
   std::size_t looks_ = 0;
   std::size_t watches_ = 0;
   bool updates_ = true;
