@@ -112,14 +112,15 @@ void RpcChannel::shake_hands(kj::Own<SecureStream> stream, const Credentials& cr
     return Result<Identity>(std::move(silent));
   });
   auto handshake = stream->handshake();
-  calls_->add(handshake.exclusiveJoin(kj::mv(late))
-                  .then([this, done, credentials, stream = kj::mv(stream)](Result<Identity>&& shown) mutable {
-                    if (!shown) return done->set_value(shown.error());
-                    SecureStream* secure = stream.get();
-                    connection_ = std::make_unique<Connection>(kj::mv(stream), secure, 0);
-                    calls_->add(connection_->guard(loop_.timer(), std::move(credentials), std::move(*shown)));
-                    done->set_value(Result<void>());
-                  }));
+  calls_->add(
+      handshake.exclusiveJoin(kj::mv(late))
+          .then([this, done, ours = credentials, stream = kj::mv(stream)](Result<Identity>&& shown) mutable {
+            if (!shown) return done->set_value(shown.error());
+            SecureStream* secure = stream.get();
+            connection_ = std::make_unique<Connection>(kj::mv(stream), secure, 0);
+            calls_->add(connection_->guard(loop_.timer(), std::move(ours), std::move(*shown)));
+            done->set_value(Result<void>());
+          }));
 }
 
 Result<void> RpcChannel::greet(std::string_view kind, const Limit& limit, const Begin& first) {
