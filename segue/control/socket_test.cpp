@@ -24,13 +24,23 @@ mode_t mode_of(const std::filesystem::path& path) {
   return status.st_mode & 0777;
 }
 
-/// What a killed server leaves behind.
-void leave_stale_socket(const std::filesystem::path& path) {
-  const Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+sockaddr_un address_of(const std::filesystem::path& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   path.native().copy(address.sun_path, sizeof address.sun_path - 1);
-  ASSERT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  return address;
+}
+
+Descriptor bind_socket(const std::filesystem::path& path) {
+  Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  const sockaddr_un address = address_of(path);
+  EXPECT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  return socket;
+}
+
+/// What a killed server leaves behind.
+void leave_stale_socket(const std::filesystem::path& path) {
+  bind_socket(path);
   std::ofstream(std::filesystem::path(path) += ".lock");
 }
 
@@ -44,11 +54,7 @@ TEST_F(ControlTest, SocketAndFolderAreOnlyForTheirOwner) {
 }
 
 TEST_F(ControlTest, WhoeverConnectsToAServerThatIsSilentIsToldHowLongThatWasTried) {
-  const Descriptor silent(::socket(AF_UNIX, SOCK_STREAM, 0));
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  socket_.native().copy(address.sun_path, sizeof address.sun_path - 1);
-  ASSERT_EQ(::bind(silent.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  const Descriptor silent = bind_socket(socket_);
   ASSERT_EQ(::listen(silent.get(), 1), 0);
   const auto connected = connect(socket_, std::chrono::milliseconds(20));
   ASSERT_FALSE(connected);
@@ -58,9 +64,7 @@ TEST_F(ControlTest, WhoeverConnectsToAServerThatIsSilentIsToldHowLongThatWasTrie
 
 /// Connects as another user. The system call itself, since the library's function changes all threads.
 Descriptor connect_as(uid_t user, const std::filesystem::path& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.native().copy(address.sun_path, sizeof address.sun_path - 1);
+  const sockaddr_un address = address_of(path);
   Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
   EXPECT_EQ(::syscall(SYS_setresuid, -1, user, -1), 0);
   EXPECT_EQ(::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);

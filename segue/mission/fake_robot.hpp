@@ -124,8 +124,7 @@ class FakeRobot : public CommandedRobot {
     return looks_;
   }
   void wait_until_looked(std::size_t times) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(asked_one_.wait_for(lock, std::chrono::seconds(60), [&] { return looks_ >= times; }));
+    wait_until([&] { return looks_ >= times; });
   }
   /// Questions for the task so far.
   std::size_t watches() {
@@ -133,23 +132,23 @@ class FakeRobot : public CommandedRobot {
     return watches_;
   }
   void wait_until_watched(std::size_t questions) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(asked_one_.wait_for(lock, std::chrono::seconds(60), [&] { return watches_ >= questions; }));
+    wait_until([&] { return watches_ >= questions; });
   }
   /// An update that changes nothing else.
   void update() {
     change([&] { ++task_.updates; });
   }
   void wait_until_asked(const std::string& what) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(asked_one_.wait_for(lock, std::chrono::seconds(60), [&] {
-      return std::ranges::count(asked_, what) > 0;
-    })) << what;
+    wait_until([&] { return std::ranges::count(asked_, what) > 0; }, what);
   }
 
  private:
   static constexpr const char* kTakenOver = "the robot was taken over by somebody";
 
+  void wait_until(const std::function<bool()>& is_so, const std::string& what = {}) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(asked_one_.wait_for(lock, std::chrono::seconds(60), is_so)) << what;
+  }
   Result<void> answer(const ControllerRequest& what) {
     const std::lock_guard lock(mutex_);
     if (taken_over_) return fail(ErrorCode::InvalidState, kTakenOver);

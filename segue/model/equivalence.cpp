@@ -149,9 +149,8 @@ void compare_tasks(const Task& a, const Task& b, Findings& findings) {
   compare(a.on_failure == b.on_failure, "on_failure", word_of(a.on_failure), word_of(b.on_failure));
 }
 
-void compare_all_tasks(const Network& a, const Network& b, Findings& findings) {
-  const TaskIndex in_a(a);
-  const TaskIndex in_b(b);
+void compare_all_tasks(const Network& a, const TaskIndex& in_a, const Network& b, const TaskIndex& in_b,
+                       Findings& findings) {
   for (const Task& task : a.tasks) {
     if (findings.full()) return;
     const Task* other = in_b.find(task.id);
@@ -206,11 +205,10 @@ Value attributes(Deployment deployment) {
   return to_value(deployment);
 }
 
-void compare_deployments(const Network& a, const Network& b, Findings& findings) {
+void compare_deployments(const Network& a, const TaskIndex& tasks_a, const Network& b,
+                         const TaskIndex& tasks_b, Findings& findings) {
   const auto in_a = deployments_by_key(a);
   const auto in_b = deployments_by_key(b);
-  const TaskIndex tasks_a(a);
-  const TaskIndex tasks_b(b);
   for (const auto& [key, deployment] : in_a) {
     if (findings.full()) return;
     auto other = in_b.find(key);
@@ -259,8 +257,10 @@ void compare_connections(const Network& a, const Network& b, const WhyMissing& w
 
 std::vector<std::string> compare(const Network& first, const Network& second, const WhyMissing& why_missing,
                                  Findings findings) {
-  compare_all_tasks(first, second, findings);
-  compare_deployments(first, second, findings);
+  const TaskIndex tasks_of_first(first);
+  const TaskIndex tasks_of_second(second);
+  compare_all_tasks(first, tasks_of_first, second, tasks_of_second, findings);
+  compare_deployments(first, tasks_of_first, second, tasks_of_second, findings);
   compare_connections(first, second, why_missing, findings);
   return std::move(findings).take();
 }

@@ -141,6 +141,14 @@ auto ServedRobot::look(const Wait& wait, Ask ask) const -> decltype(ask(wait)) {
   return answer;
 }
 
+template <class T, class Ask>
+void ServedRobot::look_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const {
+  if (auto lost = loss()) return answered(std::move(*lost));
+  const auto either = std::make_shared<EitherStop>(wait.stop, lost_.get_token());
+  ask(Wait(wait.deadline, either->token()),
+      [either, answered = std::move(answered)](Result<T> answer) { answered(std::move(answer)); });
+}
+
 template <class Ask>
 auto ServedRobot::command(const Wait& wait, Ask ask) -> decltype(ask(wait)) {
   if (auto refused = refusal()) return std::move(*refused);
@@ -378,27 +386,24 @@ Result<void> ServedRobot::write(const mission::Member& port, const Value& value,
 
 void ServedRobot::watch(const mission::TaskQuestion& question, const Wait& wait,
                         mission::TaskAnswer answered) {
-  if (auto lost = loss()) return answered(std::move(*lost));
   host::LevelQuestion asked{model::TaskId(question.task), std::nullopt, question.each_update};
   if (question.seen) {
     asked.seen = host::TaskLevel{task_state_from(question.seen->state).value_or(TaskState::Fatal),
                                  question.seen->state_name, question.seen->updates};
   }
-  const auto either = std::make_shared<EitherStop>(wait.stop, lost_.get_token());
-  service_.watch(asked, Wait(wait.deadline, either->token()),
-                 [either, answered = std::move(answered)](Result<host::TaskLevel> level) {
-                   if (!level) return answered(std::move(level.error()));
-                   answered(mission::TaskView{std::string(to_string(level->state)),
-                                              std::move(level->state_name), level->updates});
-                 });
+  look_later<mission::TaskView>(wait, std::move(answered), [&](const Wait& both, mission::TaskAnswer answer) {
+    service_.watch(asked, both, [answer = std::move(answer)](Result<host::TaskLevel> level) {
+      if (!level) return answer(std::move(level.error()));
+      answer(mission::TaskView{std::string(to_string(level->state)), std::move(level->state_name),
+                               level->updates});
+    });
+  });
 }
 
 void ServedRobot::changes(std::uint64_t seen, const Wait& wait, mission::ChangesAnswer answered) {
-  if (auto lost = loss()) return answered(std::move(*lost));
-  const auto either = std::make_shared<EitherStop>(wait.stop, lost_.get_token());
-  service_.changes(
-      seen, Wait(wait.deadline, either->token()),
-      [either, answered = std::move(answered)](Result<std::uint64_t> count) { answered(std::move(count)); });
+  look_later<std::uint64_t>(wait, std::move(answered), [&](const Wait& both, mission::ChangesAnswer answer) {
+    service_.changes(seen, both, std::move(answer));
+  });
 }
 
 Result<std::unique_ptr<mission::PortSamples>> ServedRobot::open(const mission::Member& port,

@@ -85,6 +85,9 @@ class ServedRobot final : public mission::CommandedRobot {
   /// `ask(wait)`, which only looks, and ends, too, where the robot is lost.
   template <class Ask>
   auto look(const Wait& wait, Ask ask) const -> decltype(ask(wait));
+  /// The same with `ask(wait, answered)`, which returns at once.
+  template <class T, class Ask>
+  void look_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const;
   [[nodiscard]] control::Sender sender() const;
   void count_saving(const type::Value& transition);
   [[nodiscard]] std::string requester(const mission::ControllerRequest& what) const;
