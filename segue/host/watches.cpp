@@ -20,7 +20,7 @@ void Watches::add(Wait wait, Look look) {
     look(End::Closed);
     return;
   }
-  if (!thread_) thread_ = concurrent::start_thread("segue-watch", [this] { run(); });
+  if (!thread_) thread_ = concurrent::start_thread(thread_name_, [this] { run(); });
   open_count_.fetch_add(1, std::memory_order_seq_cst);
   added_.push_back(std::make_unique<Open>(std::move(wait), std::move(look), *this));
   lock.unlock();

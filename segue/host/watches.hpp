@@ -29,8 +29,10 @@ class Watches {
   /// an end, and must not block.
   using Look = std::function<bool(End end)>;
 
-  /// Looks at least so often while somebody waits.
-  explicit Watches(Duration look = kLook) : look_(look) {}
+  /// Looks at least so often while somebody waits. `thread` is the name of the thread: a literal of at most
+  /// 15 characters.
+  explicit Watches(Duration look = kLook, const char* thread = "segue-watch")
+      : look_(look), thread_name_(thread) {}
   Watches(const Watches&) = delete;
   Watches& operator=(const Watches&) = delete;
   ~Watches() { close(); }
@@ -57,6 +59,7 @@ class Watches {
   [[nodiscard]] End end_of(const Open& open, TimePoint now) const;
 
   const Duration look_;
+  const char* const thread_name_;
   /// ring() looks at `open_count_` after the change that it stands for; add() raises that before it looks for
   /// changes (both sequentially consistent): so one of them sees the other.
   std::atomic<std::uint32_t> open_count_{0};

@@ -25,7 +25,7 @@ class ChangeCount {
 
  private:
   std::atomic<std::uint64_t> count_{1};
-  host::detail::Watches watches_{std::chrono::hours(1)};  ///< every change rings
+  host::detail::Watches watches_{std::chrono::hours(1), "segue-changes"};  ///< every change rings
 };
 
 }  // namespace segue::runtime::detail

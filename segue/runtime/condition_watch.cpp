@@ -25,7 +25,7 @@ ConditionWatch::ConditionWatch(host::TaskHost& host, model::RobotCondition condi
       condition_(std::move(condition)),
       from_(from),
       changed_(std::move(changed)),
-      thread_(concurrent::start_thread("segue-watch", [this] { work(stop_.get_token()); })) {}
+      thread_(concurrent::start_thread("segue-condition", [this] { work(stop_.get_token()); })) {}
 
 ConditionWatch::~ConditionWatch() {
   stop_.request_stop();

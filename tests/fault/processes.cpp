@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <sstream>
 #include <system_error>
 #include <vector>
@@ -34,13 +35,17 @@ std::vector<fs::path> entries(const fs::path& folder) {
   return found;
 }
 
-std::size_t threads_of(pid_t pid) {
-  std::size_t threads = 0;
+/// The names of the pools in segue/ whose threads serve calls, actions and hosts.
+constexpr std::array kPools{"segue-actions", "segue-calls",   "segue-fleet",
+                            "segue-hosts",   "segue-ordered", "segue-urgent"};
+
+std::map<std::string, std::size_t> threads_of(pid_t pid) {
+  std::map<std::string, std::size_t> threads;
   for (const fs::path& thread : entries(folder_of(pid) / "task")) {
-    const std::string name = text_of(thread / "comm");
-    const bool is_of_pool = name == "segue-actions\n" || name == "segue-fleet\n" || name == "segue-calls\n" ||
-                            name == "segue-ordered\n";
-    threads += is_of_pool ? 0 : 1;
+    std::string name = text_of(thread / "comm");
+    if (name.empty()) continue;  // it has ended meanwhile
+    name.pop_back();             // the end of the line
+    if (std::find(kPools.begin(), kPools.end(), name) == kPools.end()) ++threads[name];
   }
   return threads;
 }
@@ -99,9 +104,20 @@ Holdings holdings_of(pid_t pid) {
   return holdings;
 }
 
+bool has_grown(const Holdings& before, const Holdings& now) {
+  const bool has_more_threads = std::any_of(now.threads.begin(), now.threads.end(), [&](const auto& thread) {
+    const auto found = before.threads.find(thread.first);
+    return thread.second > (found == before.threads.end() ? 1 : found->second);
+  });
+  return has_more_threads || now.descriptors > before.descriptors || now.memory_maps > before.memory_maps;
+}
+
 std::string to_string(const Holdings& holdings) {
-  return std::to_string(holdings.threads) + " threads, " + std::to_string(holdings.descriptors) +
-         " descriptors, " + std::to_string(holdings.memory_maps) + " maps of shared memory";
+  std::string threads;
+  for (const auto& [name, count] : holdings.threads)
+    threads += (threads.empty() ? "" : ", ") + name + ": " + std::to_string(count);
+  return "threads (" + threads + "), " + std::to_string(holdings.descriptors) + " descriptors, " +
+         std::to_string(holdings.memory_maps) + " maps of shared memory";
 }
 
 char state_of(pid_t pid) {

@@ -19,13 +19,15 @@ std::map<std::string, pid_t> deployments_of(const std::filesystem::path& runtime
 
 /// Resources of a process; none after its end.
 struct Holdings {
-  std::size_t threads = 0;  ///< without those of pools, which grow with concurrent work
+  /// How many there are of each name, without those of pools, which grow with concurrent work.
+  std::map<std::string, std::size_t> threads;
   std::size_t descriptors = 0;
   std::size_t memory_maps = 0;  ///< mappings of shared anonymous memory (memfd)
-
-  friend bool operator==(const Holdings&, const Holdings&) = default;
 };
 Holdings holdings_of(pid_t pid);
+/// Whether there is more of anything than before. The first thread of its name is not more: many are started
+/// when they are needed for the first time.
+bool has_grown(const Holdings& before, const Holdings& now);
 std::string to_string(const Holdings& holdings);
 
 /// Its state as one letter ('R', 'S', 'T' stopped, 'Z' dead); 0 if it has ended.

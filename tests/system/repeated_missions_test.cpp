@@ -32,12 +32,8 @@ class RepeatedMissions : public SystemTest {
   /// What the last client held may take a moment to be closed.
   void expect_no_more_than(const Holdings& before) {
     Holdings now;
-    EXPECT_TRUE(eventually([&] { return !is_more(now = holdings_of(robot_->pid()), before); }))
+    EXPECT_TRUE(eventually([&] { return !has_grown(before, now = holdings_of(robot_->pid())); }))
         << "before: " << to_string(before) << "; now: " << to_string(now);
-  }
-  static bool is_more(const Holdings& now, const Holdings& before) {
-    return now.threads > before.threads || now.descriptors > before.descriptors ||
-           now.memory_maps > before.memory_maps;
   }
 };
 
