@@ -219,7 +219,7 @@ std::string quick(const std::string& text) {
 /// Here times are what the computer grants, so who wins a race does not matter.
 TEST(MissionEquivalence, RunsInRealTimeDoWhatTheSequentialOneDoes) {
   const std::uint64_t first = setting("SEGUE_MISSION_SEED", 1);
-  const std::uint64_t cases = setting("SEGUE_MISSION_CASES", kSanitized ? 400 : 10'000) / 100;
+  const std::uint64_t cases = setting("SEGUE_MISSION_CASES", kSanitized ? 150 : 10'000) / 100;
   std::size_t compared = 0;
   answer_second = std::chrono::milliseconds(1);
   for (std::uint64_t seed = first; compared < cases; ++seed) {
@@ -240,7 +240,7 @@ TEST(MissionEquivalence, RunsInRealTimeDoWhatTheSequentialOneDoes) {
 
 TEST(MissionEquivalence, ConcurrentRunsDoWhatTheSequentialOneDoes) {
   const std::uint64_t first = setting("SEGUE_MISSION_SEED", 1);
-  const std::uint64_t cases = setting("SEGUE_MISSION_CASES", kSanitized ? 400 : 10'000);
+  const std::uint64_t cases = setting("SEGUE_MISSION_CASES", kSanitized ? 150 : 10'000);
   std::size_t faster = 0;
   std::size_t succeeded = 0;
   std::size_t preempted = 0;
