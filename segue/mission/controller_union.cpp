@@ -30,8 +30,20 @@ Result<void> ControllerUnion::begin(const std::string& controller, std::vector<M
 
 bool ControllerUnion::may_run(const std::string& controller, const std::vector<MemberValue>& properties) {
   const std::lock_guard lock(mutex_);
+  return find_undisturbed(controller, properties) != members_.end();
+}
+
+/// Where it was requested with these properties, and nothing that is only kept changes what it does; end()
+/// elsewhere. Requires the lock.
+ControllerUnion::Members::iterator ControllerUnion::find_undisturbed(
+    const std::string& controller, const std::vector<MemberValue>& properties) {
   const auto known = find(controller);
-  return has_lease_ && known != members_.end() && known->properties == properties;
+  if (!has_lease_ || known == members_.end() || known->properties != properties) return members_.end();
+  const Members alone{*known};
+  const bool undisturbed = std::ranges::all_of(members_, [&](const Member& member) {
+    return member.users > 0 || member.controller == controller || fits(member.controller, alone);
+  });
+  return undisturbed ? known : members_.end();
 }
 
 bool ControllerUnion::runs_well(const std::string& controller, const Wait& wait) {
@@ -46,10 +58,9 @@ bool ControllerUnion::runs_well(const std::string& controller, const Wait& wait)
 bool ControllerUnion::use_what_runs(const std::string& controller, const std::vector<MemberValue>& properties,
                                     TimePoint earliest) {
   const std::lock_guard lock(mutex_);
-  const auto known = find(controller);
-  const bool runs = has_lease_ && known != members_.end() && known->properties == properties &&
-                    known->seen >= earliest && known->seen > changed_at_ && waiting_.empty() &&
-                    served_.empty();
+  const auto known = find_undisturbed(controller, properties);
+  const bool runs = known != members_.end() && known->seen >= earliest && known->seen > changed_at_ &&
+                    waiting_.empty() && served_.empty();
   if (!runs) return false;
   ++known->users;
   members_.splice(members_.begin(), members_, known);

@@ -101,6 +101,8 @@ class ControllerUnion {
   void work(const std::stop_token& end);
   [[nodiscard]] bool is_transition(const Change& change) const;
   Members::iterator find(const std::string& controller);
+  Members::iterator find_undisturbed(const std::string& controller,
+                                     const std::vector<MemberValue>& properties);
   void serve_waiting(Lock& lock);
   Result<void> serve(const Changes& changes, Lock& lock);
   void stop_unwanted(const Changes& changes);

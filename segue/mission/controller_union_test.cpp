@@ -199,6 +199,20 @@ TEST_F(UnionOfControllers, GivesUpWhatIsKeptWhereItWouldInterfere) {
       << "drive writes to nothing of it";
 }
 
+/// Whichever of them runs already.
+TEST_F(UnionOfControllers, GivesUpWhatIsKeptWhereItWouldInterfereWithWhatRunsAlready) {
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_TRUE(union_.end("drive", true));
+  EXPECT_TRUE(union_.begin("explore", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("explore", "drive"));
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_THAT(robot_->requests(), SizeIs(2)) << "both are in use";
+  EXPECT_TRUE(union_.end("drive", true));
+  EXPECT_TRUE(union_.end("explore", true));
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("drive"));
+}
+
 TEST_F(UnionOfControllers, StopsWhatIsNotKept) {
   EXPECT_TRUE(union_.begin("drive", {}));
   EXPECT_TRUE(union_.begin("arm", {}));
