@@ -4,6 +4,7 @@
 #include <segue/convert/unfinished_outputs.hpp>
 #include <segue/convert/world_views.hpp>
 #include <segue/mission/fact_observer.hpp>
+#include <segue/mission/retry_watch.hpp>
 #include <segue/mission/scripted_data.hpp>
 
 #include <algorithm>
@@ -19,8 +20,8 @@ namespace {
 class ObservedPlan final : public cdtn::Expansion {
  public:
   /// `journal` may be null.
-  ObservedPlan(MissionPlan& plan, mission::ActionObserver observe, NodeJournal* journal)
-      : plan_(plan), observe_(std::move(observe)), journal_(journal) {}
+  ObservedPlan(MissionPlan& plan, const RunOptions& options, NodeJournal* journal)
+      : plan_(plan), observe_(options.observe), warn_(options.warn), journal_(journal) {}
   void expand(cdtn::TaskNetwork& network, std::size_t wanted) override { plan_.expand(network, wanted); }
   void failed(cdtn::NodeId node) override { plan_.failed(node); }
   void skipped(cdtn::NodeId node) override { plan_.skipped(node); }
@@ -30,31 +31,48 @@ class ObservedPlan final : public cdtn::Expansion {
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
     if (outcome == cdtn::kPreempted) lost_.insert(node);
     if (journal_ != nullptr) journal_->ended(node, outcome, outputs);
-    if (observe_ && plan_[node].role == Role::Action) report(node, outcome, outputs);
+    if (is_told(node, outcome)) report(node, outcome, outputs);
     plan_.ended(node, outcome, outputs);
   }
   /// Those whose end ended the run: it leads nowhere in the plan.
-  void report_last(const cdtn::RunResult& result) const {
-    for (std::uint32_t i = 0; observe_ && i < result.nodes.size(); ++i) {
+  void report_last(const cdtn::RunResult& result) {
+    for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
       const cdtn::NodeStatus status = result.nodes[i].status;
+      const cdtn::OutcomeId outcome = result.nodes[i].outcome;
       if (status != cdtn::NodeStatus::Failed && status != cdtn::NodeStatus::Preempted) continue;
-      if (const cdtn::NodeId node{i}; plan_[node].role == Role::Action && !lost_.contains(node))
-        report(node, result.nodes[i].outcome, result.outputs[i].get());
+      if (const cdtn::NodeId node{i}; is_told(node, outcome) && !lost_.contains(node))
+        report(node, outcome, result.outputs[i].get());
     }
   }
 
  private:
-  void report(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) const {
+  /// An action, or a container that may not begin.
+  [[nodiscard]] bool is_told(cdtn::NodeId node, cdtn::OutcomeId outcome) const {
+    const Role role = plan_[node].role;
+    return role == Role::Action || (role == Role::Begin && plan_.outcome(node, outcome) == mission::kAborted);
+  }
+  /// The node that begins a container has its name.
+  [[nodiscard]] std::string path_of(cdtn::NodeId node) const {
+    return plan_[node].role == Role::Begin ? plan_.network().name_of(node) : std::string(plan_[node].path);
+  }
+  void report(cdtn::NodeId node, cdtn::OutcomeId ending, const type::Value* outputs) {
     const PlannedNode& planned = plan_[node];
-    const std::string name = plan_.program().outcome_name(planned.state, plan_.outcome(node, outcome));
+    const mission::Outcome outcome = plan_.outcome(node, ending);
+    const bool tries_again = retries_.ended(planned.state, outcome);
+    if (tries_again && warn_) warn_(path_of(node) + ": " + mission::RetryWatch::warning());
+    if (!observe_) return;
+    const std::string path = path_of(node);
+    const std::string name = plan_.program().outcome_name(planned.state, outcome);
     const type::Value* error = outputs == nullptr ? nullptr : outputs->find(kErrorOutput);
-    observe_({mission::ActionEvent::Kind::Ended, planned.path, planned.iteration, name,
+    observe_({mission::ActionEvent::Kind::Ended, path, planned.iteration, name,
               error == nullptr ? std::string_view{} : std::string_view(error->as_string())});
   }
 
   MissionPlan& plan_;
   const mission::ActionObserver observe_;
+  const std::function<void(std::string)> warn_;
   NodeJournal* const journal_;
+  mission::RetryWatch retries_;
   std::set<cdtn::NodeId> lost_;  ///< preempted by other states of their containers, and reported
 };
 
@@ -86,7 +104,7 @@ class Run::Implementation {
         runners_(runners),
         journal_(options.journal ? std::make_unique<NodeJournal>(*plan_, options.journal) : nullptr),
         environment_(*plan_, runners_, std::move(by_action), options, journal_.get()),
-        observed_(*plan_, options.observe, journal_.get()),
+        observed_(*plan_, options, journal_.get()),
         engine_(plan_->network(), observed_, environment_, settings(options)) {
     if (journal_) plan_->set_race_record(journal_->races());
   }

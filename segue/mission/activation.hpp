@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/history.hpp>
 #include <segue/mission/surroundings.hpp>
@@ -87,6 +88,17 @@ struct Activation {
   Activation* first = nullptr;  ///< Preemptive: the child that ended first
   std::vector<BranchResult> branches;
   std::vector<UndoRecord> undo;
+};
+
+/// When a leaf ends by itself, or may take no longer to end; the first one is the largest.
+struct Timer {
+  TimePoint when;
+  std::uint64_t order = 0;
+  Activation* activation = nullptr;
+  std::uint64_t generation = 0;
+  bool operator<(const Timer& other) const {
+    return when == other.when ? order > other.order : when > other.when;
+  }
 };
 
 /// Where a hierarchy goes on once its child has been preempted.

@@ -6,6 +6,7 @@
 #include <segue/mission/breakpoints.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/mailbox.hpp>
+#include <segue/mission/retry_watch.hpp>
 #include <segue/mission/shared_units.hpp>
 
 #include <deque>
@@ -68,15 +69,6 @@ class EngineCore {
 
  private:
   class LeafCall;
-  struct Timer {
-    TimePoint when;
-    std::uint64_t order = 0;
-    Activation* activation = nullptr;
-    std::uint64_t generation = 0;
-    bool operator<(const Timer& other) const {
-      return when == other.when ? order > other.order : when > other.when;
-    }
-  };
 
   // engine_core.cpp: scheduling, time, messages
   void begin();
@@ -108,6 +100,7 @@ class EngineCore {
   Ending call(Activation& leaf, bool& under_way);
   Ending execute(Activation& leaf, bool& under_way);
   void check(Activation& leaf, const Ending& ending);
+  void tell_end(const Activation& activation);
   void first_step(Activation& hierarchy);
 
   // engine_units.cpp: what an action needs before it begins
@@ -183,6 +176,7 @@ class EngineCore {
   std::shared_ptr<Iterations> iterations_;
   std::vector<bool> touches_;  ///< by action: it has facts or resources
   SharedUnits shared_;
+  RetryWatch retries_;
   std::vector<Waiting> asking_;  ///< leaves that wait for units, the first one longest
   std::vector<std::pair<std::uint32_t, Slot>> replaced_;  ///< by the child that ends, for its undo record
   const SurroundingsPtr around_root_;

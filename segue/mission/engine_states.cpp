@@ -180,10 +180,18 @@ void EngineCore::check(Activation& leaf, const Ending& ending) {
   }
   if (leaf.replayed) return;
   if (options.journal != nullptr) record_end(leaf);
-  if (!options.observe || backward_) return;
-  const std::string at = path(leaf);
-  const std::string outcome = program->outcome_name(leaf.state, leaf.outcome);
-  options.observe({ActionEvent::Kind::Ended, at, leaf.iteration, outcome, leaf.error});
+  tell_end(leaf);
+}
+
+/// Of an action, or of a container that may not begin.
+void EngineCore::tell_end(const Activation& activation) {
+  if (backward_) return;
+  if (retries_.ended(activation.state, activation.outcome) && options.warn)
+    warn(activation, RetryWatch::warning());
+  if (!options.observe) return;
+  const std::string at = path(activation);
+  const std::string outcome = program->outcome_name(activation.state, activation.outcome);
+  options.observe({ActionEvent::Kind::Ended, at, activation.iteration, outcome, activation.error});
 }
 
 Activation* EngineCore::enter_library(Activation& library) {
@@ -241,6 +249,7 @@ Activation* EngineCore::finish(Activation& activation) {
     if (activation.preempted) activation.outcome = kPreempted;
     if (!options.backward) free_children(activation);
   }
+  if (activation.refused && activation.outcome == kAborted) tell_end(activation);
   if (!activation.error.empty()) {
     if (const auto port = position(*node.output_ports, "error")) activation.outputs[*port] = activation.error;
   }
