@@ -27,7 +27,8 @@ struct RunOptions {
   mission::AttachedData world_data{};                    ///< likewise
   std::function<void(std::string)> warn;                 ///< likewise
   /// Called for every action that begins, and for every one whose end counts: actions that run ahead and are
-  /// discarded begin only; an action or a container that may not begin has an end only. One call at a time, but actions of opaque subtrees report from other threads.
+  /// discarded begin only; an action or a container that may not begin has an end only. One call at a time,
+  /// but actions of opaque subtrees report from other threads.
   mission::ActionObserver observe{};
   /// Records the run, or supplies what an earlier one did; created with RunJournal::Start::concurrent.
   std::shared_ptr<mission::RunJournal> journal{};
