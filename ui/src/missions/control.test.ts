@@ -77,6 +77,10 @@ describe('the lives of states', () => {
     const lives = livesOf(mission(null, { entries: entries(['a/b'], ['a/b', 'success']) }), ['a/c', 'd']);
     expect([...lives]).toEqual([['a', 'running'], ['a/b', 'done'], ['a/c', 'next'], ['d', 'next']]);
   });
+  it('go on beside a state that may not begin', () => {
+    const lives = livesOf(mission(null, { entries: entries(['a/b'], ['a/c', 'aborted']) }));
+    expect([...lives]).toEqual([['a', 'running'], ['a/b', 'running'], ['a/c', 'failed']]);
+  });
 });
 
 describe('a breakpoint', () => {

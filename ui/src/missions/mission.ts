@@ -114,9 +114,14 @@ function worse(outcome: string): boolean {
 export function livesOf(mission: Mission, at: string[] = []): Map<string, Life> {
   const running = new Map<string, number>();
   const lives = new Map<string, Life>();
+  const begun = new Set<string>();
   for (const entry of entriesOf(mission)) {
     if (entry.kind === 'asked') continue;
-    const change = entry.kind === 'began' ? 1 : -1;
+    const execution = entry.action + '#' + entry.iteration;
+    // What may not begin has an end only.
+    const change = entry.kind === 'began' ? 1 : begun.has(execution) ? -1 : 0;
+    if (entry.kind === 'began') begun.add(execution);
+    else begun.delete(execution);
     const paths = pathsTo(entry.action);
     for (const path of paths) {
       const count = Math.max(0, (running.get(path) ?? 0) + change);
