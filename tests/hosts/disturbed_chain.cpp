@@ -70,33 +70,39 @@ std::vector<double> DisturbedChainTest::moments(const std::vector<double>& some)
   return all;
 }
 
+void DisturbedChainTest::disturb_one_switch(std::size_t at, bool is_lost, const Disturb& disturb,
+                                            const Disturb& restore) {
+  const auto result = switch_disturbed("more", at, disturb);
+  if (is_lost) {
+    ASSERT_TRUE(wait_until_reachable("b", false));
+  }
+  restore();
+  ASSERT_TRUE(wait_until_reachable("b", true));
+  const std::string runs = text_in(status(), "controller");
+  EXPECT_EQ(runs, text_in(result, "outcome") == "done" ? "more" : "plain") << type::to_json(result);
+  EXPECT_EQ(what_stays_wrong(HostsTest::network(runs)), "") << type::to_json(result);
+  wait_for_more();
+  ASSERT_TRUE(recover_to("plain"));
+}
+
 void DisturbedChainTest::disturb_switches(const std::vector<double>& moments, bool is_lost,
                                           const Disturb& disturb, const Disturb& restore) {
   const std::size_t actions = switch_to("more").find("actions")->as_list().size();
   switch_to("plain");
-  int amid = 0;
-  int in_time = 0;
+  bool any_amid = false;
+  bool any_in_time = false;
   for (const double moment : moments) {
     const auto at = static_cast<std::size_t>(std::lround(moment * static_cast<double>(actions)));
     SCOPED_TRACE("after " + std::to_string(at) + " of " + std::to_string(actions) + " actions");
-    const auto result = switch_disturbed("more", at, disturb);
     const bool is_amid = at > 0 && 4 * at <= 3 * actions;  // a disturbance of the last actions may come late
-    amid += is_amid ? 1 : 0;
-    in_time += is_amid && was_in_time_ ? 1 : 0;
-    if (is_lost) {
-      ASSERT_TRUE(wait_until_reachable("b", false));
+    any_amid |= is_amid;
+    // On a busy computer any one may; what it disturbs then is no switch, so another one is.
+    for (int round = 0; round == 0 || (is_amid && !any_in_time && round < kMostRounds); ++round) {
+      ASSERT_NO_FATAL_FAILURE(disturb_one_switch(at, is_lost, disturb, restore));
+      any_in_time |= is_amid && was_in_time_;
     }
-    restore();
-    ASSERT_TRUE(wait_until_reachable("b", true));
-    const std::string runs = text_in(status(), "controller");
-    EXPECT_EQ(runs, text_in(result, "outcome") == "done" ? "more" : "plain") << type::to_json(result);
-    EXPECT_EQ(what_stays_wrong(HostsTest::network(runs)), "") << type::to_json(result);
-    wait_for_more();
-    ASSERT_TRUE(recover_to("plain"));
   }
-  if (amid > 0) {
-    EXPECT_GT(in_time, 0) << "all switches had ended before they were disturbed";
-  }
+  EXPECT_EQ(any_in_time, any_amid) << "all switches had ended before they were disturbed";
 }
 
 void DisturbedChainTest::expect_whole(const std::string& controller) {

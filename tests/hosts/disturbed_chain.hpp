@@ -33,6 +33,9 @@ class DisturbedChainTest : public ChainTest {
   void expect_whole(const std::string& controller);
 
  private:
+  static constexpr int kMostRounds = 10;
+  void disturb_one_switch(std::size_t at, bool is_lost, const Disturb& disturb, const Disturb& restore);
+
   bool was_in_time_ = false;  ///< the last disturbance came before the end of its switch
 };
 
