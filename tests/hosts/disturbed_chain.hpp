@@ -14,7 +14,7 @@ namespace segue::testing {
 class DisturbedChainTest : public ChainTest {
  protected:
   using Disturb = std::function<void()>;
-  static constexpr const char* kSlow = "20ms";
+  static constexpr const char* kSlow = "100ms";
 
   /// Begins to switch, and disturbs the robot once that many actions are done. Returns the result, which is
   /// checked: it is done, or says why it is not, and what was undone.
