@@ -28,12 +28,14 @@ void CheckedRobot::blame(std::string what) {
 Result<void> CheckedRobot::request(const mission::ControllerRequest& what, const Wait& wait) {
   const bool was_lost = is_lost();
   const std::set<std::string> names(what.controllers.begin(), what.controllers.end());
+  ++requests_begun_;
   auto outcome = inner_->request(what, wait);
   if (outcome) {
     check_granted(names, was_lost);
   } else if (!may_fail_ && !may_be_lost_) {
     blame(fmt::format("a request for {} failed: {}", names, outcome.error().message));
   }
+  ++requests_ended_;
   answered(1);
   return outcome;
 }
@@ -50,19 +52,22 @@ void CheckedRobot::check_granted(const std::set<std::string>& names, bool was_lo
 
 Result<mission::ControllerTrouble> CheckedRobot::trouble(std::string_view controller, const Wait& wait) {
   const bool was_lost = is_lost();
+  const int ended_before = requests_ended_;
   auto trouble = inner_->trouble(controller, wait);
-  if (trouble) check_fine(std::string(controller), *trouble, was_lost);
+  const bool others_asked = requests_begun_ != ended_before;
+  if (trouble) check_fine(std::string(controller), *trouble, was_lost, others_asked);
   answered(1);
   return trouble;
 }
 
 void CheckedRobot::check_fine(const std::string& name, const mission::ControllerTrouble& trouble,
-                              bool was_lost) {
+                              bool was_lost, bool others_asked) {
   const bool is_fine = trouble.why.empty() && trouble.tasks.empty();
   if (was_lost && is_fine) blame(name + " was said to run although the robot had been taken over");
-  if (may_be_lost_) return;
-  if (is_fine && !running().contains(name)) blame(name + " was said to run, but had not been requested");
-  if (!is_fine && !may_fail_) blame(name + " was said not to run: " + trouble.why);
+  if (may_be_lost_ || others_asked) return;
+  const bool was_granted = running().contains(name);
+  if (is_fine && !was_granted) blame(name + " was said to run, but had not been requested");
+  if (!is_fine && was_granted && !may_fail_) blame(name + " was said not to run: " + trouble.why);
 }
 
 void CheckedRobot::answered(int count) {

@@ -49,7 +49,9 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   static constexpr int kOver = 1 << 30;
 
   void check_granted(const std::set<std::string>& names, bool was_lost);
-  void check_fine(const std::string& name, const mission::ControllerTrouble& trouble, bool was_lost);
+  /// `others_asked`: a request was carried out at the same time, which may have given up what is only kept.
+  void check_fine(const std::string& name, const mission::ControllerTrouble& trouble, bool was_lost,
+                  bool others_asked);
   void answered(int count);
 
   runtime::Runtime& runtime_;
@@ -57,6 +59,8 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   std::atomic<bool> may_fail_ = false;
   std::atomic<bool> may_be_lost_ = false;
   std::atomic<int> answers_ = 0;
+  std::atomic<int> requests_begun_ = 0;
+  std::atomic<int> requests_ended_ = 0;
   mutable std::mutex mutex_;  ///< protects the next two
   std::set<std::string> running_;
   std::optional<std::string> problem_;
