@@ -39,11 +39,10 @@ ControllerUnion::Members::iterator ControllerUnion::find_undisturbed(
     const std::string& controller, const std::vector<MemberValue>& properties) {
   const auto known = find(controller);
   if (!has_lease_ || known == members_.end() || known->properties != properties) return members_.end();
-  const Members alone{*known};
-  const bool undisturbed = std::ranges::all_of(members_, [&](const Member& member) {
-    return member.users > 0 || member.controller == controller || fits(member.controller, alone);
+  const bool is_disturbed = std::ranges::any_of(members_, [&](const Member& member) {
+    return member.users == 0 && member.controller != controller && disturbs(member.controller, controller);
   });
-  return undisturbed ? known : members_.end();
+  return is_disturbed ? members_.end() : known;
 }
 
 bool ControllerUnion::runs_well(const std::string& controller, const Wait& wait) {
@@ -214,13 +213,15 @@ ControllerUnion::Members ControllerUnion::with(const Changes& changes) const {
   return wanted;
 }
 
-/// Whether what is kept can run on beside these without changing what they do. Where it is not known what can
-/// run at once, nothing does.
+/// Whether what is kept can run on beside these without changing what they do.
 bool ControllerUnion::fits(const std::string& controller, const Members& members) const {
-  return std::ranges::none_of(members, [&](const Member& member) {
-    return !conflicts_ || conflicts_->conflict(controller, member.controller) ||
-           conflicts_->influence(controller, member.controller);
-  });
+  return std::ranges::none_of(members,
+                              [&](const Member& member) { return disturbs(controller, member.controller); });
+}
+
+/// Where it is not known what can run at once, everything does.
+bool ControllerUnion::disturbs(const std::string& kept, const std::string& used) const {
+  return !conflicts_ || conflicts_->conflict(kept, used) || conflicts_->influence(kept, used);
 }
 
 Result<void> ControllerUnion::request(const Members& members, const Changes& changes, Lock& lock) {

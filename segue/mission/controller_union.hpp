@@ -108,6 +108,7 @@ class ControllerUnion {
   void stop_unwanted(const Changes& changes);
   [[nodiscard]] Members with(const Changes& changes) const;
   [[nodiscard]] bool fits(const std::string& controller, const Members& members) const;
+  [[nodiscard]] bool disturbs(const std::string& kept, const std::string& used) const;
   Result<void> request(const Members& members, const Changes& changes, Lock& lock);
   void learn_conflicts(Lock& lock, const std::stop_token& end);
 
