@@ -128,7 +128,7 @@ Result<double> ideal_makespan(const session::Session& plan, RunRequest request, 
   request.mode = RunMode::Concurrent;
   request.clock = cdtn::ClockKind::Virtual;
   request.python.clear();
-  request.on_action = {};
+  request.on_event = {};
   request.runners = {};
   request.runners.run_all_by(trace.replay(clock));
   const auto run = plan.run(request);
@@ -161,7 +161,7 @@ Result<MissionRun> run_on(FreshRobot& robot, const MissionExperiment& experiment
   if (auto ready = robot.wait_for_pools(stop); !ready) return ready.error();
   if (auto given = run_by_robot(request, *plan, robot.served(), {}); !given) return given.error();
   MissionTrace trace;
-  request.on_action = [&trace](const mission::ActionEvent& event) { trace.observe(event); };
+  request.on_event = [&trace](const mission::StateEvent& event) { trace.observe(event); };
   std::optional<RobotClock> clock;
   if (!experiment.clock.empty()) clock.emplace(robot.served(), experiment.clock);
   const TimePoint begin = monotonic_now();

@@ -65,10 +65,11 @@ std::optional<double> RobotClock::at(TimePoint when) const {
   return before + part * (after->second - before);
 }
 
-void MissionTrace::observe(const mission::ActionEvent& event) {
+void MissionTrace::observe(const mission::StateEvent& event) {
+  if (event.is_container) return;
   const TimePoint now = monotonic_now();
   const std::lock_guard lock(mutex_);
-  if (event.kind == mission::ActionEvent::Kind::Began) {
+  if (event.kind == mission::StateEvent::Kind::Began) {
     open_.push_back({std::string(event.path), event.iteration, now});
     return;
   }

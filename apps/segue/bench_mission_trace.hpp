@@ -48,7 +48,7 @@ class RobotClock {
 /// Records what a run of a mission does. observe() on any thread, the rest after the run.
 class MissionTrace {
  public:
-  void observe(const mission::ActionEvent& event);
+  void observe(const mission::StateEvent& event);
 
   /// How long no action was under way between `begin` and `end`.
   [[nodiscard]] Duration idle(TimePoint begin, TimePoint end) const;

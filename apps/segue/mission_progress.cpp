@@ -18,7 +18,7 @@ namespace segue::cli {
 
 namespace {
 
-using Kind = mission::ActionEvent::Kind;
+using Kind = mission::StateEvent::Kind;
 
 /// Drawings in a second, if events keep coming; as many may come at once after a pause.
 constexpr double kMostDrawings = 10;
@@ -27,7 +27,7 @@ constexpr Duration kRefresh = std::chrono::seconds(1);
 /// More lines of either kind are counted, not shown.
 constexpr std::size_t kMostShown = 8;
 
-std::string label_of(const mission::ActionEvent& event) {
+std::string label_of(const mission::StateEvent& event) {
   std::string label(event.path);
   return event.iteration == 0 ? label : label + '#' + std::to_string(event.iteration);
 }
@@ -73,10 +73,11 @@ MissionProgress::~MissionProgress() {
   clear_block();
 }
 
-void MissionProgress::observe(const mission::ActionEvent& event) {
+void MissionProgress::observe(const mission::StateEvent& event) {
   if (style_ == Style::None) return;
   const std::lock_guard lock(mutex_);
   if (style_ != Style::Block) return print_event(event);
+  if (event.is_container) return;
   const TimePoint now = RealClock::instance().now();
   const std::string label = label_of(event);
   if (event.kind == Kind::Began) {
@@ -105,13 +106,14 @@ void MissionProgress::note(const std::string& text) {
   print_note(text);
 }
 
-void MissionProgress::print_event(const mission::ActionEvent& event) const {
+void MissionProgress::print_event(const mission::StateEvent& event) const {
   const bool began = event.kind == Kind::Began;
   const double time = seconds_since(begin_);
   if (style_ == Style::JsonEvents) {
     type::Value value = type::Value::map({{"kind", began ? "began" : "ended"},
                                           {"name", std::string(event.path)},
                                           {"iteration", event.iteration}});
+    if (event.is_container) value.as_map().set("container", true);
     if (with_time_) value.as_map().set("time_s", time);
     if (!began) value.as_map().set("outcome", std::string(event.outcome));
     if (!event.error.empty()) value.as_map().set("error", std::string(event.error));

@@ -35,12 +35,12 @@ class MissionProgress {
   MissionProgress(const MissionProgress&) = delete;
   MissionProgress& operator=(const MissionProgress&) = delete;
 
-  void observe(const mission::ActionEvent& event);
+  void observe(const mission::StateEvent& event);
   /// A note on standard error, beside whatever is shown.
   void note(const std::string& text);
 
  private:
-  void print_event(const mission::ActionEvent& event) const;
+  void print_event(const mission::StateEvent& event) const;
   /// Redraws the block while time passes, though nothing happens.
   void refresh();
   void draw_block();

@@ -88,10 +88,11 @@ void MissionRemote::ended(std::string_view outcome, std::string_view error) {
   robot_.record().ended(outcome, error);
 }
 
-void MissionRemote::observe(const mission::ActionEvent& event) {
+void MissionRemote::observe(const mission::StateEvent& event) {
   robot_.record().observe(event);
+  if (event.is_container) return;
   const std::lock_guard lock(mutex_);
-  if (event.kind == mission::ActionEvent::Kind::Began) {
+  if (event.kind == mission::StateEvent::Kind::Began) {
     running_.emplace(event.path);
     return;
   }

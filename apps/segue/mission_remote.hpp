@@ -38,7 +38,7 @@ class MissionRemote {
   MissionRemote& operator=(const MissionRemote&) = delete;
 
   /// Of the run. From any thread.
-  void observe(const mission::ActionEvent& event);
+  void observe(const mission::StateEvent& event);
   /// The run has ended, `error` says why it aborted. What it did is in the robot's journal once this is
   /// destroyed, as far as the robot could be reached.
   void ended(std::string_view outcome, std::string_view error);

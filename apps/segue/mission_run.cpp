@@ -133,7 +133,7 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
                   "; it goes on with 'segue mission step' or 'resume'");
   };
   if (style != MissionProgress::Style::None) {
-    request.on_action = [&, further = request.on_action](const mission::ActionEvent& event) {
+    request.on_event = [&, further = request.on_event](const mission::StateEvent& event) {
       progress.observe(event);
       if (further) further(event);
     };
@@ -380,7 +380,7 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
     MissionRemote remote(
         *robot, *plan->program(),
         [&](MissionRemote::PlanDetail detail) { return shown_plan(*plan, request, detail); }, steering, stop);
-    request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
+    request.on_event = [&](const mission::StateEvent& event) { remote.observe(event); };
     run = run_with_progress(*plan, request, options, stop.get_token(), context);
     tell_end(run, remote);
   }

@@ -26,8 +26,8 @@ mission::Ending weigh(mission::ActionCall& call) {
   return {call.outcome("weighed").value_or(mission::kAborted), {}};
 }
 
-void show(const mission::ActionEvent& event) {
-  if (event.kind == mission::ActionEvent::Kind::Began) return;
+void show(const mission::StateEvent& event) {
+  if (event.kind == mission::StateEvent::Kind::Began) return;
   std::printf("%.*s: %.*s\n", static_cast<int>(event.path.size()), event.path.data(),
               static_cast<int>(event.outcome.size()), event.outcome.data());
 }
@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   request.mode = session::RunMode::Concurrent;
   request.clock = cdtn::ClockKind::Virtual;  // simulated actions take no time
   request.runners.add("weigh", weigh);
-  request.on_action = show;
+  request.on_event = show;
   std::stop_source stop;  // request_stop(), on any thread, preempts what is running
   const auto run = session->run(request, stop.get_token());
   if (!run) return fail_with(to_string(run.error()));

@@ -33,7 +33,7 @@ class Expansion {
   /// The nodes that have lost a race since the last call: what of them runs is preempted, and its end counts;
   /// the others are skipped (see skipped()). Asked whenever a node has ended or was appended.
   virtual std::vector<NodeId> take_lost() { return {}; }
-  /// The node was in take_lost() and will not end.
+  /// The node turned out to be off the path, or was in take_lost(), and will not end.
   virtual void skipped(NodeId node) { (void)node; }
   /// Nothing will be appended any more.
   [[nodiscard]] virtual bool finished() const = 0;

@@ -137,7 +137,6 @@ void ConcurrentEngine::Implementation::commit_lost(NodeId node) {
   if (has_changes && !turn_has_come(node)) return;
   if (!has_changes || (inputs_are_valid(node) && pending->valid())) return commit_with_changes(node);
   skip(node);
-  expansion_->skipped(node);
 }
 
 /// Whether all nodes before it have passed, those in parallel aside. If not, it is checked again once the

@@ -134,7 +134,6 @@ void ConcurrentEngine::Implementation::lose(NodeId node) {
     return cancel_run(node);
   }
   skip(node);
-  expansion_->skipped(node);
 }
 
 /// Takes runs that have lost and not ended in time as aborted; false if no time was up.

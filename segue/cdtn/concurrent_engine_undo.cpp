@@ -20,6 +20,7 @@ void ConcurrentEngine::Implementation::skip_one(NodeId node) {
   abandon(node);
   state.phase = Phase::Skipped;
   log(node, LogKind::Skip);
+  if (expansion_ != nullptr) expansion_->skipped(node);
   const auto accesses = network_.accesses(node);
   for (std::uint32_t i = 0; i < accesses.size(); ++i) {
     if (!accesses[i].writes) continue;

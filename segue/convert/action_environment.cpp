@@ -189,13 +189,14 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
 
 ActionEnvironment::ActionEnvironment(const MissionPlan& plan, const mission::Runners& runners,
                                      std::vector<std::shared_ptr<mission::ActionRunner>> by_action,
-                                     RunOptions options, NodeJournal* journal)
+                                     RunOptions options, Listeners listeners)
     : globals(plan.program().mission().globals),
       plan_(plan),
       runners_(runners),
       by_action_(std::move(by_action)),
       options_(std::move(options)),
-      journal_(journal),
+      journal_(listeners.journal),
+      events_(listeners.events),
       iterations_(std::make_shared<mission::Iterations>(plan.program().nodes().size())) {}
 
 ActionEnvironment::~ActionEnvironment() {
@@ -324,6 +325,7 @@ void ActionEnvironment::start(NodeContext& context, Completions& completions) {
 bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
   auto end = journal_->replayed(context.node());
   if (!end) return false;
+  if (events_ != nullptr) events_->replays(context.node());
   const auto reports = counting_reporter(context);
   for (auto& [name, value] : end->globals) {
     if (const auto set = reports->globals.set(name, std::move(value)); !set && options_.warn)
@@ -361,8 +363,7 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
     return completions.finish_at(completions.now(), context.node(), context.attempt(),
                                  refuse(context, planned.refused));
   }
-  if (options_.observe)
-    options_.observe({mission::ActionEvent::Kind::Began, planned.path, planned.iteration});
+  if (events_ != nullptr) events_->begins(context.node());
   if (journal_ != nullptr) journal_->began(context.node());
   auto reports = counting_reporter(context);
   if (auto used = reports->globals.pending_changes()) unsure_[index(context.node())] = std::move(used);
@@ -437,6 +438,7 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
     return completions.finish_at(completions.now(), context.node(), context.attempt(),
                                  reports->report({kAborted, made.error().message}, {}));
   }
+  if (events_ != nullptr) events_->begins(context.node());
   if (journal_ != nullptr) journal_->began(context.node());
   std::shared_ptr<mission::Engine> engine = std::move(*made);
   const auto carry_out = [engine, reports, watch] {

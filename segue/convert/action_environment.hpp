@@ -4,6 +4,7 @@
 #include <segue/convert/mission_plan.hpp>
 #include <segue/convert/node_journal.hpp>
 #include <segue/convert/run.hpp>
+#include <segue/convert/run_events.hpp>
 #include <segue/mission/engine.hpp>
 
 #include <functional>
@@ -19,9 +20,14 @@ namespace segue::convert {
 /// directly.
 class ActionEnvironment final : public cdtn::Environment {
  public:
+  /// Who is told of what begins; null: nobody.
+  struct Listeners {
+    NodeJournal* journal;
+    RunEvents* events;
+  };
   ActionEnvironment(const MissionPlan& plan, const mission::Runners& runners,
                     std::vector<std::shared_ptr<mission::ActionRunner>> by_action, RunOptions options,
-                    NodeJournal* journal = nullptr);
+                    Listeners listeners = {nullptr, nullptr});
   ~ActionEnvironment() override;
 
   void start(cdtn::NodeContext& context, cdtn::Completions& completions) override;
@@ -79,6 +85,7 @@ class ActionEnvironment final : public cdtn::Environment {
   const std::vector<std::shared_ptr<mission::ActionRunner>> by_action_;
   const RunOptions options_;
   NodeJournal* const journal_;  ///< null: none
+  RunEvents* const events_;     ///< likewise
   const std::shared_ptr<mission::Iterations> iterations_;
   std::shared_ptr<EndReceiver> receiver_ = std::make_shared<EndReceiver>();
   std::unordered_map<std::uint32_t, Running> running_;  ///< by node: what can be preempted

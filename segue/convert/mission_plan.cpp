@@ -151,6 +151,29 @@ bool MissionPlan::off_path(NodeId node) const {
   return !unroller_->paths().live((*this)[node].when);
 }
 
+std::shared_ptr<ContainerRun> MissionPlan::container_of(NodeId node) const {
+  return unroller_->container_of(node);
+}
+
+std::optional<mission::Ending> MissionPlan::end_of(const ContainerRun& container) {
+  const Exit* exit = unroller_->exit_of(container);
+  if (exit == nullptr) return std::nullopt;
+  mission::Ending end{exit->outcome, {}};
+  if (end.outcome != mission::kAborted) return end;
+  const auto error = unroller_->value_of({exit->arrival.errors, {}});
+  if (error && error->is_string()) end.error = error->as_string();
+  return end;
+}
+
+bool MissionPlan::off_path(const ContainerRun& container) const {
+  return !unroller_->paths().live(container.when);
+}
+
+bool MissionPlan::on_path(const ContainerRun& container) const {
+  const auto live = unroller_->paths().live(container.when);
+  return live && live->always();
+}
+
 PathIndex MissionPlan::path_index() const {
   return PathIndex(unroller_->paths());
 }

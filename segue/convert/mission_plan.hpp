@@ -6,6 +6,7 @@
 #include <segue/convert/opaque_subtrees.hpp>
 #include <segue/convert/path_index.hpp>
 #include <segue/convert/symbol.hpp>
+#include <segue/mission/action_runner.hpp>
 #include <segue/mission/execution.hpp>
 #include <segue/mission/place.hpp>
 #include <segue/mission/program.hpp>
@@ -16,6 +17,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -96,6 +98,7 @@ inline constexpr std::string_view kRecordOutput = "#record";  ///< for the journ
 inline constexpr std::string_view kValueOutput = "value";
 
 class Unroller;
+struct ContainerRun;
 
 /// Which states have ended preemptive containers, and what an earlier run that is being resumed had recorded.
 struct RaceRecord {
@@ -150,6 +153,13 @@ class MissionPlan final : public cdtn::Expansion {
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
   /// Whether the ends that are known so far keep the node off the path.
   [[nodiscard]] bool off_path(cdtn::NodeId node) const;
+  /// The innermost container that the node is in, null for the mission itself; until the node is over.
+  [[nodiscard]] std::shared_ptr<ContainerRun> container_of(cdtn::NodeId node) const;
+  /// How the container has ended, once all in it is over and that is certain.
+  [[nodiscard]] std::optional<mission::Ending> end_of(const ContainerRun& container);
+  /// Whether the ends that are known so far keep it off the path, or on the path.
+  [[nodiscard]] bool off_path(const ContainerRun& container) const;
+  [[nodiscard]] bool on_path(const ContainerRun& container) const;
   /// The tree of branches as it is now.
   [[nodiscard]] PathIndex path_index() const;
   /// The outcome of the state of that node.

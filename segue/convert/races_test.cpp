@@ -133,8 +133,8 @@ TEST(Races, WhatGoesOnThoughPreemptedIsGivenUp) {
   std::vector<std::string> ends_of_deaf;
   RunOptions options;
   options.preemption_grace = std::chrono::milliseconds(1);
-  options.observe = [&](const mission::ActionEvent& event) {
-    if (event.kind == mission::ActionEvent::Kind::Ended && event.path == "both/work/fetch")
+  options.observe = [&](const mission::StateEvent& event) {
+    if (event.kind == mission::StateEvent::Kind::Ended && event.path == "both/work/fetch")
       ends_of_deaf.push_back(std::string(event.outcome) + ": " + std::string(event.error));
   };
   // The watch ends in virtual time, which stands still until the deaf action is given up, so it waits as

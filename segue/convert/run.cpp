@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/run.hpp>
+#include <segue/convert/run_events.hpp>
 #include <segue/convert/unfinished_outputs.hpp>
 #include <segue/convert/world_views.hpp>
 #include <segue/mission/fact_observer.hpp>
-#include <segue/mission/retry_watch.hpp>
 #include <segue/mission/scripted_data.hpp>
 
 #include <algorithm>
 #include <mutex>
-#include <set>
 #include <utility>
 
 namespace segue::convert {
@@ -20,67 +19,38 @@ namespace {
 class ObservedPlan final : public cdtn::Expansion {
  public:
   /// `journal` may be null.
-  ObservedPlan(MissionPlan& plan, const RunOptions& options, NodeJournal* journal)
-      : plan_(plan), observe_(options.observe), warn_(options.warn), journal_(journal) {}
-  void expand(cdtn::TaskNetwork& network, std::size_t wanted) override { plan_.expand(network, wanted); }
+  ObservedPlan(MissionPlan& plan, RunEvents& events, NodeJournal* journal)
+      : plan_(plan), events_(events), journal_(journal) {}
+  void expand(cdtn::TaskNetwork& network, std::size_t wanted) override {
+    plan_.expand(network, wanted);
+    events_.settle();
+  }
   void failed(cdtn::NodeId node) override { plan_.failed(node); }
-  void skipped(cdtn::NodeId node) override { plan_.skipped(node); }
+  void skipped(cdtn::NodeId node) override {
+    plan_.skipped(node);
+    events_.settle();
+  }
   [[nodiscard]] bool races() const override { return plan_.races(); }
   [[nodiscard]] std::vector<cdtn::NodeId> take_lost() override { return plan_.take_lost(); }
   [[nodiscard]] bool finished() const override { return plan_.finished(); }
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
-    if (outcome == cdtn::kPreempted) lost_.insert(node);
     if (journal_ != nullptr) journal_->ended(node, outcome, outputs);
-    if (is_told(node, outcome)) report(node, outcome, outputs);
+    events_.ended(node, outcome, outputs);
     plan_.ended(node, outcome, outputs);
-  }
-  /// Those whose end ended the run: it leads nowhere in the plan.
-  void report_last(const cdtn::RunResult& result) {
-    for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
-      const cdtn::NodeStatus status = result.nodes[i].status;
-      const cdtn::OutcomeId outcome = result.nodes[i].outcome;
-      if (status != cdtn::NodeStatus::Failed && status != cdtn::NodeStatus::Preempted) continue;
-      if (const cdtn::NodeId node{i}; is_told(node, outcome) && !lost_.contains(node))
-        report(node, outcome, result.outputs[i].get());
-    }
+    events_.settle();
   }
 
  private:
-  /// An action, or a container that may not begin.
-  [[nodiscard]] bool is_told(cdtn::NodeId node, cdtn::OutcomeId outcome) const {
-    const Role role = plan_[node].role;
-    return role == Role::Action || (role == Role::Begin && plan_.outcome(node, outcome) == mission::kAborted);
-  }
-  /// The node that begins a container has its name.
-  [[nodiscard]] std::string path_of(cdtn::NodeId node) const {
-    return plan_[node].role == Role::Begin ? plan_.network().name_of(node) : std::string(plan_[node].path);
-  }
-  void report(cdtn::NodeId node, cdtn::OutcomeId ending, const type::Value* outputs) {
-    const PlannedNode& planned = plan_[node];
-    const mission::Outcome outcome = plan_.outcome(node, ending);
-    const bool tries_again = retries_.ended(planned.state, outcome);
-    if (tries_again && warn_) warn_(path_of(node) + ": " + mission::RetryWatch::warning());
-    if (!observe_) return;
-    const std::string path = path_of(node);
-    const std::string name = plan_.program().outcome_name(planned.state, outcome);
-    const type::Value* error = outputs == nullptr ? nullptr : outputs->find(kErrorOutput);
-    observe_({mission::ActionEvent::Kind::Ended, path, planned.iteration, name,
-              error == nullptr ? std::string_view{} : std::string_view(error->as_string())});
-  }
-
   MissionPlan& plan_;
-  const mission::ActionObserver observe_;
-  const std::function<void(std::string)> warn_;
+  RunEvents& events_;
   NodeJournal* const journal_;
-  mission::RetryWatch retries_;
-  std::set<cdtn::NodeId> lost_;  ///< preempted by other states of their containers, and reported
 };
 
 /// Opaque subtrees report from threads of their own.
-mission::ActionObserver one_at_a_time(mission::ActionObserver observe) {
+mission::StateObserver one_at_a_time(mission::StateObserver observe) {
   if (!observe) return {};
   return [observe = std::move(observe),
-          mutex = std::make_shared<std::mutex>()](const mission::ActionEvent& event) {
+          mutex = std::make_shared<std::mutex>()](const mission::StateEvent& event) {
     const std::lock_guard lock(*mutex);
     observe(event);
   };
@@ -103,8 +73,9 @@ class Run::Implementation {
       : plan_(std::move(plan)),
         runners_(runners),
         journal_(options.journal ? std::make_unique<NodeJournal>(*plan_, options.journal) : nullptr),
-        environment_(*plan_, runners_, std::move(by_action), options, journal_.get()),
-        observed_(*plan_, options, journal_.get()),
+        events_(*plan_, options),
+        environment_(*plan_, runners_, std::move(by_action), options, {journal_.get(), &events_}),
+        observed_(*plan_, events_, journal_.get()),
         engine_(plan_->network(), observed_, environment_, settings(options)) {
     if (journal_) plan_->set_race_record(journal_->races());
   }
@@ -112,7 +83,7 @@ class Run::Implementation {
   const mission::MissionResult& run() {
     network_result_ = engine_.run();
     environment_.close();
-    observed_.report_last(network_result_);
+    events_.finish(network_result_);
     const mission::Program& program = plan_->program();
     result_.outcome = plan_->final_outcome(network_result_);
     result_.outcome_name = program.outcome_name(0, result_.outcome);
@@ -151,6 +122,7 @@ class Run::Implementation {
   std::unique_ptr<MissionPlan> plan_;
   const mission::Runners runners_;
   const std::unique_ptr<NodeJournal> journal_;
+  RunEvents events_;
   ActionEnvironment environment_;
   ObservedPlan observed_;
   cdtn::ConcurrentEngine engine_;

@@ -26,10 +26,10 @@ struct RunOptions {
   mission::UnitCounts resources{};                       ///< likewise
   mission::AttachedData world_data{};                    ///< likewise
   std::function<void(std::string)> warn;                 ///< likewise
-  /// Called for every action that begins, and for every one whose end counts: actions that run ahead and are
-  /// discarded begin only; an action or a container that may not begin has an end only. One call at a time,
-  /// but actions of opaque subtrees report from other threads.
-  mission::ActionObserver observe{};
+  /// Called for every action and container that begins, and for every one whose end counts: those that run
+  /// ahead and are discarded begin only; one that may not begin has an end only. One call at a time, but
+  /// what is in opaque subtrees reports from other threads.
+  mission::StateObserver observe{};
   /// Records the run, or supplies what an earlier one did; created with RunJournal::Start::concurrent.
   std::shared_ptr<mission::RunJournal> journal{};
   /// Called on the thread of run() when it is paused and nothing runs any more, with the paths of the actions

@@ -129,8 +129,8 @@ Steps run_paused(RunOptions options, const std::function<void(Run&, std::size_t 
   std::vector<std::string> begun;
   Run* run = nullptr;
   std::vector<std::jthread> others;
-  options.observe = [&](const mission::ActionEvent& event) {
-    if (event.kind == mission::ActionEvent::Kind::Began) begun.emplace_back(event.path);
+  options.observe = [&](const mission::StateEvent& event) {
+    if (event.kind == mission::StateEvent::Kind::Began) begun.emplace_back(event.path);
   };
   options.held = [&](const std::vector<std::string>& next) {
     steps.next.push_back(next);

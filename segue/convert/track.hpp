@@ -36,6 +36,8 @@ struct StateEnd {
   std::vector<Exit> exits;
 };
 
+struct ContainerRun;
+
 /// The data with which a state is entered.
 struct StateEntry {
   mission::StateIndex state = mission::kNoState;
@@ -49,7 +51,8 @@ struct StateEntry {
   std::vector<Candidate> errors;
   mission::SurroundingsPtr around;  ///< what is declared around it
   std::shared_ptr<const std::vector<cdtn::Claim>>
-      memberships;  ///< in the group locks of the containers around it; null: none
+      memberships;                            ///< in the group locks of the containers around it; null: none
+  std::shared_ptr<ContainerRun> container{};  ///< that it is in; null: the mission
 };
 
 /// The state whose defaults of outputs count.
@@ -64,7 +67,8 @@ struct ContainerExecution {
         slots(slot_count),
         inside(entry.when),
         around(entry.around),
-        memberships(entry.memberships) {}
+        memberships(entry.memberships),
+        run(entry.container) {}
   StateEntry entry;
   Slots slots;
   std::shared_ptr<const WeakOrder> order;      ///< Hierarchy
@@ -74,6 +78,7 @@ struct ContainerExecution {
   BranchEdge joined;                  ///< Barrier: on which its decider is entered
   mission::SurroundingsPtr around{};  ///< what is declared around its states
   std::shared_ptr<const std::vector<cdtn::Claim>> memberships{};  ///< of its states
+  std::shared_ptr<ContainerRun> run;  ///< itself, or that which a library or the mission is in
 };
 
 /// A state of a barrier or of a race that is being planned, for what is beside the network and for the

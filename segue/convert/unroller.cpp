@@ -129,6 +129,7 @@ StateEntry Unroller::entry_of(const Frame& frame, StateIndex child, BranchEdge w
   entry.strict = around.entry.strict || plan_.program().state(child).strict;
   entry.around = around.around;
   entry.memberships = around.memberships;
+  entry.container = around.run;
   entry.aborts_handled = around.entry.aborts_handled || node(child).next[1].kind != NextStep::Kind::Nowhere;
   return entry;
 }
@@ -204,6 +205,7 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
     inside.strict = inside.strict || plan_.program().state(container.library).strict;
     return enter(track, std::move(inside));
   }
+  follow(*activation);
   const BranchEdge when = activation->entry.when;
   auto slot = static_cast<std::uint32_t>(activation->entry.inputs.size());
   for (const mission::PortSource& variable : container.variables) {
@@ -287,6 +289,7 @@ void Unroller::leave(Track& track) {
     for (const Exit& exit : end.exits)
       candidates.insert(candidates.end(), exit.arrival.errors.begin(), exit.arrival.errors.end());
   }
+  if (!activation->entry.path.empty()) activation->run->exits = end.exits;
   track.frames.pop_back();
   finish(track, state, std::move(end));
 }

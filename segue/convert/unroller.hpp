@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/convert/container_run.hpp>
 #include <segue/convert/mission_plan.hpp>
 #include <segue/convert/track.hpp>
 #include <segue/mission/shared_units.hpp>
@@ -47,6 +48,10 @@ class Unroller {
   [[nodiscard]] const OpaqueSubtreeReason& subtree_reason(mission::StateIndex state) const {
     return subtrees_[state];
   }
+  /// The innermost container that the node is in, null for the mission itself; until the node is over.
+  [[nodiscard]] std::shared_ptr<ContainerRun> container_of(cdtn::NodeId node) const;
+  /// The exit by which it has ended, once that is certain; null before.
+  [[nodiscard]] const Exit* exit_of(const ContainerRun& container);
   /// Once that is known for certain.
   [[nodiscard]] std::optional<type::Value> value_of(const Symbol& symbol);
 
@@ -145,8 +150,10 @@ class Unroller {
   [[nodiscard]] Result<mission::Needs> needs_of(const StateEntry& entry);
   void look_up(const mission::Needs& needs, Touch& touch);
 
-  // What containers declare (unroller_containers.cpp)
+  // What containers declare, and when they end (unroller_containers.cpp)
   void begin_container(ContainerExecution& activation);
+  void follow(ContainerExecution& activation);
+  void put_in(const std::shared_ptr<ContainerRun>& container, cdtn::NodeId node);
   void declare_begin(ContainerExecution& activation, cdtn::NodeSpec& spec, PlannedNode& planned);
   void block(ContainerExecution& activation, cdtn::NodeSpec& spec, const mission::Needs& needs);
   void lend(const mission::Surroundings::Held& held);
@@ -166,11 +173,13 @@ class Unroller {
   std::uint64_t barriers_ = 0;  ///< executions that have been planned
   Track* racing_ = nullptr;     ///< of the nodes that are being planned
   RaceRecord record_;
-  std::vector<std::weak_ptr<Race>> races_;           ///< that may not have been decided
-  std::vector<cdtn::NodeId> lost_;                   ///< since take_lost()
-  std::vector<bool> over_;                           ///< by node: it has ended, or was skipped
-  std::uint32_t over_before_ = 0;                    ///< all nodes before are over or off the path
-  const std::vector<OpaqueSubtreeReason> subtrees_;  ///< by state
+  std::vector<std::weak_ptr<Race>> races_;  ///< that may not have been decided
+  std::vector<cdtn::NodeId> lost_;          ///< since take_lost()
+  std::vector<bool> over_;                  ///< by node: it has ended, or was skipped
+  std::unordered_map<std::uint32_t, std::shared_ptr<ContainerRun>> inside_;  ///< by node that is not over
+  std::unordered_map<std::string, std::uint32_t> entered_;  ///< by path of a container: how often
+  std::uint32_t over_before_ = 0;                           ///< all nodes before are over or off the path
+  const std::vector<OpaqueSubtreeReason> subtrees_;         ///< by state
   mission::SharedUnits shared_;
   std::vector<const Track*>
       before_;  ///< of the states beside and before the one that is being planned: open ones

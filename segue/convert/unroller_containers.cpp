@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What containers declare for everything in them. A node begins the container: it checks the preconditions
-// and takes the units that the container blocks, by a group lock. What is in the container are members of
-// that lock, which ends with the last of them. More members may be planned then, and take the units again:
-// whoever uses them later in program order begins after all members.
+// When containers end, and what they declare for everything in them. A node begins the container: it checks
+// the preconditions and takes the units that the container blocks, by a group lock. What is in the container
+// are members of that lock, which ends with the last of them. More members may be planned then, and take the
+// units again: whoever uses them later in program order begins after all members.
 #include <segue/base/text.hpp>
 #include <segue/convert/fault.hpp>
 #include <segue/convert/unroller.hpp>
@@ -14,6 +14,36 @@ namespace segue::convert {
 
 using cdtn::NodeId;
 using cdtn::NodeSpec;
+
+/// From now on it is known when the container has ended. The mission itself, whose path is empty, ends with
+/// the run.
+void Unroller::follow(ContainerExecution& activation) {
+  const StateEntry& entry = activation.entry;
+  if (entry.path.empty()) return;
+  activation.run = std::make_shared<ContainerRun>(
+      ContainerRun{entry.container, entry.state, entry.path, entered_[entry.path]++, entry.when});
+}
+
+void Unroller::put_in(const std::shared_ptr<ContainerRun>& container, NodeId node) {
+  if (container == nullptr) return;
+  inside_.emplace(index(node), container);
+  for (ContainerRun* each = container.get(); each != nullptr; each = each->around.get())
+    ++each->open;
+}
+
+std::shared_ptr<ContainerRun> Unroller::container_of(NodeId node) const {
+  const auto found = inside_.find(index(node));
+  return found == inside_.end() ? nullptr : found->second;
+}
+
+const Exit* Unroller::exit_of(const ContainerRun& container) {
+  if (container.open > 0 || container.lost) return nullptr;
+  const auto taken = std::ranges::find_if(container.exits, [&](const Exit& exit) {
+    const auto live = paths_.live(exit.arrival.when);
+    return live && live->always();
+  });
+  return taken == container.exits.end() ? nullptr : &*taken;
+}
 
 /// A container that declares nothing needs no node.
 void Unroller::begin_container(ContainerExecution& activation) {
@@ -32,6 +62,7 @@ void Unroller::begin_container(ContainerExecution& activation) {
   // An outline does not wait until it is known: the container may fail, and depends on nothing.
   if (scope_ != PlanScope::Outline || naming_values(entry)) declare_begin(activation, spec, planned);
   const NodeId id = append(spec, std::move(planned), entry.path);
+  put_in(activation.run, id);
   if (!entry.aborts_handled) return;
   std::vector<cdtn::OutcomeId> outcomes{cdtn::kSuccess, cdtn::kAborted};
   if (scope_ == PlanScope::EveryEnd) outcomes.push_back(cdtn::kPreempted);

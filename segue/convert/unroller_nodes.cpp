@@ -316,6 +316,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   if (branches != nullptr) planned.branches = connect_branches(spec, entry, *branches);
   const bool counts = planned.counts;
   const NodeId id = append(spec, std::move(planned), plan_.network_.name);
+  put_in(entry.container, id);
   if (counts) {
     Symbol more;
     more.candidates.push_back({id, plan_.network_.names.intern(kCountOutput), entry.when, {}});
@@ -347,6 +348,7 @@ StateEnd Unroller::add_subtree(const StateEntry& entry) {
     planned.inputs.push_back(connect(spec, entry.inputs[i], (*state.input_ports)[i].name));
   planned.error_before = connect(spec, {entry.errors, {}}, kErrorOutput);
   const NodeId id = append(spec, std::move(planned), plan_.network_.name);
+  put_in(entry.container, id);
   return ends_of(entry, id, spec);
 }
 

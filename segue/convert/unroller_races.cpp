@@ -165,7 +165,12 @@ void Unroller::decide(Race& race, std::size_t first) {
   for (std::size_t i = 0; i < race.tracks.size(); ++i) {
     if (i == first) continue;
     drop_ended(*race.tracks[i]);
-    lost_.insert(lost_.end(), race.tracks[i]->open.begin(), race.tracks[i]->open.end());
+    for (const NodeId node : race.tracks[i]->open) {
+      lost_.push_back(node);
+      for (auto around = container_of(node); around && around != race.activation->run;
+           around = around->around)
+        around->lost = true;
+    }
   }
 }
 
@@ -187,6 +192,11 @@ void Unroller::drop_ended(Track& track) {
 void Unroller::note_over(NodeId node) {
   if (over_.size() <= index(node)) over_.resize(index(node) + 1);
   over_[index(node)] = true;
+  const auto within = inside_.extract(index(node));
+  if (within.empty()) return;
+  for (ContainerRun* container = within.mapped().get(); container != nullptr;
+       container = container->around.get())
+    --container->open;
 }
 
 void Unroller::skipped(NodeId node) {

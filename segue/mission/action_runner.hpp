@@ -29,17 +29,20 @@ struct Ending {
   std::shared_ptr<PendingChanges> pending{};
 };
 
-/// An action that begins or has ended, as reported to an observer. The texts are valid during the call.
-struct ActionEvent {
+/// An action or a container that begins or has ended, as reported to an observer. A container begins with the
+/// first event of a state in it, and ends once it is left; the mission itself is not reported. The texts are
+/// valid during the call.
+struct StateEvent {
   enum class Kind : std::uint8_t { Began, Ended };
   Kind kind = Kind::Began;
   std::string_view path;        ///< of its state: "fetch/grasp"
   std::uint64_t iteration = 0;  ///< how often the state had begun before
   std::string_view outcome{};   ///< Ended
   std::string_view error{};     ///< Ended: why it aborted; else empty
+  bool is_container = false;
 };
 /// Called on the engine's thread; must not block.
-using ActionObserver = std::function<void(const ActionEvent&)>;
+using StateObserver = std::function<void(const StateEvent&)>;
 
 /// How a sibling of a decider ended.
 struct BranchResult {

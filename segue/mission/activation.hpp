@@ -60,6 +60,7 @@ struct Activation {
   bool refused = false;   ///< it did not begin: a precondition is not met, or units lack
   bool asks = false;      ///< a leaf or container that waits for units
   bool replayed = false;  ///< a leaf whose end comes from the journal
+  bool told = false;      ///< a container whose begin was reported, and not its end
   std::uint32_t iteration = 0;
   std::uint32_t item = History::kNone;
   std::uint64_t generation = 0;

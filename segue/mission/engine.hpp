@@ -62,10 +62,10 @@ struct EngineOptions {
   /// Receives warnings, such as that an input is not of the declared type, or that a state aborts again and
   /// again (RetryWatch). On the engine's thread.
   std::function<void(std::string)> warn;
-  /// Called for every action that begins and every one that ends, but for those whose ends a journal supplies
+  /// Called for every action and container that begins or ends, but for those whose ends a journal supplies
   /// and while a step back is carried out. An end only: of an action that a resumed run skips, and of an
   /// action or a container that may not begin, since a precondition does not hold or units lack.
-  ActionObserver observe{};
+  StateObserver observe{};
   /// Records the run, and supplies the ends of an earlier run that is resumed. Not with `backward`, nor for a
   /// part.
   std::shared_ptr<RunJournal> journal{};

@@ -100,7 +100,10 @@ class EngineCore {
   Ending call(Activation& leaf, bool& under_way);
   Ending execute(Activation& leaf, bool& under_way);
   void check(Activation& leaf, const Ending& ending);
-  void tell_end(const Activation& activation);
+  [[nodiscard]] std::uint64_t iteration_of(const Activation& activation) const;
+  void tell_begin(const Activation& leaf);
+  void tell_around(const Activation& state);
+  void tell_end(Activation& activation);
   void first_step(Activation& hierarchy);
 
   // engine_units.cpp: what an action needs before it begins

@@ -151,10 +151,7 @@ Ending EngineCore::call(Activation& leaf, bool& under_way) {
 }
 
 Ending EngineCore::execute(Activation& leaf, bool& under_way) {
-  if (options.observe && !backward_) {
-    const std::string at = path(leaf);
-    options.observe({ActionEvent::Kind::Began, at, leaf.iteration});
-  }
+  if (options.observe && !backward_) tell_begin(leaf);
   LeafCall execution(*this, leaf);
   try {
     const auto ending = runners[program->node(leaf.state).action]->start(execution);
@@ -183,15 +180,50 @@ void EngineCore::check(Activation& leaf, const Ending& ending) {
   tell_end(leaf);
 }
 
-/// Of an action, or of a container that may not begin.
-void EngineCore::tell_end(const Activation& activation) {
+/// How often the state had begun before; of the root of a library, the state that uses it.
+std::uint64_t EngineCore::iteration_of(const Activation& activation) const {
+  const Activation* state = &activation;
+  while (state->parent != nullptr && program->node(state->parent->state).kind == StateKind::Library)
+    state = state->parent;
+  return state->iteration;
+}
+
+/// Of an action.
+void EngineCore::tell_begin(const Activation& leaf) {
+  tell_around(leaf);
+  const std::string at = path(leaf);
+  options.observe({.path = at, .iteration = iteration_of(leaf)});
+}
+
+/// The begin of the containers around the state of which nothing was told before.
+void EngineCore::tell_around(const Activation& state) {
+  std::vector<Activation*> begun;
+  for (Activation* around = state.parent; around != nullptr && !around->told; around = around->parent) {
+    // A library is told by its root, which has the same path, and the mission itself by its result.
+    const bool is_mission = around->state == 0;
+    if (program->node(around->state).kind != StateKind::Library && !is_mission) begun.push_back(around);
+  }
+  for (auto around = begun.rbegin(); around != begun.rend(); ++around) {
+    (*around)->told = true;
+    const std::string at = path(**around);
+    options.observe({.path = at, .iteration = iteration_of(**around), .is_container = true});
+  }
+}
+
+/// Of an action, or of a container.
+void EngineCore::tell_end(Activation& activation) {
   if (backward_) return;
-  if (retries_.ended(activation.state, activation.outcome) && options.warn)
+  const bool is_retried = !std::exchange(activation.told, false);  // or else something in it is
+  if (is_retried && retries_.ended(activation.state, activation.outcome) && options.warn)
     warn(activation, RetryWatch::warning());
   if (!options.observe) return;
+  tell_around(activation);
+  const bool is_container = mission::is_container(program->node(activation.state).kind);
+  const bool tells_why = !is_container || activation.outcome == kAborted;
   const std::string at = path(activation);
   const std::string outcome = program->outcome_name(activation.state, activation.outcome);
-  options.observe({ActionEvent::Kind::Ended, at, activation.iteration, outcome, activation.error});
+  options.observe({StateEvent::Kind::Ended, at, iteration_of(activation), outcome,
+                   tells_why ? std::string_view(activation.error) : std::string_view{}, is_container});
 }
 
 Activation* EngineCore::enter_library(Activation& library) {
@@ -249,7 +281,7 @@ Activation* EngineCore::finish(Activation& activation) {
     if (activation.preempted) activation.outcome = kPreempted;
     if (!options.backward) free_children(activation);
   }
-  if (activation.refused && activation.outcome == kAborted) tell_end(activation);
+  if (activation.told || (activation.refused && activation.outcome == kAborted)) tell_end(activation);
   if (!activation.error.empty()) {
     if (const auto port = position(*node.output_ports, "error")) activation.outputs[*port] = activation.error;
   }

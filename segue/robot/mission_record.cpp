@@ -29,11 +29,11 @@ void MissionRecord::began(std::string_view mission) {
   add({.kind = "began"});
 }
 
-void MissionRecord::observe(const mission::ActionEvent& event) {
+void MissionRecord::observe(const mission::StateEvent& event) {
   if (event.path.empty()) return;  // the mission is that action, and has entries already
   const std::lock_guard lock(mutex_);
   std::string action(event.path);
-  if (event.kind == mission::ActionEvent::Kind::Began) {
+  if (event.kind == mission::StateEvent::Kind::Began) {
     begins_[{action, event.iteration}] = RealClock::instance().now();
     return add({.kind = "began", .action = std::move(action), .iteration = event.iteration});
   }

@@ -32,7 +32,7 @@ class MissionRecord {
   /// What follows is of that mission. What comes before any began is not recorded.
   void began(std::string_view mission);
   /// An action began or ended. Where the mission itself is the action, it is told by began() and ended().
-  void observe(const mission::ActionEvent& event);
+  void observe(const mission::StateEvent& event);
   /// An action asks for a controller, or for its end where `controller` is empty, which is not recorded.
   void asked(const mission::ControllerRequest::Cause& cause);
   /// The mission ended; `error` says why it aborted.

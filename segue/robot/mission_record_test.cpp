@@ -10,7 +10,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using type::Value;
-using Kind = mission::ActionEvent::Kind;
+using Kind = mission::StateEvent::Kind;
 
 std::vector<std::string> lines_of(const Value& happened) {
   std::vector<std::string> lines;

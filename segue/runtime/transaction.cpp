@@ -235,7 +235,7 @@ std::optional<std::string> Transaction::enter_undo() {
 std::shared_ptr<Execution> Transaction::begin(const model::Transition& transition) {
   auto created = std::make_shared<Execution>(
       context_.host, transition, options_.action_deadline, started_,
-      [this](const ActionRecord& record) { on_action(record); }, options_.left);
+      [this](const ActionRecord& record) { on_event(record); }, options_.left);
   const std::lock_guard lock(mutex_);
   execution_ = created;
   if (abandoned_ || (rests_ && stage_ == Stage::Undo) || (cancelled_by_ && stage_ != Stage::Undo)) {
@@ -466,7 +466,7 @@ std::optional<Error> Transaction::bring_to(const model::Network& whole, std::vec
   return error;
 }
 
-void Transaction::on_action(const ActionRecord& record) {
+void Transaction::on_event(const ActionRecord& record) {
   if (record.error) {
     context_.log.add(EventKind::ActionFailed, record.action.label(), to_string(*record.error));
   } else {

@@ -114,7 +114,7 @@ class Transaction {
   /// Solves from the observed network to what of `whole` can be reached and executes that; appends to
   /// `actions`.
   std::optional<Error> bring_to(const model::Network& whole, std::vector<ActionRecord>& actions);
-  void on_action(const ActionRecord& record);
+  void on_event(const ActionRecord& record);
 
   const TransitionContext& context_;
   const model::Network before_;  ///< without leftover incarnations

@@ -24,8 +24,8 @@ TEST_F(Sessions, AJournalLetsALaterRunContinue) {
     RunRequest wanted = request(mode);
     wanted.journal = JournalRequest{folder_ / (concurrent ? "concurrent" : "sequential")};
     std::stop_source stop;
-    wanted.on_action = [&](const mission::ActionEvent& event) {
-      if (event.kind == mission::ActionEvent::Kind::Ended && event.path == "look") stop.request_stop();
+    wanted.on_event = [&](const mission::StateEvent& event) {
+      if (event.kind == mission::StateEvent::Kind::Ended && event.path == "look") stop.request_stop();
     };
     EXPECT_EQ(session.run(wanted, stop.get_token()).value()->overview().outcome, "preempted");
     EXPECT_EQ(session.run(wanted).error().code, ErrorCode::AlreadyExists);
@@ -36,8 +36,8 @@ TEST_F(Sessions, AJournalLetsALaterRunContinue) {
     // Concurrently the grasp may have begun before the stop was heeded.
     if (concurrent) wanted.journal->under_way = mission::RunJournal::UnderWay::Again;
     wanted.note = [&](const std::string& text) { notes.push_back(text); };
-    wanted.on_action = [&](const mission::ActionEvent& event) {
-      if (event.kind == mission::ActionEvent::Kind::Began) begun.emplace_back(event.path);
+    wanted.on_event = [&](const mission::StateEvent& event) {
+      if (event.kind == mission::StateEvent::Kind::Began) begun.emplace_back(event.path);
     };
     const auto run = session.run(wanted).value();
     EXPECT_EQ(run->overview().outcome, "success");
@@ -62,14 +62,14 @@ TEST_F(Sessions, ARunIsResumedWithWhatItBeganWith) {
   wanted.resources = {{"hand", 1}, {"hand", 3}};
   wanted.seed = 4;
   std::stop_source stop;
-  wanted.on_action = [&](const mission::ActionEvent& event) {
-    if (event.kind == mission::ActionEvent::Kind::Ended && event.path == "look") stop.request_stop();
+  wanted.on_event = [&](const mission::StateEvent& event) {
+    if (event.kind == mission::StateEvent::Kind::Ended && event.path == "look") stop.request_stop();
   };
   const auto first = session.run(wanted, stop.get_token());
   ASSERT_TRUE(first) << to_string(first.error());
   EXPECT_EQ((*first)->overview().outcome, "preempted");
   wanted.journal->resume = true;
-  wanted.on_action = {};
+  wanted.on_event = {};
 
   const auto error_with = [&](const std::function<void(RunRequest&)>& change) {
     RunRequest other = wanted;

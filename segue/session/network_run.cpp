@@ -117,7 +117,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     options.workers = request.workers;
     options.world_copies = request.world_copies;
     options.warn = request.note;
-    options.observe = request.on_action;
+    options.observe = request.on_event;
     auto run = convert::Run::create(std::move(program), runners, std::move(*inputs), std::move(options));
     if (!run) return run.error();
     run_ = std::move(*run);
@@ -174,18 +174,17 @@ class ConcurrentMissionRun final : public NetworkRun {
 /// Reports what begins and ends, and hands everything on.
 class ObservedEnvironment final : public cdtn::Environment {
  public:
-  ObservedEnvironment(const cdtn::FlatNetwork& flat, cdtn::Environment& inner,
-                      mission::ActionObserver observe)
+  ObservedEnvironment(const cdtn::FlatNetwork& flat, cdtn::Environment& inner, mission::StateObserver observe)
       : flat_(flat), inner_(inner), observe_(std::move(observe)) {}
 
   void start(cdtn::NodeContext& context, cdtn::Completions& completions) override {
     running_.insert_or_assign({cdtn::index(context.node()), context.attempt()}, expected(context.node()));
-    report(mission::ActionEvent::Kind::Began, context.node(), {}, {});
+    report(mission::StateEvent::Kind::Began, context.node(), {}, {});
     inner_.start(context, completions);
   }
   cdtn::ReportPtr refuse(cdtn::NodeContext& context, std::string why) override {
-    report(mission::ActionEvent::Kind::Began, context.node(), {}, {});
-    report(mission::ActionEvent::Kind::Ended, context.node(), name_of(cdtn::kAborted), why);
+    report(mission::StateEvent::Kind::Began, context.node(), {}, {});
+    report(mission::StateEvent::Kind::Ended, context.node(), name_of(cdtn::kAborted), why);
     return inner_.refuse(context, std::move(why));
   }
   void cancel(cdtn::NodeId node, std::uint32_t attempt, cdtn::Completions& completions) override {
@@ -195,7 +194,7 @@ class ObservedEnvironment final : public cdtn::Environment {
   void ended(cdtn::NodeId node, std::uint32_t attempt) override {
     const auto found = running_.find({cdtn::index(node), attempt});
     if (found != running_.end()) {
-      report(mission::ActionEvent::Kind::Ended, node, name_of(found->second), {});
+      report(mission::StateEvent::Kind::Ended, node, name_of(found->second), {});
       running_.erase(found);
     }
     inner_.ended(node, attempt);
@@ -203,7 +202,7 @@ class ObservedEnvironment final : public cdtn::Environment {
   [[nodiscard]] Duration patience() const override { return inner_.patience(); }
 
  private:
-  void report(mission::ActionEvent::Kind kind, cdtn::NodeId node, std::string_view outcome,
+  void report(mission::StateEvent::Kind kind, cdtn::NodeId node, std::string_view outcome,
               std::string_view error) const {
     observe_({kind, flat_.network.name_of(node), flat_.network[node].iteration, outcome, error});
   }
@@ -216,7 +215,7 @@ class ObservedEnvironment final : public cdtn::Environment {
 
   const cdtn::FlatNetwork& flat_;
   cdtn::Environment& inner_;
-  const mission::ActionObserver observe_;
+  const mission::StateObserver observe_;
   /// Runs by node and attempt, and how they will end.
   std::map<std::pair<std::uint32_t, std::uint32_t>, cdtn::OutcomeId> running_;
 };
@@ -245,9 +244,8 @@ class FlatNetworkRun final : public NetworkRun {
     const bool sequential = request.mode == RunMode::Sequential;
     const ProcessorTime time;
     cdtn::SimulatedEnvironment simulated(network(), flat_->trials, request.seed);
-    ObservedEnvironment observed(*flat_, simulated, request.on_action);
-    cdtn::Environment& environment =
-        request.on_action ? static_cast<cdtn::Environment&>(observed) : simulated;
+    ObservedEnvironment observed(*flat_, simulated, request.on_event);
+    cdtn::Environment& environment = request.on_event ? static_cast<cdtn::Environment&>(observed) : simulated;
     result_ = sequential ? cdtn::run_sequential(network(), environment, request.clock, stop)
                          : run_concurrently(environment, request, stop);
     const double used = time.microseconds();

@@ -26,7 +26,7 @@ class SequentialRun final : public FinishedRun {
     options.on_held = [this] {
       if (tell_held_) tell_held_();
     };
-    options.observe = request.on_action;
+    options.observe = request.on_event;
     options.backward = request.steps_back;
     auto runners = runners_for(request);
     auto start = open_journal(program->mission(), request, runners, options.journal);

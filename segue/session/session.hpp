@@ -80,7 +80,7 @@ struct RunRequest {
   std::function<void(const std::string&)> note;
   /// Progress: of a mission see convert::RunOptions::observe. Of a task network: every run of a node that
   /// begins and that ends, on the thread of run(); `preempted` where it was cancelled.
-  mission::ActionObserver on_action;
+  mission::StateObserver on_event;
 };
 
 struct ConvertRequest {

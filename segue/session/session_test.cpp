@@ -85,8 +85,8 @@ TEST_F(Sessions, ProgressTellsOfEachActionInEitherMode) {
     std::vector<std::string> begun;
     std::vector<std::string> ended;
     RunRequest wanted = request(mode);
-    wanted.on_action = [&](const mission::ActionEvent& event) {
-      if (event.kind == mission::ActionEvent::Kind::Began) {
+    wanted.on_event = [&](const mission::StateEvent& event) {
+      if (event.kind == mission::StateEvent::Kind::Began) {
         begun.emplace_back(event.path);
       } else {
         ended.push_back(std::string(event.path) + ": " + std::string(event.outcome));
@@ -107,7 +107,7 @@ TEST_F(Sessions, AnActionThatAbortsIsReportedWithItsError) {
     wanted.runners.add("grasp", [](mission::ActionCall&) {
       return mission::Ending{mission::kAborted, "it slipped"};
     });
-    wanted.on_action = [&](const mission::ActionEvent& event) {
+    wanted.on_event = [&](const mission::StateEvent& event) {
       if (!event.error.empty())
         errors.push_back(std::string(event.outcome) + ": " + std::string(event.error));
     };
@@ -206,7 +206,7 @@ TEST_F(Sessions, AStopFromAnotherThreadEndsTheRun) {
     RunRequest wanted = request(mode);
     std::stop_source stop;
     std::atomic<bool> goes_on = false;
-    wanted.on_action = [&](const mission::ActionEvent&) {
+    wanted.on_event = [&](const mission::StateEvent&) {
       goes_on = true;
       goes_on.notify_all();
     };

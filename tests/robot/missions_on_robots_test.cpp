@@ -125,7 +125,7 @@ class RobotRun {
     ASSERT_TRUE(plan) << to_string(plan.error()) << mission_.text;
     session::RunRequest request;
     request.mode = mode_;
-    request.on_action = [this](const mission::ActionEvent& event) { note(event); };
+    request.on_event = [this](const mission::StateEvent& event) { note(event); };
     request.runners.set_controllers(
         std::make_shared<mission::ControllerRunner>(checked_, mission::ControllerOptions{.period = 1ms}));
     const auto run = plan->run(request);
@@ -139,9 +139,9 @@ class RobotRun {
   }
 
   /// An action that begins after the robot was taken over cannot succeed.
-  void note(const mission::ActionEvent& event) {
+  void note(const mission::StateEvent& event) {
     if (event.path.ends_with("judge")) return;
-    if (event.kind == mission::ActionEvent::Kind::Began) {
+    if (event.kind == mission::StateEvent::Kind::Began) {
       began_late_[std::string(event.path)] = checked_->is_lost();
       return;
     }

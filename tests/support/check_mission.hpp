@@ -30,8 +30,8 @@ class MissionCheck {
   /// The first difference, or "".
   std::string difference() {
     for (const auto check :
-         {&MissionCheck::end, &MissionCheck::world, &MissionCheck::happened, &MissionCheck::outputs,
-          &MissionCheck::log, &MissionCheck::units, &MissionCheck::ahead}) {
+         {&MissionCheck::end, &MissionCheck::world, &MissionCheck::happened, &MissionCheck::containers,
+          &MissionCheck::outputs, &MissionCheck::log, &MissionCheck::units, &MissionCheck::ahead}) {
       if (std::string text = (this->*check)(); !text.empty()) return text;
     }
     return {};
@@ -103,6 +103,13 @@ class MissionCheck {
     std::erase_if(expected, [&](const auto& entry) { return run_.in_opaque_subtree(entry.first); });
     if (expected == ran_.happened) return {};
     return "what happened:\n" + text_of(ran_.happened) + " instead of\n" + text_of(expected);
+  }
+
+  /// Who follows a run hears the same of containers.
+  std::string containers() {
+    if (failed() || ran_.has_journal || ran_.containers == written_.containers) return {};
+    return fmt::format("containers that ended:\n{}\ninstead of\n{}", fmt::join(ran_.containers, "\n"),
+                       fmt::join(written_.containers, "\n"));
   }
 
   std::string outputs() {

@@ -162,8 +162,12 @@ struct Ran {
   std::vector<std::string> world;
   type::Value globals;
   std::map<std::string, std::vector<std::string>> happened;
+  std::set<std::string>
+      open_containers;  ///< that were reported to have begun, and not to have ended: "a/b#0"
+  std::multiset<std::string> containers;  ///< that were reported to have ended: "a/b: success"
   std::map<mission::StateIndex, std::set<std::string>> ends;  ///< the outcomes of each action
   std::map<std::string, std::int64_t, std::less<>> units;     ///< that are left, where they are not one
+  bool has_journal = false;  ///< which may have supplied ends that are not reported
   Duration makespan{};
   bool tie = false;                 ///< states of a preemptive container ended at the same time, or at once
   std::vector<std::string> firsts;  ///< the paths of states that have ended their preemptive containers
@@ -191,15 +195,32 @@ inline void note_race(const mission::Program& program, const mission::History& h
   }
 }
 
+/// Notes which containers end; those that end without having begun, and the other way round, are wrong.
+inline void note_container(const mission::StateEvent& event, Ran& ran) {
+  if (!event.is_container) return;
+  const std::string execution = fmt::format("{}#{}", event.path, event.iteration);
+  if (event.kind == mission::StateEvent::Kind::Began) {
+    if (!ran.open_containers.insert(execution).second) ran.containers.insert(execution + " began twice");
+  } else {
+    const bool may_not_begin = event.outcome == mission::kAbortedName;
+    if (ran.open_containers.erase(execution) == 0 && !may_not_begin)
+      ran.containers.insert(execution + " ended without having begun");
+    ran.containers.insert(fmt::format("{}: {}", event.path, event.outcome));
+  }
+}
+
 inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program) {
   VirtualClock clock;
   mission::EngineOptions options;
   options.clock = &clock;
   options.world_data.emplace("changes", std::make_shared<ChangeCount>());
+  Ran ran;
+  options.observe = [&ran](const mission::StateEvent& event) { note_container(event, ran); };
   auto engine = mission::Engine::create(program, answering(), options).value();
   const TimePoint begin = clock.now();
   engine->run();
-  Ran ran;
+  for (const std::string& execution : ran.open_containers)
+    ran.containers.insert(execution + " never ended");
   ran.result = engine->result();
   ran.makespan = clock.now() - begin;
   ran.world.assign(engine->world().facts().begin(), engine->world().facts().end());
@@ -229,6 +250,7 @@ class ConcurrentRun {
   ConcurrentRun(const std::shared_ptr<const mission::Program>& program, RunOptions options,
                 std::uint64_t stop_at = 0) {
     options.log = true;
+    ran.has_journal = options.journal != nullptr;
     options.world_data.emplace("changes", std::make_shared<ChangeCount>());
     const auto at_start = [this, stop_at](const mission::ActionCall& call) {
       ++begun_at_[call.path()];
@@ -236,7 +258,8 @@ class ConcurrentRun {
       stopped_in_ = call.path();
       run_->stop();
     };
-    options.observe = [this, actions = 0](const mission::ActionEvent&) mutable {
+    options.observe = [this, actions = 0](const mission::StateEvent& event) mutable {
+      note_container(event, ran);
       if (++actions > kTooManyEvents) run_->stop();
     };
     run_ = Run::create(program, answering(at_start), {}, options).value();

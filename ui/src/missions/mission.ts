@@ -101,6 +101,11 @@ export function entriesOf(mission: Mission): Entry[] {
   return Object.values(mission.entries);
 }
 
+/** The paths of states in which something has happened; the chart of a run shows what is in them. */
+export function containersIn(entries: Entry[]): Set<string> {
+  return new Set(entries.flatMap((entry) => pathsTo(entry.action).slice(0, -1)));
+}
+
 export type Life = 'idle' | 'running' | 'next' | 'done' | 'failed';
 
 function worse(outcome: string): boolean {
@@ -108,14 +113,17 @@ function worse(outcome: string): boolean {
 }
 
 /**
- * How each state is: a container runs while something in it does, or the mission is held in it, `at` states that come next.
+ * How each state is: a container runs from its begin to its end, and while something in it does or the mission is held in it, `at` states that come
+ * next.
  * States that have not begun are left out.
  */
 export function livesOf(mission: Mission, at: string[] = []): Map<string, Life> {
   const running = new Map<string, number>();
   const lives = new Map<string, Life>();
   const begun = new Set<string>();
-  for (const entry of entriesOf(mission)) {
+  const entries = entriesOf(mission);
+  const containers = containersIn(entries);
+  for (const entry of entries) {
     if (entry.kind === 'asked') continue;
     const execution = entry.action + '#' + entry.iteration;
     // What may not begin has an end only.
@@ -124,7 +132,9 @@ export function livesOf(mission: Mission, at: string[] = []): Map<string, Life> 
     else begun.delete(execution);
     const paths = pathsTo(entry.action);
     for (const path of paths) {
-      const count = Math.max(0, (running.get(path) ?? 0) + change);
+      // What ran ahead in a container, and was not needed, has no end.
+      const isOver = entry.kind === 'ended' && path === entry.action && containers.has(path);
+      const count = isOver ? 0 : Math.max(0, (running.get(path) ?? 0) + change);
       running.set(path, count);
       if (count > 0) lives.set(path, 'running');
       else lives.set(path, path === entry.action && worse(entry.outcome ?? '') ? 'failed' : 'done');

@@ -75,6 +75,17 @@ describe('states', () => {
     expect([...livesOf(mission('running', entries))]).toEqual([['a', 'running'], ['a/x', 'failed'], ['a/y', 'running'], ['b', 'running']]);
     expect(livesOf(mission('ended', entries, null, 'lost')).get('b')).toBe('failed');
   });
+  it('run between what is done in them, and end as they say', () => {
+    const begun = [entry(0, 'began', 'a'), entry(0, 'began', 'a/x'), entry(0, 'began', 'a/ahead'), entry(1, 'ended', 'a/x', 'success')];
+    expect(livesOf(mission('running', begun)).get('a')).toBe('running');
+    expect(livesOf(mission('running', [...begun, entry(2, 'ended', 'a', 'aborted')])).get('a')).toBe('failed');
+    expect(livesOf(mission('running', [...begun, entry(2, 'ended', 'a', 'success')])).get('a')).toBe('done');
+    expect(livesOf(mission('running', [...begun, entry(2, 'ended', 'a', 'success'), entry(2, 'began', 'a', '', 1), entry(2, 'began', 'a/x', '', 1)])).get('a')).toBe('running');
+  });
+  it('are rows of the chart only where they are actions', () => {
+    const entries = [entry(0, 'began', ''), entry(0, 'began', 'a'), entry(0, 'began', 'a/x'), entry(1, 'ended', 'a/x', 'success'), entry(1, 'ended', 'a', 'success')];
+    expect(runOfMission(mission('running', entries)).rows.map((row) => row.label)).toEqual(['a/x']);
+  });
 });
 
 describe('a recorded run', () => {

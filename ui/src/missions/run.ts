@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { isMap, type Json, type JsonMap } from '../robot/change';
-import { entriesOf, planOf, type Mission, type PlanNode } from './mission';
+import { containersIn, entriesOf, planOf, type Mission, type PlanNode } from './mission';
 
 export type RowStatus = 'waiting' | 'running' | 'done' | 'failed' | 'preempted' | 'skipped' | 'discarded' | 'lost';
 
@@ -131,11 +131,12 @@ export function runOfMission(mission: Mission): Run {
     rows.push(emptyRow(label));
     return rows.length - 1;
   };
+  const containers = containersIn(entries);
   const rowOfNode = nodes.map((node) => (noRole.has(node.role) ? -1 : rowFor(node.name)));
   const order: number[] = [];
   let until = 0;
   for (const entry of entries) {
-    if (entry.action === '' || entry.kind === 'asked') continue;
+    if (entry.action === '' || entry.kind === 'asked' || containers.has(entry.action)) continue;
     const index = rowFor(entry.iteration > 0 ? entry.action + '#' + entry.iteration : entry.action);
     const row = rows[index] as Row;
     const time = entry.time_s - began;
