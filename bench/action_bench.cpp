@@ -83,17 +83,17 @@ void creation() {
 void connecting(Table& table, std::size_t others) {
   std::vector<std::unique_ptr<Source<Stamped>>> sources;
   std::vector<std::unique_ptr<Sink<Stamped>>> sinks;
-  std::vector<std::shared_ptr<segue::link::PortConnection>> kept;
+  std::vector<std::shared_ptr<segue::sample_link::PortConnection>> kept;
   for (std::size_t i = 0; i <= others; ++i) {
     sources.push_back(std::make_unique<Source<Stamped>>());
     sinks.push_back(std::make_unique<Sink<Stamped>>());
     if (i == others) break;
-    auto connection = segue::link::connect(sources[i]->output, sinks[i]->input, {});
+    auto connection = segue::sample_link::connect(sources[i]->output, sinks[i]->input, {});
     if (connection) kept.push_back(*connection);
   }
-  std::shared_ptr<segue::link::PortConnection> connection;
+  std::shared_ptr<segue::sample_link::PortConnection> connection;
   auto connect = [&] {
-    connection = segue::link::connect(sources.back()->output, sinks.back()->input, {}).value();
+    connection = segue::sample_link::connect(sources.back()->output, sinks.back()->input, {}).value();
   };
   auto disconnect = [&] {
     if (connection) connection->disconnect();

@@ -3,9 +3,9 @@
 // layer. For comparison, in the same run, executors without worlds, resources, conditions or failures: arrays
 // and counters in one thread, a plain thread pool, and oneTBB's flow graph, if it is installed, in one thread
 // like the engine and in two.
-#include <segue/cdtn/concurrent_engine.hpp>
-#include <segue/cdtn/order.hpp>
-#include <segue/cdtn/simulation.hpp>
+#include <segue/task_network/concurrent_engine.hpp>
+#include <segue/task_network/order.hpp>
+#include <segue/task_network/simulated_environment.hpp>
 
 #include <benchmark/benchmark.h>
 
@@ -25,7 +25,7 @@
 namespace {
 
 using namespace segue;
-using namespace segue::cdtn;
+using namespace segue::task_network;
 
 constexpr std::uint32_t kLayer = 100;
 constexpr std::uint32_t kDegree = 3;

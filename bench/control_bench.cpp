@@ -69,7 +69,7 @@ deploy::Snapshot snapshot_of(std::size_t tasks) {
     model::Task task;
     task.id = model::TaskId(id);
     snapshot.network.tasks.push_back(std::move(task));
-    host::TaskReport report;
+    task_host::TaskReport report;
     report.id = model::TaskId(id);
     snapshot.tasks.push_back(std::move(report));
   }

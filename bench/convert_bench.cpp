@@ -3,8 +3,8 @@
 // join again, a continuing loop, hierarchies of ten. Each state reads an output of the previous one, and
 // every second state changes a fact. The baseline follows the transitions of as many states and records each
 // in flat arrays.
-#include <segue/cdtn/order_builder.hpp>
 #include <segue/convert/mission_plan.hpp>
+#include <segue/task_network/order_builder.hpp>
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -155,8 +155,8 @@ void convert_mission(benchmark::State& state, Mission (*make)(std::size_t), std:
       return now - std::exchange(begin, now);
     };
     auto plan = convert::MissionPlan::create(*program);
-    cdtn::Order order;
-    cdtn::OrderBuilder builder((*plan)->network(), order);
+    task_network::Order order;
+    task_network::OrderBuilder builder((*plan)->network(), order);
     while (!(*plan)->finished() && (*plan)->network().size() < nodes) {
       (*plan)->expand((*plan)->network(), kHorizon);
       planning += lap();

@@ -94,7 +94,7 @@ Summary payload(std::size_t bytes) {
 Summary write_and_read(const Policy& policy) {
   Source<Stamped> source;
   Sink<Stamped> sink;
-  auto connection = segue::link::connect(source.output, sink.input, policy);
+  auto connection = segue::sample_link::connect(source.output, sink.input, policy);
   if (!connection) return {};
   constexpr std::size_t kBatch = 1000;
   return measure(300, [&] {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cost of the mission engine per executed state: trivial actions, by size. The baseline calls as many
 // functions through the same kind of pointer and copies one value each.
-#include <segue/mission/engine.hpp>
+#include <segue/mission_engine/engine.hpp>
 
 #include <benchmark/benchmark.h>
 

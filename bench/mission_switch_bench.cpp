@@ -5,12 +5,12 @@
 //   mission_switch_bench [SECONDS]      how long each controller is used (default 2)
 #include "support/robot.hpp"
 
-#include <segue/journal/reader.hpp>
-#include <segue/mission/controller_runner.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/robot/served_robot.hpp>
-#include <segue/runtime/robot_service.hpp>
-#include <segue/session/session.hpp>
+#include <segue/journal/journal_reader.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_robot/controller_runner.hpp>
+#include <segue/mission_run/session.hpp>
+#include <segue/remote_robot/served_robot.hpp>
+#include <segue/runtime/runtime_service.hpp>
 
 #include <fmt/format.h>
 
@@ -58,10 +58,10 @@ void carry_out(runtime::Runtime& runtime, std::size_t look_ahead, double seconds
   runtime::RuntimeService service(runtime, nullptr, [] {});
   Diagnostics diagnostics;
   auto mission = mission::read_mission(mission_text(seconds), "round.yaml", diagnostics);
-  const auto plan = session::Session::create(std::move(mission).value()).value();
-  session::RunRequest request;
+  const auto plan = mission_run::Session::create(std::move(mission).value()).value();
+  mission_run::RunRequest request;
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(
-      std::make_shared<robot::ServedRobot>(service, "the mission"),
+      std::make_shared<remote_robot::ServedRobot>(service, "the mission"),
       mission::ControllerOptions{.look_ahead = look_ahead}));
   const auto run = plan.run(request);
   if (run && (*run)->overview().succeeded) return;

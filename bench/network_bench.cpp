@@ -5,8 +5,8 @@
 #include "support/floor.hpp"
 #include "support/measure.hpp"
 
-#include <segue/host/local_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <chrono>
 #include <cstdio>
@@ -54,15 +54,15 @@ model::Network grouped(model::Network network) {
 }
 
 struct Robot {
-  host::LibrarySet libraries;
+  task_host::LibrarySet libraries;
   model::ComponentCatalog catalog;
-  host::LocalTaskHost host{libraries, catalog};
+  task_host::LocalTaskHost host{libraries, catalog};
   runtime::Runtime runtime{"bench", host, catalog};
 
   Robot() {
     for (auto& input : {"bench::Relay"}) {
       auto component = libraries.create(model::ComponentName(input));
-      if (component) catalog.add(host::describe(**component));
+      if (component) catalog.add(task_host::describe(**component));
     }
   }
   void to(const model::Network& network) {

@@ -7,11 +7,11 @@
 #include "support/robot.hpp"
 
 #include <segue/control/server.hpp>
-#include <segue/mission/controller_runner.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/robot/served_robot.hpp>
-#include <segue/runtime/robot_service.hpp>
-#include <segue/session/session.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_robot/controller_runner.hpp>
+#include <segue/mission_run/session.hpp>
+#include <segue/remote_robot/served_robot.hpp>
+#include <segue/runtime/runtime_service.hpp>
 
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -95,10 +95,10 @@ void carry_out(control::RobotService& service, int goals, std::int64_t updates) 
   Diagnostics diagnostics;
   auto mission = mission::read_mission(mission_text(goals, updates), "round.yaml", diagnostics);
   if (!mission) give_up(to_string(diagnostics));
-  const auto plan = session::Session::create(std::move(mission).value()).value();
-  session::RunRequest request;
+  const auto plan = mission_run::Session::create(std::move(mission).value()).value();
+  mission_run::RunRequest request;
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(
-      std::make_shared<robot::ServedRobot>(service, "the mission"), mission::ControllerOptions{}));
+      std::make_shared<remote_robot::ServedRobot>(service, "the mission"), mission::ControllerOptions{}));
   const auto run = plan.run(request);
   if (!run || !(*run)->overview().succeeded) give_up("the mission failed");
 }

@@ -98,8 +98,8 @@ class Record {
 
  private:
   static constexpr std::size_t kBuffer = 10'000;
-  static std::unique_ptr<host::PortReader> open(runtime::EmbeddedRobot& robot, const char* task,
-                                                const char* port) {
+  static std::unique_ptr<task_host::PortReader> open(runtime::EmbeddedRobot& robot, const char* task,
+                                                     const char* port) {
     auto reader = robot.host().open_reader({model::TaskId(task), port}, kBuffer);
     if (!reader) {
       std::fprintf(stderr, "%s\n", to_string(reader.error()).c_str());
@@ -108,9 +108,9 @@ class Record {
     return std::move(*reader);
   }
 
-  std::unique_ptr<host::PortReader> ages_;
-  std::unique_ptr<host::PortReader> arm_;
-  std::unique_ptr<host::PortReader> set_points_;
+  std::unique_ptr<task_host::PortReader> ages_;
+  std::unique_ptr<task_host::PortReader> arm_;
+  std::unique_ptr<task_host::PortReader> set_points_;
 };
 
 /// The times between the commands of one stream.

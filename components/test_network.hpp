@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/virtual_clock.hpp>
-#include <segue/link/local.hpp>
+#include <segue/sample_link/local.hpp>
 #include <segue/task/component_registry.hpp>
 #include <segue/task/manual_executor.hpp>
 #include <segue/task/task.hpp>
@@ -41,7 +41,7 @@ class TestNetwork {
     return *found(task(id).component().find_input(port), id, port);
   }
   void connect(segue::task::OutputPortBase& from, segue::task::InputPortBase& to) {
-    connections_.push_back(checked(segue::link::connect(from, to, {})));
+    connections_.push_back(checked(segue::sample_link::connect(from, to, {})));
   }
   void start(const std::string& id) {
     checked(task(id).configure(soon()));
@@ -77,7 +77,7 @@ class TestNetwork {
   std::shared_ptr<segue::task::ManualExecutor> executor_ =
       std::make_shared<segue::task::ManualExecutor>(clock_);
   std::map<std::string, std::unique_ptr<segue::task::Task>> tasks_;
-  std::vector<std::shared_ptr<segue::link::PortConnection>> connections_;
+  std::vector<std::shared_ptr<segue::sample_link::PortConnection>> connections_;
 };
 
 }  // namespace components_test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/mission_run/session.hpp>
 #include <segue/runtime/embedded_robot.hpp>
-#include <segue/runtime/robot_service.hpp>
-#include <segue/session/session.hpp>
+#include <segue/runtime/runtime_service.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -18,8 +18,8 @@ namespace segue::cli {
 
 namespace {
 
-using session::RunMode;
-using session::RunRequest;
+using mission_run::RunMode;
+using mission_run::RunRequest;
 
 /// What of a setting concerns the robot, and what the mission.
 struct DealtOut {
@@ -75,7 +75,7 @@ class FreshRobot {
   FreshRobot(const FreshRobot&) = delete;
   FreshRobot& operator=(const FreshRobot&) = delete;
 
-  [[nodiscard]] const std::shared_ptr<robot::ServedRobot>& served() const { return served_; }
+  [[nodiscard]] const std::shared_ptr<remote_robot::ServedRobot>& served() const { return served_; }
 
   /// Blocks until every instance of its pools is ready, so that their start is no part of a makespan.
   Result<void> wait_for_pools(const std::stop_token& stop) {
@@ -100,18 +100,18 @@ class FreshRobot {
   explicit FreshRobot(std::unique_ptr<runtime::EmbeddedRobot> robot)
       : robot_(std::move(robot)),
         service_(robot_->runtime(), &robot_->files(), [] {}),
-        served_(std::make_shared<robot::ServedRobot>(service_, sender("bench mission"))) {}
+        served_(std::make_shared<remote_robot::ServedRobot>(service_, sender("bench mission"))) {}
 
   std::unique_ptr<runtime::EmbeddedRobot> robot_;
   runtime::RuntimeService service_;
-  std::shared_ptr<robot::ServedRobot> served_;
+  std::shared_ptr<remote_robot::ServedRobot> served_;
 };
 
-Result<session::Session> load_for(const MissionExperiment& experiment, robot::ServedRobot& robot) {
+Result<mission_run::Session> load_for(const MissionExperiment& experiment, remote_robot::ServedRobot& robot) {
   const auto conflicts = robot.conflicts(Wait(TimePoint::max()));
   if (!conflicts) return conflicts.error();
   Diagnostics diagnostics;
-  auto plan = session::Session::load(experiment.mission, experiment.libraries, diagnostics, &*conflicts);
+  auto plan = mission_run::Session::load(experiment.mission, experiment.libraries, diagnostics, &*conflicts);
   if (!plan) return diagnostics.to_error();
   if (plan->is_network())
     return fail(ErrorCode::Unsupported, experiment.mission.string() + " is a task network, no mission");
@@ -123,10 +123,10 @@ double seconds_at(TimePoint when) {
 }
 
 /// The makespan of a concurrent run with these durations, in virtual time.
-Result<double> ideal_makespan(const session::Session& plan, RunRequest request, const MissionTrace& trace,
+Result<double> ideal_makespan(const mission_run::Session& plan, RunRequest request, const MissionTrace& trace,
                               const std::function<double(TimePoint)>& clock) {
   request.mode = RunMode::Concurrent;
-  request.clock = cdtn::ClockKind::Virtual;
+  request.clock = task_network::ClockKind::Virtual;
   request.python.clear();
   request.on_event = {};
   request.runners = {};
@@ -137,7 +137,7 @@ Result<double> ideal_makespan(const session::Session& plan, RunRequest request, 
 }
 
 /// What a run has taken by both clocks.
-Result<void> take_times(MissionRun& measured, const session::Session& plan, const RunRequest& request,
+Result<void> take_times(MissionRun& measured, const mission_run::Session& plan, const RunRequest& request,
                         const MissionTrace& trace, const RobotClock* clock, TimePoint begin, TimePoint end) {
   const auto wall = ideal_makespan(plan, request, trace, seconds_at);
   if (!wall) return wall.error();
@@ -169,7 +169,7 @@ Result<MissionRun> run_on(FreshRobot& robot, const MissionExperiment& experiment
   const TimePoint end = monotonic_now();
   if (!run) return run.error();
   if (clock) clock->stop();
-  const session::RunOverview& overview = (*run)->overview();
+  const mission_run::RunOverview& overview = (*run)->overview();
   MissionRun measured;
   measured.ended_well = overview.succeeded;
   measured.outcome = overview.outcome;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
-#include <segue/host/stand_in.hpp>
-#include <segue/journal/reader.hpp>
+#include <segue/journal/journal_reader.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/pddl/pddl.hpp>
+#include <segue/task_host/stand_in.hpp>
 
 #include <fmt/core.h>
 
@@ -99,7 +99,7 @@ class Checker {
         missions_.check(file, diagnostics_);
         return;
       case FileKind::StandIns:
-        (void)host::StandInTable::load(file, diagnostics_);
+        (void)task_host::StandInTable::load(file, diagnostics_);
         return;
       case FileKind::Pddl:
         pddl_.emplace_back(file, *text);

@@ -3,8 +3,8 @@
 
 #include <segue/draw/diagram.hpp>
 #include <segue/mission/controllers.hpp>
-#include <segue/mission/pools.hpp>
-#include <segue/session/session.hpp>
+#include <segue/mission/pool_actions.hpp>
+#include <segue/mission_run/session.hpp>
 
 #include <utility>
 
@@ -27,7 +27,7 @@ void append(Value::List& all, Value list, const std::string& file) {
 
 void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diagnostics,
                             const RobotControllers* robot) {
-  const auto plan = session::Session::load(file, libraries_, diagnostics);
+  const auto plan = mission_run::Session::load(file, libraries_, diagnostics);
   if (!plan) return;
   if (plan->program() != nullptr) scripts_.check(plan->program()->mission(), diagnostics);
   if (robot != nullptr && plan->program() != nullptr) {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
-#include <segue/convert/ahead.hpp>
-#include <segue/mission/script_check.hpp>
-#include <segue/model/component.hpp>
+#include <segue/convert/ahead_of_failures.hpp>
+#include <segue/mission_script/script_check.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/type/value.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/host/component_library.hpp>
 #include <segue/model/files.hpp>
+#include <segue/task_host/component_library.hpp>
 
 #include <fmt/core.h>
 
@@ -115,10 +115,10 @@ int show_component(const ComponentOptions& options, const Context& context) {
 }
 
 int export_models(const ComponentOptions& options, const Context& context) {
-  host::LibrarySet libraries;
+  task_host::LibrarySet libraries;
   const auto loaded = libraries.load(options.name);
   if (!loaded) return failed(context, loaded.error());
-  const auto text = host::write_library_models(libraries, options.name);
+  const auto text = task_host::write_library_models(libraries, options.name);
   if (!text) return failed(context, text.error());
   return write_or_print(context, options.output, *text);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
-#include <segue/journal/reader.hpp>
+#include <segue/journal/journal_reader.hpp>
 #include <segue/model/files.hpp>
 #include <segue/solve/estimate.hpp>
 #include <segue/solve/solve.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "estimate_text.hpp"
 
-#include <segue/journal/report.hpp>
+#include <segue/journal/journal_report.hpp>
 #include <segue/model/files.hpp>
 
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "history_missions.hpp"
 
-#include <segue/journal/report.hpp>
+#include <segue/journal/journal_report.hpp>
 
 #include <fmt/core.h>
 

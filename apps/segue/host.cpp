@@ -3,10 +3,10 @@
 #include <segue/control/credentials.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
-#include <segue/hosts/local_host.hpp>
+#include <segue/distributed/local_host.hpp>
 #include <segue/model/host_config.hpp>
-#include <segue/process/process_hub.hpp>
-#include <segue/process/process_server.hpp>
+#include <segue/process_server/process_hub.hpp>
+#include <segue/process_server/process_server.hpp>
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -114,17 +114,17 @@ void announce(const model::HostConfig& config, const std::filesystem::path& sock
 }
 
 /// Runs the daemon. Returns why it has ended, when nobody can ask it for anything any more.
-Result<std::string> serve_host(const model::HostConfig& config, process::ProcessService& processes,
+Result<std::string> serve_host(const model::HostConfig& config, process_server::ProcessService& processes,
                                StopSignal& stop, const Context& context) {
   const auto folder = control::socket_folder();
   if (!folder) return folder.error();
-  process::ProcessHub hub(processes);
+  process_server::ProcessHub hub(processes);
   const auto for_runtimes = hub.for_all();
   const auto for_host = hub.for_all();
   std::error_code ignored;
   std::filesystem::create_directories(config.state.parent_path(), ignored);  // LocalHost says what is wrong
-  const auto host = hosts::LocalHost::create(*for_host, &control::connect_deployment,
-                                             {model::HostName(config.name), config.state});
+  const auto host = distributed::LocalHost::create(*for_host, &control::connect_deployment,
+                                                   {model::HostName(config.name), config.state});
   if (!host) return host.error();
   auto tcp = tcp_place(config);
   if (!tcp) return tcp.error();
@@ -139,7 +139,7 @@ Result<std::string> serve_host(const model::HostConfig& config, process::Process
 }
 
 /// Kills the deployments of all robots here: each robot has a folder for their sockets.
-void kill_deployments(process::ProcessService& processes) {
+void kill_deployments(process_server::ProcessService& processes) {
   constexpr auto kPatience = std::chrono::seconds(10);
   const auto folder = control::socket_folder();
   if (!folder) return;
@@ -160,10 +160,10 @@ int run_host(const HostOptions& options, const Context& context) {
   Diagnostics diagnostics;
   const auto config = configuration(options, diagnostics);
   if (!config) return report_failure(context, diagnostics);
-  process::ProcessServerOptions chosen;
+  process_server::ProcessServerOptions chosen;
   chosen.zygote = true;
   chosen.zygote_libraries = config->zygote;
-  const auto processes = process::ProcessServer::create(chosen);
+  const auto processes = process_server::ProcessServer::create(chosen);
   if (!processes) return failed(context, processes.error());
   const auto reason = serve_host(*config, **processes, stop, context);
   if (options.until_eof) kill_deployments(**processes);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
-#include <segue/hosts/clock_reading.hpp>
+#include <segue/distributed/clock_reading.hpp>
 #include <segue/model/files.hpp>
 #include <segue/runtime/host_places.hpp>
 
@@ -30,12 +30,12 @@ constexpr Duration kPatience = std::chrono::seconds(5);
 struct Answer {
   model::Host host;
   std::optional<Error> error;
-  hosts::HostInfo info;
-  std::vector<hosts::LeaseInfo> robots;
-  hosts::ClockReading clock;
+  distributed::HostInfo info;
+  std::vector<distributed::LeaseInfo> robots;
+  distributed::ClockReading clock;
 };
 
-Result<void> ask(const hosts::HostPlace& place, Answer& answer) {
+Result<void> ask(const distributed::HostPlace& place, Answer& answer) {
   const auto service = place.connect(RealClock::instance().now() + kPatience, {});
   if (!service) return service.error();
   auto info = (*service)->info();
@@ -44,7 +44,7 @@ Result<void> ask(const hosts::HostPlace& place, Answer& answer) {
   auto robots = (*service)->robots();
   if (!robots) return robots.error();
   answer.robots = std::move(*robots);
-  const auto clock = hosts::read_clock(**service);
+  const auto clock = distributed::read_clock(**service);
   if (!clock) return clock.error();
   answer.clock = *clock;
   return {};

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/journal/reader.hpp>
+#include <segue/journal/journal_reader.hpp>
 
 #include <filesystem>
 #include <string>

@@ -2,7 +2,7 @@
 #include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/files.hpp>
-#include <segue/process/process_log.hpp>
+#include <segue/process_server/process_log.hpp>
 #include <segue/runtime/host_places.hpp>
 
 #include <fmt/core.h>
@@ -108,13 +108,14 @@ class LinePrinter {
 };
 
 /// Gives the last lines, or what comes after a position.
-using ReadLog = std::function<Result<process::LogPart>(const std::optional<process::LogPosition>& after)>;
+using ReadLog =
+    std::function<Result<process_server::LogPart>(const std::optional<process_server::LogPosition>& after)>;
 
 Result<ReadLog> log_here(const LogOptions& options, const std::string& robot) {
   auto log = find_log(options, robot);
   if (!log) return log.error();
   return ReadLog([log = std::move(*log), lines = options.lines](const auto& after) {
-    return after ? process::log_after(log, *after) : process::log_tail(log, lines);
+    return after ? process_server::log_after(log, *after) : process_server::log_tail(log, lines);
   });
 }
 
@@ -135,9 +136,9 @@ Result<ReadLog> log_at_host(const LogOptions& options) {
     if (place.name != name) continue;
     auto connected = place.connect(RealClock::instance().now() + kHostPatience, {});
     if (!connected) return connected.error();
-    hosts::LogRequest request{
+    distributed::LogRequest request{
         robot->name, model::ProcessName(options.process.substr(slash + 1)), options.lines, {}};
-    return ReadLog([service = std::shared_ptr<hosts::HostService>(std::move(*connected)),
+    return ReadLog([service = std::shared_ptr<distributed::HostService>(std::move(*connected)),
                     request = std::move(request)](const auto& after) mutable {
       request.after = after;
       return service->log(request);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/cdtn/flat_file.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/rafcon.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_run/session.hpp>
 #include <segue/pddl/pddl.hpp>
-#include <segue/session/session.hpp>
+#include <segue/rafcon/rafcon.hpp>
+#include <segue/task_network/flat_file.hpp>
 
 #include <fmt/core.h>
 
@@ -70,7 +70,7 @@ int import_pddl(const ImportOptions& options, const Context& context) {
   auto network = pddl::load_pddl(options.pddl[0], options.pddl[1], options.pddl[2], diagnostics);
   if (!network) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
-  return write_or_print(context, options.output, cdtn::write_flat_network({std::move(*network), {}}));
+  return write_or_print(context, options.output, task_network::write_flat_network({std::move(*network), {}}));
 }
 
 int import_plan(const ImportOptions& options, const Context& context) {

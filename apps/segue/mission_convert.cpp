@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mission_convert.hpp"
 
-#include <segue/session/session.hpp>
+#include <segue/mission_run/session.hpp>
 #include <segue/type/json.hpp>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ void make_printable(Diagram& diagram) {
   };
   make(diagram.name);
   make(diagram.waits_for);
-  for (cdtn::NamedActsAhead& each : diagram.ahead) {
+  for (task_network::NamedActsAhead& each : diagram.ahead) {
     make(each.acts);
     for (std::string& name : each.fails)
       make(name);
@@ -57,18 +57,18 @@ int convert_plan(const ConvertOptions& options, const Context& context) {
     if (const auto fits = check_writable(options.output); !fits) return failed(context, fits.error());
   }
   Diagnostics diagnostics;
-  const auto plan = session::Session::load(options.mission.file, options.mission.libraries, diagnostics);
+  const auto plan = mission_run::Session::load(options.mission.file, options.mission.libraries, diagnostics);
   if (!plan) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
   auto inputs = parse_inputs(options.mission.inputs);
   if (!inputs) return failed(context, inputs.error());
-  session::ConvertRequest request;
+  mission_run::ConvertRequest request;
   request.inputs = std::move(*inputs);
   request.facts = options.mission.facts;
   request.horizon = options.horizon;
   request.strict = options.strict;
   request.assume_expected = options.assume_expected;
-  if (options.order == "goal") request.order = cdtn::OrderRule::Goal;
+  if (options.order == "goal") request.order = task_network::OrderRule::Goal;
   request.note = [](const std::string& text) { print_note(text); };
   auto diagram = plan->convert(request);
   if (!diagram) return failed(context, diagram.error());

@@ -12,7 +12,7 @@ namespace segue::cli {
 
 namespace {
 
-using session::RunControl;
+using mission_run::RunControl;
 using type::Value;
 
 /// How often a mission hears what it shall do. What it does is reported as often, and as soon as it has
@@ -70,7 +70,7 @@ void MissionRemote::Answers::add_to(type::ValueMap& control) const {
   if (!values_.is_null()) control.append("values", values_);
 }
 
-MissionRemote::MissionRemote(robot::ServedRobot& robot, const mission::Program& program, Plan plan,
+MissionRemote::MissionRemote(remote_robot::ServedRobot& robot, const mission::Program& program, Plan plan,
                              RunControl& control, std::stop_source stop)
     : robot_(robot),
       mission_(program.mission().name),

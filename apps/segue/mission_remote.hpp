@@ -5,8 +5,8 @@
 #include <segue/base/question.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/program.hpp>
-#include <segue/robot/served_robot.hpp>
-#include <segue/session/run_control.hpp>
+#include <segue/mission_run/run_control.hpp>
+#include <segue/remote_robot/served_robot.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -32,8 +32,8 @@ class MissionRemote {
 
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
   /// requested when the mission shall stop; where it is requested otherwise, the robot hears it at once.
-  MissionRemote(robot::ServedRobot& robot, const mission::Program& program, Plan plan,
-                session::RunControl& control, std::stop_source stop);
+  MissionRemote(remote_robot::ServedRobot& robot, const mission::Program& program, Plan plan,
+                mission_run::RunControl& control, std::stop_source stop);
   MissionRemote(const MissionRemote&) = delete;
   MissionRemote& operator=(const MissionRemote&) = delete;
 
@@ -69,12 +69,12 @@ class MissionRemote {
   [[nodiscard]] type::Value doing() const;
   [[nodiscard]] type::Value steering() const;
 
-  robot::ServedRobot& robot_;
+  remote_robot::ServedRobot& robot_;
   const std::string mission_;
   const bool keeps_;          ///< the robot runs on, however the mission ends
   const bool halts_at_stop_;  ///< the mission has nothing to do when it is stopped
   const Plan plan_;
-  session::RunControl& control_;
+  mission_run::RunControl& control_;
   std::stop_source stop_;
   const std::shared_ptr<Answers> answers_ = std::make_shared<Answers>();  ///< shared with who answers
   mutable std::mutex mutex_;                                              ///< protects the next two

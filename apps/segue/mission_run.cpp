@@ -3,14 +3,14 @@
 
 #include <segue/base/text.hpp>
 #include <segue/draw/shown_plan.hpp>
-#include <segue/mission/controller_runner.hpp>
 #include <segue/mission/controllers.hpp>
-#include <segue/mission/fact_observer.hpp>
-#include <segue/mission/pool_runner.hpp>
-#include <segue/mission/pools.hpp>
-#include <segue/mission/script_robot.hpp>
-#include <segue/robot/served_robot.hpp>
-#include <segue/session/session.hpp>
+#include <segue/mission/pool_actions.hpp>
+#include <segue/mission_robot/controller_runner.hpp>
+#include <segue/mission_robot/fact_observer.hpp>
+#include <segue/mission_robot/pool_runner.hpp>
+#include <segue/mission_run/session.hpp>
+#include <segue/mission_script/script_robot.hpp>
+#include <segue/remote_robot/served_robot.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <fmt/core.h>
@@ -34,9 +34,9 @@ namespace segue::cli {
 
 namespace {
 
-using session::FinishedRun;
-using session::RunMode;
-using session::RunRequest;
+using mission_run::FinishedRun;
+using mission_run::RunMode;
+using mission_run::RunRequest;
 
 /// A robot that is not at rest by its own limit stops its devices, which takes seconds.
 constexpr Duration kRestTimeout = std::chrono::minutes(2);
@@ -64,21 +64,22 @@ Result<mission::UnitCounts> parse_counts(const std::vector<std::string>& texts) 
   return counts;
 }
 
-std::optional<session::JournalRequest> journal_request(const MissionOptions& options) {
+std::optional<mission_run::JournalRequest> journal_request(const MissionOptions& options) {
   if (options.journal.empty()) return std::nullopt;
   using UnderWay = mission::RunJournal::UnderWay;
   const UnderWay under_way = options.under_way == "again"   ? UnderWay::Again
                              : options.under_way == "skip"  ? UnderWay::Skip
                              : options.under_way == "abort" ? UnderWay::Abort
                                                             : UnderWay::GoOn;
-  return session::JournalRequest{options.journal, options.resume, under_way};
+  return mission_run::JournalRequest{options.journal, options.resume, under_way};
 }
 
 Result<RunRequest> request_of(const MissionOptions& options, const NetworkOptions& network, bool is_network) {
   RunRequest request;
   const std::string mode = !options.mode.empty() ? options.mode : is_network ? "concurrent" : "sequential";
   request.mode = mode == "concurrent" ? RunMode::Concurrent : RunMode::Sequential;
-  request.clock = options.clock == "virtual" ? cdtn::ClockKind::Virtual : cdtn::ClockKind::Real;
+  request.clock =
+      options.clock == "virtual" ? task_network::ClockKind::Virtual : task_network::ClockKind::Real;
   auto inputs = parse_inputs(options.inputs);
   if (!inputs) return inputs.error();
   request.inputs = std::move(*inputs);
@@ -93,7 +94,7 @@ Result<RunRequest> request_of(const MissionOptions& options, const NetworkOption
   request.workers = network.workers;
   request.world_copies = network.world_copies;
   request.seed = network.seed;
-  if (network.order == "goal") request.order = cdtn::OrderRule::Goal;
+  if (network.order == "goal") request.order = task_network::OrderRule::Goal;
   auto counts = parse_counts(network.resources);
   if (!counts) return counts.error();
   request.resources = std::move(*counts);
@@ -108,9 +109,9 @@ MissionProgress::Style style_of(const MissionOptions& options, const Context& co
 }
 
 /// What is known before the run of what waits for what: nothing of a mission that runs as it is written.
-draw::Diagram known_plan(const session::Session& plan, const RunRequest& request) {
+draw::Diagram known_plan(const mission_run::Session& plan, const RunRequest& request) {
   if (request.mode != RunMode::Concurrent) return {};
-  session::ConvertRequest wanted;
+  mission_run::ConvertRequest wanted;
   wanted.inputs = request.inputs;
   wanted.facts = request.facts;
   wanted.order = request.order;
@@ -120,7 +121,7 @@ draw::Diagram known_plan(const session::Session& plan, const RunRequest& request
   return diagram ? std::move(*diagram) : draw::Diagram{};
 }
 
-Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& plan, RunRequest request,
+Result<std::unique_ptr<FinishedRun>> run_with_progress(const mission_run::Session& plan, RunRequest request,
                                                        const MissionOptions& options,
                                                        const std::stop_token& stop, const Context& context) {
   const auto style = style_of(options, context);
@@ -142,7 +143,7 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
 }
 
 /// Also one that is stepped, which is asked for through a robot.
-bool needs_robot(const session::Session& plan, const MissionOptions& options) {
+bool needs_robot(const mission_run::Session& plan, const MissionOptions& options) {
   if (plan.program() == nullptr) return false;
   const bool is_stepped = !options.breakpoints.empty() || options.steps_back;
   return is_stepped || (!options.simulate && mission::needs_robot(plan.program()->mission()));
@@ -155,7 +156,7 @@ void show_executions(const FinishedRun& run) {
                {"STATE", Align::Left},
                {"OUTCOME", Align::Left}});
   const auto& overview = run.overview();
-  for (const session::RunRow& row : run.rows(kMostRows)) {
+  for (const mission_run::RunRow& row : run.rows(kMostRows)) {
     table.add({format_seconds(seconds(row.start)), format_seconds(seconds(row.end - row.start)),
                printable(row.name), row.outcome.empty() ? "running" : printable(row.outcome)});
   }
@@ -172,8 +173,8 @@ void show_nodes(FinishedRun& run) {
   using Align = Table::Align;
   Table table({{"node"}, {"start", Align::Right}, {"end", Align::Right}, {"status"}, {"last waited for"}});
   std::size_t off_path = 0;
-  for (const session::RunRow& row : run.rows()) {
-    const bool skipped = row.status == cdtn::NodeStatus::Skipped;
+  for (const mission_run::RunRow& row : run.rows()) {
+    const bool skipped = row.status == task_network::NodeStatus::Skipped;
     if (skipped && !row.started) {
       ++off_path;
       continue;
@@ -186,7 +187,7 @@ void show_nodes(FinishedRun& run) {
   }
   print(table.text());
   if (off_path > 0) print_line(fmt::format("and {} not on the path taken", off_path));
-  const cdtn::RunSummary& comparison = run.comparison();
+  const task_network::RunSummary& comparison = run.comparison();
   print_line(fmt::format("{} in {:.2f} s; sequential {:.2f} s, critical path {:.2f} s",
                          run.overview().succeeded ? "done" : "ended", seconds(run.overview().makespan),
                          seconds(comparison.sequential), seconds(comparison.critical_path)));
@@ -195,7 +196,7 @@ void show_nodes(FinishedRun& run) {
 }
 
 /// The document of a run, with what look-ahead saved if that is known.
-type::Value document_of(FinishedRun& run, const robot::ServedRobot* robot) {
+type::Value document_of(FinishedRun& run, const remote_robot::ServedRobot* robot) {
   type::Value document = run.to_value();
   if (robot == nullptr) return document;
   const auto saved = robot->saved();
@@ -206,7 +207,7 @@ type::Value document_of(FinishedRun& run, const robot::ServedRobot* robot) {
 }
 
 /// `robot`: on which it ran; null: on none.
-void show_run(FinishedRun& run, bool is_network, bool follows, const robot::ServedRobot* robot,
+void show_run(FinishedRun& run, bool is_network, bool follows, const remote_robot::ServedRobot* robot,
               const Context& context) {
   if (context.json()) {
     const type::Value document = document_of(run, robot);
@@ -227,8 +228,8 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const robot::Serv
 
 /// The robot's pools carry out what is a call of one, and there are as many units as instances, unless the
 /// user has said how many.
-Result<void> add_pools(RunRequest& request, const session::Session& plan,
-                       const std::shared_ptr<robot::ServedRobot>& robot,
+Result<void> add_pools(RunRequest& request, const mission_run::Session& plan,
+                       const std::shared_ptr<remote_robot::ServedRobot>& robot,
                        const mission::ControllerOptions& how) {
   if (plan.program() == nullptr || !mission::uses_pools(plan.program()->mission())) return {};
   const auto pools = robot->pools(Wait(TimePoint::max()));
@@ -244,8 +245,8 @@ Result<void> add_pools(RunRequest& request, const session::Session& plan,
 
 }  // namespace
 
-Result<void> run_by_robot(RunRequest& request, const session::Session& plan,
-                          const std::shared_ptr<robot::ServedRobot>& robot,
+Result<void> run_by_robot(RunRequest& request, const mission_run::Session& plan,
+                          const std::shared_ptr<remote_robot::ServedRobot>& robot,
                           const mission::ControllerOptions& how) {
   if (auto units = add_pools(request, plan, robot, how); !units) return units;
   const auto controllers = std::make_shared<mission::ControllerUnion>(
@@ -298,7 +299,7 @@ namespace {
 
 using Ran = Result<std::unique_ptr<FinishedRun>>;
 
-type::Value shown_plan(const session::Session& plan, const RunRequest& request,
+type::Value shown_plan(const mission_run::Session& plan, const RunRequest& request,
                        MissionRemote::PlanDetail detail) {
   if (request.mode != RunMode::Concurrent) return draw::shown_plan(*plan.program(), nullptr);
   if (detail == MissionRemote::PlanDetail::Whole) {
@@ -311,8 +312,8 @@ type::Value shown_plan(const session::Session& plan, const RunRequest& request,
 }
 
 /// `robot` as of show_run().
-int show(const Ran& run, const session::Session& plan, const MissionOptions& options,
-         const robot::ServedRobot* robot, const Context& context) {
+int show(const Ran& run, const mission_run::Session& plan, const MissionOptions& options,
+         const remote_robot::ServedRobot* robot, const Context& context) {
   if (!run) return failed(context, run.error());
   if (options.show) show_run(**run, plan.is_network(), options.follow, robot, context);
   if (options.files.any()) {
@@ -320,7 +321,7 @@ int show(const Ran& run, const session::Session& plan, const MissionOptions& opt
     const auto written = write(options.files, (*run)->gantt());
     if (!written) return failed(Context{}, written.error());
   }
-  const session::RunOverview& overview = (*run)->overview();
+  const mission_run::RunOverview& overview = (*run)->overview();
   if (overview.succeeded) return kDone;
   const bool has_told = !plan.is_network() || (options.show && context.json());
   return overview.error && !has_told ? failed(context, *overview.error) : kFailed;
@@ -328,13 +329,14 @@ int show(const Ran& run, const session::Session& plan, const MissionOptions& opt
 
 void tell_end(const Ran& run, MissionRemote& remote) {
   if (!run) return remote.ended("aborted", run.error().message);
-  const session::RunOverview& overview = (*run)->overview();
+  const mission_run::RunOverview& overview = (*run)->overview();
   remote.ended(overview.outcome, overview.error ? overview.error->message : "");
 }
 
 /// Gives the robot back. Unless the mission has ended as it should, or wants the robot to run on, it comes to
 /// rest, which is waited for; false where it does not.
-bool leave(robot::ServedRobot& robot, const Ran& run, const session::Session& plan, bool is_unreachable) {
+bool leave(remote_robot::ServedRobot& robot, const Ran& run, const mission_run::Session& plan,
+           bool is_unreachable) {
   const bool keep = (run && (*run)->overview().succeeded) ||
                     plan.program()->mission().at_end == mission::Mission::AtEnd::Keep;
   const auto rest = robot.give_back(keep, deadline_in(kRestTimeout));
@@ -355,13 +357,13 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   StopSignal signal;  // until the run has been shown
   std::stop_source stop;
   const std::stop_callback stopping(signal.token(), [&] { stop.request_stop(); });
-  const auto robot = std::make_shared<robot::ServedRobot>(service, sender("mission run"));
+  const auto robot = std::make_shared<remote_robot::ServedRobot>(service, sender("mission run"));
   robot->when_stopped([stop]() mutable { stop.request_stop(); });
   if (auto taken = robot->take(); !taken) return failed(context, taken.error());
   const auto conflicts = robot->conflicts(Wait(TimePoint::max()));
   if (!conflicts) return failed(context, conflicts.error());
   Diagnostics diagnostics;
-  const auto plan = session::Session::load(options.file, options.libraries, diagnostics, &*conflicts);
+  const auto plan = mission_run::Session::load(options.file, options.libraries, diagnostics, &*conflicts);
   if (!plan) return report_failure(context, diagnostics);
   mission::ControllerOptions how;
   how.look_ahead = options.look_ahead;
@@ -373,7 +375,7 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
     };
   }
   if (auto given = run_by_robot(request, *plan, robot, how); !given) return failed(context, given.error());
-  session::RunControl steering;
+  mission_run::RunControl steering;
   request.control = &steering;
   Ran run = fail(ErrorCode::Internal, "the mission has not run");
   {
@@ -400,7 +402,7 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, Conte
                                 "with --format json drawings go to files, not to standard output"));
   }
   Diagnostics diagnostics;
-  const auto plan = session::Session::load(options.file, options.libraries, diagnostics);
+  const auto plan = mission_run::Session::load(options.file, options.libraries, diagnostics);
   if (!plan) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
   auto request = request_of(options, network, plan->is_network());

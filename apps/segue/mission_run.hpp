@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/mission/controller_runner.hpp>
-#include <segue/robot/served_robot.hpp>
-#include <segue/session/session.hpp>
+#include <segue/mission_robot/controller_runner.hpp>
+#include <segue/mission_run/session.hpp>
+#include <segue/remote_robot/served_robot.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -60,8 +60,8 @@ Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts);
 
 /// The robot carries out what of the mission is a controller or a call of a pool, and is what observed facts
 /// are compared with. There are as many units of a pool as instances, unless the request has said how many.
-Result<void> run_by_robot(session::RunRequest& request, const session::Session& plan,
-                          const std::shared_ptr<robot::ServedRobot>& robot,
+Result<void> run_by_robot(mission_run::RunRequest& request, const mission_run::Session& plan,
+                          const std::shared_ptr<remote_robot::ServedRobot>& robot,
                           const mission::ControllerOptions& how);
 
 /// Runs a mission or a task network and shows what it did. SIGINT and SIGTERM preempt it. Controllers are

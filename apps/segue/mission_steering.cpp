@@ -96,7 +96,7 @@ Result<Value> ask(control::RobotService& robot, std::string_view what, const Val
                   Duration timeout, Condition has_followed) {
   auto doing = mission_of(robot);
   if (!doing) return doing;
-  const auto number = robot.ask_holder(what, arguments);
+  const auto number = robot.send_command(what, arguments);
   if (!number) return number.error();
   const TimePoint deadline = deadline_in(timeout);
   for (doing = mission_of(robot); doing; doing = mission_of(robot)) {

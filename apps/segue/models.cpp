@@ -3,11 +3,11 @@
 
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
-#include <segue/host/component_library.hpp>
 #include <segue/model/controller_names.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/solve/combine.hpp>
+#include <segue/task_host/component_library.hpp>
 
 #include <algorithm>
 
@@ -18,8 +18,8 @@ namespace segue::cli {
 namespace {
 
 void add_installed(model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
-  for (const std::string& library : host::installed_libraries()) {
-    const auto done = host::read_library_models(library, catalog);
+  for (const std::string& library : task_host::installed_libraries()) {
+    const auto done = task_host::read_library_models(library, catalog);
     if (!done) diagnostics.warning("unreadable-library", done.error().message, done.error().where);
   }
 }
@@ -45,7 +45,7 @@ void add_model_options(Verb& verb, ModelSources& sources) {
 
 void add_robot_models(const model::Robot& robot, model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
   for (const std::string& library : robot.libraries) {
-    const auto done = host::read_library_models(library, catalog);
+    const auto done = task_host::read_library_models(library, catalog);
     if (!done) diagnostics.error("unknown-library", done.error().message, robot.where);
   }
   for (const std::string& pattern : robot.models)

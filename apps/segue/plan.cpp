@@ -89,7 +89,7 @@ int show_applied(const Value& answer, const Context& context) {
   } else {
     print(changes_text(answer));
     if (transition != nullptr) print(outcome_text(*transition));
-    print_line(outcome == "done" ? "applied" : outcome + ": the controllers are those of before");
+    print_line(outcome == "done" ? "applied" : outcome + ": controllers unchanged");
   }
   print_reasons(answer);
   return outcome == "done" ? kDone : kFailed;
@@ -136,7 +136,7 @@ void add_apply(Verb& app, Context& context) {
       "  segue plan && segue apply\n\n"
       "All files of the robot are read and checked first: if one has errors, nothing changes. Then the\n"
       "running controller goes to its new version by a transition, as `segue plan` shows it. If that\n"
-      "fails, it is undone and the controllers are those of before. A controller that runs and whose file\n"
+      "fails, it is undone and the controllers are unchanged. A controller that runs and whose file\n"
       "is gone keeps running until the next switch.",
       [options, &context] {
         return with_robot(context,

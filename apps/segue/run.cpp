@@ -3,8 +3,8 @@
 #include <segue/base/text.hpp>
 #include <segue/control/server.hpp>
 #include <segue/runtime/embedded_robot.hpp>
-#include <segue/runtime/report.hpp>
-#include <segue/runtime/robot_service.hpp>
+#include <segue/runtime/runtime_report.hpp>
+#include <segue/runtime/runtime_service.hpp>
 
 #include <fmt/core.h>
 #include <unistd.h>

@@ -2,7 +2,7 @@
 #include <segue/control/credentials.hpp>
 #include <segue/model/files.hpp>
 #include <segue/web/page_files.hpp>
-#include <segue/web/server.hpp>
+#include <segue/web/web_server.hpp>
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -92,7 +92,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
       .robot = robot,
       .models = models_for_editing,
       .entered = [&context](const std::string& address) {
-        if (!context.json()) print_line("a browser has come in; for another one:");
+        if (!context.json()) print_line("browser connected; to open another:");
         print_address(address, context);
       }};
   const auto server = web::Server::start(std::move(*page), connect, serving);

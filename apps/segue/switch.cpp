@@ -107,7 +107,7 @@ class CancelOnSignal {
     if (!status) return print_note("cannot cancel: " + status.error().message);
     for (const Value& request : list_at(*status, "requests")) {
       if (!text_at(request, "who").ends_with(me)) continue;
-      print_note("cancelling; once more: leave it to the robot");
+      print_note("cancelling; Ctrl-C again to detach");
       const auto number = static_cast<std::uint64_t>(number_at(request, "request"));
       const auto answer = (*robot)->cancel(number, me, deadline_in(std::chrono::minutes(1)));
       if (!answer) print_note("not cancelled: " + answer.error().message);
@@ -206,6 +206,33 @@ int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options,
   return status;
 }
 
+/// The options that say what is switched to, and how.
+void add_what(Verb& verb, SwitchVerbOptions& options) {
+  const Option name =
+      verb.option("NAME", options.controller,
+                  "the controller, or several at once (drive+arm); \"\" is the empty network");
+  const Option file = verb.option("--transition FILE", options.transition,
+                                  "execute this transition file instead of a switch to NAME")
+                          .excludes(name);
+  const Option network =
+      verb.option("--network FILE", options.network,
+                  "send this network file to the robot and switch to it, under its own name")
+          .excludes(name)
+          .excludes(file);
+  verb.flag("--dry-run", options.dry_run, "only show the transition").excludes(file);
+  verb.flag("--force", options.force,
+            "kill the processes to be removed instead of stopping their tasks; for tasks that hang")
+      .excludes(file);
+  verb.option("--set TASK.PROPERTY=VALUE", options.properties,
+              "a property in place of the network's, until the next switch; may be repeated")
+      .excludes(file);
+  verb.flag("--take-over", options.take_over,
+            "also where somebody else, such as a mission, commands the robot; ends what that does")
+      .excludes(file);
+  add_order_option(verb, options.order).excludes(file);
+  verb.require_any({name, file, network}, "NAME, --network FILE or --transition FILE");
+}
+
 }  // namespace
 
 void add_switch(Verb& app, Context& context) {
@@ -226,29 +253,7 @@ void add_switch(Verb& app, Context& context) {
           return switch_robot(robot, *options, signal ? &*signal : nullptr, context);
         });
       });
-  const Option name =
-      verb.option("NAME", options->controller,
-                  "the controller, or several at once (drive+arm); \"\" is the empty network");
-  const Option file = verb.option("--transition FILE", options->transition,
-                                  "execute this transition file instead of a switch to NAME")
-                          .excludes(name);
-  const Option network =
-      verb.option("--network FILE", options->network,
-                  "send this network file to the robot and switch to it, under its own name")
-          .excludes(name)
-          .excludes(file);
-  verb.flag("--dry-run", options->dry_run, "only show the transition").excludes(file);
-  verb.flag("--force", options->force,
-            "kill the processes to be removed instead of stopping their tasks; for tasks that hang")
-      .excludes(file);
-  verb.option("--set TASK.PROPERTY=VALUE", options->properties,
-              "a property in place of the network's, until the next switch; may be repeated")
-      .excludes(file);
-  verb.flag("--take-over", options->take_over,
-            "also where somebody else, such as a mission, commands the robot; ends what that does")
-      .excludes(file);
-  add_order_option(verb, options->order).excludes(file);
-  verb.require_any({name, file, network}, "NAME, --network FILE or --transition FILE");
+  add_what(verb, *options);
   verb.flag("--wait,!--no-wait", options->wait,
             "wait for the outcome (default); --no-wait returns after the request");
   verb.option("--timeout DURATION", options->timeout, "how long to wait for the outcome (default 60s)");

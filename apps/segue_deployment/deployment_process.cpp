@@ -5,15 +5,15 @@
 #include <segue/base/text.hpp>
 #include <segue/control/server.hpp>
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/host/component_library.hpp>
-#include <segue/host/local_task_host.hpp>
-#include <segue/link/shared_memory.hpp>
 #include <segue/model/files.hpp>
-#include <segue/process/assignment.hpp>
-#include <segue/process/inherited_process.hpp>
-#include <segue/process/process_limits.hpp>
-#include <segue/process/process_log.hpp>
+#include <segue/process_server/assignment.hpp>
+#include <segue/process_server/inherited_process.hpp>
+#include <segue/process_server/process_limits.hpp>
+#include <segue/process_server/process_log.hpp>
+#include <segue/sample_link/shared_memory.hpp>
 #include <segue/task/realtime_log.hpp>
+#include <segue/task_host/component_library.hpp>
+#include <segue/task_host/local_task_host.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <unistd.h>
@@ -29,8 +29,8 @@ namespace segue {
 
 namespace {
 
-using process::Assignment;
-using process::Launch;
+using process_server::Assignment;
+using process_server::Launch;
 
 constexpr std::string_view kLogSource = "segue-deployment";
 /// How often the process checks whether its log has to be rotated.
@@ -55,9 +55,9 @@ LogLevel level_of(const std::string& name) {
 
 /// Everything that tasks are created from.
 struct Workshop {
-  host::LibrarySet libraries;
+  task_host::LibrarySet libraries;
   model::ComponentCatalog catalog;
-  host::LocalOptions options;
+  task_host::LocalOptions options;
 
   Result<void> load(const Launch& launch);
   Result<void> load_library(const std::string& name, bool may_lack);
@@ -106,7 +106,7 @@ Result<void> Workshop::load(const Launch& launch) {
   Diagnostics diagnostics;
   const auto document = type::parse_yaml(launch.stand_ins, "stand-ins");
   if (!document) return document.error();
-  auto table = host::StandInTable::read(*document, "stand-ins", diagnostics);
+  auto table = task_host::StandInTable::read(*document, "stand-ins", diagnostics);
   if (!table) return diagnostics.to_error();
   options.stand_ins = std::move(*table);
   return {};
@@ -123,10 +123,10 @@ Result<void> Workshop::load(const Launch& launch) {
     what = "an exception that is no std::exception";
   }
   log(LogLevel::Error, kLogSource, "a component library failed while it was loaded: " + what);
-  std::_Exit(process::kNoLibrary);
+  std::_Exit(process_server::kNoLibrary);
 }
 
-deploy::DeploymentInfo info_of(const Launch& launch, link::Incarnation incarnation) {
+deploy::DeploymentInfo info_of(const Launch& launch, sample_link::Incarnation incarnation) {
   deploy::DeploymentInfo info;
   info.robot = launch.robot;
   info.deployment = launch.deployment;
@@ -136,60 +136,60 @@ deploy::DeploymentInfo info_of(const Launch& launch, link::Incarnation incarnati
   return info;
 }
 
-Result<std::shared_ptr<link::SharedMemory>> memory_for(const Launch& launch,
-                                                       std::shared_ptr<link::SharedMemory> prepared) {
+Result<std::shared_ptr<sample_link::SharedMemory>> memory_for(
+    const Launch& launch, std::shared_ptr<sample_link::SharedMemory> prepared) {
   constexpr SharedMemoryOptions kUsual;
   const SharedMemoryOptions& wanted = launch.memory;
   const bool usual = wanted.prefault == kUsual.prefault && wanted.payload == kUsual.payload &&
                      wanted.control == kUsual.control;
   if (prepared != nullptr && usual) return prepared;
-  return link::SharedMemory::create(launch.memory);
+  return sample_link::SharedMemory::create(launch.memory);
 }
 
 /// Serves until the process is asked to end. If a hook hangs then, nothing may be destroyed, since its thread
 /// still uses it: the process ends by std::_Exit.
 int serve(const Assignment& assignment, const Workshop& workshop, PreparedProcess prepared,
-          process::InheritedProcess& process) {
+          process_server::InheritedProcess& process) {
   const Launch& launch = assignment.launch;
   auto memory = memory_for(launch, std::move(prepared.memory));
-  if (!memory) return give_up(process::kNoMemory, memory.error());
+  if (!memory) return give_up(process_server::kNoMemory, memory.error());
   const task::RealtimeLogDrain log_drain;
-  host::LocalTaskHost tasks(workshop.libraries, workshop.catalog, workshop.options);
+  task_host::LocalTaskHost tasks(workshop.libraries, workshop.catalog, workshop.options);
   deploy::LocalDeployment deployment(info_of(launch, (*memory)->incarnation()), tasks, *memory);
   auto server = control::Server::serve(process.take_listener(), &deployment);
-  if (!server) return give_up(process::kNoMemory, server.error());
-  process::OutputLog output(assignment.log, assignment.log_size, assignment.log_files,
-                            process.take_output_changes());
+  if (!server) return give_up(process_server::kNoMemory, server.error());
+  process_server::OutputLog output(assignment.log, assignment.log_size, assignment.log_files,
+                                   process.take_output_changes());
   while (!process.wait_for_end(kHousekeeping, output.changes()) && !process.wait_for_end(kOutputLag))
     output.rotate();
   if (!deployment.shut_down(RealClock::instance().now() + kShutDownTime)) {
     log(LogLevel::Error, kLogSource, "a hook of a task has not returned; ended without it");
     process.leave();
-    std::_Exit(process::kHanging);
+    std::_Exit(process_server::kHanging);
   }
-  return process::kOrderly;
+  return process_server::kOrderly;
 }
 
 }  // namespace
 
 PreparedProcess prepare_deployment_process() {
   static_cast<void>(task::RealtimeLog::instance());
-  return {link::SharedMemory::create().value_or(nullptr)};
+  return {sample_link::SharedMemory::create().value_or(nullptr)};
 }
 
 int deployment_process(PreparedProcess prepared) {
-  process::InheritedProcess process;
-  const auto assignment = process::read_assignment(process::kAssignment);
-  if (!assignment) return give_up(process::kWrongUse, assignment.error());
+  process_server::InheritedProcess process;
+  const auto assignment = process_server::read_assignment(process_server::kAssignment);
+  if (!assignment) return give_up(process_server::kWrongUse, assignment.error());
   set_log_level(level_of(assignment->launch.log_level));
   process.begin(assignment->socket, SEGUE_VERSION);
-  if (const auto applied = process::apply_to_this_process(assignment->launch); !applied) {
-    return give_up(process::kNotPermitted, applied.error());
+  if (const auto applied = process_server::apply_to_this_process(assignment->launch); !applied) {
+    return give_up(process_server::kNotPermitted, applied.error());
   }
   Workshop workshop;
   const auto terminate = std::set_terminate(&end_by_library);
   if (const auto loaded = workshop.load(assignment->launch); !loaded) {
-    return give_up(process::kNoLibrary, loaded.error());
+    return give_up(process_server::kNoLibrary, loaded.error());
   }
   std::set_terminate(terminate);
   const int status = serve(*assignment, workshop, std::move(prepared), process);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/link/shared_memory.hpp>
+#include <segue/sample_link/shared_memory.hpp>
 
 #include <memory>
 
@@ -9,7 +9,7 @@ namespace segue {
 
 /// What a deployment process has been given before it is known which one it will be.
 struct PreparedProcess {
-  std::shared_ptr<link::SharedMemory> memory;  ///< of the usual size; null: none yet
+  std::shared_ptr<sample_link::SharedMemory> memory;  ///< of the usual size; null: none yet
 };
 
 /// Makes what takes longest between a fork and the first answer: shared memory of the usual size, prefaulted,
@@ -18,7 +18,7 @@ struct PreparedProcess {
 PreparedProcess prepare_deployment_process();
 
 /// Runs a deployment process with the descriptors that it inherits, and returns its exit status (both as in
-/// process/assignment.hpp). There must be only one thread when it begins.
+/// process_server/assignment.hpp). There must be only one thread when it begins.
 int deployment_process(PreparedProcess prepared);
 
 }  // namespace segue

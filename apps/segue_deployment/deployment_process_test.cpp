@@ -2,8 +2,8 @@
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
-#include <segue/process/assignment.hpp>
-#include <segue/process/process_server.hpp>
+#include <segue/process_server/assignment.hpp>
+#include <segue/process_server/process_server.hpp>
 
 #include <support/paths.hpp>
 
@@ -43,27 +43,27 @@ class DeploymentProcessTest : public testing::Test {
     fs::remove_all(folder_, ignored);
   }
 
-  void serve(process::ProcessServerOptions options = {}) {
+  void serve(process_server::ProcessServerOptions options = {}) {
     options.program = segue::paths::kDeploymentProgram;
-    auto made = process::ProcessServer::create(options);
+    auto made = process_server::ProcessServer::create(options);
     ASSERT_TRUE(made.has_value()) << to_string(made.error());
     processes_ = std::move(*made);
-    processes_->set_listener([this](const process::ProcessInfo& process) {
+    processes_->set_listener([this](const process_server::ProcessInfo& process) {
       const std::lock_guard lock(mutex_);
       ended_.push_back(process);
       changed_.notify_all();
     });
   }
 
-  static process::Launch launch() {
-    process::Launch launch;
+  static process_server::Launch launch() {
+    process_server::Launch launch;
     launch.robot = "rover";
     launch.deployment.process = model::ProcessName("drivers");
     launch.libraries = {"segue_components_demo"};
     return launch;
   }
 
-  process::ProcessInfo start(const process::Launch& what) {
+  process_server::ProcessInfo start(const process_server::Launch& what) {
     auto process = processes_->start(what, soon());
     EXPECT_TRUE(process.has_value()) << to_string(process.error());
     if (!process) return {};
@@ -72,7 +72,7 @@ class DeploymentProcessTest : public testing::Test {
   }
 
   /// The exit status, once it has ended by itself.
-  std::optional<process::ExitReason> end() {
+  std::optional<process_server::ExitReason> end() {
     std::unique_lock lock(mutex_);
     if (!changed_.wait_for(lock, kPatience, [&] { return !ended_.empty(); })) return std::nullopt;
     return ended_.front().exit;
@@ -82,10 +82,10 @@ class DeploymentProcessTest : public testing::Test {
 
   fs::path folder_;
   std::vector<int> pids_;
-  std::unique_ptr<process::ProcessServer> processes_;
+  std::unique_ptr<process_server::ProcessServer> processes_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<process::ProcessInfo> ended_;
+  std::vector<process_server::ProcessInfo> ended_;
 };
 
 TEST_F(DeploymentProcessTest, ItServesAndEndsCleanlyOnRequest) {
@@ -102,7 +102,7 @@ TEST_F(DeploymentProcessTest, ItServesAndEndsCleanlyOnRequest) {
 }
 
 TEST_F(DeploymentProcessTest, AForkOfAZygoteWithLibrariesServesToo) {
-  process::ProcessServerOptions options;
+  process_server::ProcessServerOptions options;
   options.zygote_libraries = {"segue_components_demo"};
   serve(options);
   const auto process = start(launch());
@@ -116,31 +116,31 @@ TEST_F(DeploymentProcessTest, AForkOfAZygoteWithLibrariesServesToo) {
 
 TEST_F(DeploymentProcessTest, TheLogEndsWithAMissingLibrary) {
   serve();
-  process::Launch wrong = launch();
+  process_server::Launch wrong = launch();
   wrong.libraries = {"no_such_library"};
   const auto process = start(wrong);
   const auto reason = end();
   ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->status, process::kNoLibrary);
+  EXPECT_EQ(reason->status, process_server::kNoLibrary);
   EXPECT_THAT(text_of(process.log), HasSubstr("no_such_library"));
 }
 
 TEST_F(DeploymentProcessTest, ALibraryThatThrowsWhileLoadingEndsTheProcessWithAMessage) {
   ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kTestLibraries, 1);
   serve();
-  process::Launch wrong = launch();
+  process_server::Launch wrong = launch();
   wrong.libraries = {"segue_test_throws"};
   const auto process = start(wrong);
   const auto reason = end();
   ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->status, process::kNoLibrary) << to_string(*reason);
+  EXPECT_EQ(reason->status, process_server::kNoLibrary) << to_string(*reason);
   EXPECT_THAT(text_of(process.log), HasSubstr("no luck today"));
 }
 
 TEST_F(DeploymentProcessTest, ALibraryThatNeedsAPartOfTheProgramUsesTheProgramsOwn) {
   ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kTestLibraries, 1);
   serve();
-  process::Launch linked = launch();
+  process_server::Launch linked = launch();
   linked.libraries = {"segue_test_links"};
   const auto process = start(linked);
   auto deployment = control::connect_deployment(process.socket, soon(), [] {});
@@ -160,12 +160,12 @@ TEST_F(DeploymentProcessTest, ALibraryThatNeedsAPartOfTheProgramUsesTheProgramsO
 
 TEST_F(DeploymentProcessTest, MissingProcessorsAreRefused) {
   serve();
-  process::Launch wrong = launch();
+  process_server::Launch wrong = launch();
   wrong.deployment.cpus = {1000};
   const auto process = start(wrong);
   const auto reason = end();
   ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->status, process::kNotPermitted);
+  EXPECT_EQ(reason->status, process_server::kNotPermitted);
   EXPECT_THAT(text_of(process.log), HasSubstr("processors"));
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/printable.hpp>
 #include <segue/base/time_slice.hpp>
-#include <segue/host/component_library.hpp>
-#include <segue/process/assignment.hpp>
-#include <segue/process/zygote.hpp>
-#include <segue/process/zygote_message.hpp>
+#include <segue/process_server/assignment.hpp>
+#include <segue/process_server/zygote.hpp>
+#include <segue/process_server/zygote_message.hpp>
+#include <segue/task_host/component_library.hpp>
 
 #include <cstdio>
 #include <exception>
@@ -17,9 +17,9 @@
 namespace {
 
 int run(int count, char** arguments) {
-  using segue::process::detail::run_zygote;
-  if (count > 2 && arguments[1] == segue::process::detail::kZygoteOption) {
-    segue::host::LibrarySet libraries;
+  using segue::process_server::detail::run_zygote;
+  if (count > 2 && arguments[1] == segue::process_server::detail::kZygoteOption) {
+    segue::task_host::LibrarySet libraries;
     segue::PreparedProcess prepared;
     return run_zygote({count, arguments},
                       {[&](const std::string& library) { return libraries.load(library); },
@@ -33,16 +33,16 @@ int run(int count, char** arguments) {
 
 int main(int count, char** arguments) {
   const bool alone = count != 2 || std::string_view(arguments[1]).starts_with('-');
-  if (alone && (count < 3 || arguments[1] != segue::process::detail::kZygoteOption)) {
+  if (alone && (count < 3 || arguments[1] != segue::process_server::detail::kZygoteOption)) {
     std::fputs("segue-deployment is started by a process server (`segue run`, `segue host`), not by hand\n",
                stderr);
-    return segue::process::kWrongUse;
+    return segue::process_server::kWrongUse;
   }
   segue::ask_for_short_time_slices();
   try {
     return run(count, arguments);
   } catch (const std::exception& exception) {
     std::fprintf(stderr, "error: segue-deployment: %s\n", segue::printable(exception.what()).c_str());
-    return segue::process::kDefect;
+    return segue::process_server::kDefect;
   }
 }

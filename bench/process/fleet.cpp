@@ -6,11 +6,11 @@
 #include <segue/control/deployment_client.hpp>
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/host/local_task_host.hpp>
-#include <segue/hosts/distributed_task_host.hpp>
+#include <segue/distributed/distributed_task_host.hpp>
 #include <segue/model/files.hpp>
-#include <segue/process/process_server.hpp>
+#include <segue/process_server/process_server.hpp>
 #include <segue/runtime/host_places.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -59,11 +59,11 @@ class Folder {
 class RealFleet : public Fleet {
  public:
   explicit RealFleet(bool zygote) {
-    process::ProcessServerOptions options;
+    process_server::ProcessServerOptions options;
     options.zygote = zygote;
     if (zygote) options.zygote_libraries = {kLibrary};
-    processes_ = must(process::ProcessServer::create(options));
-    memory_ = must(link::SharedMemory::create());
+    processes_ = must(process_server::ProcessServer::create(options));
+    memory_ = must(sample_link::SharedMemory::create());
     launch_.robot = "bench";
     launch_.libraries = {kLibrary};
     launch_.log_level = "error";
@@ -78,21 +78,21 @@ class RealFleet : public Fleet {
   }
   ~RealFleet() override { deployed_->end_processes(soon()); }
 
-  host::TaskHost& host() override { return *deployed_; }
+  task_host::TaskHost& host() override { return *deployed_; }
 
  protected:
   [[nodiscard]] deploy::DeployedTaskHost& deployed() { return *deployed_; }
   [[nodiscard]] const model::ComponentCatalog& catalog() const { return catalog_; }
-  [[nodiscard]] const process::Launch& launch() const { return launch_; }
+  [[nodiscard]] const process_server::Launch& launch() const { return launch_; }
 
  private:
   Folder folder_;
-  process::Launch launch_;
-  host::LibrarySet libraries_;
+  process_server::Launch launch_;
+  task_host::LibrarySet libraries_;
   model::ComponentCatalog catalog_;
-  host::LocalTaskHost local_{libraries_, catalog_};
-  std::shared_ptr<link::SharedMemory> memory_;
-  std::unique_ptr<process::ProcessServer> processes_;
+  task_host::LocalTaskHost local_{libraries_, catalog_};
+  std::shared_ptr<sample_link::SharedMemory> memory_;
+  std::unique_ptr<process_server::ProcessServer> processes_;
   std::unique_ptr<deploy::LocalDeployment> own_;
   std::unique_ptr<deploy::DeployedTaskHost> deployed_;
 };
@@ -106,20 +106,20 @@ class RemoteFleet final : public RealFleet {
     Diagnostics diagnostics;
     const auto robot = model::read_robot(text, "robot.yaml", diagnostics);
     if (!robot) require(diagnostics.to_error());
-    hosts::DistributedOptions options;
+    distributed::DistributedOptions options;
     options.request.holder = "bench/" + std::to_string(::getpid());
     options.request.launch = launch();
     options.gateways = runtime::gateway_settings(*robot);
-    distributed_ = std::make_unique<hosts::DistributedTaskHost>(deployed(), runtime::host_places(*robot),
-                                                                catalog(), std::move(options));
+    distributed_ = std::make_unique<distributed::DistributedTaskHost>(
+        deployed(), runtime::host_places(*robot), catalog(), std::move(options));
     require(distributed_->commands_all());
   }
   ~RemoteFleet() override { distributed_->end_processes(soon()); }
 
-  host::TaskHost& host() override { return *distributed_; }
+  task_host::TaskHost& host() override { return *distributed_; }
 
  private:
-  std::unique_ptr<hosts::DistributedTaskHost> distributed_;
+  std::unique_ptr<distributed::DistributedTaskHost> distributed_;
 };
 
 Action action(ActionKind kind) {

@@ -3,8 +3,8 @@
 
 #include "../support/measure.hpp"
 
-#include <segue/host/task_host.hpp>
 #include <segue/runtime/temporary_hosts.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <memory>
 #include <string>
@@ -25,7 +25,7 @@ class Fleet {
   Fleet(const Fleet&) = delete;
   Fleet& operator=(const Fleet&) = delete;
 
-  virtual segue::host::TaskHost& host() = 0;
+  virtual segue::task_host::TaskHost& host() = 0;
 
   /// Executes actions concurrently; ends the program if one fails.
   void perform(const std::vector<segue::model::Action>& actions);

@@ -9,7 +9,7 @@
 namespace bench {
 namespace {
 
-using namespace segue::link;
+using namespace segue::sample_link;
 using segue::Descriptor;
 using segue::ErrorCode;
 using segue::fail;

@@ -79,15 +79,15 @@ inline segue::Policy policy_for(std::size_t bytes) {
 }
 
 /// Memory for samples of that size; 0: of a process that only reads.
-inline std::shared_ptr<segue::link::SharedMemory> memory_for(std::size_t bytes) {
+inline std::shared_ptr<segue::sample_link::SharedMemory> memory_for(std::size_t bytes) {
   segue::SharedMemoryOptions options;
   options.prefault = std::max(options.prefault, bytes * 4);
-  auto memory = segue::link::SharedMemory::create(options);
+  auto memory = segue::sample_link::SharedMemory::create(options);
   if (!memory) require(std::move(memory.error()));
   return std::move(*memory);
 }
 
-using Endpoint = std::shared_ptr<segue::link::SharedEndpoint>;
+using Endpoint = std::shared_ptr<segue::sample_link::SharedEndpoint>;
 inline Endpoint required(segue::Result<Endpoint> made) {
   if (!made) require(std::move(made.error()));
   return std::move(*made);
@@ -120,7 +120,7 @@ class LoanWriter : public Writer {
   segue::task::OutputPort<T>& output() { return source_->output; }
 
  private:
-  std::shared_ptr<segue::link::SharedMemory> memory_;
+  std::shared_ptr<segue::sample_link::SharedMemory> memory_;
   std::unique_ptr<Source<T>> source_ = std::make_unique<Source<T>>();
   Endpoint endpoint_;
 };

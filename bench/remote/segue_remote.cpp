@@ -2,8 +2,8 @@
 #include "../process/segue_samples.hpp"
 #include "remote.hpp"
 
-#include <segue/host/component_library.hpp>
 #include <segue/task/component_registry.hpp>
+#include <segue/task_host/component_library.hpp>
 
 #include <csignal>
 #include <cstdint>
@@ -37,7 +37,7 @@ int start_gateway(const std::function<void(int)>& body) {
 std::unique_ptr<segue::task::Task> link_task(const std::string& component, const Route& route,
                                              const Place& mine, const std::string& type, std::size_t bytes) {
   ::setenv("SEGUE_LIBRARY_PATH", SEGUE_BENCH_LIBRARIES, 1);
-  static segue::host::LibrarySet libraries;
+  static segue::task_host::LibrarySet libraries;
   require(libraries.load("segue_components_gateway"));
   auto made = segue::task::find_component(component)->create();
   if (!made) require(std::move(made.error()));

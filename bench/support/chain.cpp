@@ -21,7 +21,7 @@ void require(const segue::Result<void>& result) {
 
 void Bench::connect(segue::task::OutputPortBase& from, segue::task::InputPortBase& to,
                     const segue::Policy& policy) {
-  auto connection = segue::link::connect(from, to, policy);
+  auto connection = segue::sample_link::connect(from, to, policy);
   if (!connection) require(std::move(connection.error()));
 }
 

@@ -4,7 +4,7 @@
 #include "measure.hpp"
 
 #include <segue/base/policy.hpp>
-#include <segue/link/local.hpp>
+#include <segue/sample_link/local.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/executor_set.hpp>
 #include <segue/task/task.hpp>

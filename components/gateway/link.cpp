@@ -3,7 +3,7 @@
 #include "names.hpp"
 
 #include <segue/base/text.hpp>
-#include <segue/host/component_library.hpp>
+#include <segue/task_host/component_library.hpp>
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/type_info.hpp>
 
@@ -42,7 +42,7 @@ std::string user_data(const dds_qos_t* quality) {
 /// Component libraries stay loaded until the process ends.
 segue::Result<void> load(const std::string& library) {
   static std::mutex mutex;
-  static segue::host::LibrarySet libraries;
+  static segue::task_host::LibrarySet libraries;
   const std::lock_guard lock(mutex);
   return libraries.load(library);
 }

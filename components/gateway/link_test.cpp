@@ -6,7 +6,7 @@
 #include "test_support.hpp"
 
 #include <segue/base/child_process.hpp>
-#include <segue/link/shared_test_support.hpp>
+#include <segue/sample_link/shared_test_support.hpp>
 #include <segue/type/cdr_object.hpp>
 
 #include <support/paths.hpp>
@@ -145,7 +145,7 @@ TEST_F(GatewayLink, samples_travel_within_a_process) {
 /// Writes through shared memory, and reads the same way and within the process.
 template <class T>
 void expect_samples_between_shared_memories(const std::string& topic) {
-  const segue::link::shared_test::Pair memories(
+  const segue::sample_link::shared_test::Pair memories(
       {std::size_t{1} << 16, std::size_t{1} << 26, std::size_t{1} << 24});
   const ValueMap values = properties(kDomain, topic, name_of<T>(), "buffer", 100);
   Running receiver("gateway::Receiver", values);

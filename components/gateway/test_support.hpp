@@ -5,7 +5,7 @@
 #include "types.hpp"
 
 #include <segue/base/clock.hpp>
-#include <segue/link/local.hpp>
+#include <segue/sample_link/local.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/component_registry.hpp>
 #include <segue/task/task.hpp>
@@ -208,7 +208,7 @@ class Source final : public segue::task::Component {
  public:
   Source() = default;
   Source(Running& sender, const segue::Policy& policy) {
-    if (!segue::link::connect(port, sender.in(), policy)) std::abort();
+    if (!segue::sample_link::connect(port, sender.in(), policy)) std::abort();
   }
   segue::task::WriteResult write(std::uint64_t number, std::size_t bytes = 10) {
     fill(sample_, number, bytes);
@@ -226,7 +226,7 @@ class Sink final : public segue::task::Component {
  public:
   Sink() = default;
   Sink(Running& receiver, const segue::Policy& policy) {
-    if (!segue::link::connect(receiver.out(), port, policy)) std::abort();
+    if (!segue::sample_link::connect(receiver.out(), port, policy)) std::abort();
   }
   /// Numbers of the samples that have arrived since the last call; 0 for one that is not whole.
   std::vector<std::uint64_t> read() {

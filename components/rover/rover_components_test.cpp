@@ -87,7 +87,7 @@ TEST(RoverDrive, stops_at_a_command_that_is_no_number) {
   SteppedRover rover(starting_at(0, 0, 0));
   segue::task::Component commander;
   segue::task::OutputPort<messages::Twist2D> port(commander, "port");
-  ASSERT_TRUE(segue::link::connect(port, *rover.task("wheels").component().find_input("command"), {}));
+  ASSERT_TRUE(segue::sample_link::connect(port, *rover.task("wheels").component().find_input("command"), {}));
   rover.start();
   for (int i = 0; i < 20; ++i) {
     port.write({i < 10 ? 0.2 : std::nan(""), 0});
@@ -256,7 +256,7 @@ TEST(Simulation, ends_when_a_set_point_is_no_number) {
   rover.advance(100ms);
   segue::task::Component writer;
   segue::task::OutputPort<GripperCommand> port(writer, "port");
-  ASSERT_TRUE(segue::link::connect(port, *rover.task("rover").component().find_input("gripper"), {}));
+  ASSERT_TRUE(segue::sample_link::connect(port, *rover.task("rover").component().find_input("gripper"), {}));
   port.write({0, std::nan("")});
   rover.advance(100ms);
   EXPECT_EQ(rover.task("rover").state(), segue::TaskState::Exception);

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <segue/base/virtual_clock.hpp>
-#include <segue/host/component_library.hpp>
-#include <segue/link/local.hpp>
+#include <segue/sample_link/local.hpp>
 #include <segue/task/manual_executor.hpp>
 #include <segue/task/task.hpp>
+#include <segue/task_host/component_library.hpp>
 
 #include <support/paths.hpp>
 
@@ -59,8 +59,8 @@ class SteppedRover {
   }
 
   void wire(const std::string& from, const char* output, const std::string& to, const char* input) {
-    const auto made = segue::link::connect(*tasks_[from]->component().find_output(output),
-                                           *tasks_[to]->component().find_input(input), {});
+    const auto made = segue::sample_link::connect(*tasks_[from]->component().find_output(output),
+                                                  *tasks_[to]->component().find_input(input), {});
     ASSERT_TRUE(made) << to_string(made.error());
   }
 
@@ -83,7 +83,7 @@ class SteppedRover {
   T next(const std::string& id, const char* output) {
     segue::task::Component reader;
     segue::task::InputPort<T> port(reader, "port");
-    const auto made = segue::link::connect(*tasks_[id]->component().find_output(output), port, {});
+    const auto made = segue::sample_link::connect(*tasks_[id]->component().find_output(output), port, {});
     EXPECT_TRUE(made);
     T value{};
     for (int i = 0; i < 100 && port.read(value) != segue::task::ReadStatus::NewData; ++i)
@@ -92,7 +92,7 @@ class SteppedRover {
   }
 
  private:
-  segue::host::LibrarySet libraries_;
+  segue::task_host::LibrarySet libraries_;
   segue::VirtualClock clock_;
   std::shared_ptr<segue::task::ManualExecutor> executor_ =
       std::make_shared<segue::task::ManualExecutor>(clock_);

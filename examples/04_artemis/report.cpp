@@ -4,7 +4,7 @@
 #include "processes.hpp"
 
 #include <segue/base/text.hpp>
-#include <segue/hosts/gateways.hpp>
+#include <segue/distributed/gateways.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
@@ -61,10 +61,10 @@ int count_of(const model::ActionCounts& counts, const std::string& column) {
 /// Whether an action serves connections between hosts only, which the paper's rover has none of.
 bool is_for_links(const model::Action& action) {
   if (const auto* what = std::get_if<model::DeploymentAction>(&action.what))
-    return what->deployment.process == hosts::kGatewayProcess;
+    return what->deployment.process == distributed::kGatewayProcess;
   if (const auto* what = std::get_if<model::ConnectionAction>(&action.what))
-    return hosts::is_link_task(what->connection.to.task);
-  return action.task() != nullptr && hosts::is_link_task(*action.task());
+    return distributed::is_link_task(what->connection.to.task);
+  return action.task() != nullptr && distributed::is_link_task(*action.task());
 }
 
 model::ActionCounts counts_of(const runtime::SwitchResult& result) {
@@ -87,7 +87,7 @@ std::set<std::string> processes_of(const model::Network& network) {
     used.insert(place);
   }
   for (const auto& place : used) {
-    if (used.size() > 1) names.insert(hosts::kGatewayProcess.str() + place);
+    if (used.size() > 1) names.insert(distributed::kGatewayProcess.str() + place);
   }
   return names;
 }

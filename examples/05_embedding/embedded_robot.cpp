@@ -18,7 +18,7 @@ int fail_with(const std::string& message) {
 }
 
 /// The next sample of the port; empty if none arrives within ten seconds.
-std::string next_sample(host::TaskHost& host, const model::PortRef& port) {
+std::string next_sample(task_host::TaskHost& host, const model::PortRef& port) {
   auto reader = host.open_reader(port, 1);
   if (!reader) return to_string(reader.error());
   for (int attempt = 0; attempt < 1000; ++attempt) {

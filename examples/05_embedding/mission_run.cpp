@@ -3,7 +3,7 @@
 // progress, and draws what it did.
 //   mission_run MISSION_FILE [SVG_FILE]
 #include <segue/draw/gantt.hpp>
-#include <segue/session/session.hpp>
+#include <segue/mission_run/session.hpp>
 
 #include <cstdio>
 #include <fstream>
@@ -37,19 +37,19 @@ void show(const mission::StateEvent& event) {
 int main(int argc, char** argv) {
   if (argc < 2) return fail_with("usage: mission_run MISSION_FILE [SVG_FILE]");
   Diagnostics diagnostics;
-  const auto session = session::Session::load(argv[1], {}, diagnostics);
+  const auto session = mission_run::Session::load(argv[1], {}, diagnostics);
   if (!session) return fail_with(to_string(diagnostics));
 
-  session::RunRequest request;
-  request.mode = session::RunMode::Concurrent;
-  request.clock = cdtn::ClockKind::Virtual;  // simulated actions take no time
+  mission_run::RunRequest request;
+  request.mode = mission_run::RunMode::Concurrent;
+  request.clock = task_network::ClockKind::Virtual;  // simulated actions take no time
   request.runners.add("weigh", weigh);
   request.on_event = show;
   std::stop_source stop;  // request_stop(), on any thread, preempts what is running
   const auto run = session->run(request, stop.get_token());
   if (!run) return fail_with(to_string(run.error()));
 
-  const session::RunOverview& overview = (*run)->overview();
+  const mission_run::RunOverview& overview = (*run)->overview();
   const auto seconds = [](Duration time) { return std::chrono::duration<double>(time).count(); };
   std::printf("%s: %s after %.1f s, sequentially %.1f s\n", overview.name.c_str(), overview.outcome.c_str(),
               seconds(overview.makespan), seconds((*run)->comparison().sequential));

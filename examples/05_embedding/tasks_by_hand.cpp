@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tasks and connections without a runtime, as in a test: two components, one connection, and a life cycle
 // driven by hand.
-#include <segue/link/local.hpp>
+#include <segue/sample_link/local.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/task.hpp>
 
@@ -57,7 +57,7 @@ Result<int> sum_up_to(int wanted) {
   if (!to) return to.error();
 
   // Room for all samples, since a full buffer refuses them and the sink may be scheduled late.
-  const auto connection = link::connect(
+  const auto connection = sample_link::connect(
       source.out, sink.in, {.kind = BufferKind::Buffer, .size = static_cast<std::size_t>(wanted)});
   if (!connection) return connection.error();
   for (const auto& one : {to->get(), from->get()}) {  // the consumer first

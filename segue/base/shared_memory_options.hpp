@@ -5,7 +5,7 @@
 
 namespace segue {
 
-/// How much shared memory a process reserves. Here rather than in `link`, since whoever starts the process
+/// How much shared memory a process reserves. Here, not in `sample_link`, since whoever starts the process
 /// states it without linking the real-time side.
 struct SharedMemoryOptions {
   std::size_t prefault = std::size_t{1} << 20;  ///< bytes of the payload pool to prefault

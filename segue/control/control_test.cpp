@@ -217,7 +217,7 @@ TEST_F(ControlTest, ALookAtALeaseThatIsWantedNoLongerLosesNothingThatItsHolderWa
   serve();
   const auto robot = client();
   const auto lease = robot->lease("a test").value();
-  EXPECT_EQ(*robot->ask_holder("pause", {}), 1U);
+  EXPECT_EQ(*robot->send_command("pause", {}), 1U);
   robot_.lease_blocks = true;
   std::stop_source stop;
   auto look = std::async(std::launch::async, [&] { return lease->standing({soon(), stop.get_token()}); });
@@ -240,8 +240,8 @@ TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
   robot_.is_taken_over = true;
   EXPECT_EQ(lease->standing().value(), (LeaseStanding{"somebody", true}));
   const Value step = Value::map({{"how", "over"}});
-  EXPECT_EQ(*robot->ask_holder("pause", {}), 1U);
-  EXPECT_EQ(*robot->ask_holder("step", step), 2U);
+  EXPECT_EQ(*robot->send_command("pause", {}), 1U);
+  EXPECT_EQ(*robot->send_command("step", step), 2U);
   EXPECT_EQ(lease->standing().value().lost_to, "somebody") << "which keeps what is asked";
   EXPECT_EQ(lease->asked().value(), (std::vector<HolderRequest>{{1, "pause", {}}, {2, "step", step}}));
   EXPECT_EQ(lease->asked().value(), std::vector<HolderRequest>());

@@ -37,7 +37,7 @@ constexpr auto kOutcomes = [](auto& results) { return results.getOutcomes(); };
 /// Receives events from the deployment process.
 class ListenerServer final : public wire::TaskListener::Server {
  public:
-  ListenerServer(std::shared_ptr<detail::CallbackSlot<host::TaskEvent>> listener, std::string who)
+  ListenerServer(std::shared_ptr<detail::CallbackSlot<task_host::TaskEvent>> listener, std::string who)
       : listener_(std::move(listener)), who_(std::move(who)) {}
 
   kj::Promise<void> report(ReportContext context) override {
@@ -52,7 +52,7 @@ class ListenerServer final : public wire::TaskListener::Server {
   }
 
  private:
-  std::shared_ptr<detail::CallbackSlot<host::TaskEvent>> listener_;
+  std::shared_ptr<detail::CallbackSlot<task_host::TaskEvent>> listener_;
   std::string who_;
 };
 
@@ -62,7 +62,7 @@ RpcChannel::Reply<deploy::DeploymentInfo> ask_for_info(Process::Client process) 
                                                   [](auto& results) { return decode(results.getInfo()); });
 }
 
-using EventSlot = detail::CallbackSlot<host::TaskEvent>;
+using EventSlot = detail::CallbackSlot<task_host::TaskEvent>;
 
 wire::TaskAccess::Client service_of(RpcChannel::Connection& connection) {
   return connection.as<Process>();
@@ -131,17 +131,18 @@ class DeploymentClient final : public detail::TaskAccessClient<deploy::Deploymen
     });
   }
 
-  Result<link::MemoryOffer> memory(TimePoint deadline) override {
-    return ask<link::MemoryOffer>(time_left(deadline), [](Process::Client process) {
-      return process.memoryRequest().send().then([](auto&& response) -> RpcChannel::Reply<link::MemoryOffer> {
-        if (response.hasError()) return Result<link::MemoryOffer>(decode(response.getError()));
-        return decode(response.getOffer());
-      });
+  Result<sample_link::MemoryOffer> memory(TimePoint deadline) override {
+    return ask<sample_link::MemoryOffer>(time_left(deadline), [](Process::Client process) {
+      return process.memoryRequest().send().then(
+          [](auto&& response) -> RpcChannel::Reply<sample_link::MemoryOffer> {
+            if (response.hasError()) return Result<sample_link::MemoryOffer>(decode(response.getError()));
+            return decode(response.getOffer());
+          });
     });
   }
 
-  Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) override {
-    link::MemoryOffer offer{peer.incarnation, peer.payload.duplicate(), peer.control.duplicate()};
+  Result<void> admit(const sample_link::MemoryOffer& peer, TimePoint deadline) override {
+    sample_link::MemoryOffer offer{peer.incarnation, peer.payload.duplicate(), peer.control.duplicate()};
     if (!offer.payload.valid() || !offer.control.valid()) {
       return fail(ErrorCode::ResourceExhausted, "no file descriptors are left to offer memory");
     }
@@ -152,7 +153,7 @@ class DeploymentClient final : public detail::TaskAccessClient<deploy::Deploymen
     });
   }
 
-  Result<void> forget(link::Incarnation peer) override {
+  Result<void> forget(sample_link::Incarnation peer) override {
     return ask<void>(kLookTimeout, [&](Process::Client process) {
       auto request = process.forgetRequest();
       request.setIncarnation(peer);
@@ -160,9 +161,9 @@ class DeploymentClient final : public detail::TaskAccessClient<deploy::Deploymen
     });
   }
 
-  std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
-                                                           TimePoint deadline) override {
-    return ask_each<link::OutputOrigin>(
+  std::vector<Result<sample_link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                                  TimePoint deadline) override {
+    return ask_each<sample_link::OutputOrigin>(
         ports, deadline, [](auto& results) { return results.getOrigins(); },
         [](Process::Client process, auto items) {
           auto request = process.describeOutputsRequest();
@@ -171,9 +172,9 @@ class DeploymentClient final : public detail::TaskAccessClient<deploy::Deploymen
         });
   }
 
-  std::vector<Result<link::InputPlace>> open_inputs(std::span<const deploy::OpenInput> inputs,
-                                                    TimePoint deadline) override {
-    return ask_each<link::InputPlace>(
+  std::vector<Result<sample_link::InputPlace>> open_inputs(std::span<const deploy::OpenInput> inputs,
+                                                           TimePoint deadline) override {
+    return ask_each<sample_link::InputPlace>(
         inputs, deadline, [](auto& results) { return results.getPlaces(); },
         [](Process::Client process, auto items) {
           auto request = process.openInputsRequest();

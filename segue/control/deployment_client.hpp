@@ -5,7 +5,7 @@
 #include <segue/base/result.hpp>
 #include <segue/control/endpoint.hpp>
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/process/process_service.hpp>
+#include <segue/process_server/process_service.hpp>
 
 #include <filesystem>
 #include <functional>
@@ -26,7 +26,7 @@ Result<deploy::ConnectedDeployment> connect_deployment(const std::filesystem::pa
                                                        TimePoint deadline, std::function<void()> gone);
 
 /// The process server of a computer (`segue host`) at that place; errors as of connect().
-Result<std::unique_ptr<process::ProcessService>> connect_processes(
+Result<std::unique_ptr<process_server::ProcessService>> connect_processes(
     const Endpoint& endpoint, Duration timeout = std::chrono::seconds(5));
 
 }  // namespace segue::control

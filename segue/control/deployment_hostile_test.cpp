@@ -128,7 +128,7 @@ TEST_F(DeploymentTest, ListenersThatVanishOrThrowDisturbNobody) {
   serve();
   const auto good = client();
   std::atomic<int> got{0};
-  good->set_listener([&](const host::TaskEvent&) { ++got; });
+  good->set_listener([&](const task_host::TaskEvent&) { ++got; });
   const auto listen = [](capnp::Capability::Client service) -> kj::Promise<Error> {
     auto request = service.castAs<wire::DeploymentProcess>().listenRequest();
     request.setListener(kj::heap<Thrower>());
@@ -223,7 +223,7 @@ TEST_F(DeploymentTest, AProcessThatIsKilledInACallIsUnavailableAndGoneIsToldOnce
   std::atomic<int> gone{0};
   Gate waits;
   const auto process = client([&] { ++gone; });
-  process->set_listener([&](const host::TaskEvent&) { waits.open(); });
+  process->set_listener([&](const task_host::TaskEvent&) { waits.open(); });
   auto call = std::async(std::launch::async, [&] {
     return process->perform(std::vector{action_of(ActionKind::Stop, "wait")}, soon());
   });

@@ -74,8 +74,8 @@ TEST_F(DeploymentTest, ABatchHasAnOutcomeForEachAction) {
 
 /// Collects the ends that a batch reports.
 struct ReportedEnds {
-  host::Completion listener() {
-    return [this](const std::vector<host::Completed>& ended) {
+  task_host::Completion listener() {
+    return [this](const std::vector<task_host::Completed>& ended) {
       const std::lock_guard lock(mutex);
       for (const auto& one : ended) {
         EXPECT_FALSE(outcomes.contains(one.index)) << "reported twice";
@@ -101,7 +101,7 @@ TEST_F(DeploymentTest, HowLongActionsTookTravels) {
   std::map<std::size_t, std::optional<Duration>> took;
   const auto process = client();
   process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "bad")}, soon(),
-                     [&](const std::vector<host::Completed>& ended) {
+                     [&](const std::vector<task_host::Completed>& ended) {
                        const std::lock_guard lock(mutex);
                        for (const auto& one : ended)
                          took.emplace(one.index, one.took);
@@ -161,8 +161,8 @@ TEST_F(DeploymentTest, AServiceThatThrowsIsAnErrorOfEachAction) {
   EXPECT_NE(outcomes[1].error().message.find("a defect"), std::string::npos);
 }
 
-Result<host::TaskLevel> level_of(deploy::DeploymentService& process, const char* task) {
-  return answer_to<host::TaskLevel>(soon(), [&](const Wait& wait, host::LevelAnswer answered) {
+Result<task_host::TaskLevel> level_of(deploy::DeploymentService& process, const char* task) {
+  return answer_to<task_host::TaskLevel>(soon(), [&](const Wait& wait, task_host::LevelAnswer answered) {
     process.watch({TaskId(task)}, wait, std::move(answered));
   });
 }
@@ -196,13 +196,14 @@ TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
 /// A question that waits for a change of a task.
 class DeploymentWatch {
  public:
-  void ask(deploy::DeploymentService& process, const host::TaskLevel& seen, TimePoint deadline = soon()) {
-    question_.ask(deadline, [&](const Wait& wait, host::LevelAnswer answered) {
+  void ask(deploy::DeploymentService& process, const task_host::TaskLevel& seen,
+           TimePoint deadline = soon()) {
+    question_.ask(deadline, [&](const Wait& wait, task_host::LevelAnswer answered) {
       process.watch({TaskId("a"), seen}, wait, std::move(answered));
     });
   }
   /// DeadlineExceeded where none comes.
-  Result<host::TaskLevel> answer() {
+  Result<task_host::TaskLevel> answer() {
     while (true) {
       if (auto answer = question_.take()) return std::move(*answer);
       if (RealClock::instance().now() >= soon_) return fail(ErrorCode::DeadlineExceeded, "no answer");
@@ -213,7 +214,7 @@ class DeploymentWatch {
  private:
   const TimePoint soon_ = soon();
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
-  Question<host::TaskLevel> question_{bell_};
+  Question<task_host::TaskLevel> question_{bell_};
 };
 
 TEST_F(DeploymentTest, WhoHasSeenATaskHearsOnceItChanges) {
@@ -366,7 +367,7 @@ TEST_F(DeploymentTest, MemoryArrivesAndNoDescriptorIsLeftBehind) {
     EXPECT_EQ(offer->incarnation, 7U);
     EXPECT_EQ(content_of(offer->payload), "payload");
     EXPECT_EQ(content_of(offer->control), "control");
-    const link::MemoryOffer own{9, memory_with("mine"), memory_with("too")};
+    const sample_link::MemoryOffer own{9, memory_with("mine"), memory_with("too")};
     ASSERT_TRUE(process->admit(own, soon()));
     EXPECT_EQ(deployment_.seen()->admitted, (std::vector<std::string>{"9", "mine", "too"}));
   }
@@ -380,11 +381,11 @@ TEST_F(DeploymentTest, EventsComeInOrderToAllWhoListen) {
   std::atomic<int> first{0};
   std::atomic<int> second{0};
   std::atomic<bool> in_order{true};
-  process->set_listener([&](const host::TaskEvent& event) {
+  process->set_listener([&](const task_host::TaskEvent& event) {
     if (event.task.str() != "t" + std::to_string(first++) || event.state != TaskState::Fatal)
       in_order = false;
   });
-  other->set_listener([&](const host::TaskEvent&) { ++second; });
+  other->set_listener([&](const task_host::TaskEvent&) { ++second; });
   for (int i = 0; i < 1000; ++i)
     deployment_.tell({TaskId("t" + std::to_string(i)), TaskState::Fatal, "message"});
   EXPECT_TRUE(eventually([&] { return first == 1000 && second == 1000; })) << first << " " << second;
@@ -398,7 +399,7 @@ TEST_F(DeploymentTest, AListenerThatDoesNotKeepUpLosesTheOldestAndBlocksNobody) 
   Gate go_on;
   std::atomic<int> got{0};
   std::atomic<int> newest{-1};
-  slow->set_listener([&](const host::TaskEvent& event) {
+  slow->set_listener([&](const task_host::TaskEvent& event) {
     go_on.wait();
     ++got;
     newest = std::stoi(event.message);
@@ -419,7 +420,7 @@ TEST_F(DeploymentTest, NoEventComesAfterTheListenerIsTakenAway) {
   serve();
   const auto process = client();
   std::atomic<bool> reported{false};
-  process->set_listener([&](const host::TaskEvent&) { reported = true; });
+  process->set_listener([&](const task_host::TaskEvent&) { reported = true; });
   deployment_.tell({TaskId("t"), TaskState::Fatal, ""});
   EXPECT_TRUE(eventually([&] { return reported.load(); }));
   process->set_listener(nullptr);

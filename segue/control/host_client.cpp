@@ -6,7 +6,7 @@
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/task_access_client.hpp>
 #include <segue/control/host_client.hpp>
-#include <segue/host/ordered_actions.hpp>
+#include <segue/task_host/ordered_actions.hpp>
 
 #include <future>
 #include <string>
@@ -33,7 +33,7 @@ const model::ProcessName kAnyProcess{"any"};
 
 constexpr auto kNoResult = [](auto&) { return Result<void>(); };
 
-using EventSlot = detail::CallbackSlot<host::HostEvent>;
+using EventSlot = detail::CallbackSlot<task_host::HostEvent>;
 
 /// Receives events of a robot's tasks and processes.
 class HostListenerServer final : public wire::HostListener::Server {
@@ -55,7 +55,7 @@ class HostListenerServer final : public wire::HostListener::Server {
   std::shared_ptr<EventSlot> listener_;
 };
 
-class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRobot> {
+class HostedRobotClient final : public detail::TaskAccessClient<distributed::HostedRobot> {
  public:
   /// `id` names the robot's capability, which the channel holds.
   HostedRobotClient(std::shared_ptr<RpcChannel> channel, RpcChannel::StreamId id)
@@ -75,11 +75,11 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
   Result<void> release() override {
     return order(kHostPatience, [](wire::HostedRobot::Client robot) { return robot.releaseRequest(); });
   }
-  Result<hosts::HostView> look() override {
-    return ask<hosts::HostView>(kHostPatience, [](wire::HostedRobot::Client robot) {
+  Result<distributed::HostView> look() override {
+    return ask<distributed::HostView>(kHostPatience, [](wire::HostedRobot::Client robot) {
       auto request = robot.lookRequest();
-      return RpcChannel::send<hosts::HostView>(request,
-                                               [](auto& results) { return decode(results.getView()); });
+      return RpcChannel::send<distributed::HostView>(request,
+                                                     [](auto& results) { return decode(results.getView()); });
     });
   }
   Result<void> expect(const model::Network& target) override {
@@ -98,8 +98,8 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
     });
   }
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                      host::Completion completed) override {
-    const Duration longest = action_deadline * host::longest_chain(actions);
+                      task_host::Completion completed) override {
+    const Duration longest = action_deadline * task_host::longest_chain(actions);
     auto send = [action_deadline](wire::TaskAccess::Client tasks, const std::vector<model::Action>& what,
                                   std::uint64_t ticket) {
       return detail::BatchClient::send(tasks.castAs<wire::HostedRobot>().performInOrderRequest(), what,
@@ -117,7 +117,7 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
         },
         [](const Error&) {});
   }
-  Result<void> get_ready(const model::Network& target, const std::vector<hosts::LinkWait>& links,
+  Result<void> get_ready(const model::Network& target, const std::vector<distributed::LinkWait>& links,
                          TimePoint deadline) override {
     const Duration left = time_left(deadline);
     return order(left + kGrace, [&](wire::HostedRobot::Client robot) {
@@ -175,7 +175,7 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
     });
   }
 
-  void set_listener(host::TaskHost::Listener listener) override {
+  void set_listener(task_host::TaskHost::Listener listener) override {
     const bool wanted = listener != nullptr;
     listener_->set(std::move(listener));
     if (!wanted || std::exchange(listening_, true)) return;
@@ -235,18 +235,18 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
   bool listening_ = false;
 };
 
-class HostClient final : public hosts::HostService {
+class HostClient final : public distributed::HostService {
  public:
   HostClient(std::shared_ptr<RpcChannel> channel, std::function<void()> gone) : channel_(std::move(channel)) {
     channel_->watch(std::move(gone));
   }
   ~HostClient() override { channel_->unwatch(); }
 
-  Result<hosts::HostInfo> info() override {
-    return ask<hosts::HostInfo>(kLookTimeout, [](wire::Host::Client host) {
+  Result<distributed::HostInfo> info() override {
+    return ask<distributed::HostInfo>(kLookTimeout, [](wire::Host::Client host) {
       auto request = host.infoRequest();
-      return RpcChannel::send<hosts::HostInfo>(request,
-                                               [](auto& results) { return decode(results.getInfo()); });
+      return RpcChannel::send<distributed::HostInfo>(request,
+                                                     [](auto& results) { return decode(results.getInfo()); });
     });
   }
   Result<std::chrono::system_clock::time_point> clock() override {
@@ -257,13 +257,13 @@ class HostClient final : public hosts::HostService {
           request, [](auto& results) { return Time(std::chrono::nanoseconds(results.getTime())); });
     });
   }
-  Result<std::vector<hosts::LeaseInfo>> robots() override {
-    using Leases = std::vector<hosts::LeaseInfo>;
+  Result<std::vector<distributed::LeaseInfo>> robots() override {
+    using Leases = std::vector<distributed::LeaseInfo>;
     return ask<Leases>(kLookTimeout, [](wire::Host::Client host) {
       auto request = host.robotsRequest();
       return RpcChannel::send<Leases>(request, [](auto& results) {
-        return detail::decode_list<hosts::LeaseInfo>(results.getRobots(),
-                                                     [](const auto& part) { return decode(part); });
+        return detail::decode_list<distributed::LeaseInfo>(results.getRobots(),
+                                                           [](const auto& part) { return decode(part); });
       });
     });
   }
@@ -274,30 +274,30 @@ class HostClient final : public hosts::HostService {
       return RpcChannel::send<std::uint64_t>(request, [](auto& results) { return results.getTerm(); });
     });
   }
-  Result<process::LogPart> log(const hosts::LogRequest& what) override {
-    return ask<process::LogPart>(kLookTimeout, [&](wire::Host::Client host) {
+  Result<process_server::LogPart> log(const distributed::LogRequest& what) override {
+    return ask<process_server::LogPart>(kLookTimeout, [&](wire::Host::Client host) {
       auto request = host.logRequest();
       request.setRobot(as_text(what.robot));
       request.setProcess(as_text(what.process.str()));
       request.setLines(what.lines);
       if (what.after) encode(*what.after, request.initAfter());
-      return RpcChannel::send<process::LogPart>(request, [](auto& results) {
+      return RpcChannel::send<process_server::LogPart>(request, [](auto& results) {
         const auto text = results.getText().asChars();
-        return process::LogPart{{text.begin(), text.end()}, decode(results.getEnd())};
+        return process_server::LogPart{{text.begin(), text.end()}, decode(results.getEnd())};
       });
     });
   }
-  Result<std::shared_ptr<hosts::HostedRobot>> acquire(const hosts::RobotRequest& what,
-                                                      TimePoint deadline) override {
+  Result<std::shared_ptr<distributed::HostedRobot>> acquire(const distributed::RobotRequest& what,
+                                                            TimePoint deadline) override {
     const Duration left = time_left(deadline);
     const RpcChannel::StreamId id = channel_->new_stream_id();
     const auto done = channel_->ask<void>(left + kGrace, [&, id](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Host>().acquireRequest();
       request.setHolder(as_text(what.holder));
       request.setSecret(as_text(what.secret));
-      process::Launch launch = what.launch;
+      process_server::Launch launch = what.launch;
       launch.deployment.process = kAnyProcess;
-      detail::put(process::to_value(launch), request.initLaunch());
+      detail::put(process_server::to_value(launch), request.initLaunch());
       detail::encode_list(what.models, request.initModels(count_of(what.models)),
                           [](const auto& file, auto builder) { encode(file, builder); });
       request.setTakeOver(what.take_over);
@@ -325,8 +325,8 @@ class HostClient final : public hosts::HostService {
 
 }  // namespace
 
-Result<std::unique_ptr<hosts::HostService>> connect_host(const Endpoint& endpoint, TimePoint deadline,
-                                                         std::function<void()> gone) {
+Result<std::unique_ptr<distributed::HostService>> connect_host(const Endpoint& endpoint, TimePoint deadline,
+                                                               std::function<void()> gone) {
   const auto* tcp = std::get_if<TcpEndpoint>(&endpoint);
   const std::string who = tcp == nullptr ? "the host" : "host " + quote(tcp->host);
   auto channel = RpcChannel::open(endpoint, detail::kHostKind, who, time_left(deadline));

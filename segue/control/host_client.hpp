@@ -4,7 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/control/endpoint.hpp>
-#include <segue/hosts/host_service.hpp>
+#include <segue/distributed/host_service.hpp>
 
 #include <functional>
 #include <memory>
@@ -15,7 +15,7 @@ namespace segue::control {
 /// robot needs the role Operate, to take it over Administer. Calls after it went answer Unavailable; those
 /// that it does not answer in time, DeadlineExceeded. `gone` as for connect_deployment(); robots that were
 /// acquired keep the connection.
-Result<std::unique_ptr<hosts::HostService>> connect_host(const Endpoint& endpoint, TimePoint deadline,
-                                                         std::function<void()> gone);
+Result<std::unique_ptr<distributed::HostService>> connect_host(const Endpoint& endpoint, TimePoint deadline,
+                                                               std::function<void()> gone);
 
 }  // namespace segue::control

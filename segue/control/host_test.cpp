@@ -18,40 +18,40 @@ namespace {
 using namespace std::chrono_literals;
 using model::TaskId;
 
-class FakeHostDaemon final : public hosts::HostService {
+class FakeHostDaemon final : public distributed::HostService {
  public:
   const std::shared_ptr<FakeHostedRobot> robot = std::make_shared<FakeHostedRobot>();
-  hosts::HostInfo who{};
-  std::vector<hosts::LeaseInfo> leases{};
+  distributed::HostInfo who{};
+  std::vector<distributed::LeaseInfo> leases{};
   std::chrono::system_clock::time_point time{};
 
-  hosts::RobotRequest request() {
+  distributed::RobotRequest request() {
     const std::lock_guard lock(mutex_);
     return request_;
   }
-  Result<hosts::HostInfo> info() override { return who; }
+  Result<distributed::HostInfo> info() override { return who; }
   Result<std::chrono::system_clock::time_point> clock() override { return time; }
-  Result<std::vector<hosts::LeaseInfo>> robots() override { return leases; }
+  Result<std::vector<distributed::LeaseInfo>> robots() override { return leases; }
   Result<std::uint64_t> highest_term(const std::string& name) override {
     return name == "spot" ? Result<std::uint64_t>(UINT64_MAX) : fail(ErrorCode::NotFound, "no such robot");
   }
-  Result<process::LogPart> log(const hosts::LogRequest& request) override {
+  Result<process_server::LogPart> log(const distributed::LogRequest& request) override {
     if (request.process.str() == "none") return fail(ErrorCode::NotFound, "no output");
-    process::LogPart part{request.robot + '\0' + std::to_string(request.lines), {7, request.lines}};
+    process_server::LogPart part{request.robot + '\0' + std::to_string(request.lines), {7, request.lines}};
     if (request.after) part.end = *request.after;
     return part;
   }
-  Result<std::shared_ptr<hosts::HostedRobot>> acquire(const hosts::RobotRequest& request,
-                                                      TimePoint /*deadline*/) override {
+  Result<std::shared_ptr<distributed::HostedRobot>> acquire(const distributed::RobotRequest& request,
+                                                            TimePoint /*deadline*/) override {
     const std::lock_guard lock(mutex_);
     request_ = request;
     if (request.holder == "late") return fail(ErrorCode::AlreadyExists, "runtime 'early' commands it");
-    return std::shared_ptr<hosts::HostedRobot>(robot);
+    return std::shared_ptr<distributed::HostedRobot>(robot);
   }
 
  private:
   std::mutex mutex_;
-  hosts::RobotRequest request_;
+  distributed::RobotRequest request_;
 };
 
 class HostTest : public ControlTest {
@@ -66,18 +66,18 @@ class HostTest : public ControlTest {
     ASSERT_TRUE(server) << to_string(server.error());
     server_ = std::move(*server);
   }
-  std::unique_ptr<hosts::HostService> client(std::function<void()> gone = nullptr) {
+  std::unique_ptr<distributed::HostService> client(std::function<void()> gone = nullptr) {
     auto connected = connect_host(socket_, soon(), std::move(gone));
     EXPECT_TRUE(connected) << to_string(connected.error());
     return connected ? std::move(*connected) : nullptr;
   }
-  static hosts::RobotRequest request() {
-    hosts::RobotRequest request;
+  static distributed::RobotRequest request() {
+    distributed::RobotRequest request;
     request.holder = "me/1/2";
     request.launch.robot = "spot";
     return request;
   }
-  static std::shared_ptr<hosts::HostedRobot> robot_of(hosts::HostService& host) {
+  static std::shared_ptr<distributed::HostedRobot> robot_of(distributed::HostService& host) {
     auto robot = host.acquire(request(), soon());
     EXPECT_TRUE(robot) << to_string(robot.error());
     return robot ? std::move(*robot) : nullptr;
@@ -153,8 +153,8 @@ TEST_F(HostTest, OutputOfProcessesTravels) {
   EXPECT_EQ(tail->text, std::string("spot\0"
                                     "5",
                                     6));
-  EXPECT_EQ(tail->end, (process::LogPosition{7, 5}));
-  const process::LogPosition last{UINT64_MAX, UINT64_MAX};
+  EXPECT_EQ(tail->end, (process_server::LogPosition{7, 5}));
+  const process_server::LogPosition last{UINT64_MAX, UINT64_MAX};
   EXPECT_EQ(host->log({"spot", model::ProcessName("p"), 5, last})->end, last);
   EXPECT_EQ(host->log({"spot", model::ProcessName("none"), 5, {}}).error().code, ErrorCode::NotFound);
 }
@@ -170,7 +170,7 @@ TEST_F(HostTest, TransitionsOfARobotTravel) {
     const auto before = segue::testing::random_network(random, segue::testing::everything());
     const auto target = segue::testing::random_network(random, segue::testing::everything());
     RC_ASSERT(robot->begin_transition(before, target).has_value());
-    const std::vector<hosts::LinkWait> links{{TaskId("a"), 1}, {TaskId("b"), 2}};
+    const std::vector<distributed::LinkWait> links{{TaskId("a"), 1}, {TaskId("b"), 2}};
     RC_ASSERT(robot->get_ready(before, links, soon()).has_value());
     RC_ASSERT(fake.fields().before == before);
     RC_ASSERT(fake.fields().target == before);
@@ -199,11 +199,11 @@ TEST_F(HostTest, ActionsInTheirOrderTravel) {
   rc::check("round trip", [&](std::uint64_t seed) {
     segue::testing::Random random(seed);
     const auto actions = segue::testing::random_transition(random).actions;
-    std::promise<std::vector<host::Completed>> promise;
+    std::promise<std::vector<task_host::Completed>> promise;
     auto all = promise.get_future();
-    std::vector<host::Completed> known;
+    std::vector<task_host::Completed> known;
     if (actions.empty()) return;
-    robot->begin_in_order(actions, 5s, [&, count = actions.size()](std::vector<host::Completed> ended) {
+    robot->begin_in_order(actions, 5s, [&, count = actions.size()](std::vector<task_host::Completed> ended) {
       std::move(ended.begin(), ended.end(), std::back_inserter(known));
       if (known.size() == count) promise.set_value(known);
     });
@@ -212,8 +212,8 @@ TEST_F(HostTest, ActionsInTheirOrderTravel) {
     RC_ASSERT(fake.fields().duration == 5s);
     for (const auto& one : ended) {
       RC_ASSERT(one.begun == (one.index % 2 == 0));
-      RC_ASSERT(one.span ==
-                (host::Span{std::chrono::milliseconds(one.index), std::chrono::milliseconds(one.index + 1)}));
+      RC_ASSERT(one.span == (task_host::Span{std::chrono::milliseconds(one.index),
+                                             std::chrono::milliseconds(one.index + 1)}));
     }
   });
 }
@@ -227,7 +227,7 @@ TEST_F(HostTest, WhatFollowsTheBeginOfATransitionComesAfterIt) {
   ASSERT_TRUE(robot->begin_transition({}, {})) << "which the host has not answered yet";
   robot->begin_in_order(
       {{1, model::ActionKind::Start, model::TaskAction{TaskId("a")}, model::Phase::Prepare, {}}}, 5s,
-      [](const std::vector<host::Completed>&) {});
+      [](const std::vector<task_host::Completed>&) {});
   robot->begin_no_more();
   fake.entered.wait();
   EXPECT_EQ(fake.fields().asked, std::vector<std::string>());
@@ -247,7 +247,7 @@ TEST_F(HostTest, AClientMayBeGoneWhileItsTransitionBegins) {
     ASSERT_TRUE(robot->begin_transition({}, {}));
     robot->begin_in_order(
         {{1, model::ActionKind::Start, model::TaskAction{TaskId("a")}, model::Phase::Prepare, {}}}, 5s,
-        [](const std::vector<host::Completed>&) {});
+        [](const std::vector<task_host::Completed>&) {});
     fake.entered.wait();
   }
   const auto host = client();
@@ -337,13 +337,13 @@ TEST_F(HostTest, WhatAHostHoldsTravels) {
   const auto host = client();
   const auto robot = robot_of(*host);
   daemon_.robot->set([](auto& fields) {
-    host::TaskReport task;
+    task_host::TaskReport task;
     task.id = TaskId("a");
     task.process = {model::HostName("left"), model::ProcessName("p")};
     task.pid = 7;
     task.error = "bad";
     fields.view.tasks = {task};
-    host::ConnectionReport connection;
+    task_host::ConnectionReport connection;
     connection.connection.from = {TaskId("a"), "out"};
     connection.connection.to = {TaskId("b"), "in"};
     connection.written = UINT64_MAX;
@@ -366,25 +366,25 @@ TEST_F(HostTest, EventsOfARobotTravel) {
   const auto host = client();
   const auto robot = robot_of(*host);
   std::mutex mutex;
-  std::vector<host::HostEvent> events;
-  robot->set_listener([&](const host::HostEvent& event) {
+  std::vector<task_host::HostEvent> events;
+  robot->set_listener([&](const task_host::HostEvent& event) {
     const std::lock_guard lock(mutex);
     events.push_back(event);
   });
   ASSERT_TRUE(eventually([&] { return daemon_.robot->has_listener(); }));
-  daemon_.robot->tell(host::TaskEvent{TaskId("a"), TaskState::Fatal, "why"});
+  daemon_.robot->tell(task_host::TaskEvent{TaskId("a"), TaskState::Fatal, "why"});
   daemon_.robot->tell(
-      host::ProcessEvent{{model::HostName("left"), model::ProcessName("p")}, "has ended", true});
+      task_host::ProcessEvent{{model::HostName("left"), model::ProcessName("p")}, "has ended", true});
   ASSERT_TRUE(eventually([&] {
     const std::lock_guard lock(mutex);
     return events.size() == 2;
   }));
   const std::lock_guard lock(mutex);
-  const auto& task = std::get<host::TaskEvent>(events[0]);
+  const auto& task = std::get<task_host::TaskEvent>(events[0]);
   EXPECT_EQ(task.task, TaskId("a"));
   EXPECT_EQ(task.state, TaskState::Fatal);
   EXPECT_EQ(task.message, "why");
-  const auto& process = std::get<host::ProcessEvent>(events[1]);
+  const auto& process = std::get<task_host::ProcessEvent>(events[1]);
   EXPECT_EQ(to_string(process.process), "left/p");
   EXPECT_EQ(process.message, "has ended");
   EXPECT_TRUE(process.gone);
@@ -437,7 +437,7 @@ TEST_F(HostTest, ClientsAndServersMayEndAtAnyTime) {
         if (!connected) return;
         auto robot = (*connected)->acquire(request(), soon());
         if (!robot) return;
-        (*robot)->set_listener([&](const host::HostEvent&) { ++heard; });
+        (*robot)->set_listener([&](const task_host::HostEvent&) { ++heard; });
         for (int call = 0; call < 10; ++call) {
           (void)(*robot)->look();
           answered.release();
@@ -447,7 +447,7 @@ TEST_F(HostTest, ClientsAndServersMayEndAtAnyTime) {
     }
     std::thread events([&] {
       while (!over)
-        daemon_.robot->tell(host::TaskEvent{TaskId("a"), TaskState::Fatal, "why"});
+        daemon_.robot->tell(task_host::TaskEvent{TaskId("a"), TaskState::Fatal, "why"});
     });
     for (int call = 0; call < round; ++call)
       EXPECT_TRUE(answered.try_acquire_until(soon()));

@@ -20,7 +20,7 @@ using detail::kGrace;
 using detail::kLookTimeout;
 using detail::RpcChannel;
 using detail::time_left;
-using process::ProcessInfo;
+using process_server::ProcessInfo;
 
 /// Receives events from the process server.
 class ListenerServer final : public wire::ProcessListener::Server {
@@ -43,42 +43,42 @@ class ListenerServer final : public wire::ProcessListener::Server {
   std::shared_ptr<detail::CallbackSlot<ProcessInfo>> listener_;
 };
 
-class ProcessesClient final : public process::ProcessService {
+class ProcessesClient final : public process_server::ProcessService {
  public:
   explicit ProcessesClient(std::shared_ptr<RpcChannel> channel) : channel_(std::move(channel)) {}
   ~ProcessesClient() override { listener_->set(nullptr); }
 
-  Result<ProcessInfo> start(const process::Launch& launch, TimePoint deadline) override {
+  Result<ProcessInfo> start(const process_server::Launch& launch, TimePoint deadline) override {
     const Duration left = time_left(deadline);
     return ask<ProcessInfo>(left + kGrace, [&](wire::Processes::Client processes) {
       auto request = processes.startRequest();
-      detail::put(process::to_value(launch), request.initLaunch());
+      detail::put(process_server::to_value(launch), request.initLaunch());
       request.setTimeout(left.count());
       return RpcChannel::send<ProcessInfo>(request,
                                            [](auto& results) { return decode(results.getProcess()); });
     });
   }
 
-  Result<process::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
-                                   TimePoint deadline) override {
+  Result<process_server::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                          TimePoint deadline) override {
     return end(robot, key, deadline, false);
   }
-  Result<process::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
-                                   TimePoint deadline) override {
+  Result<process_server::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                          TimePoint deadline) override {
     return end(robot, key, deadline, true);
   }
-  Result<process::ExitReason> end(const std::string& robot, const model::DeploymentKey& key,
-                                  TimePoint deadline, bool kill) {
+  Result<process_server::ExitReason> end(const std::string& robot, const model::DeploymentKey& key,
+                                         TimePoint deadline, bool kill) {
     const Duration left = time_left(deadline);
-    return ask<process::ExitReason>(left + kGrace, [&](wire::Processes::Client processes) {
+    return ask<process_server::ExitReason>(left + kGrace, [&](wire::Processes::Client processes) {
       auto request = processes.stopRequest();
       request.setRobot(as_text(robot));
       request.setHost(as_text(key.host.str()));
       request.setProcess(as_text(key.process.str()));
       request.setTimeout(left.count());
       request.setKill(kill);
-      return RpcChannel::send<process::ExitReason>(request,
-                                                   [](auto& results) { return decode(results.getExit()); });
+      return RpcChannel::send<process_server::ExitReason>(
+          request, [](auto& results) { return decode(results.getExit()); });
     });
   }
 
@@ -123,8 +123,8 @@ class ProcessesClient final : public process::ProcessService {
 
 }  // namespace
 
-Result<std::unique_ptr<process::ProcessService>> connect_processes(const Endpoint& endpoint,
-                                                                   Duration timeout) {
+Result<std::unique_ptr<process_server::ProcessService>> connect_processes(const Endpoint& endpoint,
+                                                                          Duration timeout) {
   const bool remote = std::holds_alternative<TcpEndpoint>(endpoint);
   auto channel = RpcChannel::open(
       endpoint, detail::kProcessesKind,

@@ -19,7 +19,9 @@ class ProcessesTest : public ControlTest {
     ASSERT_TRUE(server) << to_string(server.error());
     server_ = std::move(*server);
   }
-  std::unique_ptr<process::ProcessService> client() { return connect_processes(socket_, kLong).value(); }
+  std::unique_ptr<process_server::ProcessService> client() {
+    return connect_processes(socket_, kLong).value();
+  }
 
   FakeProcesses processes_;
 };
@@ -30,7 +32,7 @@ TEST_F(ProcessesTest, StartStopAndListTravel) {
   processes_.exit.signal = 9;
   serve();
   const auto processes = client();
-  process::Launch launch;
+  process_server::Launch launch;
   launch.robot = "spot";
   launch.deployment.process = model::ProcessName("p");
   launch.libraries = {"a", "b"};
@@ -51,8 +53,8 @@ TEST_F(ProcessesTest, EndsOfProcessesAreTold) {
   serve();
   const auto processes = client();
   std::atomic<int> pid{0};
-  processes->set_listener([&](const process::ProcessInfo& process) { pid = process.pid; });
-  process::ProcessInfo ended;
+  processes->set_listener([&](const process_server::ProcessInfo& process) { pid = process.pid; });
+  process_server::ProcessInfo ended;
   ended.pid = 7;
   processes_.tell(ended);
   EXPECT_TRUE(eventually([&] { return pid == 7; }));

@@ -40,13 +40,13 @@ interface Robot {
   conflicts @15 (controllers :List(Text)) -> (answer :Wire.Answer);
   # `stream` only where the answer is not an error; the answer's value is the number of the lease. Reading from it waits for
   # nothing: it gives {"lost_to": NAME} once somebody has taken the robot over, {"stopped": true} once it commands nothing
-  # any more, and {"asked": WHAT, "number", "arguments"} for each request of askHolder.
+  # any more, and {"asked": WHAT, "number", "arguments"} for each request of sendCommand.
   lease @16 (holder :Text) -> (answer :Wire.Answer, stream :Wire.SampleStream);
   write @17 (task :Text, port :Text, value :Wire.Value, timeout :Int64,
       sender :Sender) -> (answer :Wire.Answer);
   report @18 (lease :UInt64, doing :Wire.Value) -> (answer :Wire.Answer);
   # The answer's value is the number of the request.
-  askHolder @19 (what :Text, arguments :Wire.Value) -> (answer :Wire.Answer);
+  sendCommand @19 (what :Text, arguments :Wire.Value) -> (answer :Wire.Answer);
   mission @20 (after :UInt64, withPlan :Bool) -> (answer :Wire.Answer);
   past @22 (question :Wire.Value) -> (answer :Wire.Answer);
   cancel @21 (request :UInt64, who :Text, timeout :Int64) -> (answer :Wire.Answer);

@@ -93,7 +93,8 @@ class Client final : public RobotService {
     });
   }
 
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override {
     detail::send_watch(
         *channel_, question, wait, std::move(answered),
         [](RpcChannel::Connection& connection) { return connection.as<wire::Robot>().watchRequest(); });
@@ -221,12 +222,12 @@ class Client final : public RobotService {
     });
   }
 
-  Result<std::uint64_t> ask_holder(std::string_view what, const Value& arguments) override {
+  Result<std::uint64_t> send_command(std::string_view what, const Value& arguments) override {
     if (auto fits = detail::check_size(arguments, detail::kServerMessageWords); !fits) return fits.error();
     const auto number = channel_->ask(
         kLookTimeout,
         [what = std::string(what), arguments](RpcChannel::Connection& connection) -> RpcChannel::Answer {
-          auto request = connection.as<wire::Robot>().askHolderRequest();
+          auto request = connection.as<wire::Robot>().sendCommandRequest();
           request.setWhat(as_text(what));
           if (auto done = detail::encode(arguments, request.initArguments()); !done)
             return Result<Value>(done.error());

@@ -38,7 +38,7 @@ class RobotLease {
   /// A look, as those of RobotService.
   virtual Result<LeaseStanding> standing(const Wait& wait) = 0;
   Result<LeaseStanding> standing() { return standing(Wait(TimePoint::max())); }
-  /// What its holder has been asked to do since the last call (RobotService::ask_holder), oldest first.
+  /// What its holder has been asked to do since the last call (RobotService::send_command), oldest first.
   virtual Result<std::vector<HolderRequest>> asked() = 0;
 };
 

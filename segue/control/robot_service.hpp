@@ -6,7 +6,7 @@
 #include <segue/base/wait.hpp>
 #include <segue/control/robot_lease.hpp>
 #include <segue/control/sample_stream.hpp>
-#include <segue/host/task_level.hpp>
+#include <segue/task_host/task_level.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -70,8 +70,9 @@ class RobotService {
   Result<type::Value> status() { return status(Wait(TimePoint::max())); }
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;
-  /// How a task is, once that is not as whoever asks has seen it; as host::TaskHost::watch().
-  virtual void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) = 0;
+  /// How a task is, once that is not as whoever asks has seen it; as task_host::TaskHost::watch().
+  virtual void watch(const task_host::LevelQuestion& question, const Wait& wait,
+                     task_host::LevelAnswer answered) = 0;
   /// {"controller", "unresolved"} of status(), and like the latter "in_repair", faults that are being mended,
   /// or will be; no process is asked. Where `lease` is not 0, also the standing() of that lease, which is
   /// looked at last: "lost_to" (null: its holder commands the robot), "stopped".
@@ -131,9 +132,9 @@ class RobotService {
   /// "plan", of draw::shown_plan, null until the mission has told it; with "outline": true until it has told
   /// the whole, for which it is asked. "control", null where it has ended or does not say: {"steps" (it can
   /// be stepped), "back" (and stepped back), "at" (null, or the states before which it is held and at rest),
-  /// "breakpoints", "heard" (the number of the last request of ask_holder() that it has followed or refused),
-  /// "problem" ({"number", "text"}: why it refused that one; none: it refused none), "values" ({"number",
-  /// "of"} and what mission::Engine::values_of has; none: it was not asked)}.
+  /// "breakpoints", "heard" (the number of the last request of send_command() that it has followed or
+  /// refused), "problem" ({"number", "text"}: why it refused that one; none: it refused none), "values"
+  /// ({"number", "of"} and what mission::Engine::values_of has; none: it was not asked)}.
   virtual Result<type::Value> mission(std::uint64_t after, bool with_plan) = 0;
   /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; or a mission to "step"
   /// ({"how": "into", "over", "out" or "back"}), to have these breakpoints ("break", {"at": paths}), to
@@ -141,7 +142,7 @@ class RobotService {
   /// ({"at": path}), or for "values" ({"of": path}). It may take its time: what became of the request, whose
   /// number is the answer, is in "control" of mission(). NotFound where nobody holds it, ResourceExhausted
   /// where it does not hear what it is asked.
-  virtual Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments) = 0;
+  virtual Result<std::uint64_t> send_command(std::string_view what, const type::Value& arguments) = 0;
   /// The holder of that lease commands the robot no longer. Unless it is to `keep` running what it runs, a
   /// robot that says what rest is comes to rest: {"at_rest", "duration_s", "stopped" (tasks with devices that
   /// had to be stopped), "trouble" (why)} once it has, else null. A lease that ends without this halts it,

@@ -4,7 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
-#include <segue/host/port_reader.hpp>
+#include <segue/task_host/port_reader.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstddef>
@@ -20,8 +20,8 @@ class SampleStream {
   /// A look, as those of RobotService.
   virtual Result<std::vector<type::Value>> read(std::size_t limit, const Wait& wait) = 0;
   Result<std::vector<type::Value>> read(std::size_t limit) { return read(limit, Wait(TimePoint::max())); }
-  /// As read(), but answers as soon as there is a sample, as host::PortReader::next. Does not block.
-  virtual void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) = 0;
+  /// As read(), but answers as soon as there is a sample, as task_host::PortReader::next. Does not block.
+  virtual void next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered) = 0;
   [[nodiscard]] virtual std::string type_name() const = 0;
 };
 

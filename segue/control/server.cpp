@@ -2,7 +2,7 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/detail/caller.hpp>
-#include <segue/control/detail/session.hpp>
+#include <segue/control/detail/server_sessions.hpp>
 #include <segue/control/detail/socket.hpp>
 #include <segue/control/detail/tcp_socket.hpp>
 #include <segue/control/server.hpp>
@@ -104,14 +104,14 @@ struct Server::Implementation {
     if (auto* const* deployment = std::get_if<deploy::DeploymentService*>(&core.served)) {
       (*deployment)
           ->set_listener(
-              on ? [this](const host::TaskEvent& event) { core.task_events.tell(event, core.loop); }
+              on ? [this](const task_host::TaskEvent& event) { core.task_events.tell(event, core.loop); }
                  : deploy::DeploymentService::Listener());
     }
-    if (auto* const* processes = std::get_if<process::ProcessService*>(&core.served)) {
+    if (auto* const* processes = std::get_if<process_server::ProcessService*>(&core.served)) {
       (*processes)
-          ->set_listener(
-              on ? [this](const process::ProcessInfo& event) { core.process_events.tell(event, core.loop); }
-                 : process::ProcessService::Listener());
+          ->set_listener(on ? [this](const process_server::ProcessInfo&
+                                         event) { core.process_events.tell(event, core.loop); }
+                            : process_server::ProcessService::Listener());
     }
   }
 

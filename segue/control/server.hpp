@@ -19,10 +19,10 @@
 namespace segue::deploy {
 class DeploymentService;
 }
-namespace segue::process {
+namespace segue::process_server {
 class ProcessService;
 }
-namespace segue::hosts {
+namespace segue::distributed {
 class HostService;
 }
 
@@ -40,8 +40,8 @@ std::vector<std::string> running_robots();
 
 /// The service that a server offers; never null. The server sets the one listener of a deployment or process
 /// service.
-using Served =
-    std::variant<RobotService*, deploy::DeploymentService*, process::ProcessService*, hosts::HostService*>;
+using Served = std::variant<RobotService*, deploy::DeploymentService*, process_server::ProcessService*,
+                            distributed::HostService*>;
 
 /// Where a server listens: on a Unix socket, on TCP, or on both.
 struct Places {

@@ -110,9 +110,10 @@ std::vector<Question> all_questions() {
       {Verb::Task, [](auto& robot) { return outcome(robot.task("slam")); }},
       {Verb::Watch,
        [](auto& robot) {
-         return outcome(answer_to<host::TaskLevel>(soon(), [&](const Wait& wait, host::LevelAnswer answer) {
-           robot.watch({model::TaskId("slam")}, wait, std::move(answer));
-         }));
+         return outcome(
+             answer_to<task_host::TaskLevel>(soon(), [&](const Wait& wait, task_host::LevelAnswer answer) {
+               robot.watch({model::TaskId("slam")}, wait, std::move(answer));
+             }));
        }},
       {Verb::Running, [](auto& robot) { return outcome(robot.running(0, soon())); }},
       {Verb::Changes,
@@ -150,7 +151,7 @@ std::vector<Question> all_questions() {
       {Verb::Lease, [](auto& robot) { return outcome(robot.lease("a test")); }},
       {Verb::GiveBack, [](auto& robot) { return outcome(robot.give_back(7, false, soon())); }},
       {Verb::Report, [](auto& robot) { return outcome(robot.report(7, Value())); }},
-      {Verb::AskHolder, [](auto& robot) { return outcome(robot.ask_holder("stop", Value())); }},
+      {Verb::SendCommand, [](auto& robot) { return outcome(robot.send_command("stop", Value())); }},
       {Verb::Stop, [](auto& robot) { return outcome(robot.stop("a test", soon())); }},
       {Verb::ReleaseStop, [](auto& robot) { return outcome(robot.release_stop("a test")); }},
       {Verb::Set, [](auto& robot) { return outcome(robot.set_property("a", "b", Value(1), {}, soon())); }},
@@ -190,10 +191,10 @@ TEST_F(SecureTest, EachVerbNeedsItsRole) {
 
 TEST_F(SecureTest, OnlyAdministratorsTakeARobotOverOrHaveATerm) {
   enrol({.name = "root", .role = Role::Administer});
-  hosts::testing::Computer left("left");
+  distributed::testing::Computer left("left");
   serve_tcp(left.local.get());
   const auto refusal = [&](const std::string& name, bool take_over, std::uint64_t term) {
-    auto request = hosts::testing::request_of(name, take_over);
+    auto request = distributed::testing::request_of(name, take_over);
     request.term = term;
     const auto robot = connect_host(endpoint(name), soon(), nullptr).value()->acquire(request, soon());
     return robot ? std::nullopt : std::optional(robot.error().code);
@@ -208,11 +209,11 @@ TEST_F(SecureTest, OnlyAdministratorsTakeARobotOverOrHaveATerm) {
 
 TEST_F(SecureTest, OnlyAdministratorsSetTheEnvironmentOfProcesses) {
   enrol({.name = "root", .role = Role::Administer});
-  hosts::testing::Computer left("left");
+  distributed::testing::Computer left("left");
   serve_tcp(left.local.get());
   for (const std::string name : {"ann", "root"}) {
     const auto host = connect_host(endpoint(name), soon(), nullptr).value();
-    const auto robot = host->acquire(hosts::testing::request_of(name, name == "root"), soon()).value();
+    const auto robot = host->acquire(distributed::testing::request_of(name, name == "root"), soon()).value();
     model::Deployment plain;
     plain.host = model::HostName("left");
     plain.process = model::ProcessName(name + "_plain");
@@ -245,8 +246,8 @@ TEST_F(SecureTest, OnlyAdministratorsStartAndEndProcesses) {
       return !result && result.error().code == ErrorCode::PermissionDenied;
     };
     EXPECT_TRUE(service->processes("rover"));
-    service->set_listener([](const process::ProcessInfo&) {});
-    process::Launch launch;
+    service->set_listener([](const process_server::ProcessInfo&) {});
+    process_server::Launch launch;
     launch.robot = "rover";
     EXPECT_EQ(denied(service->start(launch, soon())), name == "ann");
     EXPECT_EQ(denied(service->stop("rover", key, soon())), name == "ann");

@@ -75,11 +75,11 @@ model::Connection some_connection() {
           {}};
 }
 
-link::InputPlace some_place() {
+sample_link::InputPlace some_place() {
   return {UINT64_MAX, 2, 3, true, "/Pose", 4, "{x: double}", "b.in"};
 }
 
-void expect_same(const link::InputPlace& a, const link::InputPlace& b) {
+void expect_same(const sample_link::InputPlace& a, const sample_link::InputPlace& b) {
   EXPECT_EQ(std::tie(a.reader, a.offset, a.generation, a.any_type, a.type, a.hash, a.definition, a.port),
             std::tie(b.reader, b.offset, b.generation, b.any_type, b.type, b.hash, b.definition, b.port));
 }
@@ -111,8 +111,8 @@ TEST(WireTest, ReportsOfTasksTravelWithTheirTiming) {
                         timing});
   const auto got = travel<wire::Snapshot>(sent);
   ASSERT_EQ(got.tasks.size(), 1U);
-  const host::TaskReport& a = sent.tasks[0];
-  const host::TaskReport& b = got.tasks[0];
+  const task_host::TaskReport& a = sent.tasks[0];
+  const task_host::TaskReport& b = got.tasks[0];
   EXPECT_EQ(std::tie(a.id, a.component, a.process, a.pid, a.state, a.state_name, a.error, a.stand_in),
             std::tie(b.id, b.component, b.process, b.pid, b.state, b.state_name, b.error, b.stand_in));
   EXPECT_EQ(a.activity, b.activity);
@@ -124,7 +124,7 @@ TEST(WireTest, ReportsOfTasksTravelWithTheirTiming) {
 }
 
 TEST(WireTest, HistogramsTravelWithoutTheBinsThatHaveNothing) {
-  host::TaskDetails sent;
+  task_host::TaskDetails sent;
   EXPECT_EQ(travel<wire::Details>(sent).timing, sent.timing);
   auto& updates = sent.timing.updates.counts;
   updates.front() = 1;
@@ -139,7 +139,7 @@ TEST(WireTest, HistogramsTravelWithoutTheBinsThatHaveNothing) {
 }
 
 TEST(WireTest, LinesOfALogTravel) {
-  host::TaskDetails sent;
+  task_host::TaskDetails sent;
   sent.log.push_back({7, std::chrono::system_clock::now(), LogLevel::Error, "it broke"});
   sent.log.push_back({UINT64_MAX, {}, LogLevel::Debug, ""});
   EXPECT_EQ(travel<wire::Details>(sent).log, sent.log);
@@ -185,16 +185,16 @@ TEST(WireTest, SnapshotsTravelWithConnectionsEndpointsAndMemory) {
   EXPECT_EQ(std::tuple(endpoint.counters.written, endpoint.counters.read, endpoint.counters.dropped,
                        endpoint.counters.overwritten),
             std::tuple(4U, 5U, 6U, 7U));
-  const link::MemoryUsage& memory = got.memory;
+  const sample_link::MemoryUsage& memory = got.memory;
   EXPECT_EQ(std::tuple(memory.payload_used, memory.payload_touched, memory.control_used, memory.connections,
                        memory.peers),
             std::tuple(1U, 2U, 3U, 4U, 5U));
 }
 
 TEST(WireTest, ProcessesTravelWithTheirExit) {
-  process::ProcessInfo sent{
-      "spot", {model::HostName("base"), model::ProcessName("p")}, 42, "/run/p.sock", "/log/p.log",
-      true,   process::ExitReason{1, 2, true, false, true, true}};
+  process_server::ProcessInfo sent{
+      "spot", {model::HostName("base"), model::ProcessName("p")},       42, "/run/p.sock", "/log/p.log",
+      true,   process_server::ExitReason{1, 2, true, false, true, true}};
   const auto got = travel<wire::ProcessInfo>(sent);
   EXPECT_EQ(std::tie(got.robot, got.key, got.pid, got.socket, got.log, got.adopted),
             std::tie(sent.robot, sent.key, sent.pid, sent.socket, sent.log, sent.adopted));

@@ -3,11 +3,11 @@
 #include <segue/base/virtual_clock.hpp>
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/all_changes.hpp>
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/subtree_watch.hpp>
 #include <segue/convert/world_views.hpp>
-#include <segue/mission/fact_observer.hpp>
-#include <segue/mission/index.hpp>
+#include <segue/mission/mission_index.hpp>
+#include <segue/mission_robot/fact_observer.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -15,21 +15,21 @@
 
 namespace segue::convert {
 
-using cdtn::Completions;
-using cdtn::NodeContext;
-using cdtn::NodeId;
-using cdtn::ReportPtr;
 using mission::Ending;
 using mission::kAborted;
 using mission::kPreempted;
 using mission::Outcome;
+using task_network::Completions;
+using task_network::NodeContext;
+using task_network::NodeId;
+using task_network::ReportPtr;
 using type::Value;
 using type::ValueMap;
 
 namespace {
 
 /// From "p(a)" or "!p(a)".
-cdtn::NamedEffect named_effect(const std::string& text) {
+task_network::NamedEffect named_effect(const std::string& text) {
   const bool value = !text.starts_with('!');
   return {text.substr(value ? 0 : 1), value};
 }
@@ -48,7 +48,7 @@ struct ActionEnvironment::Reporter {
   explicit Reporter(mission::Globals used) : globals(std::move(used)) {}
 
   std::vector<std::string> ports;
-  std::vector<cdtn::OutcomeId> outcomes;  ///< by the outcomes of the state
+  std::vector<task_network::OutcomeId> outcomes;  ///< by the outcomes of the state
   bool counts = false;
   bool recorded = false;  ///< the run has a journal
   std::int64_t count = 0;
@@ -65,9 +65,9 @@ struct ActionEnvironment::Reporter {
       outcome = planted(ConversionFault::AcceptsAnyOutcome) ? 0 : kAborted;
       error = "its action ended with an outcome that it does not declare";
     }
-    auto report = std::make_unique<cdtn::Report>();
-    report->outcome = outcome == kAborted     ? cdtn::kAborted
-                      : outcome == kPreempted ? cdtn::kPreempted
+    auto report = std::make_unique<task_network::Report>();
+    report->outcome = outcome == kAborted     ? task_network::kAborted
+                      : outcome == kPreempted ? task_network::kPreempted
                                               : outcomes[static_cast<std::size_t>(outcome)];
     report->error = error;
     ValueMap map;
@@ -163,7 +163,7 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
   [[nodiscard]] mission::WorldView look_at_world() const override { return environment_.world(context_); }
   mission::BranchResult ended(NodeContext& context, const BranchSource& branch) const {
     for (const BranchEnd& end : branch.ends) {
-      if (end.input != cdtn::kNone) {
+      if (end.input != task_network::kNone) {
         const Value* said = context.input(end.input);
         if (said == nullptr || !(*said == Value(static_cast<std::uint64_t>(end.reached)))) continue;
       }
@@ -276,7 +276,7 @@ std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId 
     made->ports.push_back(port.name);
   for (const std::string& outcome : *state.outcomes) {
     const auto id = plan_.network().outcomes.find(outcome);
-    made->outcomes.push_back(id ? cdtn::OutcomeId(*id) : cdtn::kSuccess);
+    made->outcomes.push_back(id ? task_network::OutcomeId(*id) : task_network::kSuccess);
   }
   return made;
 }
@@ -403,10 +403,10 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission
 }
 
 mission::Units::Counts ActionEnvironment::units(NodeContext& context) const {
-  const cdtn::ResourceTable& resources = plan_.network().resources;
+  const task_network::ResourceTable& resources = plan_.network().resources;
   mission::Units::Counts counts;
   for (std::uint32_t i = 0; i < resources.size(); ++i) {
-    const cdtn::ResourceId resource{i};
+    const task_network::ResourceId resource{i};
     counts[resources.name(resource)] =
         planted(ConversionFault::SeesOldUnits) ? resources[resource].count : context.units(resource);
   }
@@ -414,15 +414,15 @@ mission::Units::Counts ActionEnvironment::units(NodeContext& context) const {
 }
 
 mission::WorldView ActionEnvironment::world(NodeContext& context) const {
-  const cdtn::TaskNetwork& network = plan_.network();
-  const cdtn::VersionedWorld world = context.world();
+  const task_network::TaskNetwork& network = plan_.network();
+  const task_network::VersionedWorld world = context.world();
   return view_of(planted(ConversionFault::SeesOldWorld) ? network.initial_world : world, network.facts,
                  options_.world_data);
 }
 
 /// In virtual time the subtree runs immediately, and its end is reported for the time at which it occurs.
 void ActionEnvironment::start_subtree(NodeContext& context, Completions& completions) {
-  const bool in_virtual_time = options_.clock == cdtn::ClockKind::Virtual;
+  const bool in_virtual_time = options_.clock == task_network::ClockKind::Virtual;
   auto clock = std::make_shared<VirtualClock>();
   mission::EngineOptions options;
   if (in_virtual_time) options.clock = clock.get();
@@ -472,9 +472,9 @@ void ActionEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& 
   const Outcome outcome = planted(ConversionFault::CountsCancelled) ? 0 : kPreempted;
   const auto found = running_.find(index(node));
   if (found == running_.end()) {
-    auto report = plan_.network()[node].structural ? std::make_unique<cdtn::Report>()
+    auto report = plan_.network()[node].structural ? std::make_unique<task_network::Report>()
                                                    : reporter(node)->report({outcome, {}}, {});
-    if (outcome == kPreempted) report->outcome = cdtn::kPreempted;
+    if (outcome == kPreempted) report->outcome = task_network::kPreempted;
     return completions.finish_at(completions.now(), node, attempt, std::move(report));
   }
   const Running running = std::move(found->second);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/convert/concurrent_run.hpp>
 #include <segue/convert/mission_plan.hpp>
 #include <segue/convert/node_journal.hpp>
-#include <segue/convert/run.hpp>
 #include <segue/convert/run_events.hpp>
-#include <segue/mission/engine.hpp>
+#include <segue/mission_engine/engine.hpp>
 
 #include <functional>
 #include <memory>
@@ -18,7 +18,7 @@ namespace segue::convert {
 
 /// Executes the nodes of a plan: actions by their runners, each opaque subtree by its own engine, all others
 /// directly.
-class ActionEnvironment final : public cdtn::Environment {
+class ActionEnvironment final : public task_network::Environment {
  public:
   /// Who is told of what begins; null: nobody.
   struct Listeners {
@@ -30,12 +30,13 @@ class ActionEnvironment final : public cdtn::Environment {
                     Listeners listeners = {nullptr, nullptr});
   ~ActionEnvironment() override;
 
-  void start(cdtn::NodeContext& context, cdtn::Completions& completions) override;
-  cdtn::ReportPtr refuse(cdtn::NodeContext& context, std::string why) override;
-  void cancel(cdtn::NodeId node, std::uint32_t attempt, cdtn::Completions& completions) override;
-  void ended(cdtn::NodeId node, std::uint32_t attempt) override;
-  [[nodiscard]] bool outdated(cdtn::NodeId node) const override;
-  void passed_before(cdtn::NodeId node) override;
+  void start(task_network::NodeContext& context, task_network::Completions& completions) override;
+  task_network::ReportPtr refuse(task_network::NodeContext& context, std::string why) override;
+  void cancel(task_network::NodeId node, std::uint32_t attempt,
+              task_network::Completions& completions) override;
+  void ended(task_network::NodeId node, std::uint32_t attempt) override;
+  [[nodiscard]] bool outdated(task_network::NodeId node) const override;
+  void passed_before(task_network::NodeId node) override;
   [[nodiscard]] Duration patience() const override { return options_.preemption_grace; }
   /// From any thread: preempts an opaque subtree that occupies the engine's thread, as in virtual time.
   void stop();
@@ -50,8 +51,8 @@ class ActionEnvironment final : public cdtn::Environment {
   /// Delivers ends to the engine as long as it runs. Shared with completers, which may outlive this.
   struct EndReceiver {
     std::mutex mutex;  ///< guards `completions`, which is null before the first start and after close()
-    cdtn::Completions* completions = nullptr;
-    void deliver(cdtn::NodeId node, std::uint32_t attempt, cdtn::ReportPtr report);
+    task_network::Completions* completions = nullptr;
+    void deliver(task_network::NodeId node, std::uint32_t attempt, task_network::ReportPtr report);
   };
   struct Running {
     std::shared_ptr<Reporter> reporter;
@@ -59,26 +60,28 @@ class ActionEnvironment final : public cdtn::Environment {
     std::shared_ptr<const type::Value> written{};  ///< likewise: the outputs with which it will end
   };
 
-  bool replay(cdtn::NodeContext& context, cdtn::Completions& completions);
-  void start_action(cdtn::NodeContext& context, cdtn::Completions& completions);
-  [[nodiscard]] mission::MissionPart part(cdtn::NodeContext& context, const mission::Globals& used) const;
-  [[nodiscard]] mission::WorldView world(cdtn::NodeContext& context) const;
-  [[nodiscard]] mission::Units::Counts units(cdtn::NodeContext& context) const;
-  void start_subtree(cdtn::NodeContext& context, cdtn::Completions& completions);
+  bool replay(task_network::NodeContext& context, task_network::Completions& completions);
+  void start_action(task_network::NodeContext& context, task_network::Completions& completions);
+  [[nodiscard]] mission::MissionPart part(task_network::NodeContext& context,
+                                          const mission::Globals& used) const;
+  [[nodiscard]] mission::WorldView world(task_network::NodeContext& context) const;
+  [[nodiscard]] mission::Units::Counts units(task_network::NodeContext& context) const;
+  void start_subtree(task_network::NodeContext& context, task_network::Completions& completions);
   void occupy(mission::Engine* opaque_subtree);
-  void hand_on(cdtn::NodeContext& context, cdtn::Completions& completions);
-  void join(cdtn::NodeContext& context, cdtn::Completions& completions);
-  void begin_container(cdtn::NodeContext& context, cdtn::Completions& completions);
-  [[nodiscard]] type::Value value(cdtn::NodeContext& context, const ValueSource& source) const;
-  [[nodiscard]] type::Value newest(cdtn::NodeContext& context, std::span<const ValueSource> sources) const;
-  [[nodiscard]] std::vector<type::Value> inputs(cdtn::NodeContext& context) const;
-  [[nodiscard]] std::vector<type::Value> default_outputs(cdtn::NodeId node,
+  void hand_on(task_network::NodeContext& context, task_network::Completions& completions);
+  void join(task_network::NodeContext& context, task_network::Completions& completions);
+  void begin_container(task_network::NodeContext& context, task_network::Completions& completions);
+  [[nodiscard]] type::Value value(task_network::NodeContext& context, const ValueSource& source) const;
+  [[nodiscard]] type::Value newest(task_network::NodeContext& context,
+                                   std::span<const ValueSource> sources) const;
+  [[nodiscard]] std::vector<type::Value> inputs(task_network::NodeContext& context) const;
+  [[nodiscard]] std::vector<type::Value> default_outputs(task_network::NodeId node,
                                                          const mission::Globals& globals) const;
-  [[nodiscard]] mission::Place place(cdtn::NodeId node) const;
-  [[nodiscard]] bool may_be_discarded(cdtn::NodeId node) const;
-  [[nodiscard]] mission::Globals globals_of(cdtn::NodeId node) const;
-  std::shared_ptr<Reporter> reporter(cdtn::NodeId node) const;
-  std::shared_ptr<Reporter> counting_reporter(cdtn::NodeContext& context) const;
+  [[nodiscard]] mission::Place place(task_network::NodeId node) const;
+  [[nodiscard]] bool may_be_discarded(task_network::NodeId node) const;
+  [[nodiscard]] mission::Globals globals_of(task_network::NodeId node) const;
+  std::shared_ptr<Reporter> reporter(task_network::NodeId node) const;
+  std::shared_ptr<Reporter> counting_reporter(task_network::NodeContext& context) const;
 
   const MissionPlan& plan_;
   const mission::Runners& runners_;

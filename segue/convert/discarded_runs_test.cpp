@@ -4,8 +4,8 @@
 // persistent variables of scripts.
 #include <segue/base/log.hpp>
 #include <segue/convert/test_support.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/script_runner.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_script/script_runner.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

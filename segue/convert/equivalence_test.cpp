@@ -6,9 +6,9 @@
 // happened. The same program with SEGUE_CONVERT_FAULTS plants faults into the conversion and expects to find
 // each.
 #include <segue/base/file.hpp>
-#include <segue/convert/fault.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/interrupted_journal.hpp>
+#include <segue/convert/conversion_fault.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_engine/interrupted_journal.hpp>
 #include <segue/type/json.hpp>
 #include <support/check_mission.hpp>
 #include <support/random_missions.hpp>
@@ -43,7 +43,7 @@ std::shared_ptr<const mission::Program> program_of(const std::string& text) {
 
 RunOptions options_of(std::uint64_t seed) {
   RunOptions options;
-  options.clock = cdtn::ClockKind::Virtual;
+  options.clock = task_network::ClockKind::Virtual;
   options.strict = seed % 2 == 0;
   options.speculate = seed % 16 != 5;
   options.workers = seed % 5 == 1 ? static_cast<std::uint32_t>(seed / 5 % 3 + 1) : 0;
@@ -58,17 +58,18 @@ void show(const Ran& written, const ConcurrentRun& run) {
     fmt::print("{}: {}\n", path, fmt::join(outcomes, ", "));
   fmt::print("as written: {} {}, {}\n", written.result.outcome_name, written.result.error,
              written.makespan / std::chrono::seconds(1));
-  const cdtn::TaskNetwork& network = run.plan().network();
+  const task_network::TaskNetwork& network = run.plan().network();
   const auto at = [](TimePoint time) { return time.time_since_epoch() / std::chrono::seconds(1); };
   for (std::uint32_t i = 0; i < network.size(); ++i) {
-    const cdtn::NodeResult& node = run.network_result().nodes[i];
-    fmt::print("{}: status {}, outcome {}, {} to {}, counts at {}, {} runs\n", network.label(cdtn::NodeId{i}),
-               static_cast<int>(node.status), network.outcomes.name(static_cast<std::uint32_t>(node.outcome)),
-               at(node.started), at(node.ended), at(node.committed), node.attempts);
+    const task_network::NodeResult& node = run.network_result().nodes[i];
+    fmt::print("{}: status {}, outcome {}, {} to {}, counts at {}, {} runs\n",
+               network.label(task_network::NodeId{i}), static_cast<int>(node.status),
+               network.outcomes.name(static_cast<std::uint32_t>(node.outcome)), at(node.started),
+               at(node.ended), at(node.committed), node.attempts);
   }
   for (std::uint32_t i = 0; i < network.size(); ++i) {
     if (const auto& outputs = run.network_result().outputs[i])
-      fmt::print("{}: {}\n", network.label(cdtn::NodeId{i}), type::to_json(*outputs, -1));
+      fmt::print("{}: {}\n", network.label(task_network::NodeId{i}), type::to_json(*outputs, -1));
   }
   fmt::print("globals {} instead of {}\n", type::to_json(run.ran.globals, -1),
              type::to_json(written.globals, -1));
@@ -91,7 +92,7 @@ struct Trial {
 /// The first irreversible action that was executed again although its end was recorded, or "".
 std::string executed_again(const ConcurrentRun& resumed, const mission::RunJournal& journal) {
   std::map<std::string, std::size_t> left;  // by path: executions that the journal does not have
-  resumed.for_each_action([&](cdtn::NodeId node, const std::string&) {
+  resumed.for_each_action([&](task_network::NodeId node, const std::string&) {
     const PlannedNode& planned = resumed.plan()[node];
     if (resumed.plan().network()[node].kind != ActionClass::Irreversible) return;
     left[std::string(planned.path)] += journal.find({std::string(planned.path), 0, planned.loops}) ? 0 : 1;
@@ -107,8 +108,9 @@ std::string forgotten(const ConcurrentRun& resumed, const mission::RunJournal& j
   auto recorded = journal.executions();
   const auto& nodes = resumed.network_result().nodes;
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-    const PlannedNode& planned = resumed.plan()[cdtn::NodeId{i}];
-    if (nodes[i].status == cdtn::NodeStatus::Done || nodes[i].status == cdtn::NodeStatus::Preempted)
+    const PlannedNode& planned = resumed.plan()[task_network::NodeId{i}];
+    if (nodes[i].status == task_network::NodeStatus::Done ||
+        nodes[i].status == task_network::NodeStatus::Preempted)
       recorded.erase({std::string(planned.path), 0, planned.loops});
   }
   return recorded.empty() ? "" : recorded.begin()->path + " was forgotten";
@@ -229,7 +231,7 @@ TEST(MissionEquivalence, RunsInRealTimeDoWhatTheSequentialOneDoes) {
     const auto program = program_of(text);
     const Ran written = run_as_written(program);
     RunOptions options = options_of(seed);
-    options.clock = cdtn::ClockKind::Real;
+    options.clock = task_network::ClockKind::Real;
     const ConcurrentRun run(program, options);
     const std::string difference = MissionCheck(written, run, options.strict).difference();
     if (!difference.empty() && setting("SEGUE_MISSION_SHOW", 0) != 0) show(written, run);

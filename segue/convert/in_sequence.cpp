@@ -9,8 +9,8 @@
 
 namespace segue::convert {
 
-using cdtn::NodeId;
-using cdtn::NodeStatus;
+using task_network::NodeId;
+using task_network::NodeStatus;
 
 namespace {
 
@@ -29,7 +29,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kTexts{{
 
 class Causes {
  public:
-  Causes(const MissionPlan& plan, const cdtn::Order& order, const cdtn::RunResult& result)
+  Causes(const MissionPlan& plan, const task_network::Order& order, const task_network::RunResult& result)
       : plan_(plan), order_(order), result_(result) {}
 
   std::vector<std::string> find() {
@@ -62,11 +62,13 @@ class Causes {
 
   /// Whether it had to wait for another action because of its place, or another one for it.
   [[nodiscard]] bool others_wait(NodeId node) const {
-    const auto of_place = [](const cdtn::Dependency& each) { return each.reason() == cdtn::Reason::Place; };
-    for (const cdtn::Dependency& each : order_.before(node)) {
+    const auto of_place = [](const task_network::Dependency& each) {
+      return each.reason() == task_network::Reason::Place;
+    };
+    for (const task_network::Dependency& each : order_.before(node)) {
       if (of_place(each) && counts(each.from)) return true;
     }
-    for (const cdtn::Dependency& each : order_.after(node)) {
+    for (const task_network::Dependency& each : order_.after(node)) {
       if (of_place(each) && index(each.to) < result_.nodes.size() && counts(each.to)) return true;
     }
     return false;
@@ -97,15 +99,15 @@ class Causes {
   }
 
   const MissionPlan& plan_;
-  const cdtn::Order& order_;
-  const cdtn::RunResult& result_;
+  const task_network::Order& order_;
+  const task_network::RunResult& result_;
   std::array<std::vector<std::string>, 3> alone_;  ///< by cause: paths
 };
 
 }  // namespace
 
-std::vector<std::string> why_in_sequence(const MissionPlan& plan, const cdtn::Order& order,
-                                         const cdtn::RunResult& result) {
+std::vector<std::string> why_in_sequence(const MissionPlan& plan, const task_network::Order& order,
+                                         const task_network::RunResult& result) {
   return Causes(plan, order, result).find();
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/order.hpp>
-#include <segue/cdtn/run_result.hpp>
 #include <segue/convert/mission_plan.hpp>
+#include <segue/task_network/order.hpp>
+#include <segue/task_network/run_result.hpp>
 
 #include <string>
 #include <vector>
@@ -12,7 +12,8 @@ namespace segue::convert {
 
 /// What kept a run that has ended from doing more at the same time, one sentence for each cause: actions that
 /// may touch anything, and states that ran as written. Nothing where facts, data and resources alone decided.
-[[nodiscard]] std::vector<std::string> why_in_sequence(const MissionPlan& plan, const cdtn::Order& order,
-                                                       const cdtn::RunResult& result);
+[[nodiscard]] std::vector<std::string> why_in_sequence(const MissionPlan& plan,
+                                                       const task_network::Order& order,
+                                                       const task_network::RunResult& result);
 
 }  // namespace segue::convert

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/mission_plan.hpp>
 #include <segue/convert/unroller.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 #include <segue/mission/world.hpp>
 
 #include <algorithm>
 
 namespace segue::convert {
 
-using cdtn::NodeId;
-using cdtn::OutcomeId;
+using task_network::NodeId;
+using task_network::OutcomeId;
 using type::Value;
 
 namespace {
 
 /// `given`, or else the first of its defaults that is not null.
 Value replaced(const Value* given, const Defaults& defaults, const InputValues& inputs,
-               const cdtn::NameTable& names) {
+               const task_network::NameTable& names) {
   if (given != nullptr && !given->is_null()) return *given;
   if (!defaults || planted(ConversionFault::KeepsNull)) return {};
   for (const Default& one : *defaults) {
-    if (index(one.reader) == cdtn::kNone) {
+    if (index(one.reader) == task_network::kNone) {
       if (!one.value.is_null()) return one.value;
       continue;
     }
@@ -36,7 +36,7 @@ Value replaced(const Value* given, const Defaults& defaults, const InputValues& 
 }  // namespace
 
 Value newest_value(std::span<const ValueSource> sources, const InputValues& inputs,
-                   const cdtn::NameTable& names) {
+                   const task_network::NameTable& names) {
   Value newest;
   std::uint64_t newest_turn = 0;
   for (const ValueSource& source : sources) {
@@ -92,8 +92,9 @@ Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const m
     plan->network_.initial_world.set({*known, true});
   }
   for (const mission::Resource& resource : plan->program().mission().resources) {
-    cdtn::ResourceRecord& entry = plan->network_.resources[plan->network_.resources.intern(resource.name)];
-    entry.kind = static_cast<cdtn::ResourceClass>(resource.kind);
+    task_network::ResourceRecord& entry =
+        plan->network_.resources[plan->network_.resources.intern(resource.name)];
+    entry.kind = static_cast<task_network::ResourceClass>(resource.kind);
     entry.commutes = resource.commutes;
   }
   for (const auto& [name, count] : *units)
@@ -103,7 +104,7 @@ Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const m
   return plan;
 }
 
-void MissionPlan::expand(cdtn::TaskNetwork& network, std::size_t wanted) {
+void MissionPlan::expand(task_network::TaskNetwork& network, std::size_t wanted) {
   const std::size_t limit = network.size() + wanted;
   waits_for_.clear();
   while (network.size() < limit && unroller_->step()) {
@@ -179,14 +180,14 @@ PathIndex MissionPlan::path_index() const {
 }
 
 mission::Outcome MissionPlan::outcome(NodeId node, OutcomeId outcome) const {
-  if (outcome == cdtn::kAborted) return mission::kAborted;
-  if (outcome == cdtn::kPreempted) return mission::kPreempted;
+  if (outcome == task_network::kAborted) return mission::kAborted;
+  if (outcome == task_network::kPreempted) return mission::kPreempted;
   const auto& names = *program_->node((*this)[node].state).outcomes;
   const auto found = std::ranges::find(names, network_.outcomes.name(static_cast<std::uint32_t>(outcome)));
   return found == names.end() ? mission::kAborted : static_cast<mission::Outcome>(found - names.begin());
 }
 
-mission::Outcome MissionPlan::final_outcome(const cdtn::RunResult& result) {
+mission::Outcome MissionPlan::final_outcome(const task_network::RunResult& result) {
   if (result.stopped) return mission::kPreempted;
   if (result.failed) {
     const bool preempted = result.error && result.error->code == ErrorCode::Cancelled;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/concurrent_engine.hpp>
-#include <segue/cdtn/run_result.hpp>
 #include <segue/convert/opaque_subtrees.hpp>
 #include <segue/convert/path_index.hpp>
 #include <segue/convert/symbol.hpp>
 #include <segue/mission/action_runner.hpp>
+#include <segue/mission/enclosing_scope.hpp>
 #include <segue/mission/execution.hpp>
 #include <segue/mission/place.hpp>
 #include <segue/mission/program.hpp>
-#include <segue/mission/surroundings.hpp>
 #include <segue/mission/units.hpp>
+#include <segue/task_network/concurrent_engine.hpp>
+#include <segue/task_network/run_result.hpp>
 
 #include <cstdint>
 #include <deque>
@@ -49,12 +49,12 @@ struct ValueSource {
 using InputValues = std::function<const type::Value*(std::uint32_t input)>;
 /// The newest of several values that is not null; null if all are.
 [[nodiscard]] type::Value newest_value(std::span<const ValueSource> sources, const InputValues& inputs,
-                                       const cdtn::NameTable& names);
+                                       const task_network::NameTable& names);
 
 /// A way in which a sibling of a decider may have ended: with `outcome`, if the input says `reached`.
 struct BranchEnd {
-  std::uint32_t input = cdtn::kNone;  ///< none: this is certain
-  cdtn::OutcomeId reached{};
+  std::uint32_t input = task_network::kNone;  ///< none: this is certain
+  task_network::OutcomeId reached{};
   mission::Outcome outcome = 0;
   ValueSource error;
 };
@@ -80,11 +80,11 @@ struct PlannedNode {
   bool counts = false;
   std::shared_ptr<const mission::ParallelBranch> branch;  ///< null: in no barrier
   std::vector<BranchSource> branches;                     ///< deciders
-  std::vector<std::pair<std::uint32_t, cdtn::OutcomeId>>
+  std::vector<std::pair<std::uint32_t, task_network::OutcomeId>>
       joined;  ///< Join: inputs and the values that they must have
   std::string global;
-  std::string refused;                ///< why the action can never begin
-  mission::SurroundingsPtr around{};  ///< OpaqueSubtree: what is declared around it
+  std::string refused;                  ///< why the action can never begin
+  mission::EnclosingScopePtr around{};  ///< OpaqueSubtree: what is declared around it
   mission::ObservedNeedsPtr observed{};
 };
 
@@ -107,9 +107,9 @@ struct RaceRecord {
   /// Whether recorded executions in that state have not begun yet, or the node is to end as recorded: the
   /// state does not lose before.
   std::function<bool(const mission::Execution& state)> awaits{};
-  std::function<bool(cdtn::NodeId node)> replays{};
+  std::function<bool(task_network::NodeId node)> replays{};
   /// Whether the node was preempted in the earlier run: it is preempted again, and not left out.
-  std::function<bool(cdtn::NodeId node)> was_preempted{};
+  std::function<bool(task_network::NodeId node)> was_preempted{};
   /// Is told of each state that ends its container.
   std::function<void(const mission::Execution& state)> decided{};
 };
@@ -123,7 +123,7 @@ enum class PlanScope : std::uint8_t { AsKnown, EveryEnd, Outline };
 /// A mission that is being unrolled into a task network, which grows while it runs. Loops are unrolled ahead
 /// of decisions, by more iterations the longer they run. Unexpected ends (aborts, other than expected
 /// outcomes) that lead back into a loop are planned for once they have happened. For one thread.
-class MissionPlan final : public cdtn::Expansion {
+class MissionPlan final : public task_network::Expansion {
  public:
   /// `inputs` by port of the root, null for its default; `facts` override the initial facts of the mission,
   /// `resources` its units. TypeMismatch for an input of another type, InvalidArgument for too many inputs
@@ -135,26 +135,26 @@ class MissionPlan final : public cdtn::Expansion {
                                                      const mission::UnitCounts& resources = {});
   ~MissionPlan() override;
 
-  void expand(cdtn::TaskNetwork& network, std::size_t wanted) override;
-  void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override;
-  void failed(cdtn::NodeId node) override;
-  void skipped(cdtn::NodeId node) override;
+  void expand(task_network::TaskNetwork& network, std::size_t wanted) override;
+  void ended(task_network::NodeId node, task_network::OutcomeId outcome, const type::Value* outputs) override;
+  void failed(task_network::NodeId node) override;
+  void skipped(task_network::NodeId node) override;
   [[nodiscard]] bool races() const override;
-  [[nodiscard]] std::vector<cdtn::NodeId> take_lost() override;
+  [[nodiscard]] std::vector<task_network::NodeId> take_lost() override;
   [[nodiscard]] bool finished() const override;
 
-  [[nodiscard]] cdtn::TaskNetwork& network() { return network_; }
-  [[nodiscard]] const cdtn::TaskNetwork& network() const { return network_; }
+  [[nodiscard]] task_network::TaskNetwork& network() { return network_; }
+  [[nodiscard]] const task_network::TaskNetwork& network() const { return network_; }
   [[nodiscard]] const mission::Program& program() const { return *program_; }
   [[nodiscard]] const std::shared_ptr<const mission::Program>& shared_program() const { return program_; }
-  [[nodiscard]] const PlannedNode& operator[](cdtn::NodeId node) const { return nodes_[index(node)]; }
+  [[nodiscard]] const PlannedNode& operator[](task_network::NodeId node) const { return nodes_[index(node)]; }
   /// What must be known before it can plan further; empty if it had planned as much as was wanted.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
   /// Whether the ends that are known so far keep the node off the path.
-  [[nodiscard]] bool off_path(cdtn::NodeId node) const;
+  [[nodiscard]] bool off_path(task_network::NodeId node) const;
   /// The innermost container that the node is in, null for the mission itself; until the node is over.
-  [[nodiscard]] std::shared_ptr<ContainerRun> container_of(cdtn::NodeId node) const;
+  [[nodiscard]] std::shared_ptr<ContainerRun> container_of(task_network::NodeId node) const;
   /// How the container has ended, once all in it is over and that is certain.
   [[nodiscard]] std::optional<mission::Ending> end_of(const ContainerRun& container);
   /// Whether the ends that are known so far keep it off the path, or on the path.
@@ -163,14 +163,14 @@ class MissionPlan final : public cdtn::Expansion {
   /// The tree of branches as it is now.
   [[nodiscard]] PathIndex path_index() const;
   /// The outcome of the state of that node.
-  [[nodiscard]] mission::Outcome outcome(cdtn::NodeId node, cdtn::OutcomeId outcome) const;
+  [[nodiscard]] mission::Outcome outcome(task_network::NodeId node, task_network::OutcomeId outcome) const;
 
   /// Before the run.
   void set_race_record(RaceRecord record);
   [[nodiscard]] const RaceRecord& race_record() const;
 
   /// How the mission ended. Requires that the run has ended.
-  [[nodiscard]] mission::Outcome final_outcome(const cdtn::RunResult& result);
+  [[nodiscard]] mission::Outcome final_outcome(const task_network::RunResult& result);
   [[nodiscard]] std::vector<type::Value> final_outputs();
   /// Why the mission aborted by a transition, or its last state aborted and that is handled; else empty.
   [[nodiscard]] std::string final_error();
@@ -183,7 +183,7 @@ class MissionPlan final : public cdtn::Expansion {
   explicit MissionPlan(std::shared_ptr<const mission::Program> program);
 
   std::shared_ptr<const mission::Program> program_;
-  cdtn::TaskNetwork network_;
+  task_network::TaskNetwork network_;
   std::deque<PlannedNode> nodes_;
   std::string waits_for_;
   std::unique_ptr<Unroller> unroller_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/node_journal.hpp>
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace segue::convert {
 
-using cdtn::NodeId;
-using cdtn::OutcomeId;
 using mission::RunJournal;
+using task_network::NodeId;
+using task_network::OutcomeId;
 using type::Value;
 
 namespace {

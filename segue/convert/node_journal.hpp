@@ -3,7 +3,7 @@
 
 #include <segue/convert/mission_plan.hpp>
 #include <segue/mission/globals.hpp>
-#include <segue/mission/run_journal.hpp>
+#include <segue/mission_engine/run_journal.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -35,28 +35,28 @@ class NodeJournal {
 
   /// How the node, which begins now, ended in the earlier run, or is taken to have ended; nothing if it is to
   /// be executed.
-  [[nodiscard]] std::optional<mission::RunJournal::End> replayed(cdtn::NodeId node);
+  [[nodiscard]] std::optional<mission::RunJournal::End> replayed(task_network::NodeId node);
   /// The node does not begin, and aborts, as it did in the earlier run if that had come so far.
-  void refused(cdtn::NodeId node);
+  void refused(task_network::NodeId node);
   /// The node begins as soon as this returns. On disk, if it is potentially irreversible; others are not
   /// recorded, since they may be discarded.
-  void began(cdtn::NodeId node);
+  void began(task_network::NodeId node);
   /// As ActionCall::progress() and recorder().
-  [[nodiscard]] const type::Value& progress(cdtn::NodeId node) const {
+  [[nodiscard]] const type::Value& progress(task_network::NodeId node) const {
     return journal_->progress(execution(node));
   }
-  [[nodiscard]] std::function<void(const type::Value&)> recorder(cdtn::NodeId node) const;
+  [[nodiscard]] std::function<void(const type::Value&)> recorder(task_network::NodeId node) const;
   /// The end counts.
-  void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs);
+  void ended(task_network::NodeId node, task_network::OutcomeId outcome, const type::Value* outputs);
   /// What the earlier run recorded of preemptive containers, and how this one records them.
   [[nodiscard]] RaceRecord races() const;
   /// The mission has ended, so that there is nothing to resume.
   void finished(const std::string& outcome);
 
  private:
-  [[nodiscard]] bool records(cdtn::NodeId node) const;
-  [[nodiscard]] std::string name_of_action(cdtn::NodeId node) const;
-  [[nodiscard]] mission::Execution execution(cdtn::NodeId node) const;
+  [[nodiscard]] bool records(task_network::NodeId node) const;
+  [[nodiscard]] std::string name_of_action(task_network::NodeId node) const;
+  [[nodiscard]] mission::Execution execution(task_network::NodeId node) const;
   [[nodiscard]] bool awaits(const mission::Execution& state) const;
 
   const MissionPlan& plan_;

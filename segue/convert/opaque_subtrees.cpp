@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/opaque_subtrees.hpp>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/path_conditions.hpp>
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 
 namespace segue::convert {
 
-using cdtn::kNone;
-using cdtn::NodeId;
-using cdtn::OutcomeId;
+using task_network::kNone;
+using task_network::NodeId;
+using task_network::OutcomeId;
 
 namespace {
 
@@ -109,7 +109,7 @@ bool PathConditions::expected(BranchEdge edge, BranchEdge outer) {
   for (; !edge.always() && edge != outer; edge = branches_[edge.branch].around) {
     const Branch& branch = branches_[edge.branch];
     if (!branch.decided &&
-        (edge.outcome == cdtn::kAborted || branch.expected.value_or(edge.outcome) != edge.outcome))
+        (edge.outcome == task_network::kAborted || branch.expected.value_or(edge.outcome) != edge.outcome))
       return false;
   }
   return true;
@@ -177,8 +177,8 @@ std::optional<BranchEdge> PathConditions::merged(std::vector<BranchEdge> edges) 
   }
 }
 
-std::vector<cdtn::Condition> PathConditions::conditions(BranchEdge edge) {
-  std::vector<cdtn::Condition> result;
+std::vector<task_network::Condition> PathConditions::conditions(BranchEdge edge) {
+  std::vector<task_network::Condition> result;
   if (planted(ConversionFault::IgnoresInnerBranch) && !edge.always()) edge = branches_[edge.branch].around;
   for (; !edge.always() && result.size() < kMostConditions; edge = branches_[edge.branch].around) {
     if (!branches_[edge.branch].decided) result.push_back({branches_[edge.branch].node, edge.outcome});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/task_network.hpp>
+#include <segue/task_network/task_network.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -12,9 +12,9 @@ namespace segue::convert {
 /// A condition: the branch ends with that outcome, and so do the enclosing branches with theirs. Without a
 /// branch: always true.
 struct BranchEdge {
-  std::uint32_t branch = cdtn::kNone;
-  cdtn::OutcomeId outcome{};
-  [[nodiscard]] bool always() const { return branch == cdtn::kNone; }
+  std::uint32_t branch = task_network::kNone;
+  task_network::OutcomeId outcome{};
+  [[nodiscard]] bool always() const { return branch == task_network::kNone; }
   friend bool operator==(const BranchEdge&, const BranchEdge&) = default;
 };
 
@@ -25,12 +25,13 @@ class PathConditions {
  public:
   /// Adds a branch: `node` lies on `around` and ends with one of `outcomes`. If one is expected, the others
   /// are not.
-  std::uint32_t add(cdtn::NodeId node, BranchEdge around, std::vector<cdtn::OutcomeId> outcomes,
-                    std::optional<cdtn::OutcomeId> expected);
+  std::uint32_t add(task_network::NodeId node, BranchEdge around,
+                    std::vector<task_network::OutcomeId> outcomes,
+                    std::optional<task_network::OutcomeId> expected);
   /// Adds a join, which lies on `around`: `node` ends with `reached` if one of `edges` is on the path.
-  BranchEdge add_join(cdtn::NodeId node, BranchEdge around, std::vector<BranchEdge> edges,
-                      cdtn::OutcomeId reached, cdtn::OutcomeId missed);
-  void decide(cdtn::NodeId node, cdtn::OutcomeId outcome);
+  BranchEdge add_join(task_network::NodeId node, BranchEdge around, std::vector<BranchEdge> edges,
+                      task_network::OutcomeId reached, task_network::OutcomeId missed);
+  void decide(task_network::NodeId node, task_network::OutcomeId outcome);
 
   /// How many branches there are; they are numbered from 0, each after those around it.
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(branches_.size()); }
@@ -40,10 +41,10 @@ class PathConditions {
     return branches_[branch].meaning;
   }
   /// The outcome of a join where one of its edges is on the path.
-  [[nodiscard]] cdtn::OutcomeId reached(std::uint32_t branch) const {
+  [[nodiscard]] task_network::OutcomeId reached(std::uint32_t branch) const {
     return branches_[branch].outcomes.front();
   }
-  [[nodiscard]] cdtn::NodeId node(BranchEdge edge) const { return branches_[edge.branch].node; }
+  [[nodiscard]] task_network::NodeId node(BranchEdge edge) const { return branches_[edge.branch].node; }
   /// The edge without decided branches; nothing if it is off the path.
   std::optional<BranchEdge> live(BranchEdge edge) { return edge.always() ? edge : live_within(edge); }
   /// Whether the edge is off the path, also where a join on the way to it has not ended yet but must end as
@@ -61,18 +62,18 @@ class PathConditions {
   /// Whether all branches between `outer` and `edge` are taken as expected.
   bool expected(BranchEdge edge, BranchEdge outer);
   /// The innermost conditions of the edge, for a node that lies on it.
-  [[nodiscard]] std::vector<cdtn::Condition> conditions(BranchEdge edge);
+  [[nodiscard]] std::vector<task_network::Condition> conditions(BranchEdge edge);
 
  private:
   struct Branch {
-    cdtn::NodeId node{};
+    task_network::NodeId node{};
     BranchEdge around;
     std::uint32_t depth = 0;
-    std::vector<cdtn::OutcomeId> outcomes;
+    std::vector<task_network::OutcomeId> outcomes;
     std::vector<BranchEdge> meaning;  ///< joins: the edges
     bool narrows = false;             ///< joins: an edge may be on the path although `around` is not
-    std::optional<cdtn::OutcomeId> decided;
-    std::optional<cdtn::OutcomeId> expected;
+    std::optional<task_network::OutcomeId> decided;
+    std::optional<task_network::OutcomeId> expected;
     bool dead = false;
     std::uint64_t live_at = 0;  ///< changes_ when the edge that it lies on was live, and undecided, last
   };

@@ -24,11 +24,11 @@ class PathIndex {
  private:
   struct Place {
     std::uint32_t depth = 0;
-    BranchEdge around;              ///< the edge that the branch lies on
-    BranchEdge further;             ///< that edge, or one around it
-    BranchEdge join;                ///< the innermost edge around the branch that is a join's
-    std::vector<BranchEdge> means;  ///< of a join: the edges that it stands for
-    cdtn::OutcomeId reached{};      ///< of a join: its outcome where one of them is on the path
+    BranchEdge around;                  ///< the edge that the branch lies on
+    BranchEdge further;                 ///< that edge, or one around it
+    BranchEdge join;                    ///< the innermost edge around the branch that is a join's
+    std::vector<BranchEdge> means;      ///< of a join: the edges that it stands for
+    task_network::OutcomeId reached{};  ///< of a join: its outcome where one of them is on the path
   };
   [[nodiscard]] std::uint32_t depth(BranchEdge edge) const {
     return edge.always() ? 0 : places_[edge.branch].depth;

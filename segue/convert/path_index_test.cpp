@@ -11,8 +11,8 @@
 namespace segue::convert {
 namespace {
 
-using cdtn::NodeId;
-using cdtn::OutcomeId;
+using task_network::NodeId;
+using task_network::OutcomeId;
 
 constexpr OutcomeId kLeft{3};
 constexpr OutcomeId kRight{4};

@@ -2,10 +2,10 @@
 //
 // Preemptive containers in concurrent runs.
 #include <segue/base/file.hpp>
-#include <segue/convert/ahead.hpp>
-#include <segue/convert/run.hpp>
+#include <segue/convert/ahead_of_failures.hpp>
+#include <segue/convert/concurrent_run.hpp>
 #include <segue/convert/test_support.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // RAFCON's machines in tests/rafcon, with their scripts, as they are written and concurrently: both do what
 // RAFCON does.
-#include <segue/convert/run.hpp>
-#include <segue/mission/rafcon.hpp>
-#include <segue/mission/script_runner.hpp>
+#include <segue/convert/concurrent_run.hpp>
+#include <segue/mission_script/script_runner.hpp>
+#include <segue/rafcon/rafcon.hpp>
 #include <segue/type/json.hpp>
 
 #include <support/paths.hpp>

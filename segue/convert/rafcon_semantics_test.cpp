@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What scripts and missions take over from RAFCON, in sequential and concurrent runs alike.
-#include <segue/convert/run.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/rafcon.hpp>
-#include <segue/mission/script_runner.hpp>
+#include <segue/convert/concurrent_run.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_script/script_runner.hpp>
+#include <segue/rafcon/rafcon.hpp>
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>

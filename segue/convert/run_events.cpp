@@ -7,8 +7,8 @@
 
 namespace segue::convert {
 
-using cdtn::NodeId;
-using cdtn::NodeStatus;
+using task_network::NodeId;
+using task_network::NodeStatus;
 
 namespace {
 
@@ -43,8 +43,8 @@ void RunEvents::begin_containers(std::shared_ptr<ContainerRun> innermost) {
   }
 }
 
-void RunEvents::ended(NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) {
-  if (outcome == cdtn::kPreempted) lost_.insert(node);
+void RunEvents::ended(NodeId node, task_network::OutcomeId outcome, const type::Value* outputs) {
+  if (outcome == task_network::kPreempted) lost_.insert(node);
   if (replayed_.erase(node) > 0) return;
   if (is_told(node, outcome)) tell_end(node, outcome, outputs);
 }
@@ -69,7 +69,7 @@ void RunEvents::settle() {
 }
 
 /// What ended the run leads nowhere in the plan.
-void RunEvents::finish(const cdtn::RunResult& result) {
+void RunEvents::finish(const task_network::RunResult& result) {
   for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
     const NodeStatus status = result.nodes[i].status;
     if (status != NodeStatus::Failed && status != NodeStatus::Preempted) continue;
@@ -93,12 +93,12 @@ void RunEvents::tell_failed(NodeId node, std::string_view error) {
 }
 
 /// An action, or a container that may not begin.
-bool RunEvents::is_told(NodeId node, cdtn::OutcomeId outcome) const {
+bool RunEvents::is_told(NodeId node, task_network::OutcomeId outcome) const {
   const Role role = plan_[node].role;
-  return role == Role::Action || (role == Role::Begin && outcome == cdtn::kAborted);
+  return role == Role::Action || (role == Role::Begin && outcome == task_network::kAborted);
 }
 
-void RunEvents::tell_end(NodeId node, cdtn::OutcomeId ending, const type::Value* outputs) {
+void RunEvents::tell_end(NodeId node, task_network::OutcomeId ending, const type::Value* outputs) {
   const PlannedNode& planned = plan_[node];
   const bool is_container = planned.role == Role::Begin;
   const std::string path = is_container ? plan_.network().name_of(node) : std::string(planned.path);

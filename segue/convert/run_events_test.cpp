@@ -3,9 +3,9 @@
 // What those hear who follow a mission, whichever way it runs: of actions and containers that begin and end,
 // and of what may not begin.
 #include <segue/base/virtual_clock.hpp>
-#include <segue/convert/run.hpp>
-#include <segue/mission/engine.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/convert/concurrent_run.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_engine/engine.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ Told told_sequentially(std::string_view text, const mission::Runners& runners = 
 Told told_concurrently(std::string_view text, const mission::Runners& runners = {}) {
   Told told;
   RunOptions options;
-  options.clock = cdtn::ClockKind::Virtual;
+  options.clock = task_network::ClockKind::Virtual;
   options.observe = told.observer();
   options.warn = told.warn();
   Run::create(compiled(text), runners, {}, options).value()->run();
@@ -306,7 +306,7 @@ states:
   Told told;
   std::unique_ptr<convert::Run> run;
   RunOptions options;
-  options.clock = cdtn::ClockKind::Virtual;
+  options.clock = task_network::ClockKind::Virtual;
   options.observe = stop_at_begin(told, [&] { run->stop(); });
   run = convert::Run::create(compiled(text), {}, {}, options).value();
   run->run();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The times that a concurrent run records, compared with what each action measured itself.
-#include <segue/convert/run.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/script_runner.hpp>
+#include <segue/convert/concurrent_run.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_script/script_runner.hpp>
 
 #include <gtest/gtest.h>
 
@@ -20,8 +20,8 @@ namespace segue::convert {
 namespace {
 
 using namespace std::chrono_literals;
-using cdtn::ClockKind;
-using cdtn::NodeResult;
+using task_network::ClockKind;
+using task_network::NodeResult;
 
 /// Really slept: what is tested is that time is measured where it passes.
 constexpr Duration kNap = 20ms;
@@ -151,7 +151,7 @@ class TimesSideBySide : public ::testing::Test {
   static const NodeResult& node(const ConcurrentRun& run, std::string_view path) {
     const auto& nodes = run.network_result().nodes;
     std::uint32_t i = 0;
-    while (run.plan()[cdtn::NodeId{i}].path != path)
+    while (run.plan()[task_network::NodeId{i}].path != path)
       ++i;
     return nodes.at(i);
   }
@@ -171,9 +171,9 @@ void expect_order(const ConcurrentRun& run) {
     EXPECT_LE(node.committed.time_since_epoch(), result.makespan);
   }
   for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
-    for (const cdtn::Dependency& dependency : run.order().before(cdtn::NodeId{i})) {
-      EXPECT_GE(result.nodes[i].started, result.nodes[cdtn::index(dependency.from)].ended)
-          << run.plan().network().label(cdtn::NodeId{i});
+    for (const task_network::Dependency& dependency : run.order().before(task_network::NodeId{i})) {
+      EXPECT_GE(result.nodes[i].started, result.nodes[task_network::index(dependency.from)].ended)
+          << run.plan().network().label(task_network::NodeId{i});
     }
   }
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/convert/node_journal.hpp>
-#include <segue/mission/engine.hpp>
+#include <segue/mission_engine/engine.hpp>
 
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/symbol.hpp>
 
 #include <algorithm>
@@ -8,10 +8,10 @@ namespace segue::convert {
 
 Defaults with(const Defaults& defaults, Default more) {
   const bool certain = defaults && std::ranges::any_of(*defaults, [](const Default& one) {
-                         return index(one.reader) == cdtn::kNone && !one.value.is_null();
+                         return index(one.reader) == task_network::kNone && !one.value.is_null();
                        });
   if (certain) return defaults;
-  const bool nothing = index(more.reader) == cdtn::kNone && more.value.is_null();
+  const bool nothing = index(more.reader) == task_network::kNone && more.value.is_null();
   if (nothing && defaults) return defaults;
   static const Defaults kNothing = std::make_shared<const std::vector<Default>>();
   if (nothing) return kNothing;

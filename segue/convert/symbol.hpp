@@ -14,7 +14,7 @@ namespace segue::convert {
 /// The replacement of a null: a constant, or the output "value" of a node that reads a global variable.
 struct Default {
   type::Value value;
-  cdtn::NodeId reader{cdtn::kNone};
+  task_network::NodeId reader{task_network::kNone};
 };
 /// Tried in their order until one is not null. Null pointer: there are none.
 using Defaults = std::shared_ptr<const std::vector<Default>>;
@@ -23,7 +23,7 @@ Defaults with(const Defaults& defaults, Default more);
 
 /// An output of a node that may be the value, with the defaults for a null.
 struct Candidate {
-  cdtn::NodeId node{};
+  task_network::NodeId node{};
   std::uint32_t output = 0;  ///< of TaskNetwork::names
   BranchEdge when;
   Defaults defaults;

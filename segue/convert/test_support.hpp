@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/convert/run.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/convert/concurrent_run.hpp>
+#include <segue/mission/mission_io.hpp>
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ inline std::shared_ptr<const mission::Program> program(const std::string& text) 
 class VirtualRun {
  public:
   explicit VirtualRun(const std::string& text, RunOptions options = {}, mission::Runners runners = {}) {
-    options.clock = cdtn::ClockKind::Virtual;
+    options.clock = task_network::ClockKind::Virtual;
     run_ = Run::create(program(text), runners, {}, options).value();
     result = run_->run();
   }
@@ -34,9 +34,10 @@ class VirtualRun {
     std::vector<std::string> lines;
     const auto& nodes = run_->network_result().nodes;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-      const cdtn::NodeId node{i};
-      const cdtn::NodeStatus status = nodes[i].status;
-      const bool counts = status != cdtn::NodeStatus::Skipped && status != cdtn::NodeStatus::NotReached;
+      const task_network::NodeId node{i};
+      const task_network::NodeStatus status = nodes[i].status;
+      const bool counts =
+          status != task_network::NodeStatus::Skipped && status != task_network::NodeStatus::NotReached;
       if (!counts || (plan()[node].role != Role::Action && plan()[node].role != Role::OpaqueSubtree))
         continue;
       const mission::Outcome outcome = plan().outcome(node, nodes[i].outcome);
@@ -47,9 +48,9 @@ class VirtualRun {
     return lines;
   }
   [[nodiscard]] const MissionPlan& plan() const { return run_->plan(); }
-  [[nodiscard]] const cdtn::Order& order() const { return run_->order(); }
+  [[nodiscard]] const task_network::Order& order() const { return run_->order(); }
   [[nodiscard]] const mission::Globals& globals() const { return run_->globals(); }
-  [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
+  [[nodiscard]] const task_network::RunResult& network_result() const { return run_->network_result(); }
 
   mission::MissionResult result;
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/resource.hpp>
 #include <segue/convert/path_conditions.hpp>
 #include <segue/convert/symbol.hpp>
 #include <segue/convert/weak_order.hpp>
+#include <segue/mission/enclosing_scope.hpp>
 #include <segue/mission/place.hpp>
 #include <segue/mission/program.hpp>
-#include <segue/mission/surroundings.hpp>
+#include <segue/task_network/resource.hpp>
 
 #include <cstdint>
 #include <memory>
@@ -49,8 +49,8 @@ struct StateEntry {
   bool strict = false;          ///< it is declared strict, or an enclosing state
   std::vector<Symbol> inputs;
   std::vector<Candidate> errors;
-  mission::SurroundingsPtr around;  ///< what is declared around it
-  std::shared_ptr<const std::vector<cdtn::Claim>>
+  mission::EnclosingScopePtr around;  ///< what is declared around it
+  std::shared_ptr<const std::vector<task_network::Claim>>
       memberships;                            ///< in the group locks of the containers around it; null: none
   std::shared_ptr<ContainerRun> container{};  ///< that it is in; null: the mission
 };
@@ -74,18 +74,18 @@ struct ContainerExecution {
   std::shared_ptr<const WeakOrder> order;      ///< Hierarchy
   std::vector<std::vector<Arrival>> arrivals;  ///< Hierarchy: by child
   std::vector<Exit> exits;
-  BranchEdge inside;                  ///< on which its states are entered
-  BranchEdge joined;                  ///< Barrier: on which its decider is entered
-  mission::SurroundingsPtr around{};  ///< what is declared around its states
-  std::shared_ptr<const std::vector<cdtn::Claim>> memberships{};  ///< of its states
+  BranchEdge inside;                    ///< on which its states are entered
+  BranchEdge joined;                    ///< Barrier: on which its decider is entered
+  mission::EnclosingScopePtr around{};  ///< what is declared around its states
+  std::shared_ptr<const std::vector<task_network::Claim>> memberships{};  ///< of its states
   std::shared_ptr<ContainerRun> run;  ///< itself, or that which a library or the mission is in
 };
 
 /// A state of a barrier or of a race that is being planned, for what is beside the network and for the
 /// network.
-struct Beside {
+struct BranchPlace {
   std::shared_ptr<const mission::ParallelBranch> place{};  ///< null: the mission itself
-  std::uint32_t in_network = cdtn::kNone;                  ///< of TaskNetwork::add_parallel_branch()
+  std::uint32_t in_network = task_network::kNone;          ///< of TaskNetwork::add_parallel_branch()
 };
 
 struct Track;
@@ -110,7 +110,8 @@ struct Frame {
     /// How far it is ahead of what is under way: looked at in this iteration, when there were so many nodes.
     std::size_t looked = 1;
     std::uint32_t nodes = 0;
-    std::optional<cdtn::NodeId> far_behind{};  ///< no further iteration is planned before this node has ended
+    std::optional<task_network::NodeId>
+        far_behind{};  ///< no further iteration is planned before this node has ended
   };
   std::shared_ptr<ContainerExecution> activation;
   std::uint32_t place = 0;
@@ -131,13 +132,13 @@ struct Alternative {
 /// loops that are expected to end, it has alternatives, outermost first.
 struct Track {
   std::vector<Frame> frames;
-  Beside branch{};
+  BranchPlace branch{};
   std::vector<Alternative> alternatives{};
   std::optional<StateEntry> pending{};  ///< comes next, once its facts and resources are known
   std::optional<StateEnd> end{};
   bool races = false;
-  std::vector<cdtn::NodeId> open{};  ///< of a race: nodes that have not ended and may be on the path
-  Track* around = nullptr;           ///< of a race: that of an enclosing race
+  std::vector<task_network::NodeId> open{};  ///< of a race: nodes that have not ended and may be on the path
+  Track* around = nullptr;                   ///< of a race: that of an enclosing race
   [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unfinished_outputs.hpp>
 
 #include <deque>
@@ -8,9 +8,9 @@
 
 namespace segue::convert {
 
-using cdtn::NodeId;
-using cdtn::NodeStatus;
-using cdtn::OutcomeId;
+using task_network::NodeId;
+using task_network::NodeStatus;
+using task_network::OutcomeId;
 using type::Value;
 using type::ValueMap;
 
@@ -20,7 +20,7 @@ namespace {
 /// did. Only what is planned together with the node that decides about it may be off the path.
 class Replay {
  public:
-  Replay(const MissionPlan& plan, const cdtn::RunResult& result, const mission::Globals& globals)
+  Replay(const MissionPlan& plan, const task_network::RunResult& result, const mission::Globals& globals)
       : plan_(plan), result_(result), globals_(globals), again_(plan.from_the_beginning()) {
     for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
       if (result.nodes[i].status != NodeStatus::Skipped)
@@ -53,12 +53,12 @@ class Replay {
     if ((*again_)[node].role == Role::Copy) {
       ValueMap outputs;
       outputs.append(std::string(kValueOutput), copied(node));
-      return end(node, cdtn::kSuccess, &given_.emplace_back(std::move(outputs)));
+      return end(node, task_network::kSuccess, &given_.emplace_back(std::move(outputs)));
     }
     Recorded& recorded = recorded_[again_->network().name_of(node)];
     if (recorded.next == recorded.nodes.size()) return end_unrecorded(node);
     const NodeId then = recorded.nodes[recorded.next++];
-    const cdtn::NodeResult& result = result_.nodes[index(then)];
+    const task_network::NodeResult& result = result_.nodes[index(then)];
     if (result.status == NodeStatus::NotReached) return end_unrecorded(node);
     end(node, translated(result.outcome), result_.outputs[index(then)].get());
   }
@@ -70,9 +70,9 @@ class Replay {
   }
 
   Value copied(NodeId node) const {
-    const cdtn::TaskNetwork& network = again_->network();
+    const task_network::TaskNetwork& network = again_->network();
     const auto input = [&](std::uint32_t name) -> const Value* {
-      for (const cdtn::DataInput& each : network.inputs(node)) {
+      for (const task_network::DataInput& each : network.inputs(node)) {
         const Value* outputs = each.input == name ? outputs_[index(each.producer)] : nullptr;
         if (outputs != nullptr) return outputs->find(network.names.name(each.output));
       }
@@ -88,7 +88,7 @@ class Replay {
     if (planned.role == Role::Global)
       outputs.append(std::string(kValueOutput), globals_.get(planned.global).value_or(Value()));
     if (planned.state == mission::kNoState)
-      return end(node, cdtn::kSuccess, &given_.emplace_back(std::move(outputs)));
+      return end(node, task_network::kSuccess, &given_.emplace_back(std::move(outputs)));
     const mission::CompiledState& state = plan_.program().node(planned.state);
     for (std::size_t i = 0; i < state.outputs.size(); ++i) {
       const mission::PortSource& output = plan_.program().node(planned.shown_as).outputs[i];
@@ -97,18 +97,21 @@ class Replay {
     }
     // What handles its abort would go on, which the run did not.
     const bool aborts = result_.failed && !again_->network()[node].handles_abort;
-    end(node, aborts ? cdtn::kAborted : cdtn::kPreempted, &given_.emplace_back(std::move(outputs)));
+    end(node, aborts ? task_network::kAborted : task_network::kPreempted,
+        &given_.emplace_back(std::move(outputs)));
   }
 
   /// Both plans number the outcomes of the mission as they meet them.
   OutcomeId translated(OutcomeId outcome) {
-    if (outcome == cdtn::kSuccess || outcome == cdtn::kAborted || outcome == cdtn::kPreempted) return outcome;
+    if (outcome == task_network::kSuccess || outcome == task_network::kAborted ||
+        outcome == task_network::kPreempted)
+      return outcome;
     return again_->network().outcome(
         std::string(plan_.network().outcomes.name(static_cast<std::uint32_t>(outcome))));
   }
 
   const MissionPlan& plan_;
-  const cdtn::RunResult& result_;
+  const task_network::RunResult& result_;
   const mission::Globals& globals_;
   const std::unique_ptr<MissionPlan> again_;
   std::unordered_map<std::string, Recorded> recorded_;
@@ -118,7 +121,7 @@ class Replay {
 
 }  // namespace
 
-std::vector<Value> unfinished_outputs(const MissionPlan& plan, const cdtn::RunResult& result,
+std::vector<Value> unfinished_outputs(const MissionPlan& plan, const task_network::RunResult& result,
                                       const mission::Globals& globals) {
   if (planted(ConversionFault::ForgetsUnfinishedOutputs)) return {};
   return Replay(plan, result, globals).outputs();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/run_result.hpp>
 #include <segue/convert/mission_plan.hpp>
 #include <segue/mission/globals.hpp>
+#include <segue/task_network/run_result.hpp>
 
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace segue::convert {
 /// the sequential run. Outputs of nodes after the failure that ended all the same do not count. Takes as long
 /// as planning the run once more.
 [[nodiscard]] std::vector<type::Value> unfinished_outputs(const MissionPlan& plan,
-                                                          const cdtn::RunResult& result,
+                                                          const task_network::RunResult& result,
                                                           const mission::Globals& globals);
 
 }  // namespace segue::convert

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
-#include <segue/mission/index.hpp>
+#include <segue/mission/mission_index.hpp>
 
 #include <algorithm>
 #include <utility>
 
 namespace segue::convert {
 
-using cdtn::NodeId;
-using cdtn::OutcomeId;
 using mission::kAborted;
 using mission::NextStep;
 using mission::Outcome;
 using mission::StateIndex;
 using mission::StateKind;
+using task_network::NodeId;
+using task_network::OutcomeId;
 
 Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, PlanScope scope)
     : plan_(plan),
@@ -238,8 +238,8 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
 }
 
 /// The branch of a state of that execution of a container on the track.
-Beside Unroller::beside(const Track& track, std::uint64_t number, StateIndex child) {
-  const Beside& around = track.branch;
+BranchPlace Unroller::beside(const Track& track, std::uint64_t number, StateIndex child) {
+  const BranchPlace& around = track.branch;
   const std::uint32_t depth = around.place ? around.place->depth + 1 : 1;
   return {std::make_shared<const mission::ParallelBranch>(
               mission::ParallelBranch{around.place, number, child, depth}),

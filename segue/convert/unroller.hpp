@@ -19,9 +19,9 @@ namespace segue::convert {
 struct Touch {
   std::optional<std::vector<std::size_t>> named_by{};  ///< the inputs that determine them, by port
   bool known = false;                                  ///< the same for all its nodes
-  std::vector<cdtn::Literal> preconditions{};
-  std::vector<cdtn::Literal> effects{};
-  std::vector<cdtn::Claim> claims{};
+  std::vector<task_network::Literal> preconditions{};
+  std::vector<task_network::Literal> effects{};
+  std::vector<task_network::Claim> claims{};
   mission::ObservedNeedsPtr observed{};
 };
 
@@ -34,10 +34,10 @@ class Unroller {
   Result<void> begin();
   /// Plans one node or a few; false if the plan must wait for a decision.
   bool step() { return step(main_); }
-  void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs);
-  void failed(cdtn::NodeId node);
-  void skipped(cdtn::NodeId node);
-  [[nodiscard]] std::vector<cdtn::NodeId> take_lost();
+  void ended(task_network::NodeId node, task_network::OutcomeId outcome, const type::Value* outputs);
+  void failed(task_network::NodeId node);
+  void skipped(task_network::NodeId node);
+  [[nodiscard]] std::vector<task_network::NodeId> take_lost();
   [[nodiscard]] bool finished() const { return main_.settled(); }
   [[nodiscard]] const StateEnd& end() const { return *main_.end; }
   PathConditions& paths() { return paths_; }
@@ -49,7 +49,7 @@ class Unroller {
     return subtrees_[state];
   }
   /// The innermost container that the node is in, null for the mission itself; until the node is over.
-  [[nodiscard]] std::shared_ptr<ContainerRun> container_of(cdtn::NodeId node) const;
+  [[nodiscard]] std::shared_ptr<ContainerRun> container_of(task_network::NodeId node) const;
   /// The exit by which it has ended, once that is certain; null before.
   [[nodiscard]] const Exit* exit_of(const ContainerRun& container);
   /// Once that is known for certain.
@@ -59,8 +59,8 @@ class Unroller {
   // Control (unroller.cpp)
   bool step(Track& track);
   bool step_within(Track& track);
-  [[nodiscard]] std::optional<cdtn::NodeId> first_open();
-  [[nodiscard]] bool is_open(cdtn::NodeId node);
+  [[nodiscard]] std::optional<task_network::NodeId> first_open();
+  [[nodiscard]] bool is_open(task_network::NodeId node);
   bool step_hierarchy(Track& track);
   bool step_barrier(Track& track);
   [[nodiscard]] StateEntry entry_of(const Frame& frame, mission::StateIndex child, BranchEdge when);
@@ -69,7 +69,7 @@ class Unroller {
   void enter(Track& track, StateEntry entry);
   void enter_container(Track& track, StateEntry entry);
   void enter_branches(Track& track, ContainerExecution& activation);
-  [[nodiscard]] Beside beside(const Track& track, std::uint64_t number, mission::StateIndex child);
+  [[nodiscard]] BranchPlace beside(const Track& track, std::uint64_t number, mission::StateIndex child);
   void leave(Track& track);
   void finish(Track& track, mission::StateIndex state, StateEnd end);
   void finish_in_hierarchy(Frame& frame, mission::StateIndex state, StateEnd end);
@@ -112,17 +112,17 @@ class Unroller {
   void find_first(Race& race);
   void decide(Race& race, std::size_t first);
   [[nodiscard]] bool replays(const Race& race, std::size_t first);
-  [[nodiscard]] bool runs_for_certain(cdtn::NodeId node);
+  [[nodiscard]] bool runs_for_certain(task_network::NodeId node);
   [[nodiscard]] bool has_ended(Track& track);
   void drop_ended(Track& track);
-  [[nodiscard]] bool is_over(cdtn::NodeId node) const {
+  [[nodiscard]] bool is_over(task_network::NodeId node) const {
     return over_.size() > index(node) && over_[index(node)];
   }
-  void note_over(cdtn::NodeId node);
+  void note_over(task_network::NodeId node);
 
   // Nodes (unroller_nodes.cpp), data (unroller_data.cpp)
   StateEnd add_action(const StateEntry& entry, const std::vector<StateEnd>* branches);
-  std::vector<BranchSource> connect_branches(cdtn::NodeSpec& spec, const StateEntry& decider,
+  std::vector<BranchSource> connect_branches(task_network::NodeSpec& spec, const StateEntry& decider,
                                              const std::vector<StateEnd>& ends);
   StateEnd add_subtree(const StateEntry& entry);
   BranchEdge meet(std::vector<BranchEdge> edges);
@@ -130,12 +130,12 @@ class Unroller {
   Symbol copied(Symbol value, BranchEdge when);
   Symbol copied(std::vector<Symbol> values, BranchEdge when);
   Symbol read(const ContainerExecution& activation, const std::vector<std::uint32_t>& slots, BranchEdge at);
-  cdtn::NodeSpec& new_spec();
-  cdtn::NodeId append(cdtn::NodeSpec& spec, PlannedNode node, std::string_view name);
-  ValueSource connect(cdtn::NodeSpec& spec, const Symbol& symbol, std::string_view name);
-  std::optional<cdtn::OutcomeId> expected_end(mission::StateIndex state);
-  StateEnd ends_of(const StateEntry& entry, cdtn::NodeId node, const cdtn::NodeSpec& spec);
-  void count(cdtn::NodeSpec& spec, PlannedNode& node, const StateEntry& entry);
+  task_network::NodeSpec& new_spec();
+  task_network::NodeId append(task_network::NodeSpec& spec, PlannedNode node, std::string_view name);
+  ValueSource connect(task_network::NodeSpec& spec, const Symbol& symbol, std::string_view name);
+  std::optional<task_network::OutcomeId> expected_end(mission::StateIndex state);
+  StateEnd ends_of(const StateEntry& entry, task_network::NodeId node, const task_network::NodeSpec& spec);
+  void count(task_network::NodeSpec& spec, PlannedNode& node, const StateEntry& entry);
   void store(ContainerExecution& activation, std::uint32_t slot, BranchEdge when, Symbol value);
   void take_outputs(ContainerExecution& activation, mission::StateIndex child, BranchEdge when,
                     std::vector<Symbol> outputs);
@@ -145,18 +145,18 @@ class Unroller {
   [[nodiscard]] bool is_in_turn(const StateEntry& entry);
   [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const StateEntry& entry);
   const std::vector<std::size_t>& naming_inputs(mission::StateIndex state);
-  void declare(const StateEntry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
-  void declare_unknown(const StateEntry& entry, cdtn::NodeSpec& spec);
+  void declare(const StateEntry& entry, task_network::NodeSpec& spec, PlannedNode& planned);
+  void declare_unknown(const StateEntry& entry, task_network::NodeSpec& spec);
   [[nodiscard]] Result<mission::Needs> needs_of(const StateEntry& entry);
   void look_up(const mission::Needs& needs, Touch& touch);
 
   // What containers declare, and when they end (unroller_containers.cpp)
   void begin_container(ContainerExecution& activation);
   void follow(ContainerExecution& activation);
-  void put_in(const std::shared_ptr<ContainerRun>& container, cdtn::NodeId node);
-  void declare_begin(ContainerExecution& activation, cdtn::NodeSpec& spec, PlannedNode& planned);
-  void block(ContainerExecution& activation, cdtn::NodeSpec& spec, const mission::Needs& needs);
-  void lend(const mission::Surroundings::Held& held);
+  void put_in(const std::shared_ptr<ContainerRun>& container, task_network::NodeId node);
+  void declare_begin(ContainerExecution& activation, task_network::NodeSpec& spec, PlannedNode& planned);
+  void block(ContainerExecution& activation, task_network::NodeSpec& spec, const mission::Needs& needs);
+  void lend(const mission::EnclosingScope::Held& held);
   [[nodiscard]] const mission::CompiledState& node(mission::StateIndex state) const {
     return plan_.program().node(state);
   }
@@ -169,12 +169,12 @@ class Unroller {
   const PlanScope scope_;
   PathConditions paths_;
   Track main_;
-  Beside branch_;               ///< of the nodes that are being planned
+  BranchPlace branch_;          ///< of the nodes that are being planned
   std::uint64_t barriers_ = 0;  ///< executions that have been planned
   Track* racing_ = nullptr;     ///< of the nodes that are being planned
   RaceRecord record_;
   std::vector<std::weak_ptr<Race>> races_;  ///< that may not have been decided
-  std::vector<cdtn::NodeId> lost_;          ///< since take_lost()
+  std::vector<task_network::NodeId> lost_;  ///< since take_lost()
   std::vector<bool> over_;                  ///< by node: it has ended, or was skipped
   std::unordered_map<std::uint32_t, std::shared_ptr<ContainerRun>> inside_;  ///< by node that is not over
   std::unordered_map<std::string, std::uint32_t> entered_;  ///< by path of a container: how often
@@ -191,8 +191,8 @@ class Unroller {
   std::vector<std::uint32_t> copies_;  ///< by name, of TaskNetwork::names
   std::vector<Touch> touches_;         ///< by action
   std::unordered_map<mission::StateIndex, std::optional<std::vector<std::size_t>>>
-      named_by_;         ///< by container: the inputs that determine what it declares
-  cdtn::NodeSpec spec_;  ///< of the current node
+      named_by_;                 ///< by container: the inputs that determine what it declares
+  task_network::NodeSpec spec_;  ///< of the current node
 };
 
 }  // namespace segue::convert

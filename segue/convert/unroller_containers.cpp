@@ -5,15 +5,15 @@
 // are members of that lock, which ends with the last of them. More members may be planned then, and take the
 // units again: whoever uses them later in program order begins after all members.
 #include <segue/base/text.hpp>
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
 
 #include <algorithm>
 
 namespace segue::convert {
 
-using cdtn::NodeId;
-using cdtn::NodeSpec;
+using task_network::NodeId;
+using task_network::NodeSpec;
 
 /// From now on it is known when the container has ended. The mission itself, whose path is empty, ends with
 /// the run.
@@ -48,7 +48,7 @@ const Exit* Unroller::exit_of(const ContainerRun& container) {
 /// A container that declares nothing needs no node.
 void Unroller::begin_container(ContainerExecution& activation) {
   const StateEntry& entry = activation.entry;
-  if (node(entry.state).required == nullptr || planted(ConversionFault::ForgetsSurroundings)) return;
+  if (node(entry.state).required == nullptr || planted(ConversionFault::ForgetsEnclosingScope)) return;
   NodeSpec& spec = new_spec();
   spec.structural = true;
   PlannedNode planned;
@@ -64,13 +64,13 @@ void Unroller::begin_container(ContainerExecution& activation) {
   const NodeId id = append(spec, std::move(planned), entry.path);
   put_in(activation.run, id);
   if (!entry.aborts_handled) return;
-  std::vector<cdtn::OutcomeId> outcomes{cdtn::kSuccess, cdtn::kAborted};
-  if (scope_ == PlanScope::EveryEnd) outcomes.push_back(cdtn::kPreempted);
-  const auto branch = paths_.add(id, entry.when, std::move(outcomes), cdtn::kSuccess);
-  activation.inside = {branch, cdtn::kSuccess};
+  std::vector<task_network::OutcomeId> outcomes{task_network::kSuccess, task_network::kAborted};
+  if (scope_ == PlanScope::EveryEnd) outcomes.push_back(task_network::kPreempted);
+  const auto branch = paths_.add(id, entry.when, std::move(outcomes), task_network::kSuccess);
+  activation.inside = {branch, task_network::kSuccess};
   if (scope_ == PlanScope::EveryEnd)
-    activation.exits.push_back({mission::kPreempted, {{branch, cdtn::kPreempted}, false, {}}});
-  const BranchEdge refused{branch, cdtn::kAborted};
+    activation.exits.push_back({mission::kPreempted, {{branch, task_network::kPreempted}, false, {}}});
+  const BranchEdge refused{branch, task_network::kAborted};
   const auto error = plan_.network_.names.intern(kErrorOutput);
   activation.exits.push_back({mission::kAborted, {refused, true, {{id, error, refused, {}}}}});
 }
@@ -95,25 +95,25 @@ void Unroller::declare_begin(ContainerExecution& activation, NodeSpec& spec, Pla
 /// members of these, and takes units of the resources that the container lends.
 void Unroller::block(ContainerExecution& activation, NodeSpec& spec, const mission::Needs& needs) {
   if (planted(ConversionFault::ForgetsResources)) return;
-  std::vector<cdtn::Claim> memberships;
+  std::vector<task_network::Claim> memberships;
   if (activation.memberships != nullptr) memberships = *activation.memberships;
   spec.claims.insert(spec.claims.end(), memberships.begin(), memberships.end());
   for (std::size_t i = 0; i < needs.uses.size(); ++i) {
     if (needs.uses[i].operation != mission::ResourceOperation::Block) continue;
-    cdtn::Claim& claim = spec.claims[i];
+    task_network::Claim& claim = spec.claims[i];
     claim.group = plan_.network_.add_group(claim.resource, claim.count);
-    memberships.push_back({claim.resource, cdtn::ResourceOp::Exists, 1, claim.group});
+    memberships.push_back({claim.resource, task_network::ResourceOp::Exists, 1, claim.group});
   }
-  for (const mission::Surroundings::Held& held : activation.around->held)
+  for (const mission::EnclosingScope::Held& held : activation.around->held)
     lend(held);
   if (!memberships.empty())
-    activation.memberships = std::make_shared<const std::vector<cdtn::Claim>>(std::move(memberships));
+    activation.memberships = std::make_shared<const std::vector<task_network::Claim>>(std::move(memberships));
 }
 
 /// The units exist as long as the plan; who takes them holds those of which they are part. Where a container
 /// inside blocks them in turn, they are taken in program order from the first user on.
-void Unroller::lend(const mission::Surroundings::Held& held) {
-  cdtn::ResourceRecord& lent = plan_.network_.resources[plan_.network_.resources.intern(held.lent)];
+void Unroller::lend(const mission::EnclosingScope::Held& held) {
+  task_network::ResourceRecord& lent = plan_.network_.resources[plan_.network_.resources.intern(held.lent)];
   lent.count = held.count;
   lent.lent = true;
   lent.varies = lent.varies || std::ranges::any_of(blocked_within_, [&](const std::string& pattern) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 namespace segue::convert {
 
-using cdtn::NodeId;
-using cdtn::NodeSpec;
-using cdtn::OutcomeId;
 using mission::StateIndex;
+using task_network::NodeId;
+using task_network::NodeSpec;
+using task_network::OutcomeId;
 using type::Value;
 
 namespace {
@@ -27,7 +27,7 @@ std::optional<Value> with_defaults(Value value, const Defaults& defaults,
   if (!value.is_null() || !defaults) return value;
   for (const Default& one : *defaults) {
     value = one.value;
-    if (index(one.reader) != cdtn::kNone) {
+    if (index(one.reader) != task_network::kNone) {
       if (index(one.reader) >= outputs.size() || !outputs[index(one.reader)]) return std::nullopt;
       const Value* read = outputs[index(one.reader)]->find(kValueOutput);
       value = read == nullptr ? Value() : *read;
@@ -55,7 +55,7 @@ ValueSource Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_
   const auto readers_of = [&](const Defaults& defaults) {
     if (!defaults) return;
     for (const Default& one : *defaults) {
-      if (index(one.reader) == cdtn::kNone) continue;
+      if (index(one.reader) == task_network::kNone) continue;
       const auto input = plan_.network_.names.intern("#" + std::to_string(index(one.reader)));
       spec.inputs.push_back({one.reader, plan_.network_.names.intern(kValueOutput), input});
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/footprint.hpp>
 #include <segue/mission/units.hpp>
@@ -10,16 +10,16 @@
 
 namespace segue::convert {
 
-using cdtn::Claim;
-using cdtn::NodeId;
-using cdtn::NodeSpec;
-using cdtn::OutcomeId;
 using mission::Action;
 using mission::kNoState;
 using mission::NextStep;
 using mission::Outcome;
 using mission::StateIndex;
 using mission::StateKind;
+using task_network::Claim;
+using task_network::NodeId;
+using task_network::NodeSpec;
+using task_network::OutcomeId;
 using type::Value;
 
 namespace {
@@ -187,7 +187,8 @@ Result<mission::Needs> Unroller::needs_of(const StateEntry& entry) {
 }
 
 void Unroller::look_up(const mission::Needs& needs, Touch& touch) {
-  const auto literals = [&](const std::vector<mission::GroundFact>& facts, std::vector<cdtn::Literal>& into) {
+  const auto literals = [&](const std::vector<mission::GroundFact>& facts,
+                            std::vector<task_network::Literal>& into) {
     into.clear();
     for (const mission::GroundFact& fact : facts) {
       if (const auto id = plan_.network_.facts.intern_named(fact.text)) into.push_back({*id, fact.holds});
@@ -203,9 +204,10 @@ void Unroller::look_up(const mission::Needs& needs, Touch& touch) {
   for (const mission::UnitUse& use : needs.uses) {
     if (planted(ConversionFault::ForgetsResources)) break;
     const auto resource = plan_.network_.resources.intern(use.resource);
-    cdtn::ResourceRecord& known = plan_.network_.resources[resource];
+    task_network::ResourceRecord& known = plan_.network_.resources[resource];
     known.varies = known.varies || varies(use.resource);
-    touch.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation), use.count, cdtn::kNone});
+    touch.claims.push_back(
+        {resource, static_cast<task_network::ResourceOp>(use.operation), use.count, task_network::kNone});
   }
 }
 
@@ -247,16 +249,16 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
   std::vector<OutcomeId> outcomes;
   for (Outcome i = 0; i < own; ++i)
     outcomes.push_back(plan_.network_.outcome((*state.outcomes)[static_cast<std::size_t>(i)]));
-  if (entry.aborts_handled) outcomes.push_back(cdtn::kAborted);
-  if (scope_ == PlanScope::EveryEnd) outcomes.push_back(cdtn::kPreempted);
+  if (entry.aborts_handled) outcomes.push_back(task_network::kAborted);
+  if (scope_ == PlanScope::EveryEnd) outcomes.push_back(task_network::kPreempted);
   const auto branch = paths_.add(id, entry.when, outcomes, expected_end(entry.state));
   const auto ended = [&](Outcome i) { return BranchEdge{branch, outcomes[static_cast<std::size_t>(i)]}; };
   for (Outcome i = 0; i < own; ++i)
     end.exits.push_back({i, {ended(i), false, told(ended(i))}});
   if (scope_ == PlanScope::EveryEnd)
-    end.exits.push_back({mission::kPreempted, {{branch, cdtn::kPreempted}, false, {}}});
+    end.exits.push_back({mission::kPreempted, {{branch, task_network::kPreempted}, false, {}}});
   if (!entry.aborts_handled) return end;
-  const BranchEdge aborted{branch, cdtn::kAborted};
+  const BranchEdge aborted{branch, task_network::kAborted};
   end.exits.push_back(
       {mission::kAborted, {aborted, true, {{id, plan_.network_.names.intern(kErrorOutput), aborted, {}}}}});
   return end;

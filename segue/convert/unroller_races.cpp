@@ -3,7 +3,7 @@
 // How the unroller plans preemptive containers: each of their states on a track of its own. What comes after
 // is planned once it is known which of them has ended first, and all that was running in the others has
 // ended.
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
 
 #include <algorithm>
@@ -11,10 +11,10 @@
 
 namespace segue::convert {
 
-using cdtn::NodeId;
 using mission::NextStep;
 using mission::Outcome;
 using mission::StateIndex;
+using task_network::NodeId;
 
 /// Its states guard each other, so none may begin before all can: once everything before has ended.
 bool Unroller::may_race(const StateEntry& entry) {
@@ -153,8 +153,9 @@ bool Unroller::replays(const Race& race, std::size_t first) {
 bool Unroller::runs_for_certain(NodeId node) {
   const auto way = paths_.live(plan_[node].when);
   return way && way->always() &&
-         std::ranges::all_of(plan_.network_.inputs(node),
-                             [this](const cdtn::DataInput& input) { return is_over(input.producer); });
+         std::ranges::all_of(plan_.network_.inputs(node), [this](const task_network::DataInput& input) {
+           return is_over(input.producer);
+         });
 }
 
 /// The nodes of the other states have lost.

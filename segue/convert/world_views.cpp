@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/fault.hpp>
+#include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/world_views.hpp>
 
 #include <iterator>
@@ -9,33 +9,34 @@ namespace segue::convert {
 
 namespace {
 
-class Attached final : public cdtn::UserData {
+class Attached final : public task_network::UserData {
  public:
-  Attached(const cdtn::FactTable& facts, std::shared_ptr<const mission::WorldData> data)
+  Attached(const task_network::FactTable& facts, std::shared_ptr<const mission::WorldData> data)
       : facts_(facts), data_(std::move(data)) {}
 
-  [[nodiscard]] cdtn::CowPtr<cdtn::UserData> clone() const override {
-    return cdtn::make_cow<Attached>(facts_, share());
+  [[nodiscard]] task_network::CowPtr<task_network::UserData> clone() const override {
+    return task_network::make_cow<Attached>(facts_, share());
   }
-  void changed(const cdtn::Literal& literal) override {
+  void changed(const task_network::Literal& literal) override {
     if (planted(ConversionFault::ForgetsWorldData)) return;
     data_.changed(facts_.text(literal.fact), literal.value);
   }
   [[nodiscard]] std::shared_ptr<const mission::WorldData> share() const { return data_.share(); }
 
  private:
-  const cdtn::FactTable& facts_;
+  const task_network::FactTable& facts_;
   mission::SharedWorldData data_;
 };
 
 }  // namespace
 
-void attach(cdtn::VersionedWorld& world, const cdtn::FactTable& facts, const mission::AttachedData& data) {
+void attach(task_network::VersionedWorld& world, const task_network::FactTable& facts,
+            const mission::AttachedData& data) {
   for (const auto& [name, attached] : data)
-    world.attach(name, cdtn::make_cow<Attached>(facts, attached));
+    world.attach(name, task_network::make_cow<Attached>(facts, attached));
 }
 
-mission::WorldView view_of(const cdtn::VersionedWorld& world, const cdtn::FactTable& facts,
+mission::WorldView view_of(const task_network::VersionedWorld& world, const task_network::FactTable& facts,
                            const mission::AttachedData& data) {
   auto texts = world.texts(facts);
   mission::AttachedData seen;

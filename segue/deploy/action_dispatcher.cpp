@@ -18,7 +18,7 @@ using model::ActionKind;
 constexpr Duration kConcluding = std::chrono::seconds(2);
 
 template <class Work>
-host::Completed measured(std::size_t index, Work work) {
+task_host::Completed measured(std::size_t index, Work work) {
   const TimePoint begin = RealClock::instance().now();
   auto outcome = work();
   return {index, std::move(outcome), RealClock::instance().now() - begin};
@@ -75,7 +75,7 @@ std::map<RecordPtr, ActionDispatcher::Indices> ActionDispatcher::Plan::by_proces
   return indices;
 }
 
-void ActionDispatcher::Batch::report(std::vector<host::Completed> ended) {
+void ActionDispatcher::Batch::report(std::vector<task_host::Completed> ended) {
   for (auto& one : ended) {
     if (!one.outcome) {
       one.outcome = with_subject(std::move(one.outcome.error()), actions[one.index].label());
@@ -85,7 +85,7 @@ void ActionDispatcher::Batch::report(std::vector<host::Completed> ended) {
 }
 
 void ActionDispatcher::begin(std::vector<model::Action> actions, TimePoint deadline,
-                             host::Completion completed) {
+                             task_host::Completion completed) {
   Plan placed = plan(actions);
   const auto batch =
       std::make_shared<Batch>(std::move(actions), deadline, std::move(completed), std::move(placed));
@@ -107,7 +107,7 @@ void ActionDispatcher::watch_silence(const BatchPtr& batch) {
     batch->watches.push_back(std::make_shared<const std::function<void()>>(
         [weak = std::weak_ptr(batch), process = process, indices = indices] {
           const std::string why = silence_text(process->key(), process->process().pid);
-          std::vector<host::Completed> ended;
+          std::vector<task_host::Completed> ended;
           for (const std::size_t index : indices) {
             ended.push_back({index, fail(ErrorCode::DeadlineExceeded, why)});
           }
@@ -146,7 +146,7 @@ void ActionDispatcher::begin_connections(const BatchPtr& batch) {
     std::vector<Result<void>> answers = work();
     const Duration all = RealClock::instance().now() - begin;
     const Duration share = all / static_cast<std::int64_t>(indices.size());
-    std::vector<host::Completed> ended;
+    std::vector<task_host::Completed> ended;
     for (std::size_t i = 0; i < indices.size(); ++i) {
       ended.push_back({indices[i], std::move(answers[i]), share < model::kQuickAction ? share : all});
     }
@@ -293,7 +293,7 @@ Result<void> ActionDispatcher::perform_on_process(const model::Action& action, T
 void ActionDispatcher::begin_at(const RecordPtr& record, const Indices& indices, const BatchPtr& batch) {
   const auto service = record->service();
   if (service == nullptr) {
-    std::vector<host::Completed> failed;
+    std::vector<task_host::Completed> failed;
     for (const std::size_t index : indices) {
       failed.push_back({index, record->unreachable()});
     }
@@ -305,7 +305,7 @@ void ActionDispatcher::begin_at(const RecordPtr& record, const Indices& indices,
   }
   // The batch owns its plan, and with it the indices.
   service->begin_all(std::move(actions), batch->deadline,
-                     [this, record, batch, &indices](std::vector<host::Completed> ended) {
+                     [this, record, batch, &indices](std::vector<task_host::Completed> ended) {
                        for (auto& one : ended) {
                          one.index = indices[one.index];
                          note_placement(batch->actions[one.index], record, one.outcome);

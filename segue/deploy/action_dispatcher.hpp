@@ -4,8 +4,8 @@
 #include <segue/deploy/commit_coordinator.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/remote_connector.hpp>
-#include <segue/host/batch_outcomes.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/task_host/batch_outcomes.hpp>
 
 #include <map>
 #include <memory>
@@ -29,7 +29,7 @@ class ActionDispatcher {
   /// time; `completed` as TaskHost::begin_all says. Those that need a process which stops answering fail then
   /// as DeadlineExceeded, since a transition replaces it; not those of the runtime's own process, which
   /// none can replace.
-  void begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed);
+  void begin(std::vector<model::Action> actions, TimePoint deadline, task_host::Completion completed);
   void conclude(const model::Transition& transition);
   void withdraw();
 
@@ -52,24 +52,24 @@ class ActionDispatcher {
     std::vector<RemoteConnection> disconnect;
     Indices disconnect_indices;
     std::vector<HandOver> hand_overs;
-    std::vector<host::Completed> refused;
+    std::vector<task_host::Completed> refused;
 
     /// The actions that need an answer of a process, other than to begin or to end.
     [[nodiscard]] std::map<RecordPtr, Indices> by_process() const;
   };
   /// Kept by all that works on it.
   struct Batch {
-    Batch(std::vector<model::Action> all, TimePoint until, host::Completion completed, Plan placed)
+    Batch(std::vector<model::Action> all, TimePoint until, task_host::Completion completed, Plan placed)
         : actions(std::move(all)),
           deadline(until),
           plan(std::move(placed)),
           outcomes(actions.size(), std::move(completed)) {}
-    void report(std::vector<host::Completed> ended);
+    void report(std::vector<task_host::Completed> ended);
 
     const std::vector<model::Action> actions;
     const TimePoint deadline;
     const Plan plan;
-    host::BatchOutcomes outcomes;  ///< an action at a silent process may end twice
+    task_host::BatchOutcomes outcomes;  ///< an action at a silent process may end twice
     std::vector<SilenceWatch> watches;
   };
   using BatchPtr = std::shared_ptr<Batch>;

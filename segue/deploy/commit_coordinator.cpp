@@ -107,10 +107,10 @@ void CommitCoordinator::add_ending(const model::Connection& connection, Parts& p
   parts[reader->record].what.endpoints.push_back({known, Side::Input, writer->record->incarnation()});
 }
 
-Result<std::shared_ptr<link::CommitPage>> CommitCoordinator::page() {
+Result<std::shared_ptr<sample_link::CommitPage>> CommitCoordinator::page() {
   const std::lock_guard lock(mutex_);
   if (page_ == nullptr) {
-    auto made = link::CommitPage::create();
+    auto made = sample_link::CommitPage::create();
     if (!made) {
       return made;
     }

@@ -3,8 +3,8 @@
 
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/remote_connector.hpp>
-#include <segue/link/commit_page.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/sample_link/commit_page.hpp>
 
 #include <cstdint>
 #include <initializer_list>
@@ -46,14 +46,14 @@ class CommitCoordinator {
   static Result<void> arm(ProcessRecord& process, const Part& part, TimePoint deadline);
   [[nodiscard]] Parts parts_of(const model::Transition& transition) const;
   void add_ending(const model::Connection& connection, Parts& parts) const;
-  Result<std::shared_ptr<link::CommitPage>> page();
+  Result<std::shared_ptr<sample_link::CommitPage>> page();
 
   Fleet& fleet_;
   RemoteConnector& connector_;
-  mutable std::mutex mutex_;                ///< protects all below
-  std::shared_ptr<link::CommitPage> page_;  ///< made for the first transition
-  std::uint64_t armed_ = 0;                 ///< the number of the transition that is armed; 0: none
-  std::set<RecordPtr> waiting_;             ///< processes that have to learn how it ended
+  mutable std::mutex mutex_;                       ///< protects all below
+  std::shared_ptr<sample_link::CommitPage> page_;  ///< made for the first transition
+  std::uint64_t armed_ = 0;                        ///< the number of the transition that is armed; 0: none
+  std::set<RecordPtr> waiting_;                    ///< processes that have to learn how it ended
 };
 
 }  // namespace segue::deploy::detail

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Connections between two deployments in one process, as if each had a process of its own.
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/host/test_support.hpp>
+#include <segue/task_host/test_support.hpp>
 #include <support/eventually.hpp>
 #include <support/test_hooks.hpp>
 
@@ -80,13 +80,13 @@ SEGUE_COMPONENT(pair::Sink)
 namespace segue::deploy {
 namespace {
 
-using host::testing::apply;
-using host::testing::on_process;
-using host::testing::on_task;
-using host::testing::soon;
-using host::testing::task_of;
-using host::testing::wire;
 using model::ActionKind;
+using task_host::testing::apply;
+using task_host::testing::on_process;
+using task_host::testing::on_task;
+using task_host::testing::soon;
+using task_host::testing::task_of;
+using task_host::testing::wire;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -97,7 +97,7 @@ struct Process {
     DeploymentInfo info;
     info.deployment.process = model::ProcessName(name);
     key = info.deployment.key();
-    auto made = link::SharedMemory::create();
+    auto made = sample_link::SharedMemory::create();
     EXPECT_TRUE(made) << to_string(made.error());
     memory = *made;
     info.incarnation = memory->incarnation();
@@ -112,16 +112,17 @@ struct Process {
     }
   }
   void bring_to_running(const model::Task& task) {
-    perform({host::testing::apply(task, key.process.str()), on_task(ActionKind::Configure, task.id.str()),
-             on_task(ActionKind::Start, task.id.str())});
+    perform({task_host::testing::apply(task, key.process.str()),
+             on_task(ActionKind::Configure, task.id.str()), on_task(ActionKind::Start, task.id.str())});
   }
   std::vector<EndpointReport> endpoints() { return deployment->snapshot()->endpoints; }
 
   model::DeploymentKey key;
-  std::shared_ptr<link::SharedMemory> memory;
+  std::shared_ptr<sample_link::SharedMemory> memory;
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
-  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost host{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   std::unique_ptr<LocalDeployment> deployment;
 };
 
@@ -143,16 +144,16 @@ class ConnectedDeployments : public ::testing::Test {
   }
   ~ConnectedDeployments() override { hooks::release_all(); }
 
-  Result<link::OutputOrigin> describe(const model::Connection& connection) {
+  Result<sample_link::OutputOrigin> describe(const model::Connection& connection) {
     const std::vector ports{connection.from};
     return p_.deployment->describe_outputs(ports, soon()).at(0);
   }
-  Result<link::InputPlace> open(const model::Connection& connection, const link::OutputOrigin& origin,
-                                TimePoint deadline = soon()) {
+  Result<sample_link::InputPlace> open(const model::Connection& connection,
+                                       const sample_link::OutputOrigin& origin, TimePoint deadline = soon()) {
     const std::vector<OpenInput> inputs{{connection, origin}};
     return q_.deployment->open_inputs(inputs, deadline).at(0);
   }
-  Result<void> attach(const model::Connection& connection, const link::InputPlace& place) {
+  Result<void> attach(const model::Connection& connection, const sample_link::InputPlace& place) {
     const std::vector<AttachOutput> outputs{{connection, place}};
     return p_.deployment->attach_outputs(outputs, soon()).at(0);
   }
@@ -306,7 +307,7 @@ TEST_F(ConnectedDeployments, refuse_peers_that_are_not_mapped) {
   const auto opened = open(flow_, *origin);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, ErrorCode::InvalidState);
-  link::InputPlace place;
+  sample_link::InputPlace place;
   place.reader = 12345;
   expect_refused(attach(flow_, place), ErrorCode::InvalidState, "admitted");
 }
@@ -470,7 +471,7 @@ class CommittingDeployments : public ConnectedDeployments {
     ASSERT_TRUE(attached) << to_string(attached.error());
   }
   /// On the page of a runtime; `ending` ends with the commit.
-  std::uint64_t arm(const std::shared_ptr<link::CommitPage>& page, const model::Connection& ending) {
+  std::uint64_t arm(const std::shared_ptr<sample_link::CommitPage>& page, const model::Connection& ending) {
     ArmCommit what{page, page->begin(), {}, {}};
     what.endpoints = {{ending, Side::Output, q_.memory->incarnation()}};
     EXPECT_TRUE(p_.deployment->arm_commit(what, soon()));
@@ -499,7 +500,7 @@ class CommittingDeployments : public ConnectedDeployments {
 };
 
 TEST_F(CommittingDeployments, exchange_a_connection_between_two_samples_again_and_again) {
-  const auto page = *link::CommitPage::create();
+  const auto page = *sample_link::CommitPage::create();
   for (int i = 0; i < 200; ++i) {
     const auto& old = i % 2 == 0 ? flow_ : other_;
     const auto& fresh = i % 2 == 0 ? other_ : flow_;
@@ -518,7 +519,7 @@ TEST_F(CommittingDeployments, exchange_a_connection_between_two_samples_again_an
 TEST_F(CommittingDeployments, go_on_as_before_where_the_runtime_dies_before_the_store) {
   prepare(other_);
   {
-    const auto page = *link::CommitPage::create();
+    const auto page = *sample_link::CommitPage::create();
     arm(page, flow_);
   }
   EXPECT_TRUE(arrives_after(pair::last + 10)) << "nobody waits for a runtime";
@@ -527,7 +528,7 @@ TEST_F(CommittingDeployments, go_on_as_before_where_the_runtime_dies_before_the_
   close(other_);
 
   prepare(other_);  // and its own transition, whose number is the same on another page
-  const auto page = *link::CommitPage::create();
+  const auto page = *sample_link::CommitPage::create();
   const std::uint64_t number = arm(page, flow_);
   page->commit(number);
   settle();
@@ -539,7 +540,7 @@ TEST_F(CommittingDeployments, go_on_as_before_where_the_runtime_dies_before_the_
 TEST_F(CommittingDeployments, have_switched_where_the_runtime_dies_right_after_the_store) {
   prepare(other_);
   {
-    const auto page = *link::CommitPage::create();
+    const auto page = *sample_link::CommitPage::create();
     page->commit(arm(page, flow_));
   }
   EXPECT_THAT(sizes(), ElementsAre(other_.policy.size));
@@ -552,8 +553,8 @@ TEST_F(CommittingDeployments, have_switched_where_the_runtime_dies_right_after_t
 }
 
 TEST_F(CommittingDeployments, are_not_disturbed_by_the_page_of_a_runtime_that_was_replaced) {
-  const auto old_page = *link::CommitPage::create();
-  const auto page = *link::CommitPage::create();
+  const auto old_page = *sample_link::CommitPage::create();
+  const auto page = *sample_link::CommitPage::create();
   prepare(other_);
   const std::uint64_t number = arm(page, flow_);
   old_page->commit(number);

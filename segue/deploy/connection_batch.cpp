@@ -18,8 +18,8 @@ using Groups = std::map<RecordPtr, Indices>;
 struct ConnectAttempt {
   const RemoteConnection* remote = nullptr;
   std::optional<Error> error;
-  Result<link::OutputOrigin> origin = link::OutputOrigin{};
-  link::InputPlace place;
+  Result<sample_link::OutputOrigin> origin = sample_link::OutputOrigin{};
+  sample_link::InputPlace place;
   bool opened = false;              ///< the input may be open; when disconnecting: an endpoint existed
   bool output_unconfirmed = false;  ///< the writer may or may not have attached its endpoint
 
@@ -161,12 +161,12 @@ class ConnectionBatch {
   void describe_and_open() {
     for (auto& attempt : attempts_) {
       if (!attempt.failed() && attempt.has_both_processes()) {
-        attempt.origin = link::OutputOrigin{attempt.remote->writer->incarnation(), kAnySize, false};
+        attempt.origin = sample_link::OutputOrigin{attempt.remote->writer->incarnation(), kAnySize, false};
       }
     }
     const Groups writers = by_writer();
     const Groups readers = by_reader();
-    std::vector<Result<link::OutputOrigin>> origins(attempts_.size());
+    std::vector<Result<sample_link::OutputOrigin>> origins(attempts_.size());
     const auto describing = [&](const RecordPtr& writer, const Indices& indices) {
       describe(writer, indices, origins);
     };
@@ -202,13 +202,13 @@ class ConnectionBatch {
   }
 
   void describe(const RecordPtr& writer, const Indices& indices,
-                std::vector<Result<link::OutputOrigin>>& origins) {
+                std::vector<Result<sample_link::OutputOrigin>>& origins) {
     ask<model::PortRef>(
         writer, indices, deadline_, [&](std::size_t i) { return attempts_[i].remote->connection.from; },
         [&](DeploymentService& service, const std::vector<model::PortRef>& ports) {
           return service.describe_outputs(ports, deadline_);
         },
-        [&](std::size_t i, Result<link::OutputOrigin> origin) { origins[i] = std::move(origin); });
+        [&](std::size_t i, Result<sample_link::OutputOrigin> origin) { origins[i] = std::move(origin); });
   }
 
   void open(const RecordPtr& reader, const Indices& indices) {
@@ -221,7 +221,7 @@ class ConnectionBatch {
         [&](DeploymentService& service, const std::vector<OpenInput>& inputs) {
           return service.open_inputs(inputs, deadline_);
         },
-        [&](std::size_t i, Result<link::InputPlace> place) {
+        [&](std::size_t i, Result<sample_link::InputPlace> place) {
           if (place) {
             attempts_[i].place = std::move(*place);
           }

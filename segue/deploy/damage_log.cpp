@@ -68,11 +68,11 @@ void DamageLog::clear() {
   damaged_.clear();
 }
 
-std::vector<host::ConnectionReport> DamageLog::reports() const {
+std::vector<task_host::ConnectionReport> DamageLog::reports() const {
   const std::lock_guard lock(mutex_);
-  std::vector<host::ConnectionReport> reports;
+  std::vector<task_host::ConnectionReport> reports;
   for (const auto& [key, one] : damaged_) {
-    host::ConnectionReport report;
+    task_host::ConnectionReport report;
     report.connection = one.connection;
     report.error = damage_text(one);
     reports.push_back(std::move(report));

@@ -35,7 +35,7 @@ class DamageLog {
   /// A transition is complete: what it wanted is there.
   void clear();
   /// The connections, with `error`.
-  [[nodiscard]] std::vector<host::ConnectionReport> reports() const;
+  [[nodiscard]] std::vector<task_host::ConnectionReport> reports() const;
 
   static constexpr std::size_t kMost = 3;
   static constexpr Duration kPeriod = std::chrono::minutes(10);

@@ -53,8 +53,9 @@ void check_links(const model::Network& network, Diagnostics& findings) {
 }  // namespace
 
 struct DeployedTaskHost::Implementation {
-  Implementation(DeploymentService& own, process::ProcessService& processes, Connector connector,
-                 process::Launch launch, const host::TaskHost& local_host, const DeployedOptions& options)
+  Implementation(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
+                 process_server::Launch launch, const task_host::TaskHost& local_host,
+                 const DeployedOptions& options)
       : local(local_host),
         hosts(options.hosts),
         fleet(std::make_shared<detail::Fleet>(own, processes, std::move(connector), std::move(launch),
@@ -82,7 +83,7 @@ struct DeployedTaskHost::Implementation {
     return ask(*service, located->task);
   }
 
-  const host::TaskHost& local;
+  const task_host::TaskHost& local;
   const std::vector<model::HostName> hosts;
   const std::shared_ptr<detail::Fleet> fleet;
   detail::RemoteConnector remote_connector{*fleet};
@@ -90,9 +91,9 @@ struct DeployedTaskHost::Implementation {
   detail::ActionDispatcher dispatcher{*fleet, remote_connector, commits};
 };
 
-DeployedTaskHost::DeployedTaskHost(DeploymentService& own, process::ProcessService& processes,
-                                   Connector connector, process::Launch launch, const host::TaskHost& local,
-                                   const DeployedOptions& options)
+DeployedTaskHost::DeployedTaskHost(DeploymentService& own, process_server::ProcessService& processes,
+                                   Connector connector, process_server::Launch launch,
+                                   const task_host::TaskHost& local, const DeployedOptions& options)
     : implementation_(std::make_unique<Implementation>(own, processes, std::move(connector),
                                                        std::move(launch), local, options)) {
   auto& remote_connector = implementation_->remote_connector;
@@ -176,7 +177,7 @@ Result<void> DeployedTaskHost::perform(const model::Action& action, TimePoint de
 }
 
 void DeployedTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                                 host::Completion completed) {
+                                 task_host::Completion completed) {
   implementation_->dispatcher.begin(std::move(actions), deadline, std::move(completed));
 }
 
@@ -184,11 +185,11 @@ model::Network DeployedTaskHost::observe() const {
   return implementation_->fleet->poll_merged().network;
 }
 
-std::vector<host::TaskReport> DeployedTaskHost::tasks() const {
+std::vector<task_host::TaskReport> DeployedTaskHost::tasks() const {
   return implementation_->fleet->poll_merged().tasks;
 }
 
-std::vector<host::ConnectionReport> DeployedTaskHost::connections() const {
+std::vector<task_host::ConnectionReport> DeployedTaskHost::connections() const {
   return look().connections;
 }
 
@@ -227,8 +228,8 @@ Result<type::Value> DeployedTaskHost::properties(const model::TaskId& task) cons
       task, [](DeploymentService& service, const model::TaskId& id) { return service.properties(id); });
 }
 
-void DeployedTaskHost::watch(const host::LevelQuestion& question, const Wait& wait,
-                             host::LevelAnswer answered) {
+void DeployedTaskHost::watch(const task_host::LevelQuestion& question, const Wait& wait,
+                             task_host::LevelAnswer answered) {
   const auto asked = implementation_->at(
       question.task, [&](DeploymentService& service, const model::TaskId& id) -> Result<void> {
         service.watch({id, question.seen, question.each_update}, wait, answered);
@@ -239,7 +240,7 @@ void DeployedTaskHost::watch(const host::LevelQuestion& question, const Wait& wa
   }
 }
 
-Result<host::TaskDetails> DeployedTaskHost::details(const model::TaskId& task) const {
+Result<task_host::TaskDetails> DeployedTaskHost::details(const model::TaskId& task) const {
   return implementation_->at(
       task, [](DeploymentService& service, const model::TaskId& id) { return service.details(id); });
 }
@@ -265,8 +266,8 @@ Result<void> DeployedTaskHost::write(const model::PortRef& port, const type::Val
   });
 }
 
-Result<std::unique_ptr<host::PortReader>> DeployedTaskHost::open_reader(const model::PortRef& port,
-                                                                        std::size_t buffer) {
+Result<std::unique_ptr<task_host::PortReader>> DeployedTaskHost::open_reader(const model::PortRef& port,
+                                                                             std::size_t buffer) {
   return implementation_->at(port.task, [&](DeploymentService& service, const model::TaskId& id) {
     return service.open_reader({id, port.port}, buffer);
   });

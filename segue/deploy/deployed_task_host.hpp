@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/host/task_host.hpp>
-#include <segue/process/process_service.hpp>
+#include <segue/process_server/process_service.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <functional>
 #include <memory>
@@ -37,19 +37,21 @@ struct DeployedOptions {
 /// replaces the process; if it answers again before that, they have their former states. The runtime's own
 /// process, which nothing can replace, is only busy then, and is shown as it was last. The listener gets an
 /// event of each such change.
-class DeployedTaskHost final : public host::TaskHost {
+class DeployedTaskHost final : public task_host::TaskHost {
  public:
   /// `own` is the runtime's process, `launch` the template for starting others. All references must outlive
   /// this. Running deployments of `launch.robot` are adopted; the listener, as soon as there is one, gets an
   /// event of each and of those that cannot be adopted (another version of Segue).
-  DeployedTaskHost(DeploymentService& own, process::ProcessService& processes, Connector connector,
-                   process::Launch launch, const host::TaskHost& local, const DeployedOptions& options = {});
+  DeployedTaskHost(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
+                   process_server::Launch launch, const task_host::TaskHost& local,
+                   const DeployedOptions& options = {});
   /// The processes run on.
   ~DeployedTaskHost() override;
 
   /// One message for each process and kind of work, all processes at the same time; three for connections
   /// between processes however many they are.
-  void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 task_host::Completion completed) override;
 
   [[nodiscard]] bool stands_in(const model::ComponentName& component) const override;
   Result<void> can_make(const model::ComponentName& component) const override;
@@ -67,18 +69,19 @@ class DeployedTaskHost final : public host::TaskHost {
   void withdraw() override;
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
   [[nodiscard]] model::Network observe() const override;
-  [[nodiscard]] std::vector<host::TaskReport> tasks() const override;
-  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override;
+  [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override;
+  [[nodiscard]] std::vector<task_host::ConnectionReport> connections() const override;
   Result<model::ComponentModel> describe(const model::TaskId& task) const override;
   Result<type::Value> properties(const model::TaskId& task) const override;
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override;
-  Result<host::TaskDetails> details(const model::TaskId& task) const override;
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override;
+  Result<task_host::TaskDetails> details(const model::TaskId& task) const override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override;
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, TimePoint deadline) override;
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override;
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override;
   Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   void set_listener(Listener listener) override;
 

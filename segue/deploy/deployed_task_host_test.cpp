@@ -2,11 +2,11 @@
 #include <segue/deploy/deployed_task_host.hpp>
 
 #include <segue/deploy/process_record.hpp>
-#include <segue/host/component_library.hpp>
-#include <segue/host/full_id.hpp>
-#include <segue/host/local_task_host.hpp>
 #include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
+#include <segue/task_host/component_library.hpp>
+#include <segue/task_host/full_id.hpp>
+#include <segue/task_host/local_task_host.hpp>
 #include <support/eventually.hpp>
 #include <support/fake_world.hpp>
 
@@ -75,43 +75,43 @@ connections:
 /// Records the events of the host and waits for them.
 class EventRecorder {
  public:
-  void add(const host::HostEvent& event) {
+  void add(const task_host::HostEvent& event) {
     {
       const std::lock_guard lock(mutex_);
       events_.push_back(event);
     }
     changed_.notify_all();
   }
-  bool wait(const std::function<bool(const host::HostEvent&)>& fits) {
+  bool wait(const std::function<bool(const task_host::HostEvent&)>& fits) {
     std::unique_lock lock(mutex_);
     return changed_.wait_until(lock, soon(),
                                [&] { return std::any_of(events_.begin(), events_.end(), fits); });
   }
   bool process(const std::string& name, const std::string& part, bool gone) {
-    return wait([&](const host::HostEvent& event) {
-      const auto* what = std::get_if<host::ProcessEvent>(&event);
+    return wait([&](const task_host::HostEvent& event) {
+      const auto* what = std::get_if<task_host::ProcessEvent>(&event);
       return what != nullptr && what->process.process.str() == name && what->gone == gone &&
              what->message.find(part) != std::string::npos;
     });
   }
   bool task(const std::string& id, TaskState state) {
-    return wait([&](const host::HostEvent& event) { return says(event, id, state); });
+    return wait([&](const task_host::HostEvent& event) { return says(event, id, state); });
   }
   bool has_seen(const std::string& id, TaskState state) {
     const std::lock_guard lock(mutex_);
     return std::any_of(events_.begin(), events_.end(),
-                       [&](const host::HostEvent& event) { return says(event, id, state); });
+                       [&](const task_host::HostEvent& event) { return says(event, id, state); });
   }
 
  private:
-  static bool says(const host::HostEvent& event, const std::string& id, TaskState state) {
-    const auto* what = std::get_if<host::TaskEvent>(&event);
+  static bool says(const task_host::HostEvent& event, const std::string& id, TaskState state) {
+    const auto* what = std::get_if<task_host::TaskEvent>(&event);
     return what != nullptr && what->task.str() == id && what->state == state;
   }
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<host::HostEvent> events_;
+  std::vector<task_host::HostEvent> events_;
 };
 
 /// A host over simulated processes. They are only polled when a test requests it, so that calls can be
@@ -119,11 +119,11 @@ class EventRecorder {
 struct Robot {
   explicit Robot(FakeWorld& fakes, DeployedOptions options = {60s, 1h})
       : world(fakes), host(own, processes, testing::connector(world), launch(), local, options) {
-    host.set_listener([this](const host::HostEvent& event) { recorded.add(event); });
+    host.set_listener([this](const task_host::HostEvent& event) { recorded.add(event); });
   }
 
-  static process::Launch launch() {
-    process::Launch launch;
+  static process_server::Launch launch() {
+    process_server::Launch launch;
     launch.robot = "robot";
     launch.stand_in = true;
     return launch;
@@ -177,8 +177,9 @@ struct Robot {
   model::Order order = model::Order::Paper;
   EventRecorder recorded;
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
-  host::LocalTaskHost local{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost local{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   testing::FakeProcesses processes{world};
   testing::FakeService own{world, world.own()};
   DeployedTaskHost host;
@@ -472,7 +473,7 @@ TEST(DeployedTaskHost, ShowsNewConnectionsFromTheCommitOn) {
   ASSERT_EQ(text(robot.perform(*way, model::Phase::Commit, 60s)), "done");
   const auto has = [](const model::Network& network, const char* from, const char* to) {
     return std::any_of(network.connections.begin(), network.connections.end(), [&](const auto& connection) {
-      return connection.from.task.str() == from && host::plain_id(connection.to.task).str() == to;
+      return connection.from.task.str() == from && task_host::plain_id(connection.to.task).str() == to;
     });
   };
   EXPECT_FALSE(has(robot.host.observe(), "a", "c")) << "dormant";
@@ -634,7 +635,7 @@ class SilentDuringActions : public ::testing::Test {
     std::promise<Result<void>> ended;
     auto outcome = ended.get_future();
     std::thread begin([&] {
-      robot_.host.begin_all({what}, soon(), [&](std::vector<host::Completed> all) {
+      robot_.host.begin_all({what}, soon(), [&](std::vector<task_host::Completed> all) {
         ended.set_value(std::move(all.front().outcome));
       });
     });
@@ -924,7 +925,7 @@ TEST(DeployedTaskHost, AsksAProcessAboutFewOfItsManyConnectionsAtATime) {
     connect.kind = ActionKind::Connect;
     connect.what = model::ConnectionAction{
         {{model::TaskId("hub"), "out"}, {model::TaskId("r" + std::to_string(i)), "in"}, {}, {}}};
-    robot.host.begin_all({connect}, soon(), [&](const std::vector<host::Completed>& completed) {
+    robot.host.begin_all({connect}, soon(), [&](const std::vector<task_host::Completed>& completed) {
       for (const auto& one : completed) {
         EXPECT_TRUE(one.outcome) << to_string(one.outcome.error());
         connected.count_down();
@@ -1013,7 +1014,7 @@ TEST(DeployedTaskHost, MakesADamagedConnectionAgain) {
     world.change([&] {
       const auto found = std::find_if(damage->endpoints.begin(), damage->endpoints.end(), between);
       ASSERT_NE(found, damage->endpoints.end());
-      found->damage = link::Damage::Ring;
+      found->damage = sample_link::Damage::Ring;
       found->corrupt = 3;
     });
     auto broken = whole;
@@ -1029,7 +1030,7 @@ TEST(DeployedTaskHost, MakesADamagedConnectionAgain) {
 class Overwritten : public ::testing::Test {
  protected:
   Overwritten() { EXPECT_EQ(text(robot_.switch_to(kOne)), "done"); }
-  void damage(const char* process, link::Damage what) {
+  void damage(const char* process, sample_link::Damage what) {
     const auto found = world_.find(process);
     world_.change([&] {
       for (auto& endpoint : found->endpoints) {
@@ -1051,18 +1052,18 @@ class Overwritten : public ::testing::Test {
 };
 
 TEST_F(Overwritten, ASampleIsLaidToItsWriter) {
-  damage("p2", link::Damage::Payload);
+  damage("p2", sample_link::Damage::Payload);
   EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten by process 'localhost/p1';"));
 }
 
 TEST_F(Overwritten, ARingIsLaidToAllThatSharedIt) {
-  damage("p1", link::Damage::Ring);
+  damage("p1", sample_link::Damage::Ring);
   EXPECT_THAT(error(), ::testing::HasSubstr("one of the processes 'localhost/p1', 'localhost/p2' and "
                                             "the runtime's own;"));
 }
 
 TEST_F(Overwritten, IsToldUntilTheConnectionIsMadeAgain) {
-  damage("p1", link::Damage::Ring);
+  damage("p1", sample_link::Damage::Ring);
   EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten"));
   for (const char* process : {"p1", "p2"}) {
     const auto found = world_.find(process);
@@ -1079,7 +1080,7 @@ TEST_F(Overwritten, AgainAndAgainByOneProcessHasThatReplaced) {
   const auto before = world_.find("p1");
   for (int time = 1; time <= 3; ++time) {
     EXPECT_EQ(state_of("b"), TaskState::Running) << time;
-    damage("p2", link::Damage::Payload);
+    damage("p2", sample_link::Damage::Payload);
     EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten"));
     if (time < 3) {
       ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
@@ -1094,7 +1095,7 @@ TEST_F(Overwritten, AgainAndAgainByOneProcessHasThatReplaced) {
 
 TEST_F(Overwritten, AgainAndAgainByOneOfSeveralProcessesHasNoneReplaced) {
   for (int time = 1; time <= 4; ++time) {
-    damage("p2", link::Damage::Ring);
+    damage("p2", sample_link::Damage::Ring);
     EXPECT_THAT(error(), ::testing::HasSubstr("was overwritten"));
     ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
   }

@@ -4,11 +4,11 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/deploy/task_access.hpp>
-#include <segue/host/task_host.hpp>
-#include <segue/link/commit_page.hpp>
-#include <segue/link/shared_connection.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/sample_link/commit_page.hpp>
+#include <segue/sample_link/shared_connection.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -27,7 +27,7 @@ struct DeploymentInfo {
   model::Deployment deployment;  ///< as it was started, without tasks
   int pid = 0;
   std::string software;  ///< version of Segue
-  link::Incarnation incarnation = 0;
+  sample_link::Incarnation incarnation = 0;
 };
 
 enum class Side : std::uint8_t { Output, Input };
@@ -36,22 +36,23 @@ enum class Side : std::uint8_t { Output, Input };
 struct EndpointReport {
   model::Connection connection;
   Side side = Side::Output;
-  link::Incarnation peer = 0;
-  link::InputPlace place;  ///< identifies the connection: both of its endpoints name the same place
-  link::Counters counters;
-  std::uint64_t corrupt = 0;                 ///< invalid entries and claims of the peer; see SharedEndpoint
-  link::Damage damage = link::Damage::None;  ///< other than None: the connection must be made again
-  bool carries = true;      ///< false: it waits for the commit of a transition, or has ended with one
-  link::Latency latency{};  ///< known by the input only
+  sample_link::Incarnation peer = 0;
+  sample_link::InputPlace place;  ///< identifies the connection: both of its endpoints name the same place
+  sample_link::Counters counters;
+  std::uint64_t corrupt = 0;  ///< invalid entries and claims of the peer; see SharedEndpoint
+  sample_link::Damage damage =
+      sample_link::Damage::None;   ///< other than None: the connection must be made again
+  bool carries = true;             ///< false: it waits for the commit of a transition, or has ended with one
+  sample_link::Latency latency{};  ///< known by the input only
 };
 
 /// Everything that a process holds at one moment.
 struct Snapshot {
   model::Network network;  ///< its tasks with their actual states, placements, connections within the process
-  std::vector<host::TaskReport> tasks;
-  std::vector<host::ConnectionReport> connections;  ///< within the process
+  std::vector<task_host::TaskReport> tasks;
+  std::vector<task_host::ConnectionReport> connections;  ///< within the process
   std::vector<EndpointReport> endpoints;
-  link::MemoryUsage memory;
+  sample_link::MemoryUsage memory;
   /// Tasks with a hook, an update or an operation that has not returned by its deadline. They are Fatal in
   /// `network` and in `tasks`, which says what hangs.
   std::vector<model::TaskId> hanging;
@@ -61,12 +62,12 @@ struct Snapshot {
 /// begins with the commit of the transition in progress.
 struct OpenInput {
   model::Connection connection;
-  link::OutputOrigin origin;
+  sample_link::OutputOrigin origin;
   bool at_commit = false;
 };
 struct AttachOutput {
   model::Connection connection;
-  link::InputPlace place;
+  sample_link::InputPlace place;
   bool at_commit = false;
 };
 struct CloseEndpoint {
@@ -75,19 +76,19 @@ struct CloseEndpoint {
   /// Input: the writer has no endpoint (any more), so the memory of the ring may be used again.
   bool peer_closed = false;
   /// The other process, since a connection may lead to two incarnations of a task.
-  link::Incarnation peer = 0;
+  sample_link::Incarnation peer = 0;
 };
 
 /// What ends in a process when a transition commits. What begins are all connections that actions before the
 /// commit make.
 struct ArmCommit {
-  std::shared_ptr<const link::CommitPage> page;  ///< of the runtime
-  std::uint64_t number = 0;                      ///< of the transition, on that page
-  std::vector<model::Connection> within;         ///< connections of this process
+  std::shared_ptr<const sample_link::CommitPage> page;  ///< of the runtime
+  std::uint64_t number = 0;                             ///< of the transition, on that page
+  std::vector<model::Connection> within;                ///< connections of this process
   struct Endpoint {
     model::Connection connection;
     Side side = Side::Output;
-    link::Incarnation peer = 0;
+    sample_link::Incarnation peer = 0;
   };
   std::vector<Endpoint> endpoints;  ///< of connections to other processes
 };
@@ -114,13 +115,13 @@ class DeploymentService : public TaskAccess {
   /// Connections between processes. To connect: exchange memory() and admit() between both processes once,
   /// then describe_outputs() and open_inputs(), then attach_outputs(). To disconnect: close the output, then
   /// the input. forget() ends all connections with a process that has ended.
-  virtual Result<link::MemoryOffer> memory(TimePoint deadline) = 0;
-  virtual Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) = 0;
-  virtual Result<void> forget(link::Incarnation peer) = 0;
-  virtual std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+  virtual Result<sample_link::MemoryOffer> memory(TimePoint deadline) = 0;
+  virtual Result<void> admit(const sample_link::MemoryOffer& peer, TimePoint deadline) = 0;
+  virtual Result<void> forget(sample_link::Incarnation peer) = 0;
+  virtual std::vector<Result<sample_link::OutputOrigin>> describe_outputs(
+      std::span<const model::PortRef> ports, TimePoint deadline) = 0;
+  virtual std::vector<Result<sample_link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
                                                                    TimePoint deadline) = 0;
-  virtual std::vector<Result<link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
-                                                            TimePoint deadline) = 0;
   virtual std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
                                                    TimePoint deadline) = 0;
   virtual std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,
@@ -128,7 +129,7 @@ class DeploymentService : public TaskAccess {
 
   /// Called from any thread when a task changes its state by itself; must neither block nor call back into
   /// this. The former listener is not being called any more when set_listener() returns.
-  using Listener = std::function<void(const host::TaskEvent&)>;
+  using Listener = std::function<void(const task_host::TaskEvent&)>;
   virtual void set_listener(Listener listener) = 0;
 };
 

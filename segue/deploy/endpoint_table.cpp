@@ -11,7 +11,7 @@ bool EndpointTable::ByIdentity::operator()(const Key& a, const Key& b) const {
 }
 
 std::optional<Endpoint> EndpointTable::find(const model::Connection& connection, Side side,
-                                            link::Incarnation peer) const {
+                                            sample_link::Incarnation peer) const {
   const std::lock_guard lock(mutex_);
   auto [begin, end] = endpoints_.equal_range({connection, side, peer});
   for (; begin != end; ++begin) {
@@ -38,7 +38,7 @@ Result<void> EndpointTable::add(Endpoint endpoint) {
 }
 
 std::vector<Endpoint> EndpointTable::take(const model::Connection& connection, Side side,
-                                          link::Incarnation peer) {
+                                          sample_link::Incarnation peer) {
   const std::lock_guard lock(mutex_);
   std::vector<Endpoint> taken;
   const auto [begin, end] = endpoints_.equal_range({connection, side, peer});
@@ -49,7 +49,7 @@ std::vector<Endpoint> EndpointTable::take(const model::Connection& connection, S
   return taken;
 }
 
-std::vector<Endpoint> EndpointTable::take_of_peer(link::Incarnation peer) {
+std::vector<Endpoint> EndpointTable::take_of_peer(sample_link::Incarnation peer) {
   const std::lock_guard lock(mutex_);
   std::vector<Endpoint> taken;
   for (auto place = endpoints_.begin(); place != endpoints_.end();) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/link/shared_connection.hpp>
+#include <segue/sample_link/shared_connection.hpp>
 
 #include <functional>
 #include <map>
@@ -18,9 +18,9 @@ namespace segue::deploy::detail {
 struct Endpoint {
   model::Connection connection;
   Side side = Side::Output;
-  link::InputPlace place;
-  link::Incarnation peer = 0;
-  std::shared_ptr<link::SharedEndpoint> shared;
+  sample_link::InputPlace place;
+  sample_link::Incarnation peer = 0;
+  std::shared_ptr<sample_link::SharedEndpoint> shared;
 
   [[nodiscard]] bool connected() const { return shared->connected(); }
 };
@@ -32,14 +32,14 @@ class EndpointTable {
  public:
   /// The connected endpoint to that peer.
   [[nodiscard]] std::optional<Endpoint> find(const model::Connection& connection, Side side,
-                                             link::Incarnation peer) const;
+                                             sample_link::Incarnation peer) const;
   /// Adds an endpoint. AlreadyExists, without a change, where both it and another one to the same peer are
   /// connected. Forgets outputs that ended.
   Result<void> add(Endpoint endpoint);
   /// Removes and returns endpoints, connected or ended: those of a connection to a peer, all of a peer, or
   /// all.
-  std::vector<Endpoint> take(const model::Connection& connection, Side side, link::Incarnation peer);
-  std::vector<Endpoint> take_of_peer(link::Incarnation peer);
+  std::vector<Endpoint> take(const model::Connection& connection, Side side, sample_link::Incarnation peer);
+  std::vector<Endpoint> take_of_peer(sample_link::Incarnation peer);
   std::vector<Endpoint> take_all();
   /// All connected endpoints. Forgets outputs that ended.
   [[nodiscard]] std::vector<Endpoint> connected();
@@ -48,7 +48,7 @@ class EndpointTable {
   struct Key {
     model::Connection connection;
     Side side;
-    link::Incarnation peer;
+    sample_link::Incarnation peer;
   };
   struct ByIdentity {
     bool operator()(const Key& a, const Key& b) const;

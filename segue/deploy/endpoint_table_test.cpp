@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/endpoint_table.hpp>
 #include <segue/deploy/shut_down.hpp>
-#include <segue/host/test_support.hpp>
+#include <segue/task_host/test_support.hpp>
 
 #include <gmock/gmock.h>
 
@@ -10,22 +10,22 @@
 namespace segue::deploy::detail {
 namespace {
 
-using host::testing::network_of;
-using host::testing::soon;
-using host::testing::wire;
+using task_host::testing::network_of;
+using task_host::testing::soon;
+using task_host::testing::wire;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class FakeEndpoint final : public link::SharedEndpoint {
+class FakeEndpoint final : public sample_link::SharedEndpoint {
  public:
   void disconnect() override { connected_ = false; }
   [[nodiscard]] bool connected() const override { return connected_; }
-  [[nodiscard]] link::Counters counters() const override { return {}; }
-  [[nodiscard]] link::Latency latency() const override { return {}; }
+  [[nodiscard]] sample_link::Counters counters() const override { return {}; }
+  [[nodiscard]] sample_link::Latency latency() const override { return {}; }
   [[nodiscard]] const Policy& policy() const override { return policy_; }
-  [[nodiscard]] link::Incarnation peer() const override { return 0; }
+  [[nodiscard]] sample_link::Incarnation peer() const override { return 0; }
   [[nodiscard]] std::uint64_t corrupt() const override { return 0; }
-  [[nodiscard]] link::Damage damage(TimePoint /*now*/) override { return link::Damage::None; }
+  [[nodiscard]] sample_link::Damage damage(TimePoint /*now*/) override { return sample_link::Damage::None; }
   void end_at(task::CommitGatePtr /*gate*/) override {}
   void settle() override {}
   [[nodiscard]] bool dormant() const override { return false; }
@@ -37,7 +37,7 @@ class FakeEndpoint final : public link::SharedEndpoint {
   Policy policy_;
 };
 
-Endpoint endpoint_of(const model::Connection& connection, Side side, link::Incarnation peer = 1,
+Endpoint endpoint_of(const model::Connection& connection, Side side, sample_link::Incarnation peer = 1,
                      std::uint64_t offset = 0) {
   Endpoint endpoint{connection, side, {}, peer, std::make_shared<FakeEndpoint>()};
   endpoint.place.offset = offset;
@@ -122,7 +122,7 @@ std::vector<std::string> names(const std::vector<model::TaskId>& ids) {
 TEST(ProducersFirst, puts_each_task_after_those_it_reads_from) {
   model::Network network;
   for (const char* id : {"c", "x", "b", "a"}) {
-    network.tasks.push_back(host::testing::task_of(id, "any::Thing"));
+    network.tasks.push_back(task_host::testing::task_of(id, "any::Thing"));
   }
   network.connections = {wire("a", "o", "b", "i"), wire("b", "o", "c", "i"), wire("a", "o", "c", "i"),
                          wire("a", "o", "a", "i")};
@@ -132,7 +132,7 @@ TEST(ProducersFirst, puts_each_task_after_those_it_reads_from) {
 TEST(ProducersFirst, cuts_cycles_at_their_first_task) {
   model::Network network;
   for (const char* id : {"b", "a", "c"}) {
-    network.tasks.push_back(host::testing::task_of(id, "any::Thing"));
+    network.tasks.push_back(task_host::testing::task_of(id, "any::Thing"));
   }
   network.connections = {wire("a", "o", "b", "i"), wire("b", "o", "a", "i"), wire("b", "o", "c", "i")};
   EXPECT_THAT(names(producers_first(network)), ElementsAre("b", "a", "c"));

@@ -12,7 +12,7 @@ Error no_memory() {
               "this process shares no memory with others; connect tasks of one process only");
 }
 
-Error stranger(link::Incarnation peer, const model::Connection& connection) {
+Error stranger(sample_link::Incarnation peer, const model::Connection& connection) {
   return fail(ErrorCode::InvalidState,
               "the process at the other end (" + std::to_string(peer) + ") has not been admitted",
               to_string(connection));
@@ -27,15 +27,15 @@ Error about(Error error, const model::Connection& connection) {
 
 }  // namespace
 
-Result<link::MemoryOffer> Endpoints::offer() const {
+Result<sample_link::MemoryOffer> Endpoints::offer() const {
   return memory_ == nullptr ? no_memory() : memory_->offer();
 }
 
-Result<void> Endpoints::admit(const link::MemoryOffer& peer) {
+Result<void> Endpoints::admit(const sample_link::MemoryOffer& peer) {
   return memory_ == nullptr ? no_memory() : memory_->admit(peer);
 }
 
-Result<void> Endpoints::forget(link::Incarnation peer) {
+Result<void> Endpoints::forget(sample_link::Incarnation peer) {
   if (memory_ == nullptr) {
     return {};
   }
@@ -44,13 +44,13 @@ Result<void> Endpoints::forget(link::Incarnation peer) {
   return {};
 }
 
-Result<link::OutputOrigin> Endpoints::describe(const model::PortRef& port, TimePoint deadline) {
+Result<sample_link::OutputOrigin> Endpoints::describe(const model::PortRef& port, TimePoint deadline) {
   if (memory_ == nullptr) {
     return no_memory();
   }
-  link::OutputOrigin origin;
+  sample_link::OutputOrigin origin;
   auto described = host_.with_output(port, deadline, [&](task::OutputPortBase& output) -> Result<void> {
-    origin = link::describe_output(*memory_, output);
+    origin = sample_link::describe_output(*memory_, output);
     return {};
   });
   if (!described) {
@@ -59,7 +59,7 @@ Result<link::OutputOrigin> Endpoints::describe(const model::PortRef& port, TimeP
   return origin;
 }
 
-Result<link::InputPlace> Endpoints::open(const OpenInput& input, TimePoint deadline) {
+Result<sample_link::InputPlace> Endpoints::open(const OpenInput& input, TimePoint deadline) {
   if (memory_ == nullptr) {
     return about(no_memory(), input.connection);
   }
@@ -72,8 +72,8 @@ Result<link::InputPlace> Endpoints::open(const OpenInput& input, TimePoint deadl
   Endpoint made{input.connection, Side::Input, {}, input.origin.writer, nullptr};
   auto opened =
       host_.with_input(input.connection.to, deadline, [&](task::InputPortBase& port) -> Result<void> {
-        auto endpoint = link::open_input(*memory_, input.origin, port, input.connection.policy,
-                                         input.at_commit ? host_.gate() : nullptr);
+        auto endpoint = sample_link::open_input(*memory_, input.origin, port, input.connection.policy,
+                                                input.at_commit ? host_.gate() : nullptr);
         if (!endpoint) {
           return std::move(endpoint.error());
         }
@@ -93,7 +93,7 @@ Result<link::InputPlace> Endpoints::open(const OpenInput& input, TimePoint deadl
 }
 
 Result<void> Endpoints::attach(const AttachOutput& output, TimePoint deadline) {
-  const link::Incarnation reader = output.place.reader;
+  const sample_link::Incarnation reader = output.place.reader;
   if (memory_ == nullptr) {
     return about(no_memory(), output.connection);
   }
@@ -101,7 +101,7 @@ Result<void> Endpoints::attach(const AttachOutput& output, TimePoint deadline) {
     return stranger(reader, output.connection);
   }
   if (const auto present = table_.find(output.connection, Side::Output, reader)) {
-    const link::InputPlace& place = present->place;
+    const sample_link::InputPlace& place = present->place;
     if (place.offset == output.place.offset && place.generation == output.place.generation) {
       return fail(ErrorCode::AlreadyExists, "is already connected", to_string(output.connection));
     }
@@ -110,8 +110,8 @@ Result<void> Endpoints::attach(const AttachOutput& output, TimePoint deadline) {
   Endpoint made{output.connection, Side::Output, output.place, reader, nullptr};
   auto attached =
       host_.with_output(output.connection.from, deadline, [&](task::OutputPortBase& port) -> Result<void> {
-        auto endpoint = link::attach_output(*memory_, output.place, port, output.connection.policy,
-                                            output.at_commit ? host_.gate() : nullptr);
+        auto endpoint = sample_link::attach_output(*memory_, output.place, port, output.connection.policy,
+                                                   output.at_commit ? host_.gate() : nullptr);
         if (!endpoint) {
           return std::move(endpoint.error());
         }
@@ -175,12 +175,12 @@ std::vector<EndpointReport> Endpoints::reports() {
   return reports;
 }
 
-link::MemoryUsage Endpoints::usage() const {
-  return memory_ == nullptr ? link::MemoryUsage{} : memory_->usage();
+sample_link::MemoryUsage Endpoints::usage() const {
+  return memory_ == nullptr ? sample_link::MemoryUsage{} : memory_->usage();
 }
 
 void Endpoints::release(const Endpoint& endpoint) {
-  link::release_input(*memory_, endpoint.place);
+  sample_link::release_input(*memory_, endpoint.place);
 }
 
 }  // namespace segue::deploy::detail

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/deploy/endpoint_table.hpp>
-#include <segue/host/local_task_host.hpp>
-#include <segue/link/shared_memory.hpp>
+#include <segue/sample_link/shared_memory.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <memory>
 #include <span>
@@ -16,17 +16,17 @@ namespace segue::deploy::detail {
 class Endpoints {
  public:
   /// `memory` may be null: connections to other processes are refused then. `host` must outlive this.
-  Endpoints(host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory)
+  Endpoints(task_host::LocalTaskHost& host, std::shared_ptr<sample_link::SharedMemory> memory)
       : host_(host), memory_(std::move(memory)) {}
 
   /// The memory of this process for others, and the reverse; see DeploymentService.
-  [[nodiscard]] Result<link::MemoryOffer> offer() const;
-  Result<void> admit(const link::MemoryOffer& peer);
-  Result<void> forget(link::Incarnation peer);
+  [[nodiscard]] Result<sample_link::MemoryOffer> offer() const;
+  Result<void> admit(const sample_link::MemoryOffer& peer);
+  Result<void> forget(sample_link::Incarnation peer);
 
   /// The three steps of a connection; see DeploymentService.
-  Result<link::OutputOrigin> describe(const model::PortRef& port, TimePoint deadline);
-  Result<link::InputPlace> open(const OpenInput& input, TimePoint deadline);
+  Result<sample_link::OutputOrigin> describe(const model::PortRef& port, TimePoint deadline);
+  Result<sample_link::InputPlace> open(const OpenInput& input, TimePoint deadline);
   Result<void> attach(const AttachOutput& output, TimePoint deadline);
   /// Closes an endpoint, once the reader has taken what the connection owes it. Has no effect where there is
   /// none.
@@ -38,13 +38,13 @@ class Endpoints {
   void settle();
 
   [[nodiscard]] std::vector<EndpointReport> reports();
-  [[nodiscard]] link::MemoryUsage usage() const;
+  [[nodiscard]] sample_link::MemoryUsage usage() const;
 
  private:
   void release(const Endpoint& endpoint);
 
-  host::LocalTaskHost& host_;
-  const std::shared_ptr<link::SharedMemory> memory_;
+  task_host::LocalTaskHost& host_;
+  const std::shared_ptr<sample_link::SharedMemory> memory_;
   EndpointTable table_;
 };
 

@@ -2,7 +2,7 @@
 #include <segue/deploy/fleet.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/host/full_id.hpp>
+#include <segue/task_host/full_id.hpp>
 
 #include <algorithm>
 
@@ -14,7 +14,7 @@ namespace {
 RecordPtr own_record(DeploymentService& own) {
   auto info = own.info();
   model::Deployment deployment;
-  process::ProcessInfo process;
+  process_server::ProcessInfo process;
   if (info) {
     process.pid = info->pid;
   }
@@ -25,22 +25,22 @@ RecordPtr own_record(DeploymentService& own) {
 
 }  // namespace
 
-Fleet::Fleet(DeploymentService& own, process::ProcessService& processes, Connector connector,
-             process::Launch launch, const DeployedOptions& options)
+Fleet::Fleet(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
+             process_server::Launch launch, const DeployedOptions& options)
     : processes_(processes),
       connector_(std::move(connector)),
       launch_(std::move(launch)),
       options_(options),
       own_(own_record(own)) {}
 
-std::optional<process::ProcessInfo> Fleet::Starting::exit_of(int pid) const {
+std::optional<process_server::ProcessInfo> Fleet::Starting::exit_of(int pid) const {
   const auto found =
       std::find_if(exits.begin(), exits.end(), [&](const auto& process) { return process.pid == pid; });
   return found == exits.end() ? std::nullopt : std::optional(*found);
 }
 
 void Fleet::begin() {
-  processes_.set_listener([weak = weak_from_this()](const process::ProcessInfo& process) {
+  processes_.set_listener([weak = weak_from_this()](const process_server::ProcessInfo& process) {
     if (const auto self = weak.lock()) {
       self->on_exit(process);
     }
@@ -79,7 +79,7 @@ RecordPtr Fleet::find(const model::DeploymentKey& key) const {
   return found == records_.end() ? nullptr : found->second;
 }
 
-RecordPtr Fleet::find(link::Incarnation incarnation) const {
+RecordPtr Fleet::find(sample_link::Incarnation incarnation) const {
   for (auto& record : all()) {
     if (record->incarnation() == incarnation) {
       return record;
@@ -136,11 +136,11 @@ model::Network part_of(const model::Network& network, const model::DeploymentKey
                  return is_here(connection.from.task) || is_here(connection.to.task);
                });
   for (auto& task : part.tasks) {
-    task.id = host::plain_id(task.id);
+    task.id = task_host::plain_id(task.id);
   }
   for (auto& connection : part.connections) {
-    connection.from.task = host::plain_id(connection.from.task);
-    connection.to.task = host::plain_id(connection.to.task);
+    connection.from.task = task_host::plain_id(connection.from.task);
+    connection.to.task = task_host::plain_id(connection.to.task);
   }
   return part;
 }

@@ -26,8 +26,8 @@ namespace segue::deploy::detail {
 /// anything.
 class Fleet : public std::enable_shared_from_this<Fleet> {
  public:
-  Fleet(DeploymentService& own, process::ProcessService& processes, Connector connector,
-        process::Launch launch, const DeployedOptions& options);
+  Fleet(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
+        process_server::Launch launch, const DeployedOptions& options);
   /// Adopts the processes that run already and begins to watch. To be called once.
   void begin();
   /// Stops watching and closes all connections; the processes run on. No thread uses this any more when it
@@ -54,7 +54,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   /// can replace.
   void blame(const Suspect& process, const std::string& why);
   /// The process of that incarnation.
-  [[nodiscard]] RecordPtr find(link::Incarnation incarnation) const;
+  [[nodiscard]] RecordPtr find(sample_link::Incarnation incarnation) const;
   [[nodiscard]] std::vector<RecordPtr> all() const;
   /// An incarnation of a task: its process, and its plain id there.
   struct Located {
@@ -66,7 +66,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   [[nodiscard]] PlacementTable& placements() { return placements_; }
 
   [[nodiscard]] concurrent::ThreadPool& pool() { return pool_; }
-  using Events = concurrent::Notifier<host::HostEvent>;
+  using Events = concurrent::Notifier<task_host::HostEvent>;
   [[nodiscard]] Events& events() { return events_; }
   /// Periodic work for the watching thread: it polls all processes and removes orphaned endpoints.
   void set_housekeeping(std::function<void()> work);
@@ -74,17 +74,17 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
  private:
   /// A process that is being started.
   struct Starting {
-    std::vector<process::ProcessInfo> exits;  ///< of its name, the former owner of the name included
-    [[nodiscard]] std::optional<process::ProcessInfo> exit_of(int pid) const;
+    std::vector<process_server::ProcessInfo> exits;  ///< of its name, the former owner of the name included
+    [[nodiscard]] std::optional<process_server::ProcessInfo> exit_of(int pid) const;
   };
 
   void adopt();
   /// Returns the outcome, for an event.
-  std::string adopt(const process::ProcessInfo& process);
+  std::string adopt(const process_server::ProcessInfo& process);
   Result<RecordPtr> start(const model::Deployment& deployment, TimePoint deadline);
   Result<void> connect_when_ready(const RecordPtr& record, TimePoint deadline);
-  std::optional<process::ProcessInfo> wait_for_exit_of_starting(const ProcessRecord& record,
-                                                                Duration patience);
+  std::optional<process_server::ProcessInfo> wait_for_exit_of_starting(const ProcessRecord& record,
+                                                                       Duration patience);
   /// A service that is destroyed on a thread of the pool: its last user may be a thread of its own.
   std::shared_ptr<DeploymentService> shared(std::unique_ptr<DeploymentService> service);
   /// Connects to the process and checks its identity.
@@ -92,7 +92,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void listen_to(const RecordPtr& record, DeploymentService& service);
   Result<RecordPtr> deployed(const model::DeploymentKey& key) const;
   /// Ends a process by `how` and removes it from the tables.
-  Result<void> end_by(const RecordPtr& record, const std::function<Result<process::ExitReason>()>& how);
+  Result<void> end_by(const RecordPtr& record,
+                      const std::function<Result<process_server::ExitReason>()>& how);
   static Result<void> check_empty(const ProcessView& view);
   void send_expectations(DeploymentService& service, const model::DeploymentKey& key);
 
@@ -103,11 +104,11 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   bool reconnect(const RecordPtr& record);
   bool runs(const ProcessRecord& record);
   void on_disconnected(const std::weak_ptr<ProcessRecord>& which);
-  void on_exit(const process::ProcessInfo& process);
+  void on_exit(const process_server::ProcessInfo& process);
   /// The process ended by itself: reports it and its tasks.
-  void handle_end(const RecordPtr& record, const process::ExitReason& reason);
+  void handle_end(const RecordPtr& record, const process_server::ExitReason& reason);
   /// Of a process that was to end: reports it if it had to be killed, or had ended by a defect before.
-  void report_defect(const ProcessRecord& record, const process::ExitReason& reason);
+  void report_defect(const ProcessRecord& record, const process_server::ExitReason& reason);
   /// Removes a process that has ended from the tables and returns its tasks; nothing where that was done
   /// before.
   std::optional<std::vector<model::TaskId>> remove(const RecordPtr& record);
@@ -119,9 +120,9 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void update_placements(const ProcessRecord& record, std::uint64_t poll, const Snapshot& snapshot);
   void watch();
 
-  process::ProcessService& processes_;
+  process_server::ProcessService& processes_;
   const Connector connector_;
-  const process::Launch launch_;
+  const process_server::Launch launch_;
   const DeployedOptions options_;
   const RecordPtr own_;
   concurrent::ThreadPool pool_{"segue-fleet", {64, 12}};

@@ -24,7 +24,7 @@ TimePoint part_until(TimePoint deadline, Duration longest) {
 }
 
 /// The last lines of its log and where to find the others, for an error message.
-std::string log_text(const process::ProcessInfo& process) {
+std::string log_text(const process_server::ProcessInfo& process) {
   if (process.log.empty()) {
     return {};
   }
@@ -32,7 +32,7 @@ std::string log_text(const process::ProcessInfo& process) {
   return "; its log " + process.log.string() + (lines.empty() ? " is empty" : " ends with:" + lines);
 }
 
-Error ended_while_starting(const ProcessRecord& record, const process::ProcessInfo& process) {
+Error ended_while_starting(const ProcessRecord& record, const process_server::ProcessInfo& process) {
   const std::string reason = process.exit ? to_string(*process.exit) : "ended";
   return fail(ErrorCode::Unavailable,
               "the process " + reason + " while it was being started" + log_text(record.process()),
@@ -59,7 +59,7 @@ Result<void> Fleet::deploy(const model::Deployment& deployment, TimePoint deadli
   }
   events_.drain();  // events of the former process of that name are delivered before there is a new one
   auto record = start(deployment, deadline);
-  std::optional<process::ProcessInfo> exit;
+  std::optional<process_server::ProcessInfo> exit;
   {
     const std::lock_guard lock(mutex_);
     exit = record ? starting_[key].exit_of((*record)->process().pid) : std::nullopt;
@@ -73,7 +73,7 @@ Result<void> Fleet::deploy(const model::Deployment& deployment, TimePoint deadli
 }
 
 Result<RecordPtr> Fleet::start(const model::Deployment& deployment, TimePoint deadline) {
-  process::Launch launch = launch_;
+  process_server::Launch launch = launch_;
   launch.deployment = deployment;
   launch.deployment.tasks.clear();
   auto process = processes_.start(launch, deadline);
@@ -119,9 +119,9 @@ Result<void> Fleet::connect_when_ready(const RecordPtr& record, TimePoint deadli
   }
 }
 
-std::optional<process::ProcessInfo> Fleet::wait_for_exit_of_starting(const ProcessRecord& record,
-                                                                     Duration patience) {
-  std::optional<process::ProcessInfo> exit;
+std::optional<process_server::ProcessInfo> Fleet::wait_for_exit_of_starting(const ProcessRecord& record,
+                                                                            Duration patience) {
+  std::optional<process_server::ProcessInfo> exit;
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, patience, [&] {
     const auto found = starting_.find(record.key());
@@ -172,16 +172,16 @@ Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
 }
 
 void Fleet::listen_to(const RecordPtr& record, DeploymentService& service) {
-  service.set_listener(
-      [weak = weak_from_this(), which = std::weak_ptr<ProcessRecord>(record)](const host::TaskEvent& event) {
-        const auto self = weak.lock();
-        const auto from = which.lock();
-        if (self && from && !from->end_expected() && !from->ended()) {
-          host::TaskEvent named = event;
-          named.task = self->placements_.name(event.task, from->key());
-          self->events_.post(std::move(named));
-        }
-      });
+  service.set_listener([weak = weak_from_this(),
+                        which = std::weak_ptr<ProcessRecord>(record)](const task_host::TaskEvent& event) {
+    const auto self = weak.lock();
+    const auto from = which.lock();
+    if (self && from && !from->end_expected() && !from->ended()) {
+      task_host::TaskEvent named = event;
+      named.task = self->placements_.name(event.task, from->key());
+      self->events_.post(std::move(named));
+    }
+  });
 }
 
 Result<RecordPtr> Fleet::deployed(const model::DeploymentKey& key) const {
@@ -221,7 +221,8 @@ Result<void> Fleet::kill(const model::DeploymentKey& key, TimePoint deadline) {
   return end_by(*record, [&] { return processes_.kill(launch_.robot, key, deadline); });
 }
 
-Result<void> Fleet::end_by(const RecordPtr& record, const std::function<Result<process::ExitReason>()>& how) {
+Result<void> Fleet::end_by(const RecordPtr& record,
+                           const std::function<Result<process_server::ExitReason>()>& how) {
   record->expect_end(true);
   auto reason = how();
   if (!reason && reason.error().code != ErrorCode::NotFound) {
@@ -268,7 +269,7 @@ Result<void> Fleet::check_empty(const ProcessView& view) {
 void Fleet::adopt() {
   auto running = processes_.processes(launch_.robot);
   if (!running) {
-    events_.post(host::ProcessEvent{
+    events_.post(task_host::ProcessEvent{
         {}, "cannot find out which processes run already: " + to_string(running.error()), false});
     return;
   }
@@ -280,12 +281,12 @@ void Fleet::adopt() {
   }
   pool_.run_all(std::move(jobs));
   for (std::size_t i = 0; i < findings.size(); ++i) {
-    events_.post(host::ProcessEvent{(*running)[i].key, findings[i], false});
+    events_.post(task_host::ProcessEvent{(*running)[i].key, findings[i], false});
   }
   poll();
 }
 
-std::string Fleet::adopt(const process::ProcessInfo& process) {
+std::string Fleet::adopt(const process_server::ProcessInfo& process) {
   model::Deployment deployment;
   deployment.host = process.key.host;
   deployment.process = process.key.process;

@@ -113,7 +113,7 @@ bool Fleet::reconnect(const RecordPtr& record) {
   }
   if (!runs(*record)) {
     if (!record->wait_for_end(monotonic_now() + kNewsLag)) {
-      process::ExitReason reason;
+      process_server::ExitReason reason;
       reason.known = false;
       handle_end(record, reason);
     }
@@ -123,10 +123,10 @@ bool Fleet::reconnect(const RecordPtr& record) {
 }
 
 bool Fleet::runs(const ProcessRecord& record) {
-  const process::ProcessInfo& process = record.process();
+  const process_server::ProcessInfo& process = record.process();
   const auto listed = processes_.processes(launch_.robot);
   if (listed) {
-    return std::any_of(listed->begin(), listed->end(), [&](const process::ProcessInfo& other) {
+    return std::any_of(listed->begin(), listed->end(), [&](const process_server::ProcessInfo& other) {
       return other.key == process.key && other.pid == process.pid;
     });
   }
@@ -146,7 +146,7 @@ void Fleet::on_disconnected(const std::weak_ptr<ProcessRecord>& which) {
   }
 }
 
-void Fleet::on_exit(const process::ProcessInfo& process) {
+void Fleet::on_exit(const process_server::ProcessInfo& process) {
   RecordPtr record;
   {
     const std::lock_guard lock(mutex_);
@@ -162,7 +162,7 @@ void Fleet::on_exit(const process::ProcessInfo& process) {
   if (record == nullptr) {
     return;
   }
-  const process::ExitReason reason = process.exit.value_or(process::ExitReason{});
+  const process_server::ExitReason reason = process.exit.value_or(process_server::ExitReason{});
   if (!record->end_expected()) {
     handle_end(record, reason);
   } else if (!reason.requested) {
@@ -170,7 +170,7 @@ void Fleet::on_exit(const process::ProcessInfo& process) {
   }
 }
 
-void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reason) {
+void Fleet::handle_end(const RecordPtr& record, const process_server::ExitReason& reason) {
   const std::string what = to_string(reason);
   const std::string last_lines = last_log_lines(record->process());
   const auto tasks = remove(record);  // at last: soon after it is missed, it is known why
@@ -178,17 +178,17 @@ void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reaso
     return;
   }
   const std::string output = last_lines.empty() ? "" : "; its log ends with:" + last_lines;
-  events_.post(host::ProcessEvent{record->key(), with_tasks(what, *tasks) + output, true});
+  events_.post(task_host::ProcessEvent{record->key(), with_tasks(what, *tasks) + output, true});
   for (const auto& task : *tasks) {
     report_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
   }
   pool_.submit([this, record] { release(record); });
 }
 
-void Fleet::report_defect(const ProcessRecord& record, const process::ExitReason& reason) {
+void Fleet::report_defect(const ProcessRecord& record, const process_server::ExitReason& reason) {
   const bool by_itself = reason.known && (reason.signal != 0 ? reason.signal != SIGTERM : reason.status != 0);
   if (reason.killed || by_itself) {
-    events_.post(host::ProcessEvent{record.key(), to_string(reason), true});
+    events_.post(task_host::ProcessEvent{record.key(), to_string(reason), true});
   }
 }
 
@@ -210,7 +210,7 @@ std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record)
 
 void Fleet::release(const RecordPtr& record) {
   record->set_service(nullptr, std::nullopt);
-  const link::Incarnation incarnation = record->incarnation();
+  const sample_link::Incarnation incarnation = record->incarnation();
   std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& other : all()) {
     const auto service = other->service();
@@ -236,7 +236,7 @@ void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& cha
   const ProcessView view = record.view();
   if (change.silent) {
     const std::string why = silence_text(record.key(), view.pid);
-    events_.post(host::ProcessEvent{record.key(), why, false});
+    events_.post(task_host::ProcessEvent{record.key(), why, false});
     if (view.is_silent()) {
       report_all_tasks(view, TaskState::Fatal, why);
     }
@@ -247,7 +247,7 @@ void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& cha
     }
   }
   if (change.answers_again) {
-    events_.post(host::ProcessEvent{record.key(), "answers again", false});
+    events_.post(task_host::ProcessEvent{record.key(), "answers again", false});
     report_all_tasks(view, std::nullopt, "");
   }
   for (const auto& task : change.hanging) {
@@ -270,7 +270,7 @@ void Fleet::blame(const Suspect& process, const std::string& why) {
     return;
   }
   const ProcessView view = record->view();
-  events_.post(host::ProcessEvent{record->key(), view.fault, false});
+  events_.post(task_host::ProcessEvent{record->key(), view.fault, false});
   report_all_tasks(view, TaskState::Fatal, view.fault);
 }
 
@@ -285,7 +285,7 @@ void Fleet::report_all_tasks(const ProcessView& view, std::optional<TaskState> s
 }
 
 void Fleet::report_task(const model::TaskId& task, TaskState state, std::string message) {
-  events_.post(host::TaskEvent{task, state, std::move(message)});
+  events_.post(task_host::TaskEvent{task, state, std::move(message)});
 }
 
 void Fleet::set_housekeeping(std::function<void()> work) {

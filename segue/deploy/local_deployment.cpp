@@ -5,7 +5,7 @@
 #include <segue/deploy/endpoints.hpp>
 #include <segue/deploy/in_flight_guard.hpp>
 #include <segue/deploy/shut_down.hpp>
-#include <segue/host/action_pool.hpp>
+#include <segue/task_host/action_pool.hpp>
 
 #include <algorithm>
 #include <functional>
@@ -37,8 +37,8 @@ std::vector<Outcome> each(const Items& items, Function&& function) {
 }  // namespace
 
 struct LocalDeployment::Implementation {
-  Implementation(DeploymentInfo information, host::LocalTaskHost& task_host,
-                 std::shared_ptr<link::SharedMemory> memory)
+  Implementation(DeploymentInfo information, task_host::LocalTaskHost& task_host,
+                 std::shared_ptr<sample_link::SharedMemory> memory)
       : info(std::move(information)), host(task_host), endpoints(task_host, std::move(memory)) {}
 
   [[nodiscard]] model::DeploymentKey key() const { return info.deployment.key(); }
@@ -54,14 +54,14 @@ struct LocalDeployment::Implementation {
   }
 
   DeploymentInfo info;
-  host::LocalTaskHost& host;
+  task_host::LocalTaskHost& host;
   detail::Endpoints endpoints;
   detail::InFlightGuard in_flight;  ///< all that runs hooks; closed when this goes down
-  concurrent::ThreadPool threads{"segue-actions", host::kActionThreads};
-  host::ActionPool actions{
+  concurrent::ThreadPool threads{"segue-actions", task_host::kActionThreads};
+  task_host::ActionPool actions{
       threads, [this](const model::Action& action, TimePoint deadline) { return perform(action, deadline); }};
   /// For the actions of shut_down(), which go on where others are refused.
-  host::ActionPool last_actions{
+  task_host::ActionPool last_actions{
       threads,
       [this](const model::Action& action, TimePoint deadline) { return host.perform(action, deadline); },
       detail::kShutDownPatience};
@@ -112,8 +112,8 @@ Result<T> LocalDeployment::Implementation::run_hook(const model::TaskId& task, T
   return std::move(*outcome);
 }
 
-LocalDeployment::LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host,
-                                 std::shared_ptr<link::SharedMemory> memory)
+LocalDeployment::LocalDeployment(DeploymentInfo info, task_host::LocalTaskHost& host,
+                                 std::shared_ptr<sample_link::SharedMemory> memory)
     : implementation_(std::make_unique<Implementation>(std::move(info), host, std::move(memory))) {
   model::Deployment& own = implementation_->info.deployment;
   own.tasks.clear();
@@ -145,7 +145,7 @@ Result<DeploymentInfo> LocalDeployment::info() {
 }
 
 Result<Snapshot> LocalDeployment::snapshot() {
-  host::LocalTaskHost& host = implementation_->host;
+  task_host::LocalTaskHost& host = implementation_->host;
   Snapshot snapshot;
   snapshot.network = host.observe();
   snapshot.tasks = host.tasks();
@@ -164,7 +164,7 @@ Result<void> LocalDeployment::expect(const model::Network& network) {
 }
 
 void LocalDeployment::begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                                host::Completion completed) {
+                                task_host::Completion completed) {
   implementation_->actions.begin(std::move(actions), deadline, std::move(completed));
 }
 
@@ -208,12 +208,12 @@ Result<type::Value> LocalDeployment::properties(const model::TaskId& task) {
   return implementation_->host.properties(task);
 }
 
-void LocalDeployment::watch(const host::LevelQuestion& question, const Wait& wait,
-                            host::LevelAnswer answered) {
+void LocalDeployment::watch(const task_host::LevelQuestion& question, const Wait& wait,
+                            task_host::LevelAnswer answered) {
   implementation_->host.watch(question, wait, std::move(answered));
 }
 
-Result<host::TaskDetails> LocalDeployment::details(const model::TaskId& task) {
+Result<task_host::TaskDetails> LocalDeployment::details(const model::TaskId& task) {
   return implementation_->host.details(task);
 }
 
@@ -244,32 +244,32 @@ Result<void> LocalDeployment::write(const model::PortRef& port, const type::Valu
   return implementation_->host.write(port, value, deadline);
 }
 
-Result<std::unique_ptr<host::PortReader>> LocalDeployment::open_reader(const model::PortRef& port,
-                                                                       std::size_t buffer) {
+Result<std::unique_ptr<task_host::PortReader>> LocalDeployment::open_reader(const model::PortRef& port,
+                                                                            std::size_t buffer) {
   return implementation_->host.open_reader(port, buffer);
 }
 
-Result<link::MemoryOffer> LocalDeployment::memory(TimePoint /*deadline*/) {
+Result<sample_link::MemoryOffer> LocalDeployment::memory(TimePoint /*deadline*/) {
   return implementation_->endpoints.offer();
 }
 
-Result<void> LocalDeployment::admit(const link::MemoryOffer& peer, TimePoint /*deadline*/) {
+Result<void> LocalDeployment::admit(const sample_link::MemoryOffer& peer, TimePoint /*deadline*/) {
   return implementation_->endpoints.admit(peer);
 }
 
-Result<void> LocalDeployment::forget(link::Incarnation peer) {
+Result<void> LocalDeployment::forget(sample_link::Incarnation peer) {
   return implementation_->endpoints.forget(peer);
 }
 
-std::vector<Result<link::OutputOrigin>> LocalDeployment::describe_outputs(
+std::vector<Result<sample_link::OutputOrigin>> LocalDeployment::describe_outputs(
     std::span<const model::PortRef> ports, TimePoint deadline) {
-  return each<Result<link::OutputOrigin>>(
+  return each<Result<sample_link::OutputOrigin>>(
       ports, [&](const model::PortRef& port) { return implementation_->endpoints.describe(port, deadline); });
 }
 
-std::vector<Result<link::InputPlace>> LocalDeployment::open_inputs(std::span<const OpenInput> inputs,
-                                                                   TimePoint deadline) {
-  return each<Result<link::InputPlace>>(
+std::vector<Result<sample_link::InputPlace>> LocalDeployment::open_inputs(std::span<const OpenInput> inputs,
+                                                                          TimePoint deadline) {
+  return each<Result<sample_link::InputPlace>>(
       inputs, [&](const OpenInput& input) { return implementation_->endpoints.open(input, deadline); });
 }
 
@@ -293,8 +293,8 @@ void LocalDeployment::set_listener(Listener listener) {
     implementation_->host.set_listener({});
     return;
   }
-  implementation_->host.set_listener([listener = std::move(listener)](const host::HostEvent& event) {
-    if (const auto* happened = std::get_if<host::TaskEvent>(&event)) {
+  implementation_->host.set_listener([listener = std::move(listener)](const task_host::HostEvent& event) {
+    if (const auto* happened = std::get_if<task_host::TaskEvent>(&event)) {
       listener(*happened);
     }
   });

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/host/local_task_host.hpp>
-#include <segue/link/shared_memory.hpp>
+#include <segue/sample_link/shared_memory.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <memory>
 
@@ -14,7 +14,8 @@ class LocalDeployment final : public DeploymentService {
  public:
   /// `host` must outlive this, and holds only tasks of `info.deployment` (whose empty process name stands for
   /// the runtime's own). `memory` may be null: no connections to other processes then.
-  LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory);
+  LocalDeployment(DeploymentInfo info, task_host::LocalTaskHost& host,
+                  std::shared_ptr<sample_link::SharedMemory> memory);
   ~LocalDeployment() override;
 
   /// Stops and cleans up all tasks, producers first, and closes all endpoints; actions answer Unavailable
@@ -25,7 +26,8 @@ class LocalDeployment final : public DeploymentService {
   Result<DeploymentInfo> info() override;
   Result<Snapshot> snapshot() override;
   Result<void> expect(const model::Network& network) override;
-  void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 task_host::Completion completed) override;
   Result<void> arm_commit(const ArmCommit& what, TimePoint deadline) override;
   Result<void> settle(TimePoint deadline) override;
   Result<void> conclude(const model::Transition& transition, TimePoint deadline) override;
@@ -34,22 +36,23 @@ class LocalDeployment final : public DeploymentService {
                              TimePoint deadline) override;
   Result<model::ComponentModel> describe(const model::TaskId& task) override;
   Result<type::Value> properties(const model::TaskId& task) override;
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override;
-  Result<host::TaskDetails> details(const model::TaskId& task) override;
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override;
+  Result<task_host::TaskDetails> details(const model::TaskId& task) override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override;
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, TimePoint deadline) override;
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override;
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override;
   Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
-  Result<link::MemoryOffer> memory(TimePoint deadline) override;
-  Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) override;
-  Result<void> forget(link::Incarnation peer) override;
-  std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+  Result<sample_link::MemoryOffer> memory(TimePoint deadline) override;
+  Result<void> admit(const sample_link::MemoryOffer& peer, TimePoint deadline) override;
+  Result<void> forget(sample_link::Incarnation peer) override;
+  std::vector<Result<sample_link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                                  TimePoint deadline) override;
+  std::vector<Result<sample_link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
                                                            TimePoint deadline) override;
-  std::vector<Result<link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
-                                                    TimePoint deadline) override;
   std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
                                            TimePoint deadline) override;
   std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,

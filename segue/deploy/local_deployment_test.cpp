@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tasks of one process as a deployment, without shared memory.
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/host/test_support.hpp>
+#include <segue/task_host/test_support.hpp>
 #include <support/eventually.hpp>
 #include <support/test_hooks.hpp>
 
@@ -17,15 +17,15 @@ SEGUE_COMPONENT(hooks::Stuck)
 namespace segue::deploy {
 namespace {
 
-using host::testing::apply;
-using host::testing::on_connection;
-using host::testing::on_process;
-using host::testing::on_task;
-using host::testing::soon;
-using host::testing::task_of;
-using host::testing::wire;
 using model::ActionKind;
 using segue::testing::eventually;
+using task_host::testing::apply;
+using task_host::testing::on_connection;
+using task_host::testing::on_process;
+using task_host::testing::on_task;
+using task_host::testing::soon;
+using task_host::testing::task_of;
+using task_host::testing::wire;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -92,8 +92,8 @@ class LocalDeploymentTest : public ::testing::Test {
   }
 
   model::ComponentCatalog catalog_;
-  host::LibrarySet libraries_;
-  host::LocalTaskHost host_{
+  task_host::LibrarySet libraries_;
+  task_host::LocalTaskHost host_{
       libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   LocalDeployment deployment_{info_of("p"), host_, nullptr};
 };
@@ -114,7 +114,7 @@ TEST_F(LocalDeploymentTest, is_there_from_the_beginning_and_holds_its_tasks) {
 }
 
 TEST_F(LocalDeploymentTest, holds_tasks_of_the_runtime_without_a_deployment_where_it_is_the_runtimes_own) {
-  host::LocalTaskHost host{
+  task_host::LocalTaskHost host{
       libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   LocalDeployment own(info_of(""), host, nullptr);
   const auto outcomes = own.perform(std::vector{apply(task_of("a", "any::Thing"))}, soon());
@@ -126,8 +126,9 @@ TEST_F(LocalDeploymentTest, holds_tasks_of_the_runtime_without_a_deployment_wher
 
 TEST(LocalDeploymentDefaults, tasks_run_as_their_process_says) {
   const model::ComponentCatalog catalog;
-  const host::LibrarySet libraries;
-  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  const task_host::LibrarySet libraries;
+  task_host::LocalTaskHost host{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   auto info = info_of("p");
   info.deployment.cpus = {0};
   LocalDeployment deployment(info, host, nullptr);
@@ -170,7 +171,7 @@ TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
   bring_to_running(task_of("a", "any::Thing"));
   const auto connection = wire("a", "out", "b", "in");
   EXPECT_EQ(deployment_.memory(soon()).error().code, ErrorCode::Unsupported);
-  EXPECT_EQ(deployment_.admit(link::MemoryOffer(), soon()).error().code, ErrorCode::Unsupported);
+  EXPECT_EQ(deployment_.admit(sample_link::MemoryOffer(), soon()).error().code, ErrorCode::Unsupported);
   EXPECT_TRUE(deployment_.forget(3));
   const std::vector<model::PortRef> ports{connection.from};
   EXPECT_EQ(deployment_.describe_outputs(ports, soon()).at(0).error().code, ErrorCode::Unsupported);
@@ -207,7 +208,7 @@ TEST_F(LocalDeploymentTest, tells_what_has_ended_while_another_hook_is_at_work) 
   std::set<std::size_t> reported;
   const std::vector actions{on_task(ActionKind::Configure, "s"), on_task(ActionKind::Configure, "a"),
                             on_task(ActionKind::Start, "b")};
-  deployment_.begin_all(actions, soon(), [&](const std::vector<host::Completed>& ended) {
+  deployment_.begin_all(actions, soon(), [&](const std::vector<task_host::Completed>& ended) {
     const std::lock_guard lock(mutex);
     for (const auto& one : ended) {
       EXPECT_EQ(one.outcome.has_value(), one.index != 2) << "b was not configured";
@@ -255,8 +256,8 @@ TEST_F(LocalDeploymentTest, reports_a_task_as_fatal_whose_update_exceeds_its_dea
 TEST(LocalHostOfOverdueTasks, removes_a_process_whose_task_hangs_and_destroys_the_task_when_it_returns) {
   hooks::reset();
   const model::ComponentCatalog catalog;
-  const host::LibrarySet libraries;
-  host::LocalTaskHost host{libraries, catalog, {}};
+  const task_host::LibrarySet libraries;
+  task_host::LocalTaskHost host{libraries, catalog, {}};
   const auto done = [&](const model::Action& action) { return host.perform(action, soon()).has_value(); };
   ASSERT_TRUE(done(on_process(ActionKind::Deploy, "p")));
   ASSERT_TRUE(done(apply(overdue_in("s", "update"), "p")));
@@ -274,8 +275,8 @@ TEST(LocalHostOfOverdueTasks, removes_a_process_whose_task_hangs_and_destroys_th
 TEST_F(LocalDeploymentTest, tells_of_a_task_that_fails_by_itself) {
   std::mutex mutex;
   std::condition_variable reported;
-  std::vector<host::TaskEvent> events;
-  deployment_.set_listener([&](const host::TaskEvent& event) {
+  std::vector<task_host::TaskEvent> events;
+  deployment_.set_listener([&](const task_host::TaskEvent& event) {
     const std::lock_guard lock(mutex);
     events.push_back(event);
     reported.notify_all();
@@ -310,9 +311,9 @@ TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
   hooks::reset();
   // As in a process that ends by std::_Exit: nothing is destroyed that the hanging thread needs.
   static const model::ComponentCatalog& catalog = *new model::ComponentCatalog;
-  static const host::LibrarySet& libraries = *new host::LibrarySet;
-  static auto& kept = *new std::vector<host::LocalTaskHost*>;
-  host::LocalTaskHost& host = *kept.emplace_back(new host::LocalTaskHost(libraries, catalog));
+  static const task_host::LibrarySet& libraries = *new task_host::LibrarySet;
+  static auto& kept = *new std::vector<task_host::LocalTaskHost*>;
+  task_host::LocalTaskHost& host = *kept.emplace_back(new task_host::LocalTaskHost(libraries, catalog));
   LocalDeployment deployment(info_of("p"), host, nullptr);
   for (const auto& task : {stuck_in("s", "stop"), stuck_in("a", "")}) {
     for (const auto& action : {apply(task, "p"), on_task(ActionKind::Configure, task.id.str()),

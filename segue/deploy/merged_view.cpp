@@ -14,8 +14,8 @@ namespace {
 
 /// The identity of a connection, as both of its endpoints state it.
 struct EndpointKey {
-  link::Incarnation writer = 0;
-  link::Incarnation reader = 0;
+  sample_link::Incarnation writer = 0;
+  sample_link::Incarnation reader = 0;
   std::uint64_t offset = 0;
   std::uint64_t generation = 0;
   model::PortRef from;
@@ -25,7 +25,7 @@ struct EndpointKey {
   friend auto operator<=>(const EndpointKey&, const EndpointKey&) = default;
 };
 
-EndpointKey key_of(const EndpointReport& endpoint, link::Incarnation own) {
+EndpointKey key_of(const EndpointReport& endpoint, sample_link::Incarnation own) {
   const bool output = endpoint.side == Side::Output;
   return {output ? own : endpoint.peer, output ? endpoint.peer : own, endpoint.place.offset,
           endpoint.place.generation,    endpoint.connection.from,     endpoint.connection.to,
@@ -75,21 +75,21 @@ class Merger {
         merged_.network.tasks.back().state = TaskState::Fatal;
       }
     }
-    for (const host::TaskReport& report : snapshot.tasks) {
+    for (const task_host::TaskReport& report : snapshot.tasks) {
       add_report(process, report);
     }
     if (!process.is_silent()) {
       for (const auto& connection : snapshot.network.connections) {
         merged_.network.connections.push_back(called(connection, process, process));
       }
-      for (host::ConnectionReport report : snapshot.connections) {
+      for (task_host::ConnectionReport report : snapshot.connections) {
         report.connection = called(report.connection, process, process);
         merged_.connections.push_back(std::move(report));
       }
     }
   }
 
-  void add_report(const ProcessView& process, host::TaskReport report) {
+  void add_report(const ProcessView& process, task_host::TaskReport report) {
     if (!process.deployment.key().is_runtime()) {
       report.process = process.deployment.key();
       report.pid = process.pid;
@@ -173,7 +173,7 @@ class Merger {
       }
       const model::Connection connection = called(output.connection, process, *input->second.process);
       const EndpointReport& read = *input->second.report;
-      if (output.damage != link::Damage::None || read.damage != link::Damage::None) {
+      if (output.damage != sample_link::Damage::None || read.damage != sample_link::Damage::None) {
         merged_.damaged.push_back({connection, output.corrupt + read.corrupt,
                                    suspects_of(process, output, *input->second.process, read)});
       } else if (whole.insert(key).second) {
@@ -194,7 +194,7 @@ class Merger {
                                                  const ProcessView& reader,
                                                  const EndpointReport& input) const {
     std::vector<Suspect> suspects{{writer.deployment.key(), writer.incarnation}};
-    if (output.damage == link::Damage::None && input.damage == link::Damage::Payload) {
+    if (output.damage == sample_link::Damage::None && input.damage == sample_link::Damage::Payload) {
       return suspects;
     }
     suspects.push_back({reader.deployment.key(), reader.incarnation});
@@ -221,7 +221,7 @@ class Merger {
   }
 
   void add_connection(const EndpointReport& output, const model::Connection& connection,
-                      const link::Latency& latency) {
+                      const sample_link::Latency& latency) {
     merged_.network.connections.push_back(connection);
     merged_.connections.push_back(
         {connection, output.counters.written, output.counters.read, output.counters.dropped, latency});
@@ -281,7 +281,7 @@ std::string silence_text(const model::DeploymentKey& process, int pid) {
 std::string hanging_text(const ProcessView& process, const model::TaskId& task) {
   const auto& reports = process.snapshot->tasks;
   const auto report = std::find_if(reports.begin(), reports.end(),
-                                   [&](const host::TaskReport& one) { return one.id == task; });
+                                   [&](const task_host::TaskReport& one) { return one.id == task; });
   const std::string what = report == reports.end() ? "it does not return" : report->error;
   const model::DeploymentKey key = process.deployment.key();
   if (key.is_runtime()) {

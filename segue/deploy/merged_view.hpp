@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/host/task_host.hpp>
 #include <segue/model/network.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <functional>
 #include <memory>
@@ -16,7 +16,7 @@ namespace segue::deploy::detail {
 struct ProcessView {
   model::Deployment deployment;  ///< as it was started, without tasks; the runtime's own has no name
   int pid = 0;
-  link::Incarnation incarnation = 0;  ///< 0: not known yet
+  sample_link::Incarnation incarnation = 0;  ///< 0: not known yet
   std::shared_ptr<const Snapshot>
       snapshot;  ///< the latest one; may be null where the process does not answer
   bool answers = true;
@@ -32,14 +32,14 @@ struct OrphanedEndpoint {
   model::DeploymentKey process;
   model::Connection connection;
   Side side = Side::Output;
-  link::Incarnation peer = 0;
+  sample_link::Incarnation peer = 0;
   bool peer_gone = false;  ///< the other process has ended
 };
 
 /// A process that can have written to some shared memory.
 struct Suspect {
   model::DeploymentKey process;
-  link::Incarnation incarnation = 0;
+  sample_link::Incarnation incarnation = 0;
   friend bool operator==(const Suspect&, const Suspect&) = default;
 };
 
@@ -56,8 +56,8 @@ struct DamagedConnection {
 /// The tasks and connections of all processes together.
 struct MergedView {
   model::Network network;
-  std::vector<host::TaskReport> tasks;
-  std::vector<host::ConnectionReport> connections;
+  std::vector<task_host::TaskReport> tasks;
+  std::vector<task_host::ConnectionReport> connections;
   std::vector<OrphanedEndpoint> orphaned;
   std::vector<DamagedConnection> damaged;
 };

@@ -46,7 +46,7 @@ class PeerMapping {
       jobs.emplace_back([this, &item] {
         const ConnectionTurn turn(*item.first, deadline_);
         if (const auto service = item.first->service()) {
-          item.second = turn ? service->memory(deadline_) : Result<link::MemoryOffer>(turn.error());
+          item.second = turn ? service->memory(deadline_) : Result<sample_link::MemoryOffer>(turn.error());
         }
       });
     }
@@ -74,7 +74,7 @@ class PeerMapping {
   concurrent::ThreadPool& pool_;
   const TimePoint deadline_;
   std::map<RecordPtr, std::set<RecordPtr>> missing_;  ///< peers to be mapped, by process
-  std::map<RecordPtr, Result<link::MemoryOffer>> offers_;
+  std::map<RecordPtr, Result<sample_link::MemoryOffer>> offers_;
   std::mutex mutex_;  ///< protects failed_
   std::vector<FailedPair> failed_;
 };

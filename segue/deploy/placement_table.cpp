@@ -2,7 +2,7 @@
 #include <segue/deploy/placement_table.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/host/full_id.hpp>
+#include <segue/task_host/full_id.hpp>
 
 #include <algorithm>
 #include <iterator>
@@ -45,7 +45,7 @@ Error PlacementTable::unknown(const model::TaskId& id) const {
 }
 
 Result<PlacementTable::Place> PlacementTable::find(const model::TaskId& id, Which which) const {
-  const auto [task, process] = host::split_id(id);
+  const auto [task, process] = task_host::split_id(id);
   const std::lock_guard lock(mutex_);
   const auto found = table_.find(task);
   if (found == table_.end()) {
@@ -71,7 +71,7 @@ Result<PlacementTable::Place> PlacementTable::free_place(const model::TaskId& id
   if (found != table_.end() && !exactly) {
     const Incarnations& there = found->second;
     if (there.has(key) && there.current != key && there.next != key) {
-      const std::string left = host::full_id(task, key).str();
+      const std::string left = task_host::full_id(task, key).str();
       return fail(ErrorCode::InvalidState,
                   "an incarnation of it is still there as " + quote(left) + "; remove that one first", left);
     }
@@ -80,11 +80,11 @@ Result<PlacementTable::Place> PlacementTable::free_place(const model::TaskId& id
 }
 
 PlacementTable::Place PlacementTable::place_of(const model::TaskId& id, const model::DeploymentKey& process) {
-  return {host::plain_id(id), normal(process)};
+  return {task_host::plain_id(id), normal(process)};
 }
 
 model::TaskId PlacementTable::name_of(const Table::value_type& item, const model::DeploymentKey& process) {
-  return item.second.current == process ? item.first : host::full_id(item.first, process);
+  return item.second.current == process ? item.first : task_host::full_id(item.first, process);
 }
 
 model::TaskId PlacementTable::name(const model::TaskId& task, const model::DeploymentKey& process) const {
@@ -106,7 +106,7 @@ model::TaskId PlacementTable::name(const std::map<model::TaskId, model::Deployme
                                    const model::TaskId& task, const model::DeploymentKey& process) {
   const auto found = current.find(task);
   const bool is_current = found == current.end() || found->second == normal(process);
-  return is_current ? task : host::full_id(task, normal(process));
+  return is_current ? task : task_host::full_id(task, normal(process));
 }
 
 void PlacementTable::put(const Place& place) {

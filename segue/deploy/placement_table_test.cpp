@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/placement_table.hpp>
 
-#include <segue/host/full_id.hpp>
+#include <segue/task_host/full_id.hpp>
 
 #include <gmock/gmock.h>
 
@@ -21,7 +21,7 @@ DeploymentKey process(std::string_view name) {
 }
 
 TaskId at(std::string_view name) {
-  return host::full_id(kTask, process(name));
+  return task_host::full_id(kTask, process(name));
 }
 
 /// The process that an id means; "" where there is none.
@@ -49,14 +49,14 @@ void move(PlacementTable& table) {
 }
 
 TEST(FullId, comes_apart_as_it_was_put_together) {
-  const auto split = host::split_id(at("q"));
+  const auto split = task_host::split_id(at("q"));
   EXPECT_EQ(at("q").str(), "b@localhost/q");
   EXPECT_EQ(split.task, kTask);
   EXPECT_EQ(split.process, process("q"));
-  EXPECT_EQ(host::split_id(kTask).process, std::nullopt);
-  EXPECT_EQ(host::split_id(TaskId("b@x")).task, TaskId("b@x"))
+  EXPECT_EQ(task_host::split_id(kTask).process, std::nullopt);
+  EXPECT_EQ(task_host::split_id(TaskId("b@x")).task, TaskId("b@x"))
       << "without a process it is a name like others";
-  const auto own = host::split_id(host::full_id(kTask, DeploymentKey{}));
+  const auto own = task_host::split_id(task_host::full_id(kTask, DeploymentKey{}));
   ASSERT_TRUE(own.process);
   EXPECT_TRUE(own.process->is_runtime());
 }
@@ -228,7 +228,7 @@ TEST(PlacementTable, the_runtimes_own_process_is_one_whatever_its_host_is_called
   table.put(*place);
   ASSERT_TRUE(table.find(kTask, Which::Next));
   EXPECT_TRUE(table.find(kTask, Which::Next)->process.is_runtime());
-  EXPECT_TRUE(table.find(host::full_id(kTask, own), Which::Current));
+  EXPECT_TRUE(table.find(task_host::full_id(kTask, own), Which::Current));
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include <segue/deploy/process_record.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/process/process_log.hpp>
+#include <segue/process_server/process_log.hpp>
 
 #include <algorithm>
 #include <iterator>
@@ -33,8 +33,8 @@ constexpr std::size_t kTailLines = 8;
 
 }  // namespace
 
-std::string last_log_lines(const process::ProcessInfo& process) {
-  const auto tail = process::log_tail(process.log, kTailLines, kTailBytes);
+std::string last_log_lines(const process_server::ProcessInfo& process) {
+  const auto tail = process_server::log_tail(process.log, kTailLines, kTailBytes);
   std::istringstream lines(tail ? tail->text : std::string());
   std::string indented;
   for (std::string line; std::getline(lines, line);) {
@@ -65,7 +65,7 @@ Error ConnectionTurn::error() const {
               "process " + quote(to_string(process_.key())) + " is still busy with other connections");
 }
 
-ProcessRecord::ProcessRecord(model::Deployment deployment, process::ProcessInfo process)
+ProcessRecord::ProcessRecord(model::Deployment deployment, process_server::ProcessInfo process)
     : key_(deployment.key()), process_(std::move(process)), deployment_(std::move(deployment)) {}
 
 ProcessView ProcessRecord::view() const {
@@ -98,7 +98,7 @@ std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
     }
     known->network.tasks.push_back(action.definition);
     placements.tasks.push_back({action.definition.id, action.name});
-    host::TaskReport report;
+    task_host::TaskReport report;
     report.id = action.definition.id;
     report.component = action.definition.component;
     known->tasks.push_back(std::move(report));
@@ -121,7 +121,7 @@ Error ProcessRecord::unreachable() const {
   return fail(ErrorCode::Unavailable, "process " + quote(to_string(key_)) + " cannot be reached");
 }
 
-link::Incarnation ProcessRecord::incarnation() const {
+sample_link::Incarnation ProcessRecord::incarnation() const {
   const std::lock_guard lock(mutex_);
   return incarnation_;
 }
@@ -265,17 +265,17 @@ bool ProcessRecord::wait_for_end(TimePoint deadline) const {
   return changed_.wait_until(lock, deadline, [&] { return ended_; });
 }
 
-bool ProcessRecord::has_mapped(link::Incarnation peer) const {
+bool ProcessRecord::has_mapped(sample_link::Incarnation peer) const {
   const std::lock_guard lock(mutex_);
   return peers_.contains(peer);
 }
 
-void ProcessRecord::mark_mapped(link::Incarnation peer) {
+void ProcessRecord::mark_mapped(sample_link::Incarnation peer) {
   const std::lock_guard lock(mutex_);
   peers_.insert(peer);
 }
 
-void ProcessRecord::mark_unmapped(link::Incarnation peer) {
+void ProcessRecord::mark_unmapped(sample_link::Incarnation peer) {
   const std::lock_guard lock(mutex_);
   peers_.erase(peer);
 }

@@ -5,7 +5,7 @@
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/deploy/merged_view.hpp>
 #include <segue/model/transition.hpp>
-#include <segue/process/process_service.hpp>
+#include <segue/process_server/process_service.hpp>
 
 #include <condition_variable>
 #include <cstddef>
@@ -22,7 +22,7 @@ namespace segue::deploy::detail {
 
 /// The last lines of the process's log, each on an indented line of its own; empty where there are none.
 /// Reads a file.
-std::string last_log_lines(const process::ProcessInfo& process);
+std::string last_log_lines(const process_server::ProcessInfo& process);
 
 class ProcessRecord;
 
@@ -57,12 +57,12 @@ using SilenceWatch = std::shared_ptr<const std::function<void()>>;
 /// requested_.
 class ProcessRecord {
  public:
-  ProcessRecord(model::Deployment deployment, process::ProcessInfo process);
+  ProcessRecord(model::Deployment deployment, process_server::ProcessInfo process);
 
   [[nodiscard]] const model::DeploymentKey& key() const { return key_; }
-  [[nodiscard]] const process::ProcessInfo& process() const { return process_; }
+  [[nodiscard]] const process_server::ProcessInfo& process() const { return process_; }
   [[nodiscard]] ProcessView view() const;
-  [[nodiscard]] link::Incarnation incarnation() const;
+  [[nodiscard]] sample_link::Incarnation incarnation() const;
   /// The error Unavailable with the name of the process.
   [[nodiscard]] Error unreachable() const;
 
@@ -125,9 +125,9 @@ class ProcessRecord {
   void note_removed(const model::TaskId& task);
 
   /// Incarnations of other processes whose memory this process has mapped.
-  [[nodiscard]] bool has_mapped(link::Incarnation peer) const;
-  void mark_mapped(link::Incarnation peer);
-  void mark_unmapped(link::Incarnation peer);
+  [[nodiscard]] bool has_mapped(sample_link::Incarnation peer) const;
+  void mark_mapped(sample_link::Incarnation peer);
+  void mark_unmapped(sample_link::Incarnation peer);
 
  private:
   friend class ConnectionTurn;
@@ -137,12 +137,12 @@ class ProcessRecord {
   [[nodiscard]] std::shared_ptr<const Snapshot> last_known() const;
 
   const model::DeploymentKey key_;
-  const process::ProcessInfo process_;
+  const process_server::ProcessInfo process_;
   mutable std::mutex mutex_;                 ///< protects everything below
   mutable std::condition_variable changed_;  ///< finished_, ended_ or turns_ has changed
   std::size_t turns_ = 0;                    ///< of ConnectionTurn, given at present
   model::Deployment deployment_;
-  link::Incarnation incarnation_ = 0;
+  sample_link::Incarnation incarnation_ = 0;
   std::shared_ptr<DeploymentService> service_;
   std::shared_ptr<const Snapshot> snapshot_;
   std::uint64_t requested_ = 0;  ///< the latest poll requested
@@ -156,7 +156,7 @@ class ProcessRecord {
   std::vector<model::TaskId> hanging_;
   std::vector<std::weak_ptr<const std::function<void()>>> watches_;
   std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_;  ///< with requested_ at that time
-  std::set<link::Incarnation> peers_;
+  std::set<sample_link::Incarnation> peers_;
 };
 
 using RecordPtr = std::shared_ptr<ProcessRecord>;

@@ -175,7 +175,7 @@ void RemoteConnector::remove_orphaned(TimePoint deadline) {
   close_orphaned(orphaned, deadline);
 }
 
-std::vector<host::ConnectionReport> RemoteConnector::note_damage(const MergedView& seen) {
+std::vector<task_host::ConnectionReport> RemoteConnector::note_damage(const MergedView& seen) {
   const auto found = damage_.note(seen, RealClock::instance().now());
   for (const auto& damaged : found.damaged) {
     log(LogLevel::Error, "deploy", to_string(damaged.connection) + " is ended: " + damage_text(damaged));
@@ -199,7 +199,7 @@ void RemoteConnector::close_orphaned(const std::vector<OrphanedEndpoint>& orphan
       if (service == nullptr) {
         return;
       }
-      std::set<link::Incarnation> dead;
+      std::set<sample_link::Incarnation> dead;
       std::vector<CloseEndpoint> close;
       for (const OrphanedEndpoint* endpoint : endpoints) {
         endpoint->peer_gone ? void(dead.insert(endpoint->peer))

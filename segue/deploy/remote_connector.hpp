@@ -35,7 +35,7 @@ class RemoteConnector {
   /// being worked on or that waits for the commit of the present transition.
   void remove_orphaned(TimePoint deadline);
   /// What was ended because its memory was overwritten, and is missing since, `seen` included.
-  std::vector<host::ConnectionReport> note_damage(const MergedView& seen);
+  std::vector<task_host::ConnectionReport> note_damage(const MergedView& seen);
   /// The connection ends with the commit of the present transition, which disconnects it afterwards.
   void will_end(const model::Connection& connection);
   /// The transition has committed, so no connection waits for it any more; it was given up, so those that

@@ -17,7 +17,7 @@ bool runs(TaskState state) {
 }
 
 /// Carries out `verb` on all tasks in a state that is `wanted`, producers first, and logs failures.
-void perform_on_all(const host::LocalTaskHost& host, host::ActionPool& pool, model::ActionKind verb,
+void perform_on_all(const task_host::LocalTaskHost& host, task_host::ActionPool& pool, model::ActionKind verb,
                     bool (*wanted)(TaskState), TimePoint deadline) {
   const model::Network network = host.observe();
   const model::TaskIndex tasks(network);
@@ -27,7 +27,7 @@ void perform_on_all(const host::LocalTaskHost& host, host::ActionPool& pool, mod
       actions.push_back({0, verb, model::TaskAction{id}, {}, {}});
     }
   }
-  const auto outcomes = host::wait_for_outcomes(actions.size(), [&](host::Completion completed) {
+  const auto outcomes = task_host::wait_for_outcomes(actions.size(), [&](task_host::Completion completed) {
     pool.begin(actions, deadline, std::move(completed));
   });
   for (const auto& outcome : outcomes) {
@@ -73,7 +73,7 @@ std::vector<model::TaskId> producers_first(const model::Network& network) {
   return ordered;
 }
 
-bool shut_down(const host::LocalTaskHost& host, host::ActionPool& pool, TimePoint deadline) {
+bool shut_down(const task_host::LocalTaskHost& host, task_host::ActionPool& pool, TimePoint deadline) {
   const TimePoint now = RealClock::instance().now();
   perform_on_all(host, pool, model::ActionKind::Stop, &runs, now + (deadline - now) / 2);
   // Includes tasks whose stop is still under way: the cleanup waits for it.

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/host/action_pool.hpp>
-#include <segue/host/local_task_host.hpp>
 #include <segue/model/network.hpp>
+#include <segue/task_host/action_pool.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <vector>
 
@@ -20,6 +20,6 @@ inline constexpr Duration kShutDownPatience = std::chrono::milliseconds(20);
 /// Stops and cleans up all tasks of `host` by `pool`, producers first; slow ones side by side. Answers at
 /// `deadline` and a little at the latest. False: a hook has not returned. It still runs in its thread then,
 /// so neither may be destroyed: end the process by std::_Exit.
-bool shut_down(const host::LocalTaskHost& host, host::ActionPool& pool, TimePoint deadline);
+bool shut_down(const task_host::LocalTaskHost& host, task_host::ActionPool& pool, TimePoint deadline);
 
 }  // namespace segue::deploy::detail

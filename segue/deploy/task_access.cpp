@@ -6,7 +6,7 @@
 namespace segue::deploy {
 
 std::vector<Result<void>> TaskAccess::perform(std::span<const model::Action> actions, TimePoint deadline) {
-  return host::wait_for_outcomes(actions.size(), [&](host::Completion completed) {
+  return task_host::wait_for_outcomes(actions.size(), [&](task_host::Completion completed) {
     begin_all({actions.begin(), actions.end()}, deadline, std::move(completed));
   });
 }

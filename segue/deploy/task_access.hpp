@@ -3,10 +3,10 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
-#include <segue/host/task_host.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/task/task.hpp>
+#include <segue/task_host/task_host.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstddef>
@@ -30,7 +30,7 @@ class TaskAccess {
   /// waiting for hooks; `completed` as TaskHost::begin_all says. Where this is destroyed before all are
   /// reported, its destructor waits for them or reports them as Unavailable.
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                         host::Completion completed) = 0;
+                         task_host::Completion completed) = 0;
   /// Carries out actions as begin_all() does and waits for all; outcomes in the order of `actions`.
   std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
 
@@ -45,14 +45,16 @@ class TaskAccess {
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;
   virtual Result<type::Value> properties(const model::TaskId& task) = 0;
   /// As TaskHost::watch() says; returns at once.
-  virtual void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) = 0;
-  virtual Result<host::TaskDetails> details(const model::TaskId& task) = 0;  ///< Unsupported: older Segue
+  virtual void watch(const task_host::LevelQuestion& question, const Wait& wait,
+                     task_host::LevelAnswer answered) = 0;
+  virtual Result<task_host::TaskDetails> details(
+      const model::TaskId& task) = 0;  ///< Unsupported: older Segue
   virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
                                     const type::Value& value, TimePoint deadline) = 0;
   virtual Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                                    const type::Value& arguments, TimePoint deadline) = 0;
-  virtual Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                                std::size_t buffer) = 0;
+  virtual Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                                     std::size_t buffer) = 0;
   virtual Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) = 0;
 };
 

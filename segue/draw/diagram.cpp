@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/cdtn/implied.hpp>
 #include <segue/draw/diagram.hpp>
+#include <segue/task_network/implied.hpp>
 
 #include <fmt/format.h>
 
@@ -45,8 +45,8 @@ using Kind = Diagram::Kind;
 /// Puts into words what an order says of a network.
 class DiagramMaker {
  public:
-  DiagramMaker(const cdtn::TaskNetwork& network, const cdtn::Order& order,
-               const std::vector<cdtn::Dependency>& further)
+  DiagramMaker(const task_network::TaskNetwork& network, const task_network::Order& order,
+               const std::vector<task_network::Dependency>& further)
       : network_(network), order_(order), further_(further), implied_(implied_dependencies(network, order)) {}
 
   Diagram make(std::size_t most) {
@@ -58,9 +58,9 @@ class DiagramMaker {
     auto also = further_.begin();
     std::size_t place = 0;  // of a dependency in the order
     for (std::uint32_t i = 0; i < count; ++i) {
-      const cdtn::NodeId node{i};
+      const task_network::NodeId node{i};
       reasons_.clear();
-      for (const cdtn::Dependency& dependency : order_.before(node))
+      for (const task_network::Dependency& dependency : order_.before(node))
         reasons_.push_back({&dependency, implied_[place++]});
       for (; also != further_.end() && also->to == node; ++also)
         reasons_.push_back({&*also, true});
@@ -71,8 +71,8 @@ class DiagramMaker {
   }
 
  private:
-  [[nodiscard]] Diagram::Node described(cdtn::NodeId node) const {
-    const cdtn::NodeRecord& entry = network_[node];
+  [[nodiscard]] Diagram::Node described(task_network::NodeId node) const {
+    const task_network::NodeRecord& entry = network_[node];
     Diagram::Node made{network_.label(node)};
     made.duration = entry.duration;
     made.strict = entry.strict;
@@ -98,21 +98,21 @@ class DiagramMaker {
     }
   }
 
-  [[nodiscard]] Diagram::Cause cause(const cdtn::Dependency& dependency) const {
+  [[nodiscard]] Diagram::Cause cause(const task_network::Dependency& dependency) const {
     const std::string subject = subject_text(network_, dependency);
     switch (dependency.reason()) {
-      case cdtn::Reason::Data:
+      case task_network::Reason::Data:
         return {Kind::Data, subject, output_of(dependency)};
-      case cdtn::Reason::Condition:
+      case task_network::Reason::Condition:
         return {Kind::Condition, subject, {}};
-      case cdtn::Reason::Fact:
+      case task_network::Reason::Fact:
         return {Kind::World, subject, on_fact(dependency)};
-      case cdtn::Reason::Resource:
-        return on_resource(cdtn::ResourceId{dependency.subject}, subject);
-      case cdtn::Reason::Place:
+      case task_network::Reason::Resource:
+        return on_resource(task_network::ResourceId{dependency.subject}, subject);
+      case task_network::Reason::Place:
         break;
     }
-    const cdtn::NodeId toucher = network_[dependency.to].opaque ? dependency.to : dependency.from;
+    const task_network::NodeId toucher = network_[dependency.to].opaque ? dependency.to : dependency.from;
     if (network_[toucher].opaque_subtree)
       return {Kind::OpaqueSubtree, network_.label(toucher), "it may touch anything", index(toucher)};
     const bool silent = network_.accesses(toucher).empty() && network_.claims(toucher).empty();
@@ -122,17 +122,17 @@ class DiagramMaker {
             index(toucher)};
   }
 
-  [[nodiscard]] std::string output_of(const cdtn::Dependency& dependency) const {
-    for (const cdtn::DataInput& input : network_.inputs(dependency.to)) {
+  [[nodiscard]] std::string output_of(const task_network::Dependency& dependency) const {
+    for (const task_network::DataInput& input : network_.inputs(dependency.to)) {
       if (input.producer == dependency.from && input.input == dependency.subject)
         return network_.names.name(input.output);
     }
     return {};
   }
 
-  [[nodiscard]] std::string use_of(cdtn::NodeId node, cdtn::FactId fact) const {
+  [[nodiscard]] std::string use_of(task_network::NodeId node, task_network::FactId fact) const {
     const auto accesses = network_.accesses(node);
-    const auto access = std::ranges::find(accesses, fact, &cdtn::Access::fact);
+    const auto access = std::ranges::find(accesses, fact, &task_network::Access::fact);
     if (access == accesses.end()) return "touched";
     std::string text;
     if (access->reads) text = access->needed ? "relied on" : "relied on as false";
@@ -141,13 +141,13 @@ class DiagramMaker {
     text += network_[node].uncertain ? "probably made " : "made ";
     return text + (access->value ? "true" : "false");
   }
-  [[nodiscard]] std::string on_fact(const cdtn::Dependency& dependency) const {
-    const cdtn::FactId fact{dependency.subject};
+  [[nodiscard]] std::string on_fact(const task_network::Dependency& dependency) const {
+    const task_network::FactId fact{dependency.subject};
     return use_of(dependency.from, fact) + " there, " + use_of(dependency.to, fact) + " here";
   }
 
-  [[nodiscard]] Diagram::Cause on_resource(cdtn::ResourceId id, const std::string& subject) const {
-    const cdtn::ResourceRecord& resource = network_.resources[id];
+  [[nodiscard]] Diagram::Cause on_resource(task_network::ResourceId id, const std::string& subject) const {
+    const task_network::ResourceRecord& resource = network_.resources[id];
     if (resource.grouped)
       return {Kind::Group, subject, "held over several nodes, whose starts keep the program's order"};
     if (resource.varies)
@@ -155,12 +155,12 @@ class DiagramMaker {
     return {Kind::Resource, subject, "what is irreversible uses it in the program's order"};
   }
 
-  const cdtn::TaskNetwork& network_;
-  const cdtn::Order& order_;
-  const std::vector<cdtn::Dependency>& further_;
+  const task_network::TaskNetwork& network_;
+  const task_network::Order& order_;
+  const std::vector<task_network::Dependency>& further_;
   const std::vector<bool> implied_;
   struct NotedReason {
-    const cdtn::Dependency* dependency = nullptr;
+    const task_network::Dependency* dependency = nullptr;
     bool implied = false;
   };
   std::vector<NotedReason> reasons_;  ///< of the node at hand
@@ -168,8 +168,8 @@ class DiagramMaker {
 
 }  // namespace
 
-Diagram diagram_of(const cdtn::TaskNetwork& network, const cdtn::Order& order,
-                   const std::vector<cdtn::Dependency>& further, std::size_t most) {
+Diagram diagram_of(const task_network::TaskNetwork& network, const task_network::Order& order,
+                   const std::vector<task_network::Dependency>& further, std::size_t most) {
   return DiagramMaker(network, order, further).make(most);
 }
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/cdtn/ahead.hpp>
-#include <segue/cdtn/order.hpp>
-#include <segue/cdtn/task_network.hpp>
+#include <segue/task_network/acts_ahead.hpp>
+#include <segue/task_network/order.hpp>
+#include <segue/task_network/task_network.hpp>
 #include <segue/type/value.hpp>
 
 #include <array>
@@ -30,7 +30,7 @@ struct Diagram {
     std::string
         subject{};  ///< the input, outcome, fact or resource; of Opaque and OpaqueSubtree: who touches what
     std::string detail{};  ///< the output that becomes the input; what both do with the fact or resource; why
-    std::uint32_t node = cdtn::kNone;  ///< of Opaque and OpaqueSubtree: who that is
+    std::uint32_t node = task_network::kNone;  ///< of Opaque and OpaqueSubtree: who that is
   };
   struct Dependency {
     std::uint32_t from = 0;
@@ -56,9 +56,9 @@ struct Diagram {
   bool complete = true;            ///< nothing is to come
   std::string waits_for;           ///< what must be known before it goes on; empty: only the horizon ended it
 
-  std::vector<cdtn::NamedActsAhead>
+  std::vector<task_network::NamedActsAhead>
       ahead{};  ///< shown below: what may happen although something earlier fails
-  std::vector<cdtn::NamedSensesAhead>
+  std::vector<task_network::NamedSensesAhead>
       senses_ahead{};          ///< likewise: what may sense before something earlier has acted
   bool ahead_complete = true;  ///< else only the first nodes were examined for this
 
@@ -76,21 +76,22 @@ std::string_view to_string(Diagram::Kind kind);
 std::string to_string(const Diagram::Cause& cause);
 
 /// The first `most` nodes, without `ahead`. `further`: what derive_order says of it.
-Diagram diagram_of(const cdtn::TaskNetwork& network, const cdtn::Order& order,
-                   const std::vector<cdtn::Dependency>& further, std::size_t most = cdtn::kNone);
+Diagram diagram_of(const task_network::TaskNetwork& network, const task_network::Order& order,
+                   const std::vector<task_network::Dependency>& further,
+                   std::size_t most = task_network::kNone);
 
 /// A line for each node and each node that it comes after; what is implied comes last, and is marked.
 std::string to_text(const Diagram& diagram);
 /// The same as a map.
 type::Value to_value(const Diagram& diagram);
 /// What may happen although something earlier fails, a line for each state or node that acts; "" if nothing.
-std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool complete);
+std::string ahead_text(const std::vector<task_network::NamedActsAhead>& ahead, bool complete);
 /// What may sense before something earlier has acted, a line for each state or node that senses; "" if
 /// nothing.
-std::string senses_text(const std::vector<cdtn::NamedSensesAhead>& senses);
+std::string senses_text(const std::vector<task_network::NamedSensesAhead>& senses);
 /// The same as lists.
-type::Value senses_value(const std::vector<cdtn::NamedSensesAhead>& senses);
-type::Value ahead_value(const std::vector<cdtn::NamedActsAhead>& ahead);
+type::Value senses_value(const std::vector<task_network::NamedSensesAhead>& senses);
+type::Value ahead_value(const std::vector<task_network::NamedActsAhead>& ahead);
 
 /// More are left out of pictures.
 inline constexpr std::size_t kMostDrawn = 1000;

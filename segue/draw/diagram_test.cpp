@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/cdtn/flat_file.hpp>
-#include <segue/cdtn/implied.hpp>
 #include <segue/draw/diagram.hpp>
+#include <segue/task_network/flat_file.hpp>
+#include <segue/task_network/implied.hpp>
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@
 namespace segue::draw {
 namespace {
 
-using namespace cdtn;
+using namespace task_network;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;

@@ -78,12 +78,13 @@ Value to_value(const Diagram& diagram, const Diagram::Dependency& dependency) {
 
 }  // namespace
 
-std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool complete) {
+std::string ahead_text(const std::vector<task_network::NamedActsAhead>& ahead, bool complete) {
   std::string text;
   const auto out = std::back_inserter(text);
   if (!ahead.empty())
     text = "In a concurrent run that is not strict, these may happen although something earlier fails:\n";
-  for (const cdtn::NamedActsAhead& each : std::span(ahead).first(std::min(ahead.size(), kMostListed))) {
+  for (const task_network::NamedActsAhead& each :
+       std::span(ahead).first(std::min(ahead.size(), kMostListed))) {
     const auto named = std::span(each.fails).first(std::min(each.fails.size(), kMostNamed));
     const std::size_t left = each.fails.size() - named.size();
     fmt::format_to(out, "    {}, although {}{}{} fails\n", each.acts, each.fails.size() > 1 ? "one of " : "",
@@ -96,11 +97,12 @@ std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool comp
   return text;
 }
 
-std::string senses_text(const std::vector<cdtn::NamedSensesAhead>& senses) {
+std::string senses_text(const std::vector<task_network::NamedSensesAhead>& senses) {
   std::string text;
   const auto out = std::back_inserter(text);
   if (!senses.empty()) text = "In a concurrent run these may sense before something earlier has been done:\n";
-  for (const cdtn::NamedSensesAhead& each : std::span(senses).first(std::min(senses.size(), kMostListed))) {
+  for (const task_network::NamedSensesAhead& each :
+       std::span(senses).first(std::min(senses.size(), kMostListed))) {
     const auto named = std::span(each.acts).first(std::min(each.acts.size(), kMostNamed));
     const std::size_t left = each.acts.size() - named.size();
     fmt::format_to(out, "    {}, before {}{}\n", each.senses, fmt::join(named, ", "),
@@ -111,17 +113,17 @@ std::string senses_text(const std::vector<cdtn::NamedSensesAhead>& senses) {
   return text;
 }
 
-Value senses_value(const std::vector<cdtn::NamedSensesAhead>& senses) {
+Value senses_value(const std::vector<task_network::NamedSensesAhead>& senses) {
   Value::List list;
-  for (const cdtn::NamedSensesAhead& each : senses)
+  for (const task_network::NamedSensesAhead& each : senses)
     list.push_back(Value::map(
         {{"senses", each.senses}, {"before", Value(Value::List(each.acts.begin(), each.acts.end()))}}));
   return list;
 }
 
-Value ahead_value(const std::vector<cdtn::NamedActsAhead>& ahead) {
+Value ahead_value(const std::vector<task_network::NamedActsAhead>& ahead) {
   Value::List list;
-  for (const cdtn::NamedActsAhead& each : ahead) {
+  for (const task_network::NamedActsAhead& each : ahead) {
     list.push_back(
         Value::map({{"happens", each.acts},
                     {"although_fails", Value(Value::List(each.fails.begin(), each.fails.end()))}}));

@@ -25,24 +25,25 @@ void Gantt::arrange() {
 
 namespace {
 
-Gantt::Node node_of(const cdtn::TaskNetwork& network, const cdtn::RunResult& result,
-                    const cdtn::WaitFinder& waits, cdtn::NodeId id) {
-  const cdtn::NodeResult& own = result.nodes[index(id)];
+Gantt::Node node_of(const task_network::TaskNetwork& network, const task_network::RunResult& result,
+                    const task_network::WaitFinder& waits, task_network::NodeId id) {
+  const task_network::NodeResult& own = result.nodes[index(id)];
   Gantt::Node node;
   node.name = network.label(id);
   node.kind = network[id].kind;
   node.status = own.status;
-  const bool ended = own.status != cdtn::NodeStatus::NotReached && own.status != cdtn::NodeStatus::Skipped;
+  const bool ended =
+      own.status != task_network::NodeStatus::NotReached && own.status != task_network::NodeStatus::Skipped;
   if (!ended) return node;
   node.outcome = network.outcomes.name(static_cast<std::uint32_t>(own.outcome));
-  node.speculative = own.status == cdtn::NodeStatus::Done && waits.was_speculative(id);
+  node.speculative = own.status == task_network::NodeStatus::Done && waits.was_speculative(id);
   node.waits = waits.of(id);
   return node;
 }
 
 /// Where the nodes of the network are in the drawing; kNone: nowhere.
-std::vector<std::uint32_t> places_of(std::span<const cdtn::NodeId> listed, std::size_t count) {
-  std::vector<std::uint32_t> places(count, cdtn::kNone);
+std::vector<std::uint32_t> places_of(std::span<const task_network::NodeId> listed, std::size_t count) {
+  std::vector<std::uint32_t> places(count, task_network::kNone);
   for (std::uint32_t i = 0; i < listed.size(); ++i)
     places[index(listed[i])] = i;
   return places;
@@ -50,9 +51,10 @@ std::vector<std::uint32_t> places_of(std::span<const cdtn::NodeId> listed, std::
 
 }  // namespace
 
-Gantt gantt_of(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
-               std::span<const cdtn::NodeId> listed, const cdtn::RunSummary& summary) {
-  const cdtn::WaitFinder waits(network, order, result);
+Gantt gantt_of(const task_network::TaskNetwork& network, const task_network::Order& order,
+               const task_network::RunResult& result, std::span<const task_network::NodeId> listed,
+               const task_network::RunSummary& summary) {
+  const task_network::WaitFinder waits(network, order, result);
   Gantt gantt;
   gantt.name = network.name;
   gantt.outcome = outcome_of(result);
@@ -60,29 +62,29 @@ Gantt gantt_of(const cdtn::TaskNetwork& network, const cdtn::Order& order, const
   gantt.summary = summary;
   gantt.statistics = result.statistics;
   for (std::uint32_t i = 0; i < network.resources.size(); ++i)
-    gantt.resources.push_back({network.resources.name(cdtn::ResourceId{i})});
+    gantt.resources.push_back({network.resources.name(task_network::ResourceId{i})});
   const auto places = places_of(listed, result.nodes.size());
-  const auto place = [&](cdtn::NodeId node) {
-    return index(node) < places.size() ? places[index(node)] : cdtn::kNone;
+  const auto place = [&](task_network::NodeId node) {
+    return index(node) < places.size() ? places[index(node)] : task_network::kNone;
   };
-  for (const cdtn::NodeId id : listed) {
-    const cdtn::NodeResult& own = result.nodes[index(id)];
+  for (const task_network::NodeId id : listed) {
+    const task_network::NodeResult& own = result.nodes[index(id)];
     Gantt::Node node = node_of(network, result, waits, id);
-    for (cdtn::Wait& wait : node.waits)
-      wait.node = cdtn::NodeId{place(wait.node)};
-    for (const cdtn::Claim& claim : network.claims(id)) {
+    for (task_network::Wait& wait : node.waits)
+      wait.node = task_network::NodeId{place(wait.node)};
+    for (const task_network::Claim& claim : network.claims(id)) {
       if (std::ranges::find(node.resources, index(claim.resource)) == node.resources.end())
         node.resources.push_back(index(claim.resource));
     }
     if (own.attempts > 0 && !node.outcome.empty()) gantt.bars.push_back({place(id), own.started, own.ended});
     gantt.nodes.push_back(std::move(node));
   }
-  for (const cdtn::WastedRun& run : result.wasted) {
-    if (place(run.node) != cdtn::kNone)
+  for (const task_network::WastedRun& run : result.wasted) {
+    if (place(run.node) != task_network::kNone)
       gantt.bars.push_back({place(run.node), run.started, run.ended, 0, true});
   }
-  for (const cdtn::NodeId node : waits.critical_chain()) {
-    if (place(node) != cdtn::kNone) gantt.nodes[place(node)].critical = true;
+  for (const task_network::NodeId node : waits.critical_chain()) {
+    if (place(node) != task_network::kNone) gantt.nodes[place(node)].critical = true;
   }
   gantt.arrange();
   return gantt;

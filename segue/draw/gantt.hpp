@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/report.hpp>
+#include <segue/task_network/run_report.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -26,11 +26,11 @@ struct Gantt {
   struct Node {
     std::string name;
     ActionClass kind = ActionClass::Irreversible;
-    cdtn::NodeStatus status = cdtn::NodeStatus::NotReached;
+    task_network::NodeStatus status = task_network::NodeStatus::NotReached;
     std::string outcome{};     ///< empty if it did not end
     bool critical = false;     ///< on the chain of nodes that determined the makespan
     bool speculative = false;  ///< the run that counts began before it was certain to count
-    std::vector<cdtn::Wait> waits{};
+    std::vector<task_network::Wait> waits{};
     std::vector<std::uint32_t> resources{};
     std::vector<std::uint32_t> bars{};  ///< from arrange()
   };
@@ -42,8 +42,8 @@ struct Gantt {
   std::string name;
   std::string outcome;
   Duration makespan{};
-  cdtn::RunSummary summary;
-  cdtn::RunStatistics statistics;
+  task_network::RunSummary summary;
+  task_network::RunStatistics statistics;
   std::vector<Node> nodes;  ///< in program order
   std::vector<Bar> bars;    ///< by their start
   std::vector<Resource> resources;
@@ -53,8 +53,9 @@ struct Gantt {
 };
 
 /// Of the nodes that are `listed`, in program order.
-Gantt gantt_of(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
-               std::span<const cdtn::NodeId> listed, const cdtn::RunSummary& summary);
+Gantt gantt_of(const task_network::TaskNetwork& network, const task_network::Order& order,
+               const task_network::RunResult& result, std::span<const task_network::NodeId> listed,
+               const task_network::RunSummary& summary);
 
 /// An SVG drawing by node and by resource, with waits, speculative and discarded runs, and the critical
 /// chain. Times are in seconds.

@@ -25,15 +25,15 @@ std::uint64_t number(Number value) {
   return static_cast<std::uint64_t>(value);
 }
 
-Value wait_value(const cdtn::Wait& wait) {
-  const bool somebody = index(wait.node) != cdtn::kNone;
+Value wait_value(const task_network::Wait& wait) {
+  const bool somebody = index(wait.node) != task_network::kNone;
   return Value::List{number(wait.kind), somebody ? Value(number(wait.node)) : Value(std::int64_t{-1}),
                      wait.subject, in_seconds(wait.from), in_seconds(wait.until)};
 }
 
 Value node_value(const Gantt::Node& node) {
   Value::List waits;
-  for (const cdtn::Wait& wait : node.waits)
+  for (const task_network::Wait& wait : node.waits)
     waits.push_back(wait_value(wait));
   Value::List resources;
   for (const std::uint32_t resource : node.resources)

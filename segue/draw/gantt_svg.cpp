@@ -47,7 +47,7 @@ class Drawing {
   static double seconds_of(Duration duration) { return std::chrono::duration<double>(duration).count(); }
   static double seconds(TimePoint time) { return seconds_of(time.time_since_epoch()); }
   static bool is_unwanted(const Gantt::Node& node) {
-    return node.status == cdtn::NodeStatus::Skipped && node.bars.empty();
+    return node.status == task_network::NodeStatus::Skipped && node.bars.empty();
   }
   [[nodiscard]] std::string head() const {
     std::string text =
@@ -68,17 +68,17 @@ class Drawing {
     svg::rect(out_, x(from), y, std::max(1.0, x(until) - x(from)), height, style, title);
   }
 
-  static std::string_view wait_colour(cdtn::Wait::Kind kind) {
+  static std::string_view wait_colour(task_network::Wait::Kind kind) {
     switch (kind) {
-      case cdtn::Wait::Kind::Data:
+      case task_network::Wait::Kind::Data:
         return "fill='#9ecae1'";
-      case cdtn::Wait::Kind::Condition:
+      case task_network::Wait::Kind::Condition:
         return "fill='#c994c7'";
-      case cdtn::Wait::Kind::World:
+      case task_network::Wait::Kind::World:
         return "fill='#a1d99b'";
-      case cdtn::Wait::Kind::Resource:
+      case task_network::Wait::Kind::Resource:
         return "fill='#fdae6b'";
-      case cdtn::Wait::Kind::Turn:
+      case task_network::Wait::Kind::Turn:
         break;
     }
     return "fill='#c7c7c7'";
@@ -123,12 +123,12 @@ class Drawing {
   void by_node() {
     for (const Gantt::Node& node : gantt_.nodes) {
       if (is_unwanted(node)) continue;
-      const bool done = node.status == cdtn::NodeStatus::Done;
+      const bool done = node.status == task_network::NodeStatus::Done;
       text(4, y_ + 11, svg::shortened(node.name, kLongest),
-           done                                      ? ""
-           : node.status == cdtn::NodeStatus::Failed ? "fill='#d62728'"
-                                                     : "fill='#999'");
-      for (const cdtn::Wait& wait : node.waits)
+           done                                              ? ""
+           : node.status == task_network::NodeStatus::Failed ? "fill='#d62728'"
+                                                             : "fill='#999'");
+      for (const task_network::Wait& wait : node.waits)
         draw_wait(wait);
       for (const std::uint32_t one : node.bars)
         run(gantt_.bars[one], node.critical);
@@ -139,8 +139,9 @@ class Drawing {
     y_ += kRow;
   }
 
-  void draw_wait(const cdtn::Wait& wait) {
-    const std::string whom = index(wait.node) == cdtn::kNone ? "" : gantt_.nodes[index(wait.node)].name;
+  void draw_wait(const task_network::Wait& wait) {
+    const std::string whom =
+        index(wait.node) == task_network::kNone ? "" : gantt_.nodes[index(wait.node)].name;
     bar(seconds(wait.from), seconds(wait.until), y_ + 5, 4, wait_colour(wait.kind),
         fmt::format("waits for {}, until {:.2f} s", to_string(wait, whom), seconds(wait.until)));
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/cdtn/concurrent_engine.hpp>
-#include <segue/cdtn/flat_file.hpp>
-#include <segue/cdtn/priority.hpp>
-#include <segue/cdtn/sequential.hpp>
 #include <segue/draw/gantt.hpp>
 #include <segue/mission/action.hpp>
+#include <segue/task_network/concurrent_engine.hpp>
+#include <segue/task_network/flat_file.hpp>
+#include <segue/task_network/priority.hpp>
+#include <segue/task_network/sequential.hpp>
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@
 namespace segue::draw {
 namespace {
 
-using namespace cdtn;
+using namespace task_network;
 using std::chrono::seconds;
 using testing::ElementsAre;
 using testing::HasSubstr;

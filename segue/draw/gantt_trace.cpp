@@ -41,7 +41,7 @@ std::string to_trace(const Gantt& gantt) {
     Value event = trace_event(gantt, bar, 1, bar.lane);
     ValueMap details;
     details.set("wasted", bar.wasted);
-    for (const cdtn::Wait& wait : gantt.nodes[bar.node].waits)
+    for (const task_network::Wait& wait : gantt.nodes[bar.node].waits)
       details.set(std::string(to_string(wait.kind)), wait.subject);
     event.as_map().set("args", std::move(details));
     events.push_back(std::move(event));

@@ -10,14 +10,15 @@ namespace segue::draw {
 
 namespace {
 
-using cdtn::kNone;
 using mission::History;
 using mission::StateKind;
+using task_network::kNone;
 
-cdtn::NodeStatus status_of(const History::Item& item) {
-  if (!item.ended) return cdtn::NodeStatus::NotReached;
-  if (item.outcome == mission::kAborted) return cdtn::NodeStatus::Failed;
-  return item.outcome == mission::kPreempted ? cdtn::NodeStatus::Preempted : cdtn::NodeStatus::Done;
+task_network::NodeStatus status_of(const History::Item& item) {
+  if (!item.ended) return task_network::NodeStatus::NotReached;
+  if (item.outcome == mission::kAborted) return task_network::NodeStatus::Failed;
+  return item.outcome == mission::kPreempted ? task_network::NodeStatus::Preempted
+                                             : task_network::NodeStatus::Done;
 }
 
 class MachineGantt {
@@ -129,9 +130,9 @@ class MachineGantt {
   }
 
   /// The wait begins when the previous leaf began.
-  [[nodiscard]] cdtn::Wait wait_for(std::uint32_t before, TimePoint until) const {
+  [[nodiscard]] task_network::Wait wait_for(std::uint32_t before, TimePoint until) const {
     const History::Item& item = items()[before];
-    return {cdtn::Wait::Kind::Condition, cdtn::NodeId{places_[before].node},
+    return {task_network::Wait::Kind::Condition, task_network::NodeId{places_[before].node},
             program_.outcome_name(item.state, item.outcome), since_begin(item.began), until};
   }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/draw/gantt.hpp>
-#include <segue/mission/history.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission_engine/history.hpp>
 
 #include <string>
 

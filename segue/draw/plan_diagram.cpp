@@ -36,11 +36,12 @@ void name_causes(Diagram::Node& node, const MissionPlan& plan, const PlannedNode
   for (Diagram::Dependency& dependency : node.before) {
     for (Diagram::Cause& cause : dependency.causes) {
       if (cause.kind == Diagram::Kind::Data) {
-        const PlannedNode& from = plan[cdtn::NodeId{dependency.from}];
+        const PlannedNode& from = plan[task_network::NodeId{dependency.from}];
         const bool global = from.role == Role::Global;
         cause.subject = global ? "default" : readable(cause.subject, plan, planned);
         cause.detail = readable(cause.detail, plan, from);
-      } else if (cause.kind == Diagram::Kind::Opaque && plan[cdtn::NodeId{cause.node}].role == Role::Global) {
+      } else if (cause.kind == Diagram::Kind::Opaque &&
+                 plan[task_network::NodeId{cause.node}].role == Role::Global) {
         cause.detail = "it reads a global variable, which anything may write";
       }
     }
@@ -67,11 +68,12 @@ Diagram::Role role_of(Role role, Diagram::Role otherwise) {
 }  // namespace
 
 Diagram diagram_of(const MissionPlan& plan) {
-  std::vector<cdtn::Dependency> further;
-  const cdtn::Order order = cdtn::derive_order(plan.network(), cdtn::OrderRule::Epoch, &further);
+  std::vector<task_network::Dependency> further;
+  const task_network::Order order =
+      task_network::derive_order(plan.network(), task_network::OrderRule::Epoch, &further);
   Diagram diagram = diagram_of(plan.network(), order, further);
   for (std::uint32_t i = 0; i < diagram.nodes.size(); ++i) {
-    const PlannedNode& planned = plan[cdtn::NodeId{i}];
+    const PlannedNode& planned = plan[task_network::NodeId{i}];
     Diagram::Node& node = diagram.nodes[i];
     node.role = role_of(planned.role, node.role);
     if (planned.role != Role::Action) node.note = note_of(plan, planned);

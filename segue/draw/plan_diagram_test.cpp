@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a mission becomes and why: a mission for each reason.
-#include <segue/convert/run.hpp>
+#include <segue/convert/concurrent_run.hpp>
 #include <segue/draw/plan_diagram.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 
 #include <gmock/gmock.h>
 

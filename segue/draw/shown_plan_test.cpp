@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/run.hpp>
+#include <segue/convert/concurrent_run.hpp>
 #include <segue/draw/plan_diagram.hpp>
 #include <segue/draw/shown_plan.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>

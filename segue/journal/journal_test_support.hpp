@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/journal/journal.hpp>
-#include <segue/journal/reader.hpp>
+#include <segue/journal/journal_reader.hpp>
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/journal/journal_report.hpp>
 #include <segue/journal/past.hpp>
-#include <segue/journal/report.hpp>
 #include <segue/journal/rows.hpp>
 #include <segue/journal/schema.hpp>
 
@@ -42,13 +42,13 @@ Error wrong(std::string_view name, std::string_view what) {
   return fail(ErrorCode::InvalidArgument, quote(name) + " " + std::string(what));
 }
 
-/// A whole number from 0 on.
+/// A non-negative integer.
 Result<std::int64_t> whole(const Value& question, std::string_view name, std::int64_t otherwise) {
   const Value* value = question.find(name);
   if (value == nullptr) return otherwise;
   if (!value->is_integer() || (value->kind() == Value::Kind::Int && value->as_int() < 0) ||
       (value->kind() == Value::Kind::UInt && value->as_uint() > (std::uint64_t{1} << 62U)))
-    return wrong(name, "must be a whole number from 0 on");
+    return wrong(name, "must be a non-negative integer");
   return static_cast<std::int64_t>(value->as_uint());
 }
 

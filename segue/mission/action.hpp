@@ -6,8 +6,8 @@
 #include <segue/base/error.hpp>
 #include <segue/base/id.hpp>
 #include <segue/mission/controller_use.hpp>
+#include <segue/mission/mission_port.hpp>
 #include <segue/mission/pool_call.hpp>
-#include <segue/mission/port.hpp>
 #include <segue/type/value.hpp>
 
 #include <algorithm>

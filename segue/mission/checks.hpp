@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
-#include <segue/mission/index.hpp>
+#include <segue/mission/mission_index.hpp>
 
 #include <cstdint>
 #include <span>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/footprint.hpp>
-#include <segue/mission/parts.hpp>
+#include <segue/mission/mission_file_parts.hpp>
 #include <segue/model/condition_parts.hpp>
 
 #include <utility>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/mission/port.hpp>
+#include <segue/mission/mission_port.hpp>
 #include <segue/model/robot_condition.hpp>
 #include <segue/type/value.hpp>
 

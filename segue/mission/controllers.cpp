@@ -2,7 +2,7 @@
 #include <segue/mission/controllers.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/mission/pools.hpp>
+#include <segue/mission/pool_actions.hpp>
 
 #include <algorithm>
 #include <map>

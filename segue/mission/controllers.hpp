@@ -4,7 +4,7 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/mission/mission.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 
 #include <functional>

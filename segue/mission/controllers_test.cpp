@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/controllers.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 #include <segue/mission/program.hpp>
 
 #include <gmock/gmock.h>

@@ -2,7 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/checks.hpp>
 #include <segue/mission/declared_data.hpp>
-#include <segue/mission/parts.hpp>
+#include <segue/mission/mission_file_parts.hpp>
 
 #include <algorithm>
 #include <cmath>

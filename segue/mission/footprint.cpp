@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/footprint.hpp>
-#include <segue/mission/index.hpp>
 #include <segue/mission/kept_units.hpp>
+#include <segue/mission/mission_index.hpp>
 #include <segue/type/json.hpp>
 
 #include <algorithm>

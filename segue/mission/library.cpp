@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 #include <segue/model/reader.hpp>
 
 #include <algorithm>

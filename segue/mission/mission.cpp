@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/mission/history.hpp>
 #include <segue/mission/mission.hpp>
 
 namespace segue::mission {
@@ -53,16 +52,6 @@ std::string Mission::path(StateIndex state) const {
   std::vector<const std::string*> ids;
   for (; state != kNoState && states[state].parent != kNoState; state = states[state].parent)
     ids.push_back(&states[state].id.str());
-  return joined(ids);
-}
-
-std::string History::path(const Program& program, std::uint32_t item) const {
-  std::vector<const std::string*> ids;
-  for (; item != kNone; item = items_[item].parent) {
-    // The root of a library has no path element of its own.
-    const StateIndex state = items_[item].state;
-    if (program.node(state).parent != kNoState) ids.push_back(&program.state(state).id.str());
-  }
   return joined(ids);
 }
 

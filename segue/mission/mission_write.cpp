@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/mission/files.hpp>
-#include <segue/mission/parts.hpp>
+#include <segue/mission/mission_file_parts.hpp>
+#include <segue/mission/mission_io.hpp>
 #include <segue/type/yaml.hpp>
 
 namespace segue::mission {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/mission/parts.hpp>
+#include <segue/mission/mission_file_parts.hpp>
 
 #include <utility>
 

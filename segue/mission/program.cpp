@@ -2,10 +2,10 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/checks.hpp>
 #include <segue/mission/controllers.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/index.hpp>
 #include <segue/mission/kept_units.hpp>
-#include <segue/mission/pools.hpp>
+#include <segue/mission/mission_index.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission/pool_actions.hpp>
 #include <segue/mission/program.hpp>
 
 #include <algorithm>

@@ -36,7 +36,7 @@ UnitChanges unit_changes(const type::ValueMap& map);
 
 /// How many units of each resource there are while a mission runs as written, and which of them executions
 /// hold. A resource that is not counted has one unit. An execution gets all that it asks for or nothing. The
-/// same rules as those of cdtn::ResourcePool. Not thread safe.
+/// same rules as those of task_network::ResourcePool. Not thread safe.
 class Units {
  public:
   using Counts = std::map<std::string, std::uint32_t, std::less<>>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/checks.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 
 #include <algorithm>
 #include <compare>

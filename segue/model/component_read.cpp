@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/component_parts.hpp>
-#include <segue/model/parts.hpp>
+#include <segue/model/file_parts.hpp>
 #include <segue/model/port_pattern.hpp>
 
 #include <algorithm>

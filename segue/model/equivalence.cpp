@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/base/utf8.hpp>
+#include <segue/model/file_parts.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/network.hpp>
-#include <segue/model/parts.hpp>
 #include <segue/type/json.hpp>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/component_parts.hpp>
+#include <segue/model/file_parts.hpp>
 #include <segue/model/files.hpp>
-#include <segue/model/parts.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot_condition.hpp>
 #include <segue/type/value.hpp>

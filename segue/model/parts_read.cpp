@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/model/parts.hpp>
+#include <segue/model/file_parts.hpp>
 
 #include <algorithm>
 #include <utility>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/model/parts.hpp>
+#include <segue/model/file_parts.hpp>
 
 namespace segue::model::detail {
 

@@ -2,8 +2,8 @@
 #include <segue/model/pools.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/model/file_parts.hpp>
 #include <segue/model/network_index.hpp>
-#include <segue/model/parts.hpp>
 
 #include <map>
 #include <utility>

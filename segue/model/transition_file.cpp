@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/model/file_parts.hpp>
 #include <segue/model/files.hpp>
-#include <segue/model/parts.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <limits>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/file_parts.hpp>
 #include <segue/model/network_index.hpp>
-#include <segue/model/parts.hpp>
 
 #include <algorithm>
 #include <tuple>

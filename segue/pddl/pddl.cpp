@@ -17,15 +17,15 @@ std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics) 
   return terms->front().list[1].begins_with("problem") ? PddlPart::Problem : PddlPart::Domain;
 }
 
-std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
-                                           const PddlText& plan, Diagnostics& diagnostics) {
+std::optional<task_network::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
+                                                   const PddlText& plan, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.error_count();
   const auto failed = [&] { return diagnostics.error_count() > before; };
   const auto domain_terms = detail::parse_pddl(domain.text, domain.file, diagnostics);
   const auto problem_terms = detail::parse_pddl(problem.text, problem.file, diagnostics);
   const auto steps = detail::parse_plan(plan.text, plan.file, diagnostics);
   if (!domain_terms || !problem_terms || !steps) return std::nullopt;
-  std::optional<cdtn::TaskNetwork> network(std::in_place);
+  std::optional<task_network::TaskNetwork> network(std::in_place);
   detail::PddlTask task(*network, diagnostics);
   // What is wrong in one text makes others look wrong.
   task.read_domain(*domain_terms);
@@ -35,9 +35,10 @@ std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlTex
   return network;
 }
 
-std::optional<cdtn::TaskNetwork> load_pddl(const std::filesystem::path& domain,
-                                           const std::filesystem::path& problem,
-                                           const std::filesystem::path& plan, Diagnostics& diagnostics) {
+std::optional<task_network::TaskNetwork> load_pddl(const std::filesystem::path& domain,
+                                                   const std::filesystem::path& problem,
+                                                   const std::filesystem::path& plan,
+                                                   Diagnostics& diagnostics) {
   std::string texts[3];
   const std::filesystem::path* files[3] = {&domain, &problem, &plan};
   for (std::size_t i = 0; i < 3; ++i) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
-#include <segue/cdtn/task_network.hpp>
+#include <segue/task_network/task_network.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -30,11 +30,12 @@ std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics);
 /// its place in the plan, with the facts that decide it as preconditions. The plan is simulated step by step:
 /// a precondition or a goal that does not hold is an error with its place. If there are errors, nothing is
 /// returned.
-std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
-                                           const PddlText& plan, Diagnostics& diagnostics);
+std::optional<task_network::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
+                                                   const PddlText& plan, Diagnostics& diagnostics);
 /// Likewise from files. Blocks.
-std::optional<cdtn::TaskNetwork> load_pddl(const std::filesystem::path& domain,
-                                           const std::filesystem::path& problem,
-                                           const std::filesystem::path& plan, Diagnostics& diagnostics);
+std::optional<task_network::TaskNetwork> load_pddl(const std::filesystem::path& domain,
+                                                   const std::filesystem::path& problem,
+                                                   const std::filesystem::path& plan,
+                                                   Diagnostics& diagnostics);
 
 }  // namespace segue::pddl

@@ -41,7 +41,7 @@ void PddlTask::read_domain(const std::vector<PddlTerm>& terms) {
 
 void PddlTask::read_types(const PddlTerm& section) {
   for (const PddlTyped& type : read_typed_list(section.list, 1, diagnostics_)) {
-    if (type.name == cdtn::FactTable::kObject) continue;
+    if (type.name == task_network::FactTable::kObject) continue;
     const auto declared = network_.facts.declare_type(type.name, type.types.front());
     if (!declared) error("bad-type", declared.error().message, type.where);
   }
@@ -195,7 +195,7 @@ std::string PddlTask::value_of(const PddlTerm& term, const Binding& binding) {
   return {};
 }
 
-std::optional<cdtn::FactId> PddlTask::ground(const PddlTerm& atom, const Binding& binding) {
+std::optional<task_network::FactId> PddlTask::ground(const PddlTerm& atom, const Binding& binding) {
   if (atom.list.empty() || atom.list.front().word.empty()) {
     error("bad-fact", "a fact is a list of a predicate and its arguments", atom.where);
     return std::nullopt;
@@ -216,7 +216,7 @@ std::optional<cdtn::FactId> PddlTask::ground(const PddlTerm& atom, const Binding
 
 /// Collects a conjunction of literals. An equality that does not hold is an error of the plan.
 void PddlTask::collect(const PddlTerm& condition, const Binding& binding, bool positive,
-                       std::vector<cdtn::Literal>& literals) {
+                       std::vector<task_network::Literal>& literals) {
   if (condition.is_list() && condition.list.empty()) return;
   if (condition.begins_with("and") && positive) {
     for (std::size_t i = 1; i < condition.list.size(); ++i)
@@ -233,7 +233,7 @@ void PddlTask::collect(const PddlTerm& condition, const Binding& binding, bool p
   if (const auto fact = ground(condition, binding)) literals.push_back({*fact, positive});
 }
 
-void PddlTask::demand(Step& step, const cdtn::Literal& literal) {
+void PddlTask::demand(Step& step, const task_network::Literal& literal) {
   auto& all = step.spec.preconditions;
   if (std::ranges::find(all, literal) == all.end()) all.push_back(literal);
 }
@@ -257,14 +257,14 @@ void PddlTask::add_effect(const PddlTerm& effect, const Binding& binding, Step& 
 /// one.
 void PddlTask::add_conditional(const PddlTerm& effect, const Binding& binding, Step& step) {
   if (effect.list.size() != 3) return error("bad-effect", "expected (when CONDITION EFFECT)", effect.where);
-  std::vector<cdtn::Literal> condition;
+  std::vector<task_network::Literal> condition;
   const std::size_t before = diagnostics_.error_count();
   collect(effect.list[1], binding, true, condition);
   if (diagnostics_.error_count() > before) return;
   const auto unmet = std::ranges::find_if(
-      condition, [&](const cdtn::Literal& literal) { return !step.before.holds(literal); });
+      condition, [&](const task_network::Literal& literal) { return !step.before.holds(literal); });
   if (unmet != condition.end()) return demand(step, {unmet->fact, !unmet->value});
-  for (const cdtn::Literal& literal : condition)
+  for (const task_network::Literal& literal : condition)
     demand(step, literal);
   add_effect(effect.list[2], binding, step);
 }
@@ -306,7 +306,7 @@ void PddlTask::read_plan(const std::vector<PddlTerm>& steps) {
   std::uint32_t number = 0;
   for (const PddlTerm& step : steps)
     read_step(step, number++);
-  for (const cdtn::Literal& literal : network_.goal) {
+  for (const task_network::Literal& literal : network_.goal) {
     if (!world_.holds(literal)) {
       error("goal-missed", "the plan does not reach the goal " + network_.facts.text(literal),
             steps.empty() ? SourceLocation{} : steps.back().where);
@@ -328,15 +328,15 @@ void PddlTask::read_step(const PddlTerm& term, std::uint32_t number) {
   step.spec.duration = std::chrono::seconds(1);
   collect(found->second.precondition, binding, true, step.spec.preconditions);
   add_effect(found->second.effect, binding, step);
-  for (const cdtn::Literal& literal : step.spec.preconditions) {
+  for (const task_network::Literal& literal : step.spec.preconditions) {
     if (!world_.holds(literal))
       error("false-precondition", network_.facts.text(literal) + " does not hold before this step",
             term.where);
   }
-  for (const cdtn::Literal& literal : step.spec.effects) {
+  for (const task_network::Literal& literal : step.spec.effects) {
     if (!literal.value) world_.set(literal);
   }
-  for (const cdtn::Literal& literal : step.spec.effects) {
+  for (const task_network::Literal& literal : step.spec.effects) {
     if (literal.value) world_.set(literal);
   }
   network_.append(step.spec);

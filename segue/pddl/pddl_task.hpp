@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/task_network.hpp>
 #include <segue/pddl/pddl_forms.hpp>
 #include <segue/pddl/pddl_text.hpp>
+#include <segue/task_network/task_network.hpp>
 
 #include <map>
 #include <string>
@@ -16,7 +16,7 @@ namespace segue::pddl::detail {
 /// simulated step by step. Internal to read_pddl.
 class PddlTask {
  public:
-  PddlTask(cdtn::TaskNetwork& network, Diagnostics& diagnostics)
+  PddlTask(task_network::TaskNetwork& network, Diagnostics& diagnostics)
       : network_(network), diagnostics_(diagnostics) {}
   void read_domain(const std::vector<PddlTerm>& terms);
   void read_problem(const std::vector<PddlTerm>& terms);
@@ -32,8 +32,8 @@ class PddlTask {
   };
   /// A step of the plan, with the world before it.
   struct Step {
-    cdtn::NodeSpec spec;
-    cdtn::VersionedWorld before;
+    task_network::NodeSpec spec;
+    task_network::VersionedWorld before;
   };
 
   void error(std::string code, std::string message, const SourceLocation& where);
@@ -49,23 +49,23 @@ class PddlTask {
   void read_step(const PddlTerm& term, std::uint32_t number);
   bool bind(const Action& action, const PddlTerm& term, Binding& binding);
 
-  std::optional<cdtn::FactId> ground(const PddlTerm& atom, const Binding& binding);
+  std::optional<task_network::FactId> ground(const PddlTerm& atom, const Binding& binding);
   std::string value_of(const PddlTerm& term, const Binding& binding);
   void collect(const PddlTerm& condition, const Binding& binding, bool positive,
-               std::vector<cdtn::Literal>& literals);
+               std::vector<task_network::Literal>& literals);
   void add_effect(const PddlTerm& effect, const Binding& binding, Step& step);
   void add_conditional(const PddlTerm& effect, const Binding& binding, Step& step);
   void add_for_all(const PddlTerm& effect, const Binding& binding, Step& step, std::size_t variable = 0);
-  void demand(Step& step, const cdtn::Literal& literal);
+  void demand(Step& step, const task_network::Literal& literal);
 
-  cdtn::TaskNetwork& network_;
+  task_network::TaskNetwork& network_;
   Diagnostics& diagnostics_;
   std::unordered_map<std::string, Action> actions_;
   std::vector<std::string> objects_;
   std::string domain_;
   PddlForms::Arities arities_;
   std::map<std::string, std::vector<std::string>> constants_;  ///< with their types
-  cdtn::VersionedWorld world_;
+  task_network::VersionedWorld world_;
 };
 
 }  // namespace segue::pddl::detail

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
-#include <segue/cdtn/concurrent_engine.hpp>
-#include <segue/cdtn/critical_path.hpp>
-#include <segue/cdtn/flat_file.hpp>
-#include <segue/cdtn/simulation.hpp>
 #include <segue/pddl/pddl.hpp>
+#include <segue/task_network/concurrent_engine.hpp>
+#include <segue/task_network/critical_path.hpp>
+#include <segue/task_network/flat_file.hpp>
+#include <segue/task_network/simulated_environment.hpp>
 #include <support/shared_data.hpp>
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@
 namespace segue::pddl {
 namespace {
 
-using namespace cdtn;
+using namespace task_network;
 std::int64_t seconds(Duration duration) {
   return duration / std::chrono::seconds(1);
 }

@@ -11,10 +11,10 @@ namespace segue::runtime::detail {
 namespace {
 
 /// Whether a computer was lost or found after that moment.
-bool any_came_or_went_since(TimePoint begin, const host::TaskHost& host) {
+bool any_came_or_went_since(TimePoint begin, const task_host::TaskHost& host) {
   const auto computers = host.computers();
   const Duration elapsed = RealClock::instance().now() - begin;
-  return std::any_of(computers.begin(), computers.end(), [&](const host::ComputerReport& computer) {
+  return std::any_of(computers.begin(), computers.end(), [&](const task_host::ComputerReport& computer) {
     return computer.name != model::kLocalHost && computer.since < elapsed;
   });
 }
@@ -124,7 +124,7 @@ void Belief::adopt_assumed(model::Network network) {
   assumed_ = true;
 }
 
-void Belief::on_event(const host::TaskEvent& event) {
+void Belief::on_event(const task_host::TaskEvent& event) {
   const std::lock_guard lock(mutex_);
   reported_.insert_or_assign(event.task, std::pair(++task_events_, event.state));
   set_state(event.task, event.state);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
 #include <segue/model/network.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <cstdint>
 #include <map>
@@ -41,7 +41,7 @@ BeliefState split_observation(model::Network seen, const model::Network& control
 /// is the only call out of this class, and the mutex is not held meanwhile.
 class Belief {
  public:
-  explicit Belief(const host::TaskHost& host) : host_(host) {}
+  explicit Belief(const task_host::TaskHost& host) : host_(host) {}
 
   /// Taken while no computer was lost or found: what is there is either wholly in the snapshot or not at all.
   [[nodiscard]] Observation observe() const;
@@ -60,7 +60,7 @@ class Belief {
   bool refresh(BeliefState seen, const Observation& observed);
   /// Replaces the belief by a network given by the user.
   void adopt_assumed(model::Network network);
-  void on_event(const host::TaskEvent& event);
+  void on_event(const task_host::TaskEvent& event);
 
   /// The network that a new request starts from: the assumed one, else a snapshot. Its name is the
   /// controller's.
@@ -72,7 +72,7 @@ class Belief {
   void hold(BeliefState state);
   void set_state(const model::TaskId& id, TaskState state);
 
-  const host::TaskHost& host_;
+  const task_host::TaskHost& host_;
   mutable std::mutex mutex_;  ///< protects all members below
   BeliefState held_;
   std::unordered_multimap<model::TaskId, TaskState*>

@@ -2,7 +2,7 @@
 //
 // Requests that are cancelled: before each action, behind the point of commit, while they are undone.
 #include <segue/model/network_sets.hpp>
-#include <segue/runtime/robot_service.hpp>
+#include <segue/runtime/runtime_service.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <support/eventually.hpp>
@@ -343,8 +343,9 @@ TEST(Cancel, ends_with_the_runtime) {
 /// runs is known.
 TEST(Cancel, together_with_a_fault_ends_in_the_old_network_or_says_what_runs) {
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
-  host::LocalTaskHost tasks{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost tasks{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   segue::testing::FaultyHost faulty{tasks};
   AskingHost host{faulty};
   Runtime runtime{"robot", host, catalog};

@@ -12,7 +12,7 @@ void ChangeCount::add() noexcept {
 
 void ChangeCount::watch(std::uint64_t seen, const Wait& wait,
                         std::function<void(Result<std::uint64_t>)> answered) {
-  using End = host::detail::Watches::End;
+  using End = task_host::detail::Watches::End;
   watches_.add(wait, [this, seen, answered = std::move(answered)](End end) {
     const std::uint64_t now = count_.load(std::memory_order_seq_cst);
     if (end == End::No && now == seen) return false;

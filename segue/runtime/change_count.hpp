@@ -3,7 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
-#include <segue/host/watches.hpp>
+#include <segue/task_host/watches.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -25,7 +25,7 @@ class ChangeCount {
 
  private:
   std::atomic<std::uint64_t> count_{1};
-  host::detail::Watches watches_{std::chrono::hours(1), "segue-changes"};  ///< every change rings
+  task_host::detail::Watches watches_{std::chrono::hours(1), "segue-changes"};  ///< every change rings
 };
 
 }  // namespace segue::runtime::detail

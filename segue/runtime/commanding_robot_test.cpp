@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/runtime/robot_service.hpp>
+#include <segue/runtime/runtime_service.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <gmock/gmock.h>
@@ -176,14 +176,14 @@ TEST_F(CommandedRuntime, CanBeTakenOver) {
 }
 
 TEST_F(CommandedRuntime, TellsItsHolderWhatOthersWant) {
-  EXPECT_EQ(runtime_.ask_holder("pause").error().code, ErrorCode::NotFound);
+  EXPECT_EQ(runtime_.send_command("pause").error().code, ErrorCode::NotFound);
   const auto lease = *runtime_.take_lease("mission patrol");
-  EXPECT_EQ(runtime_.ask_holder("dance").error().code, ErrorCode::InvalidArgument);
-  EXPECT_EQ(*runtime_.ask_holder("pause"), 1U);
-  EXPECT_EQ(*runtime_.ask_holder("resume"), 2U);
-  EXPECT_THAT(runtime_.take_asked(lease), ElementsAre(control::HolderRequest{2, "resume", {}}))
+  EXPECT_EQ(runtime_.send_command("dance").error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(*runtime_.send_command("pause"), 1U);
+  EXPECT_EQ(*runtime_.send_command("resume"), 2U);
+  EXPECT_THAT(runtime_.take_commands(lease), ElementsAre(control::HolderRequest{2, "resume", {}}))
       << "the latest counts";
-  EXPECT_THAT(runtime_.take_asked(lease), IsEmpty());
+  EXPECT_THAT(runtime_.take_commands(lease), IsEmpty());
   EXPECT_TRUE(runtime_.report(lease, "driving"));
   EXPECT_EQ(runtime_.reported(), type::Value("driving"));
   runtime_.end_lease(lease);

@@ -19,7 +19,7 @@ TimePoint now() {
 
 }  // namespace
 
-ConditionWatch::ConditionWatch(host::TaskHost& host, model::RobotCondition condition, From from,
+ConditionWatch::ConditionWatch(task_host::TaskHost& host, model::RobotCondition condition, From from,
                                std::function<void()> changed)
     : host_(host),
       condition_(std::move(condition)),
@@ -55,7 +55,7 @@ bool ConditionWatch::follow(const std::string& task, Updates updates) {
   }
   if (!question_.is_asked() && now() >= ask_at_) {
     const bool each = updates == Updates::Each || (updates == Updates::First && !has_news());
-    question_.ask(now() + kPatience, [&](const Wait& wait, host::LevelAnswer answered) {
+    question_.ask(now() + kPatience, [&](const Wait& wait, task_host::LevelAnswer answered) {
       host_.watch({model::TaskId(task), level_, each}, wait, std::move(answered));
     });
   }
@@ -102,7 +102,7 @@ std::vector<type::Value> ConditionWatch::take_samples() {
   }
   if (!samples_.is_asked() && now() >= read_at_) {
     read_at_ = now() + kBetweenSamples;
-    samples_.ask(now() + kPatience, [&](const Wait& wait, host::SamplesAnswer answered) {
+    samples_.ask(now() + kPatience, [&](const Wait& wait, task_host::SamplesAnswer answered) {
       reader_->next(kBuffer, wait, std::move(answered));
     });
   }

@@ -3,8 +3,8 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/question.hpp>
-#include <segue/host/task_host.hpp>
 #include <segue/model/robot_condition.hpp>
+#include <segue/task_host/task_host.hpp>
 #include <segue/type/value.hpp>
 
 #include <atomic>
@@ -41,7 +41,7 @@ class ConditionWatch {
     Update,  ///< of a task that runs, what it says after its next update
   };
   /// `changed` is called in the watch's thread after each change of holds(). `host` must outlive this.
-  ConditionWatch(host::TaskHost& host, model::RobotCondition condition, From from,
+  ConditionWatch(task_host::TaskHost& host, model::RobotCondition condition, From from,
                  std::function<void()> changed);
   /// Waits for the look in progress.
   ~ConditionWatch();
@@ -67,19 +67,19 @@ class ConditionWatch {
   bool look(const model::SampleShows& when);
   bool look(const model::OperationAnswers& when);
 
-  host::TaskHost& host_;
+  task_host::TaskHost& host_;
   const model::RobotCondition condition_;
   const From from_;
   const std::function<void()> changed_;
   std::atomic<bool> holds_ = false;
   // Of the thread:
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
-  Question<host::TaskLevel> question_{bell_};
-  std::optional<host::TaskLevel> level_;       ///< nothing: the task cannot be seen
-  std::optional<std::uint64_t> first_update_;  ///< of the task, when it was seen first
-  TimePoint ask_at_{};                         ///< not before then
-  TimePoint next_look_{};                      ///< although the bell does not ring
-  std::unique_ptr<host::PortReader> reader_;   ///< null: not open
+  Question<task_host::TaskLevel> question_{bell_};
+  std::optional<task_host::TaskLevel> level_;      ///< nothing: the task cannot be seen
+  std::optional<std::uint64_t> first_update_;      ///< of the task, when it was seen first
+  TimePoint ask_at_{};                             ///< not before then
+  TimePoint next_look_{};                          ///< although the bell does not ring
+  std::unique_ptr<task_host::PortReader> reader_;  ///< null: not open
   Question<std::vector<type::Value>> samples_{bell_};
   TimePoint read_at_{};              ///< the port is not opened or asked before then
   std::optional<type::Value> last_;  ///< sample

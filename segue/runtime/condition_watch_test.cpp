@@ -23,7 +23,7 @@ using type::Value;
 /// Questions for the samples of a port, which the test answers.
 class AskedPort {
  public:
-  void ask(host::SamplesAnswer answer) {
+  void ask(task_host::SamplesAnswer answer) {
     const std::lock_guard lock(mutex_);
     answers_.push_back(std::move(answer));
     asked_.notify_all();
@@ -38,28 +38,28 @@ class AskedPort {
  private:
   std::mutex mutex_;
   std::condition_variable asked_;
-  std::vector<host::SamplesAnswer> answers_;
+  std::vector<task_host::SamplesAnswer> answers_;
 };
 
 /// Its ports only answer when they are told to.
 class HostOfAskedPort final : public segue::testing::ForwardingHost {
  public:
   using ForwardingHost::ForwardingHost;
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& /*port*/,
-                                                        std::size_t /*buffer*/) override {
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& /*port*/,
+                                                             std::size_t /*buffer*/) override {
     return std::make_unique<Reader>(port);
   }
   AskedPort port;
 
  private:
-  class Reader final : public host::PortReader {
+  class Reader final : public task_host::PortReader {
    public:
     explicit Reader(AskedPort& port) : port_(port) {}
     std::vector<Value> read(std::size_t /*limit*/) override {
       ADD_FAILURE() << "the port is polled";
       return {};
     }
-    void next(std::size_t /*limit*/, const Wait& /*wait*/, host::SamplesAnswer answered) override {
+    void next(std::size_t /*limit*/, const Wait& /*wait*/, task_host::SamplesAnswer answered) override {
       port_.ask(std::move(answered));
     }
     [[nodiscard]] std::string type_name() const override { return "/int32_t"; }

@@ -4,7 +4,7 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/file_stamp.hpp>
 #include <segue/base/result.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/halt.hpp>
 #include <segue/model/network.hpp>
 

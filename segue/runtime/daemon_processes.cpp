@@ -50,26 +50,29 @@ Result<T> DaemonProcesses::ask(Ask ask_service) {
   return next == nullptr ? std::move(answer) : ask_service(*next);
 }
 
-Result<process::ProcessInfo> DaemonProcesses::start(const process::Launch& launch, TimePoint deadline) {
-  return ask<process::ProcessInfo>(
-      [&](process::ProcessService& service) { return service.start(launch, deadline); });
+Result<process_server::ProcessInfo> DaemonProcesses::start(const process_server::Launch& launch,
+                                                           TimePoint deadline) {
+  return ask<process_server::ProcessInfo>(
+      [&](process_server::ProcessService& service) { return service.start(launch, deadline); });
 }
 
-Result<process::ExitReason> DaemonProcesses::stop(const std::string& robot, const model::DeploymentKey& key,
-                                                  TimePoint deadline) {
-  return ask<process::ExitReason>(
-      [&](process::ProcessService& service) { return service.stop(robot, key, deadline); });
+Result<process_server::ExitReason> DaemonProcesses::stop(const std::string& robot,
+                                                         const model::DeploymentKey& key,
+                                                         TimePoint deadline) {
+  return ask<process_server::ExitReason>(
+      [&](process_server::ProcessService& service) { return service.stop(robot, key, deadline); });
 }
 
-Result<process::ExitReason> DaemonProcesses::kill(const std::string& robot, const model::DeploymentKey& key,
-                                                  TimePoint deadline) {
-  return ask<process::ExitReason>(
-      [&](process::ProcessService& service) { return service.kill(robot, key, deadline); });
+Result<process_server::ExitReason> DaemonProcesses::kill(const std::string& robot,
+                                                         const model::DeploymentKey& key,
+                                                         TimePoint deadline) {
+  return ask<process_server::ExitReason>(
+      [&](process_server::ProcessService& service) { return service.kill(robot, key, deadline); });
 }
 
-Result<std::vector<process::ProcessInfo>> DaemonProcesses::processes(const std::string& robot) {
-  return ask<std::vector<process::ProcessInfo>>(
-      [&](process::ProcessService& service) { return service.processes(robot); });
+Result<std::vector<process_server::ProcessInfo>> DaemonProcesses::processes(const std::string& robot) {
+  return ask<std::vector<process_server::ProcessInfo>>(
+      [&](process_server::ProcessService& service) { return service.processes(robot); });
 }
 
 void DaemonProcesses::set_listener(Listener listener) {

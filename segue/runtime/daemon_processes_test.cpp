@@ -12,29 +12,30 @@ struct Computer {
   int calls = 0;
   bool one_runs = true;
   int living = 0;  ///< the number of the running process server
-  process::ProcessService::Listener listener;
+  process_server::ProcessService::Listener listener;
   ErrorCode start_fails = ErrorCode::AlreadyExists;
 };
 
-class FakeDaemon final : public process::ProcessService {
+class FakeDaemon final : public process_server::ProcessService {
  public:
   FakeDaemon(Computer& computer, int number) : computer_(computer), number_(number) {}
 
-  Result<process::ProcessInfo> start(const process::Launch& /*launch*/, TimePoint /*deadline*/) override {
+  Result<process_server::ProcessInfo> start(const process_server::Launch& /*launch*/,
+                                            TimePoint /*deadline*/) override {
     ++computer_.calls;
     return fail(lives() ? computer_.start_fails : ErrorCode::Unavailable, "no");
   }
-  Result<process::ExitReason> stop(const std::string& /*robot*/, const model::DeploymentKey& /*key*/,
-                                   TimePoint /*deadline*/) override {
-    if (lives()) return process::ExitReason{};
+  Result<process_server::ExitReason> stop(const std::string& /*robot*/, const model::DeploymentKey& /*key*/,
+                                          TimePoint /*deadline*/) override {
+    if (lives()) return process_server::ExitReason{};
     return fail(ErrorCode::Unavailable, "gone");
   }
-  Result<process::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
-                                   TimePoint deadline) override {
+  Result<process_server::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                          TimePoint deadline) override {
     return stop(robot, key, deadline);
   }
-  Result<std::vector<process::ProcessInfo>> processes(const std::string& /*robot*/) override {
-    if (lives()) return std::vector<process::ProcessInfo>(static_cast<std::size_t>(number_));
+  Result<std::vector<process_server::ProcessInfo>> processes(const std::string& /*robot*/) override {
+    if (lives()) return std::vector<process_server::ProcessInfo>(static_cast<std::size_t>(number_));
     return fail(ErrorCode::Unavailable, "gone");
   }
   void set_listener(Listener listener) override {
@@ -51,11 +52,13 @@ class FakeDaemon final : public process::ProcessService {
 class DaemonProcessesTest : public ::testing::Test {
  protected:
   Result<std::unique_ptr<DaemonProcesses>> connect() {
-    return DaemonProcesses::connect("rover", [this]() -> Result<std::unique_ptr<process::ProcessService>> {
-      if (!computer_.one_runs) return fail(ErrorCode::Unavailable, "none runs");
-      computer_.living = ++computer_.opened;
-      return std::make_unique<FakeDaemon>(computer_, computer_.opened);
-    });
+    return DaemonProcesses::connect("rover",
+                                    [this]() -> Result<std::unique_ptr<process_server::ProcessService>> {
+                                      if (!computer_.one_runs)
+                                        return fail(ErrorCode::Unavailable, "none runs");
+                                      computer_.living = ++computer_.opened;
+                                      return std::make_unique<FakeDaemon>(computer_, computer_.opened);
+                                    });
   }
   void start_anew() { computer_.living = 0; }
 
@@ -66,7 +69,7 @@ TEST_F(DaemonProcessesTest, reconnects_to_a_restarted_process_server) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
   int reported = 0;
-  (*daemon)->set_listener([&](const process::ProcessInfo&) { ++reported; });
+  (*daemon)->set_listener([&](const process_server::ProcessInfo&) { ++reported; });
   EXPECT_EQ((*daemon)->processes("rover")->size(), 1U);
   start_anew();
   computer_.listener = {};

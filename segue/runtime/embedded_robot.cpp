@@ -4,9 +4,7 @@
 #include <segue/base/file.hpp>
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
-#include <segue/host/component_library.hpp>
-#include <segue/host/stand_in.hpp>
-#include <segue/hosts/gateways.hpp>
+#include <segue/distributed/gateways.hpp>
 #include <segue/journal/journal.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
@@ -14,6 +12,8 @@
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/robot_tasks.hpp>
 #include <segue/task/realtime_log.hpp>
+#include <segue/task_host/component_library.hpp>
+#include <segue/task_host/stand_in.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -28,14 +28,14 @@ struct EmbeddedRobot::Implementation {
   void load_libraries(Diagnostics& diagnostics, bool required);
   void add_components_of(const std::string& library, const std::function<void(const Error&)>& report);
   void load_models(Diagnostics& diagnostics);
-  void start(const ControllerSet& controllers, host::LocalOptions local, const EmbeddedOptions& options,
+  void start(const ControllerSet& controllers, task_host::LocalOptions local, const EmbeddedOptions& options,
              Diagnostics& diagnostics);
   [[nodiscard]] fs::path journal_path(const EmbeddedOptions& options, Diagnostics& diagnostics) const;
   [[nodiscard]] fs::path robot_folder() const;
 
   model::Robot robot;
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
+  task_host::LibrarySet libraries;
   task::RealtimeLogDrain log_drain;  ///< destroyed after the tasks, so that it prints their last lines
   std::optional<ControllerFiles> files;
   std::unique_ptr<detail::RobotTasks> tasks;
@@ -54,16 +54,16 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
     return false;
   }
   robot = read->robot;
-  host::LocalOptions local{options.stand_in, options.only_stand_ins, {}};
+  task_host::LocalOptions local{options.stand_in, options.only_stand_ins, {}};
   if (!options.stand_ins.empty()) {
-    if (auto table = host::StandInTable::load(options.stand_ins, diagnostics)) {
+    if (auto table = task_host::StandInTable::load(options.stand_ins, diagnostics)) {
       local.stand_ins = std::move(*table);
     }
   }
   load_libraries(diagnostics, !options.stand_in && !options.only_stand_ins);
   load_models(diagnostics);
   if (has_other_hosts(robot)) {
-    for (auto& gateway : hosts::gateway_models()) {
+    for (auto& gateway : distributed::gateway_models()) {
       catalog.add(std::move(gateway));
     }
   }
@@ -136,7 +136,7 @@ fs::path EmbeddedRobot::Implementation::robot_folder() const {
   return failed ? robot.folder : folder;
 }
 
-void EmbeddedRobot::Implementation::start(const ControllerSet& controllers, host::LocalOptions local,
+void EmbeddedRobot::Implementation::start(const ControllerSet& controllers, task_host::LocalOptions local,
                                           const EmbeddedOptions& options, Diagnostics& diagnostics) {
   auto created = detail::RobotTasks::create(robot, libraries, catalog, std::move(local), options);
   if (!created) {
@@ -198,7 +198,7 @@ const model::ComponentCatalog& EmbeddedRobot::catalog() const {
   return implementation_->catalog;
 }
 
-host::TaskHost& EmbeddedRobot::host() {
+task_host::TaskHost& EmbeddedRobot::host() {
   return implementation_->tasks->host();
 }
 

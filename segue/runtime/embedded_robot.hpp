@@ -4,12 +4,12 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/log.hpp>
 #include <segue/base/result.hpp>
-#include <segue/host/task_host.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/model/robot_changes.hpp>
 #include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -24,9 +24,10 @@ enum class TaskPlacement {
 };
 
 struct EmbeddedOptions {
-  bool stand_in = false;              ///< a stand-in for every component that is not installed
-  bool only_stand_ins = false;        ///< stand-ins for all components
-  std::filesystem::path stand_ins{};  ///< file with their behaviour (host/stand_in.hpp); empty: the default
+  bool stand_in = false;        ///< a stand-in for every component that is not installed
+  bool only_stand_ins = false;  ///< stand-ins for all components
+  std::filesystem::path
+      stand_ins{};  ///< file with their behaviour (task_host/stand_in.hpp); empty: the default
   TaskPlacement placement = TaskPlacement::InProcess;
   bool daemon = false;                   ///< processes are started by `segue host`, not by this process
   bool take_over = false;                ///< from another runtime that commands the robot on other hosts
@@ -62,7 +63,7 @@ class EmbeddedRobot {
 
   [[nodiscard]] const model::Robot& robot() const;
   [[nodiscard]] const model::ComponentCatalog& catalog() const;
-  [[nodiscard]] host::TaskHost& host();
+  [[nodiscard]] task_host::TaskHost& host();
   [[nodiscard]] Runtime& runtime();
 
   /// Requests a controller and waits for the result. Blocks.

@@ -29,7 +29,7 @@ enum class EventKind {
   Journal,
   HostLost,   ///< a computer cannot be reached any more
   HostFound,  ///< it can again
-  Files,      ///< files were applied, or those of before are in force again
+  Files,      ///< files were applied, or that was rolled back
   Lease,      ///< somebody commands the robot, or does no longer
   RequestCancelled,
   Halt  ///< the robot is brought to rest, or was released

@@ -88,7 +88,7 @@ TEST(Halt, follows_at_once_where_a_mission_is_stopped_that_then_commands_nothing
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   ASSERT_TRUE(robot.runtime.report(lease, doing("running", "halt")));
-  ASSERT_TRUE(robot.runtime.ask_holder("stop"));
+  ASSERT_TRUE(robot.runtime.send_command("stop"));
   EXPECT_TRUE(robot.runtime.halt_on_its_way().get().at_rest) << "although the mission has heard nothing yet";
   EXPECT_EQ(robot.running(), "hold");
   EXPECT_EQ(robot.runtime.halted()->request.why, "its mission is stopped");
@@ -99,7 +99,7 @@ TEST(Halt, follows_at_once_where_a_mission_is_stopped_that_then_commands_nothing
   EXPECT_EQ(robot.runtime.allow({.who = "mission a", .lease = lease}, "sets 'x.y'").error().code,
             ErrorCode::Cancelled);
   EXPECT_EQ(robot.runtime.lease_refusal(lease)->code, ErrorCode::Cancelled);
-  EXPECT_EQ(robot.runtime.take_asked(lease).at(0).what, "stop");
+  EXPECT_EQ(robot.runtime.take_commands(lease).at(0).what, "stop");
   EXPECT_TRUE(robot.runtime.report(lease, doing("stopping", "halt"))) << "it says how it ends";
   EXPECT_TRUE(robot.runtime.end_lease(lease).get().at_rest) << "of the same halt";
   EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done) << "nothing holds the robot afterwards";
@@ -117,7 +117,7 @@ TEST(Halt, does_not_follow_before_a_mission_has_done_what_it_does_when_it_is_sto
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   ASSERT_TRUE(robot.runtime.report(lease, doing("running", "go_on")));
-  ASSERT_TRUE(robot.runtime.ask_holder("stop"));
+  ASSERT_TRUE(robot.runtime.send_command("stop"));
   ASSERT_TRUE(robot.runtime.report(lease, doing("stopping", "go_on")));
   RequestOptions theirs;
   theirs.lease = lease;
@@ -131,7 +131,7 @@ TEST(Halt, takes_the_robot_from_a_mission_that_is_stopped_and_does_not_end) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   ASSERT_TRUE(robot.runtime.report(lease, doing("running", "halt")));
-  ASSERT_TRUE(robot.runtime.ask_holder("stop"));
+  ASSERT_TRUE(robot.runtime.send_command("stop"));
   EXPECT_THAT(robot.switch_to("drive").error->message,
               ::testing::AnyOf(HasSubstr("halted by mission a"), HasSubstr("commanded by mission a")));
   EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);

@@ -39,7 +39,7 @@ std::optional<std::string> trouble_of(std::future<SwitchResult>& switched, TimeP
 
 }  // namespace
 
-Halts::Halts(host::TaskHost& host, EventLog& log, Ways ways)
+Halts::Halts(task_host::TaskHost& host, EventLog& log, Ways ways)
     : host_(host),
       log_(log),
       ways_(std::move(ways)),

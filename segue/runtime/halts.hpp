@@ -7,7 +7,7 @@
 #include <segue/model/network.hpp>
 #include <segue/runtime/condition_watch.hpp>
 #include <segue/runtime/event_log.hpp>
-#include <segue/runtime/halt.hpp>
+#include <segue/runtime/halt_result.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <chrono>
@@ -49,7 +49,7 @@ class Halts {
   };
 
   /// `host` and `log` must outlive this.
-  Halts(host::TaskHost& host, EventLog& log, Ways ways);
+  Halts(task_host::TaskHost& host, EventLog& log, Ways ways);
   /// Waits for the halt on its way, which what it asks of the runtime must not outlive.
   ~Halts() { end(); }
   Halts(const Halts&) = delete;
@@ -109,7 +109,7 @@ class Halts {
   std::optional<std::string> wait_for_rest(const model::Halt& halt, TimePoint deadline,
                                            const std::stop_token& stop);
 
-  host::TaskHost& host_;
+  task_host::TaskHost& host_;
   EventLog& log_;
   const Ways ways_;
   mutable std::mutex

@@ -28,8 +28,8 @@ std::string attempts_text(int attempts) {
 /// What tasks say that have failed: the first of each id and of each process.
 class FailedTasks {
  public:
-  explicit FailedTasks(const std::vector<host::TaskReport>& reports) {
-    for (const host::TaskReport& one : reports) {
+  explicit FailedTasks(const std::vector<task_host::TaskReport>& reports) {
+    for (const task_host::TaskReport& one : reports) {
       if (one.error.empty()) continue;
       by_task_.try_emplace(one.id, &one.error);
       by_process_.try_emplace(one.process, &one.error);
@@ -116,7 +116,7 @@ std::optional<Trouble> trouble_of(const PoolReport& pool) {
   return trouble;
 }
 
-std::optional<Trouble> trouble_of(const host::ComputerReport& computer) {
+std::optional<Trouble> trouble_of(const task_host::ComputerReport& computer) {
   if (computer.reachable || computer.optional) return std::nullopt;
   Trouble trouble{.kind = Trouble::Kind::Host, .name = computer.name.str(), .what = {}};
   trouble.what = "host " + quote(computer.name.str()) + " cannot be reached";

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/reports.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/supervision.hpp>
+#include <segue/task_host/reports.hpp>
 
 #include <array>
 #include <chrono>
@@ -56,8 +56,8 @@ struct HealthView {
   const std::vector<DetectedFault>& faults;
   const std::map<std::string, Handling>& handled;  ///< by name of the fault
   const std::map<model::DeploymentKey, std::string>& ended;
-  const std::vector<host::TaskReport>& tasks;
-  const std::vector<host::ComputerReport>& computers;
+  const std::vector<task_host::TaskReport>& tasks;
+  const std::vector<task_host::ComputerReport>& computers;
   const std::vector<PoolReport>& pools;
 };
 

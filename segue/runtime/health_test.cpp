@@ -2,8 +2,8 @@
 //
 // What is wrong with a robot, since when, why, and what repairs it.
 #include <segue/runtime/health.hpp>
-#include <segue/runtime/report.hpp>
-#include <segue/runtime/robot_service.hpp>
+#include <segue/runtime/runtime_report.hpp>
+#include <segue/runtime/runtime_service.hpp>
 #include <segue/runtime/test_support.hpp>
 #include <segue/task/component.hpp>
 
@@ -58,8 +58,8 @@ struct Everything {
   std::vector<detail::DetectedFault> faults{};
   std::map<std::string, detail::Handling> handled{};
   std::map<model::DeploymentKey, std::string> ended{};
-  std::vector<host::TaskReport> tasks{};
-  std::vector<host::ComputerReport> computers{};
+  std::vector<task_host::TaskReport> tasks{};
+  std::vector<task_host::ComputerReport> computers{};
   std::vector<PoolReport> pools{};
 
   [[nodiscard]] detail::HealthView view() const {
@@ -102,7 +102,7 @@ TEST(HealthOf, a_process_that_crashed_is_named_with_how_it_ended) {
 TEST(HealthOf, a_process_that_does_not_answer_is_not_explained_by_itself) {
   Everything all;
   all.faults.push_back({kProcess, model::FailurePolicy::Restart, "does not answer", true});
-  host::TaskReport report;
+  task_host::TaskReport report;
   report.process = kProcess;
   report.error = "process 'localhost/nav' (pid 7) does not answer; a transition replaces it";
   all.tasks.push_back(report);
@@ -305,11 +305,11 @@ class CountingHost final : public segue::testing::ForwardingHost {
     ++looks;
     return inner_.look();
   }
-  [[nodiscard]] std::vector<host::TaskReport> tasks() const override {
+  [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override {
     ++others;
     return inner_.tasks();
   }
-  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
+  [[nodiscard]] std::vector<task_host::ConnectionReport> connections() const override {
     ++others;
     return inner_.connections();
   }

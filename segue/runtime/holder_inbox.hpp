@@ -10,8 +10,9 @@
 
 namespace segue::runtime::detail {
 
-/// What the holder of a lease has been asked to do and has not heard yet (control::RobotService::ask_holder).
-/// Bounded: a holder that does not listen must not make it grow. Not thread safe; nothing blocks.
+/// What the holder of a lease has been asked to do and has not heard yet
+/// (control::RobotService::send_command). Bounded: a holder that does not listen must not make it grow. Not
+/// thread safe; nothing blocks.
 class HolderInbox {
  public:
   static constexpr std::size_t kMostWaiting = 16;

@@ -66,9 +66,9 @@ Result<control::Credentials> credentials_for(const model::Robot& robot, const mo
 }
 
 /// Credentials are read at each attempt, so that they can be put right while the robot runs.
-hosts::ConnectHost connector_of(const model::Robot& robot, const model::Host& host) {
+distributed::ConnectHost connector_of(const model::Robot& robot, const model::Host& host) {
   return [robot, host](TimePoint deadline,
-                       std::function<void()> gone) -> Result<std::unique_ptr<hosts::HostService>> {
+                       std::function<void()> gone) -> Result<std::unique_ptr<distributed::HostService>> {
     const auto endpoint = endpoint_of(robot, host);
     if (!endpoint) {
       return endpoint.error();
@@ -97,8 +97,8 @@ Result<control::Endpoint> endpoint_of(const model::Robot& robot, const model::Ho
       control::TcpEndpoint{std::move(*address), host.name.str(), std::move(*credentials)});
 }
 
-hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
-  hosts::GatewaySettings settings;
+distributed::GatewaySettings gateway_settings(const model::Robot& robot) {
+  distributed::GatewaySettings settings;
   settings.robot = robot.name;
   if (const char* domain = std::getenv("ROS_DOMAIN_ID")) {
     settings.domain = std::atoi(domain);
@@ -142,8 +142,8 @@ std::vector<std::string> peer_addresses(const model::Robot& robot) {
   return {all.begin(), all.end()};
 }
 
-std::vector<hosts::HostPlace> host_places(const model::Robot& robot) {
-  std::vector<hosts::HostPlace> all;
+std::vector<distributed::HostPlace> host_places(const model::Robot& robot) {
+  std::vector<distributed::HostPlace> all;
   for (const auto& host : robot.hosts) {
     if (!host.is_local()) {
       all.push_back({host.name, host.address, host.optional, connector_of(robot, host)});

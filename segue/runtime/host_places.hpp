@@ -3,7 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/control/endpoint.hpp>
-#include <segue/hosts/distributed_task_host.hpp>
+#include <segue/distributed/distributed_task_host.hpp>
 #include <segue/model/robot.hpp>
 
 #include <vector>
@@ -19,12 +19,12 @@ Result<control::Endpoint> endpoint_of(const model::Robot& robot, const model::Ho
 
 /// The other computers. Their certificates are read at each attempt to connect, so that they can be put right
 /// while the robot runs.
-std::vector<hosts::HostPlace> host_places(const model::Robot& robot);
+std::vector<distributed::HostPlace> host_places(const model::Robot& robot);
 
 /// Where samples travel: at the addresses of the hosts, in the DDS domain of $ROS_DOMAIN_ID. The runtime's
 /// own computer, which Unix sockets lead to as well, has the address that leads to the first of the others
 /// whose address is a number.
-hosts::GatewaySettings gateway_settings(const model::Robot& robot);
+distributed::GatewaySettings gateway_settings(const model::Robot& robot);
 
 /// The same addresses, of all hosts: where senders and receivers look for each other. It is enough that the
 /// later of two processes knows the address of the earlier one, so an earlier one may have been started for

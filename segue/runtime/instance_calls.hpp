@@ -3,9 +3,9 @@
 
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
-#include <segue/host/task_host.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/model/network.hpp>
+#include <segue/task_host/task_host.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class InstanceCalls {
  public:
   /// `host` and `pools` must outlive this. `notify` is called, from any thread, when an instance is to be
   /// ended; it must not block.
-  InstanceCalls(host::TaskHost& host, const model::Network& pools, std::function<void()> notify)
+  InstanceCalls(task_host::TaskHost& host, const model::Network& pools, std::function<void()> notify)
       : host_(host), pools_(pools), notify_(std::move(notify)) {}
 
   /// As TaskHost::call(), of any task. Blocks until it has ended, also where the wait has been stopped.
@@ -74,7 +74,7 @@ class InstanceCalls {
   };
   [[nodiscard]] std::map<model::TaskId, Seen> processes() const;
 
-  host::TaskHost& host_;
+  task_host::TaskHost& host_;
   const model::Network& pools_;
   const std::function<void()> notify_;
   mutable std::mutex mutex_;  ///< protects all below; not held while the host is asked

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/host/local_task_host.hpp>
 #include <segue/runtime/instance_calls.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <support/forwarding_host.hpp>
 
@@ -22,8 +22,8 @@ const InstanceCalls::Life kPlanner{model::TaskId("planner_1"), 7};
 class CallsOfInstances : public ::testing::Test {
  protected:
   model::ComponentCatalog catalog_;
-  host::LibrarySet libraries_;
-  host::LocalTaskHost host_{
+  task_host::LibrarySet libraries_;
+  task_host::LocalTaskHost host_{
       libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   model::Network pools_;
   InstanceCalls calls{host_, pools_, [] {}};
@@ -67,8 +67,8 @@ class SeenHost final : public segue::testing::ForwardingHost {
  public:
   using segue::testing::ForwardingHost::ForwardingHost;
   bool answers = true;
-  [[nodiscard]] std::vector<host::TaskReport> tasks() const override {
-    host::TaskReport report;
+  [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override {
+    task_host::TaskReport report;
     report.id = kPlanner.instance;
     report.pid = kPlanner.pid;
     report.unknown = !answers;

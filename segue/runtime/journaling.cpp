@@ -2,7 +2,7 @@
 #include <segue/runtime/journaling.hpp>
 
 #include <segue/model/files.hpp>
-#include <segue/runtime/report.hpp>
+#include <segue/runtime/runtime_report.hpp>
 #include <segue/solve/action_sites.hpp>
 #include <segue/solve/estimate.hpp>
 #include <segue/type/json.hpp>

@@ -121,7 +121,7 @@ Result<std::uint64_t> Leases::ask(std::string_view what, const type::Value& argu
   return held_->inbox.put(what, arguments);
 }
 
-std::vector<control::HolderRequest> Leases::take_asked(std::uint64_t number) {
+std::vector<control::HolderRequest> Leases::take_commands(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   if (!is_holder(number)) return {};
   auto asked = held_->inbox.take();

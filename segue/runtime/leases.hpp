@@ -46,7 +46,7 @@ class Leases {
   [[nodiscard]] control::LeaseStanding standing_of(std::uint64_t number) const;
   /// Why nothing is done with that lease any more; nothing for 0, which is none.
   [[nodiscard]] std::optional<Error> refusal_of(std::uint64_t lease) const;
-  /// What the holder does, and what it has been asked to do (control::RobotService::report, ask_holder).
+  /// What the holder does, and what it has been asked to do (control::RobotService::report, send_command).
   Result<void> report(std::uint64_t number, type::Value doing);
   [[nodiscard]] type::Value doing() const;
   /// As of control::RobotService::mission. Asks the holder for its plan where that is wanted and not known.
@@ -54,7 +54,7 @@ class Leases {
   /// `halts_after`, once the lease ends.
   [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan, bool halts, bool halts_after);
   Result<std::uint64_t> ask(std::string_view what, const type::Value& arguments);
-  std::vector<control::HolderRequest> take_asked(std::uint64_t number);
+  std::vector<control::HolderRequest> take_commands(std::uint64_t number);
   /// Why a request with these options is not accepted.
   [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options) const;
   /// Whether a request with these options takes the robot over from somebody.

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/leftovers.hpp>
 
-#include <segue/host/full_id.hpp>
+#include <segue/task_host/full_id.hpp>
 
 namespace segue::runtime::detail {
 
 namespace {
 
 bool is_leftover(const model::TaskId& id) {
-  return host::split_id(id).process.has_value();
+  return task_host::split_id(id).process.has_value();
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ std::map<model::TaskId, model::TaskId> prepared_incarnations(const model::Networ
   const auto processes = model::task_processes(target);
   const model::TaskIndex wanted_tasks(target);
   for (const auto& task : current.tasks) {
-    const auto [plain, process] = host::split_id(task.id);
+    const auto [plain, process] = task_host::split_id(task.id);
     if (!process || wanted_tasks.find(plain) == nullptr) {
       continue;
     }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/runtime/health.hpp>
 #include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/readiness.hpp>
 #include <segue/solve/combine.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <string>
 #include <vector>
@@ -25,8 +25,8 @@ struct ControllerConflict {
 
 /// A robot at one moment.
 struct Look {
-  host::TaskHost::View seen;
-  std::vector<host::ComputerReport> computers;
+  task_host::TaskHost::View seen;
+  std::vector<task_host::ComputerReport> computers;
   std::vector<std::string> differences;  ///< as Runtime::observed_differences()
   std::vector<PoolReport> pools;
   Health health;

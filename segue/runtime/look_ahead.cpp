@@ -3,7 +3,7 @@
 #include <segue/runtime/network_parts.hpp>
 
 #include <segue/model/network_sets.hpp>
-#include <segue/solve/look_ahead.hpp>
+#include <segue/solve/standby_network.hpp>
 
 #include <algorithm>
 #include <set>

@@ -72,7 +72,8 @@ void LookAheadSavings::learn(const SwitchResult& result) {
 
 std::optional<journal::PreparedAhead> LookAheadSavings::of(const SwitchResult& result,
                                                            const BeforeTransition& before,
-                                                           const SwitchPlan& plan, const host::TaskHost& host,
+                                                           const SwitchPlan& plan,
+                                                           const task_host::TaskHost& host,
                                                            const model::ComponentCatalog& catalog,
                                                            const model::ActionTimes& known) const {
   const std::size_t ready = count_ready(before, result, prepared_tasks(before, plan.controller));

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
 #include <segue/journal/entries.hpp>
 #include <segue/model/action_times.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/switch_result.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <map>
 #include <optional>
@@ -36,7 +36,8 @@ class LookAheadSavings {
   /// executed since this exists. Nothing where no task was found ready. Takes as long as solving.
   [[nodiscard]] std::optional<journal::PreparedAhead> of(const SwitchResult& result,
                                                          const BeforeTransition& before,
-                                                         const SwitchPlan& plan, const host::TaskHost& host,
+                                                         const SwitchPlan& plan,
+                                                         const task_host::TaskHost& host,
                                                          const model::ComponentCatalog& catalog,
                                                          const model::ActionTimes& known) const;
 

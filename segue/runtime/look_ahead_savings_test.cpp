@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/journal/reader.hpp>
+#include <segue/journal/journal_reader.hpp>
 #include <segue/runtime/look_ahead_savings.hpp>
-#include <segue/runtime/report.hpp>
+#include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <gmock/gmock.h>

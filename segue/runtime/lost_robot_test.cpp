@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A runtime whose robot another one has got on other computers.
-#include <segue/runtime/report.hpp>
+#include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <support/eventually.hpp>
@@ -28,7 +28,7 @@ class LosableHost final : public segue::testing::ForwardingHost {
   void lose() {
     lost_ = true;
     const std::lock_guard lock(mutex_);
-    listener_(host::LossEvent{"another runtime has got the robot"});
+    listener_(task_host::LossEvent{"another runtime has got the robot"});
   }
   [[nodiscard]] std::optional<Error> loss() const override {
     return lost_ ? std::optional<Error>(fail(ErrorCode::Superseded, "runtime 'rival' has got this robot"))
@@ -80,8 +80,8 @@ class LostRuntime : public ::testing::Test {
   }
 
   model::ComponentCatalog catalog_;
-  host::LibrarySet libraries_;
-  host::LocalTaskHost local_{
+  task_host::LibrarySet libraries_;
+  task_host::LocalTaskHost local_{
       libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   LosableHost host_{local_};
   Runtime runtime_{"robot", host_, catalog_, options()};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/journal/reader.hpp>
-#include <segue/runtime/robot_service.hpp>
+#include <segue/journal/journal_reader.hpp>
+#include <segue/runtime/runtime_service.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <gmock/gmock.h>
@@ -234,16 +234,16 @@ TEST_F(ReportedMission, IsShownToWhoeverLooks) {
 
 TEST_F(ReportedMission, IsAskedForItsPlanWhenSomebodyLooks) {
   report({entry(1, "began")});
-  EXPECT_THAT(runtime().take_asked(lease_), IsEmpty());
+  EXPECT_THAT(runtime().take_commands(lease_), IsEmpty());
   (void)runtime().mission(0, false);
-  EXPECT_THAT(runtime().take_asked(lease_), IsEmpty());
+  EXPECT_THAT(runtime().take_commands(lease_), IsEmpty());
   EXPECT_TRUE(runtime().mission(0, true).find("plan")->is_null());
-  EXPECT_TRUE(runtime().ask_holder("pause"));
-  EXPECT_THAT(runtime().take_asked(lease_),
+  EXPECT_TRUE(runtime().send_command("pause"));
+  EXPECT_THAT(runtime().take_commands(lease_),
               ElementsAre(control::HolderRequest{1, "pause", {}}, control::HolderRequest{0, "plan", {}}));
   EXPECT_TRUE(runtime().report(lease_, Value::map({{"mission", "patrol"}, {"plan", "here"}})));
   EXPECT_EQ(*runtime().mission(0, true).find("plan"), Value("here"));
-  EXPECT_THAT(runtime().take_asked(lease_), IsEmpty());
+  EXPECT_THAT(runtime().take_commands(lease_), IsEmpty());
   EXPECT_EQ(runtime().reported(), Value::map({{"mission", "patrol"}})) << "for status()";
   report({entry(2, "ended"), entry(3, "began")});
   EXPECT_TRUE(runtime().mission(0, true).find("plan")->is_null())

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/host/full_id.hpp>
 #include <segue/runtime/network_parts.hpp>
+#include <segue/task_host/full_id.hpp>
 
 #include <variant>
 
@@ -8,7 +8,7 @@ namespace segue::runtime::detail {
 
 void NetworkParts::add(const model::Network& network) {
   for (const auto& task : network.tasks) {
-    tasks_.insert(host::plain_id(task.id));
+    tasks_.insert(task_host::plain_id(task.id));
   }
   for (const auto& deployment : network.deployments) {
     processes_.insert(deployment.key());
@@ -16,7 +16,7 @@ void NetworkParts::add(const model::Network& network) {
 }
 
 bool NetworkParts::has(const model::TaskId& task) const {
-  return tasks_.contains(host::plain_id(task));
+  return tasks_.contains(task_host::plain_id(task));
 }
 
 bool NetworkParts::are_independent_of(const model::Action& action) const {

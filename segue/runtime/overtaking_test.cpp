@@ -6,9 +6,9 @@
 //
 // SEGUE_REQUESTS sets the number of requests of each test, SEGUE_SEED the seed.
 #include <segue/deploy/deployed_task_host.hpp>
-#include <segue/host/component_library.hpp>
-#include <segue/host/local_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/task_host/component_library.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <support/eventually.hpp>
 #include <support/fake_world.hpp>
@@ -149,8 +149,8 @@ class Robot {
     }
   }
 
-  static process::Launch launch() {
-    process::Launch launch;
+  static process_server::Launch launch() {
+    process_server::Launch launch;
     launch.robot = "robot";
     launch.stand_in = true;
     return launch;
@@ -169,8 +169,8 @@ class Robot {
   std::uint64_t calls_ = 0;
   bool mortal_ = false;
   std::uint64_t next_death_ = 0;  ///< at this call
-  host::LibrarySet libraries_;
-  host::LocalTaskHost local_{
+  task_host::LibrarySet libraries_;
+  task_host::LocalTaskHost local_{
       libraries_, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   deploy::testing::FakeProcesses processes_{world};
   deploy::testing::FakeService own_{world, world.own()};

@@ -24,7 +24,7 @@ Refusal refuse(Error error) {
   return {std::move(error), {}};
 }
 
-std::optional<Refusal> refusal_for(const model::Network& network, const host::TaskHost& host,
+std::optional<Refusal> refusal_for(const model::Network& network, const task_host::TaskHost& host,
                                    const model::ComponentCatalog& catalog) {
   Diagnostics findings = check_runnable(network, host, catalog);
   if (!findings.has_errors()) {
@@ -93,7 +93,7 @@ Result<void> check_phases(const model::Transition& transition) {
 
 }  // namespace
 
-Diagnostics check_runnable(const model::Network& network, const host::TaskHost& host,
+Diagnostics check_runnable(const model::Network& network, const task_host::TaskHost& host,
                            const model::ComponentCatalog& catalog) {
   Diagnostics findings = model::validate(
       network, catalog, [&](const model::ComponentName& component) { return host.stands_in(component); });
@@ -111,7 +111,7 @@ Diagnostics check_runnable(const model::Network& network, const host::TaskHost& 
   return findings;
 }
 
-std::set<model::HostName> unreachable_hosts(const host::TaskHost& host) {
+std::set<model::HostName> unreachable_hosts(const task_host::TaskHost& host) {
   std::set<model::HostName> hosts;
   for (const auto& computer : host.computers()) {
     if (!computer.reachable) {
@@ -121,13 +121,13 @@ std::set<model::HostName> unreachable_hosts(const host::TaskHost& host) {
   return hosts;
 }
 
-model::Network reachable_part(model::Network network, const host::TaskHost& host) {
+model::Network reachable_part(model::Network network, const task_host::TaskHost& host) {
   const auto lost = unreachable_hosts(host);
   return lost.empty() ? std::move(network) : without_hosts(std::move(network), lost);
 }
 
 std::optional<Refusal> refusal_for_unknown(const model::Network& network, std::string_view role,
-                                           const host::TaskHost& host) {
+                                           const task_host::TaskHost& host) {
   for (const auto& computer : host.computers()) {
     const bool used =
         std::any_of(network.deployments.begin(), network.deployments.end(),
@@ -143,7 +143,7 @@ std::optional<Refusal> refusal_for_unknown(const model::Network& network, std::s
   return std::nullopt;
 }
 
-solve::Options solve_options(const host::TaskHost& host, model::Order order, bool force) {
+solve::Options solve_options(const task_host::TaskHost& host, model::Order order, bool force) {
   return {order, host.side_by_side(), force};
 }
 
@@ -174,7 +174,7 @@ Result<model::Network> variant_of(model::Network network, const std::vector<Prop
 }
 
 tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
-                                               const Beside& beside, const host::TaskHost& host,
+                                               const KeptNetworks& beside, const task_host::TaskHost& host,
                                                const model::ComponentCatalog& catalog,
                                                solve::Options options) {
   if (auto refusal = refusal_for(host.condensed(controller), host, catalog)) {
@@ -195,7 +195,7 @@ tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, mo
 }
 
 tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
-                                                  const host::TaskHost& host,
+                                                  const task_host::TaskHost& host,
                                                   const model::ComponentCatalog& catalog) {
   if (auto ordered = check_phases(transition); !ordered) {
     return tl::unexpected(refuse(std::move(ordered.error())));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/solve/solve.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <optional>
 #include <set>
@@ -34,17 +34,17 @@ struct Refusal {
 using Planned = tl::expected<SwitchPlan, Refusal>;
 
 /// Computers that cannot be reached now.
-std::set<model::HostName> unreachable_hosts(const host::TaskHost& host);
+std::set<model::HostName> unreachable_hosts(const task_host::TaskHost& host);
 /// The network without what is on computers that cannot be reached now: tasks there, their connections and
 /// processes.
-model::Network reachable_part(model::Network network, const host::TaskHost& host);
+model::Network reachable_part(model::Network network, const task_host::TaskHost& host);
 /// Why a request is refused before anything changes: a computer that `network` uses cannot be reached and is
 /// not optional. `role` begins the message: "the running controller".
 std::optional<Refusal> refusal_for_unknown(const model::Network& network, std::string_view role,
-                                           const host::TaskHost& host);
+                                           const task_host::TaskHost& host);
 
 /// Options of the solver for this host.
-solve::Options solve_options(const host::TaskHost& host, model::Order order, bool force);
+solve::Options solve_options(const task_host::TaskHost& host, model::Order order, bool force);
 
 /// solve::diff() from an observed network: incarnations that an earlier request left where `target` places
 /// their tasks are used.
@@ -57,24 +57,24 @@ Result<model::Network> variant_of(model::Network network, const std::vector<Prop
                                   const model::ComponentCatalog& catalog);
 
 /// What stays beside a controller.
-struct Beside {
+struct KeptNetworks {
   model::Network keep;   ///< those parts of it that exist
   model::Network pools;  ///< parts of the present network, as they are
 };
 
 /// Validates `controller` to the depth that the host requires and solves from `current`.
 tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
-                                               const Beside& beside, const host::TaskHost& host,
+                                               const KeptNetworks& beside, const task_host::TaskHost& host,
                                                const model::ComponentCatalog& catalog,
                                                solve::Options options);
 
 /// Predicts the network that a given transition leads to, and validates it in the same way.
 tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
-                                                  const host::TaskHost& host,
+                                                  const task_host::TaskHost& host,
                                                   const model::ComponentCatalog& catalog);
 
 /// All findings about running `network` on `host`, warnings included.
-Diagnostics check_runnable(const model::Network& network, const host::TaskHost& host,
+Diagnostics check_runnable(const model::Network& network, const task_host::TaskHost& host,
                            const model::ComponentCatalog& catalog);
 
 /// "3 tasks (2 running, 1 stopped), 4 connections, 1 deployment", for messages.

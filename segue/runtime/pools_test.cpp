@@ -162,8 +162,9 @@ class SlowOperations final : public segue::testing::ForwardingHost {
 
 TEST(RobotPools, WhoseInstancesWorkForNobodyAreMadeAnew) {
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
-  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost host{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   SlowOperations slow(host);
   Runtime runtime("robot", slow, catalog, with_pool(pool_of(2)));
   ASSERT_TRUE(eventually([&] { return all_ready(runtime); }));

@@ -7,8 +7,8 @@
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
-#include <segue/hosts/lease.hpp>
-#include <segue/process/process_server.hpp>
+#include <segue/distributed/lease.hpp>
+#include <segue/process_server/process_server.hpp>
 #include <segue/runtime/daemon_processes.hpp>
 #include <segue/runtime/host_places.hpp>
 
@@ -36,7 +36,7 @@ constexpr Duration kLeasePoll = std::chrono::milliseconds(100);
 
 /// Only one runtime may own the processes of a robot: two would remove each other's connections.
 Result<Descriptor> lock_robot(const std::string& robot) {
-  const auto folder = process::process_folder(robot);
+  const auto folder = process_server::process_folder(robot);
   if (!folder) {
     return folder.error();
   }
@@ -55,7 +55,7 @@ Result<Descriptor> lock_robot(const std::string& robot) {
   return file;
 }
 
-Result<std::unique_ptr<process::ProcessService>> connect_daemon() {
+Result<std::unique_ptr<process_server::ProcessService>> connect_daemon() {
   const auto folder = control::socket_folder();
   if (!folder) {
     return folder.error();
@@ -68,23 +68,24 @@ Result<std::unique_ptr<process::ProcessService>> connect_daemon() {
   return connected;
 }
 
-Result<std::unique_ptr<process::ProcessService>> open_processes(const std::string& robot, bool daemon) {
+Result<std::unique_ptr<process_server::ProcessService>> open_processes(const std::string& robot,
+                                                                       bool daemon) {
   if (!daemon) {
-    auto server = process::ProcessServer::create({.zygote = true});
+    auto server = process_server::ProcessServer::create({.zygote = true});
     if (!server) {
       return std::move(server.error());
     }
-    return std::unique_ptr<process::ProcessService>(std::move(*server));
+    return std::unique_ptr<process_server::ProcessService>(std::move(*server));
   }
   auto connected = DaemonProcesses::connect(robot, connect_daemon);
   if (!connected) {
     return std::move(connected.error());
   }
-  return std::unique_ptr<process::ProcessService>(std::move(*connected));
+  return std::unique_ptr<process_server::ProcessService>(std::move(*connected));
 }
 
-Result<process::Launch> launch_of(const model::Robot& robot, const EmbeddedOptions& options) {
-  process::Launch launch;
+Result<process_server::Launch> launch_of(const model::Robot& robot, const EmbeddedOptions& options) {
+  process_server::Launch launch;
   launch.robot = robot.name;
   launch.libraries = robot.libraries;
   for (const auto& pattern : robot.models) {
@@ -106,7 +107,7 @@ Result<process::Launch> launch_of(const model::Robot& robot, const EmbeddedOptio
   return launch;
 }
 
-deploy::DeploymentInfo own_info(const model::Robot& robot, link::Incarnation incarnation) {
+deploy::DeploymentInfo own_info(const model::Robot& robot, sample_link::Incarnation incarnation) {
   deploy::DeploymentInfo info;
   info.robot = robot.name;
   info.pid = ::getpid();
@@ -137,8 +138,9 @@ std::string holder_name() {
 }
 
 /// Component models travel, since the files lie on this computer.
-Result<hosts::RobotRequest> robot_request(const process::Launch& launch, const EmbeddedOptions& options) {
-  hosts::RobotRequest request;
+Result<distributed::RobotRequest> robot_request(const process_server::Launch& launch,
+                                                const EmbeddedOptions& options) {
+  distributed::RobotRequest request;
   request.holder = holder_name();
   request.secret = random_secret();
   request.launch = launch;
@@ -159,9 +161,9 @@ Result<hosts::RobotRequest> robot_request(const process::Launch& launch, const E
 }  // namespace
 
 Result<std::unique_ptr<RobotTasks>> RobotTasks::create(const model::Robot& robot,
-                                                       const host::LibrarySet& libraries,
+                                                       const task_host::LibrarySet& libraries,
                                                        const model::ComponentCatalog& catalog,
-                                                       host::LocalOptions local,
+                                                       task_host::LocalOptions local,
                                                        const EmbeddedOptions& options) {
   std::unique_ptr<RobotTasks> tasks(new RobotTasks(libraries, catalog, std::move(local)));
   if (options.placement == TaskPlacement::Processes) {
@@ -183,7 +185,7 @@ Result<void> RobotTasks::spread(const model::Robot& robot, const model::Componen
     return std::move(lock.error());
   }
   lock_ = std::move(*lock);
-  auto memory = link::SharedMemory::create(launch->memory);
+  auto memory = sample_link::SharedMemory::create(launch->memory);
   if (!memory) {
     return std::move(memory.error());
   }
@@ -200,22 +202,22 @@ Result<void> RobotTasks::spread(const model::Robot& robot, const model::Componen
 }
 
 Result<void> RobotTasks::reach_hosts(const model::Robot& robot, const model::ComponentCatalog& catalog,
-                                     const process::Launch& launch, const EmbeddedOptions& options) {
+                                     const process_server::Launch& launch, const EmbeddedOptions& options) {
   auto request = robot_request(launch, options);
   if (!request) {
     return std::move(request.error());
   }
-  hosts::DistributedOptions distributed;
+  distributed::DistributedOptions distributed;
   distributed.request = std::move(*request);
   distributed.gateways = gateway_settings(robot);
   distributed.stand_in = options.stand_in;
   distributed.only_stand_ins = options.only_stand_ins;
-  distributed_ = std::make_unique<hosts::DistributedTaskHost>(*deployed_, host_places(robot), catalog,
-                                                              std::move(distributed));
+  distributed_ = std::make_unique<distributed::DistributedTaskHost>(*deployed_, host_places(robot), catalog,
+                                                                    std::move(distributed));
   // The lease of a runtime that was killed runs out soon. A host that has not been asked since then decides
   // nothing: it may not have been, while another one is being taken over.
   auto& clock = RealClock::instance();
-  const TimePoint runs_out = clock.now() + hosts::Lease::kValidity + kLeaseGrace;
+  const TimePoint runs_out = clock.now() + distributed::Lease::kValidity + kLeaseGrace;
   const TimePoint give_up = runs_out + kAskingAgain;
   const auto may_run_out = [&] {
     const auto asked = distributed_->refused_at();
@@ -234,11 +236,11 @@ Result<void> RobotTasks::reach_hosts(const model::Robot& robot, const model::Com
   return {};
 }
 
-host::TaskHost& RobotTasks::host() {
+task_host::TaskHost& RobotTasks::host() {
   if (distributed_) {
     return *distributed_;
   }
-  return deployed_ ? static_cast<host::TaskHost&>(*deployed_) : local_;
+  return deployed_ ? static_cast<task_host::TaskHost&>(*deployed_) : local_;
 }
 
 void RobotTasks::end_processes() {

@@ -4,11 +4,11 @@
 #include <segue/base/result.hpp>
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/host/local_task_host.hpp>
-#include <segue/hosts/distributed_task_host.hpp>
-#include <segue/link/shared_memory.hpp>
+#include <segue/distributed/distributed_task_host.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/sample_link/shared_memory.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <memory>
 
@@ -21,32 +21,33 @@ class RobotTasks {
   /// `libraries` and `catalog` must outlive this. With processes: AlreadyExists if another runtime has the
   /// robot, Unavailable if the daemon is to start them and does not run.
   static Result<std::unique_ptr<RobotTasks>> create(const model::Robot& robot,
-                                                    const host::LibrarySet& libraries,
+                                                    const task_host::LibrarySet& libraries,
                                                     const model::ComponentCatalog& catalog,
-                                                    host::LocalOptions local, const EmbeddedOptions& options);
+                                                    task_host::LocalOptions local,
+                                                    const EmbeddedOptions& options);
 
-  [[nodiscard]] host::TaskHost& host();
+  [[nodiscard]] task_host::TaskHost& host();
   /// False while something that hangs keeps a task of this process: the destructor waits for it.
   [[nodiscard]] bool at_rest() const { return local_.at_rest(); }
   /// Kills the remaining deployment processes. Blocks, at most ten seconds.
   void end_processes();
 
  private:
-  RobotTasks(const host::LibrarySet& libraries, const model::ComponentCatalog& catalog,
-             host::LocalOptions local)
+  RobotTasks(const task_host::LibrarySet& libraries, const model::ComponentCatalog& catalog,
+             task_host::LocalOptions local)
       : local_(libraries, catalog, std::move(local)) {}
   Result<void> spread(const model::Robot& robot, const model::ComponentCatalog& catalog,
                       const EmbeddedOptions& options);
   Result<void> reach_hosts(const model::Robot& robot, const model::ComponentCatalog& catalog,
-                           const process::Launch& launch, const EmbeddedOptions& options);
+                           const process_server::Launch& launch, const EmbeddedOptions& options);
 
   Descriptor lock_;
-  std::shared_ptr<link::SharedMemory> memory_;
-  host::LocalTaskHost local_;
+  std::shared_ptr<sample_link::SharedMemory> memory_;
+  task_host::LocalTaskHost local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
-  std::unique_ptr<process::ProcessService> processes_;
-  std::unique_ptr<deploy::DeployedTaskHost> deployed_;       ///< null: all tasks live in this process
-  std::unique_ptr<hosts::DistributedTaskHost> distributed_;  ///< null: all live on this computer
+  std::unique_ptr<process_server::ProcessService> processes_;
+  std::unique_ptr<deploy::DeployedTaskHost> deployed_;             ///< null: all tasks live in this process
+  std::unique_ptr<distributed::DistributedTaskHost> distributed_;  ///< null: all live on this computer
 };
 
 }  // namespace segue::runtime::detail

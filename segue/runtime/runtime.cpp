@@ -52,7 +52,7 @@ std::string_view to_string(Cause cause) {
   return kNames.at(static_cast<std::size_t>(cause));
 }
 
-Runtime::Runtime(std::string name, host::TaskHost& host, const model::ComponentCatalog& catalog,
+Runtime::Runtime(std::string name, task_host::TaskHost& host, const model::ComponentCatalog& catalog,
                  RuntimeOptions options)
     : implementation_(std::make_unique<Implementation>(std::move(name), host, catalog, std::move(options))) {}
 
@@ -282,7 +282,7 @@ type::Value Runtime::mission(std::uint64_t after, bool with_plan) {
   return implementation_->mission(after, with_plan);
 }
 
-Result<std::uint64_t> Runtime::ask_holder(std::string_view what, const type::Value& arguments) {
+Result<std::uint64_t> Runtime::send_command(std::string_view what, const type::Value& arguments) {
   auto number = implementation_->leases.ask(what, arguments);
   if (number && what == "stop") {
     implementation_->stop_holder(implementation_->leases.holder());
@@ -290,15 +290,15 @@ Result<std::uint64_t> Runtime::ask_holder(std::string_view what, const type::Val
   return number;
 }
 
-std::vector<control::HolderRequest> Runtime::take_asked(std::uint64_t lease) {
-  return implementation_->leases.take_asked(lease);
+std::vector<control::HolderRequest> Runtime::take_commands(std::uint64_t lease) {
+  return implementation_->leases.take_commands(lease);
 }
 
 const model::ComponentCatalog& Runtime::components() const {
   return implementation_->catalog;
 }
 
-host::TaskHost& Runtime::host() {
+task_host::TaskHost& Runtime::host() {
   return implementation_->host;
 }
 

@@ -4,21 +4,21 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/control/robot_service.hpp>
-#include <segue/host/task_host.hpp>
 #include <segue/journal/entries.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
-#include <segue/runtime/halt.hpp>
+#include <segue/runtime/halt_result.hpp>
 #include <segue/runtime/look.hpp>
 #include <segue/runtime/request_options.hpp>
 #include <segue/runtime/runtime_options.hpp>
 #include <segue/runtime/switch_result.hpp>
 #include <segue/runtime/unresolved_fault.hpp>
 #include <segue/solve/solve.hpp>
+#include <segue/task_host/task_host.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -48,7 +48,7 @@ using Request = std::variant<model::NetworkName, model::Network, model::Transiti
 class Runtime {
  public:
   /// `host` and `catalog` must outlive this. The initial belief is a snapshot of `host`.
-  Runtime(std::string name, host::TaskHost& host, const model::ComponentCatalog& catalog,
+  Runtime(std::string name, task_host::TaskHost& host, const model::ComponentCatalog& catalog,
           RuntimeOptions options = {});
   /// Blocks until the actions in progress have ended; leaves the tasks as they are.
   ~Runtime();
@@ -66,7 +66,7 @@ class Runtime {
   /// Like load(), and then the running controller goes to its new version by a transition like any other,
   /// once the requests before it are done. It supersedes no request; one that comes later supersedes its
   /// transition, which then follows that request. A controller that runs and is not in the set keeps running.
-  /// If the transition is refused, or fails and is undone, the controllers are again those of before.
+  /// If the transition is refused, or fails and is undone, the controllers are rolled back.
   std::future<ApplyResult> apply(ControllerSet set, RequestOptions options = {});
   /// What load() would replace, with the problems of networks that cannot run here.
   std::vector<ControllerChange> compare(const ControllerSet& set, Diagnostics& diagnostics) const;
@@ -103,9 +103,9 @@ class Runtime {
   [[nodiscard]] type::Value reported() const;  ///< null: nothing
   /// As of control::RobotService::mission.
   [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan);
-  /// As of control::RobotService::ask_holder. The holder learns it by take_asked(); see report() for "stop".
-  Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments = {});
-  [[nodiscard]] std::vector<control::HolderRequest> take_asked(std::uint64_t lease);
+  /// As of control::RobotService::send_command. The holder takes it by take_commands(); "stop": see report().
+  Result<std::uint64_t> send_command(std::string_view what, const type::Value& arguments = {});
+  [[nodiscard]] std::vector<control::HolderRequest> take_commands(std::uint64_t lease);
 
   /// Brings the robot to rest, for anybody, whoever commands it: the lease ends, what waits is cancelled,
   /// what is prepared or undone gives way, and only a commit in progress is finished first. Then the
@@ -189,7 +189,7 @@ class Runtime {
   /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
   [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
 
-  [[nodiscard]] host::TaskHost& host();
+  [[nodiscard]] task_host::TaskHost& host();
   [[nodiscard]] const model::ComponentCatalog& components() const;
 
  private:

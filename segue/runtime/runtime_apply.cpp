@@ -241,7 +241,7 @@ void Runtime::Implementation::take_back(PendingApply& job) {
     return;
   }
   definitions = std::move(job.before);
-  log.add(EventKind::Files, "", "the controllers are again those of before");
+  log.add(EventKind::Files, "", "controllers rolled back");
 }
 
 void Runtime::Implementation::answer(PendingApply& job, Outcome outcome,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/host/full_id.hpp>
 #include <segue/model/controller_names.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
+#include <segue/task_host/full_id.hpp>
 
 #include <set>
 #include <utility>
@@ -107,7 +107,7 @@ void Runtime::Implementation::look_away_from_changed(const model::Transition& tr
   for (const auto& action : transition.actions) {
     const auto* changed = std::get_if<model::TaskAction>(&action.what);
     if (changed != nullptr && action.phase != model::Phase::Prepare) {
-      tasks.insert(host::plain_id(changed->task));
+      tasks.insert(task_host::plain_id(changed->task));
     }
   }
   halts.look_away_from(tasks);

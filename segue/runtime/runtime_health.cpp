@@ -25,7 +25,7 @@ std::vector<DetectedFault> Runtime::Implementation::faults_in(const model::Netwo
   return faults;
 }
 
-Look Runtime::Implementation::judge(host::TaskHost::View seen) {
+Look Runtime::Implementation::judge(task_host::TaskHost::View seen) {
   Look look{std::move(seen), host.computers(), {}, {}, {}};
   look.pools = report_pools(look.seen.tasks);
   const auto faults = faults_in(look.seen.network);

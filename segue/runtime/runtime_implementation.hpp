@@ -11,9 +11,9 @@
 #include <segue/runtime/pending.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
-#include <segue/runtime/shared_state.hpp>
 #include <segue/runtime/transaction.hpp>
 #include <segue/runtime/worker_memory.hpp>
+#include <segue/runtime/worker_state.hpp>
 #include <segue/solve/repair.hpp>
 
 #include <map>
@@ -27,7 +27,7 @@
 namespace segue::runtime {
 
 struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemory {
-  Implementation(std::string robot, host::TaskHost& task_host, const model::ComponentCatalog& components,
+  Implementation(std::string robot, task_host::TaskHost& task_host, const model::ComponentCatalog& components,
                  RuntimeOptions runtime_options);
   ~Implementation();
 
@@ -117,7 +117,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void note_differences(const model::Network& observed);  ///< each once for as long as it lasts
   /// From what should run, with reasons that are known; without `reports` the host is asked for them.
   [[nodiscard]] std::vector<std::string> differences_from(
-      const model::Network& observed, const std::vector<host::ConnectionReport>* reports = nullptr) const;
+      const model::Network& observed, const std::vector<task_host::ConnectionReport>* known = nullptr) const;
   /// Which network was observed: `first`, `second` or a known controller; empty if it is none of them.
   model::NetworkName name_of_running(const model::Network& observed, const model::Network& first,
                                      const model::Network& second) const;
@@ -128,10 +128,10 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void run_if_idle(const std::function<RuntimeState(RuntimeState before)>& work);
   void settle(RuntimeState next);
   void reset(std::optional<model::Network> network);
-  void on_event(const host::TaskEvent& event);
-  void on_event(const host::ProcessEvent& event);
-  void on_event(const host::ComputerEvent& event);
-  void on_event(const host::LossEvent& event);
+  void on_event(const task_host::TaskEvent& event);
+  void on_event(const task_host::ProcessEvent& event);
+  void on_event(const task_host::ComputerEvent& event);
+  void on_event(const task_host::LossEvent& event);
   void wake_worker();
 
   // Pools of processes (runtime_pools.cpp)
@@ -146,9 +146,9 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   std::vector<detail::DetectedFault> find_pool_faults();
   void start_instance(const detail::DetectedFault& fault);
   void note_pool_faults(const std::vector<detail::DetectedFault>& faults);
-  [[nodiscard]] std::vector<PoolReport> report_pools(const std::vector<host::TaskReport>& tasks) const;
-  Look look();                            // (runtime_health.cpp)
-  Look judge(host::TaskHost::View seen);  ///< without differences
+  [[nodiscard]] std::vector<PoolReport> report_pools(const std::vector<task_host::TaskReport>& tasks) const;
+  Look look();                                 // (runtime_health.cpp)
+  Look judge(task_host::TaskHost::View seen);  ///< without differences
   [[nodiscard]] std::vector<detail::DetectedFault> faults_in(const model::Network& observed) const;
 
   // Supervision between requests, in the worker thread (runtime_supervise.cpp, runtime_faults.cpp)
@@ -182,7 +182,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void answer_prepare(std::vector<Readiness> answer);
 
   const std::string name;
-  host::TaskHost& host;
+  task_host::TaskHost& host;
   const model::ComponentCatalog& catalog;
   const RuntimeOptions options;
   const model::Network pools = model::pool_network(options.pools);

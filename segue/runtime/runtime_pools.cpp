@@ -9,8 +9,8 @@
 #include <utility>
 
 /// Pools are no part of what is requested. Whatever of them is there stays as it is in each transition
-/// (Beside::pools), so no switch waits for an instance, or fails with one; starting them is the business of
-/// supervision alone.
+/// (KeptNetworks::pools), so no switch waits for an instance, or fails with one; starting them is the
+/// business of supervision alone.
 namespace segue::runtime {
 
 using detail::DetectedFault;
@@ -169,7 +169,7 @@ void Runtime::Implementation::note_pool_faults(const std::vector<DetectedFault>&
 namespace {
 
 /// `task`: what its host says of it; null: nothing. `fault`: what was found wrong with it; null: nothing.
-PoolInstance report_instance(model::TaskId id, const host::TaskReport* task, const PoolInstance* fault,
+PoolInstance report_instance(model::TaskId id, const task_host::TaskReport* task, const PoolInstance* fault,
                              const detail::InstanceCalls& calls) {
   PoolInstance one;
   one.task = std::move(id);
@@ -201,12 +201,12 @@ PoolInstance report_instance(model::TaskId id, const host::TaskReport* task, con
 }  // namespace
 
 std::vector<PoolReport> Runtime::Implementation::report_pools(
-    const std::vector<host::TaskReport>& reports) const {
+    const std::vector<task_host::TaskReport>& reports) const {
   std::vector<PoolReport> all;
   if (options.pools.empty()) {
     return all;
   }
-  std::map<model::TaskId, const host::TaskReport*> tasks;
+  std::map<model::TaskId, const task_host::TaskReport*> tasks;
   for (const auto& report : reports) {
     tasks.insert_or_assign(report.id, &report);
   }

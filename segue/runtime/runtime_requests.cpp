@@ -254,7 +254,7 @@ detail::Planned Runtime::Implementation::plan(const model::Network& current, con
   if (auto refusal = refusal_for_pools(*network)) {
     return tl::unexpected(std::move(*refusal));
   }
-  const detail::Beside beside{plan_ahead(host.expanded(*network)).standby, pool_part(current)};
+  const detail::KeptNetworks beside{plan_ahead(host.expanded(*network)).standby, pool_part(current)};
   return detail::plan_network(current, std::move(*network), beside, host, catalog, std::move(how));
 }
 

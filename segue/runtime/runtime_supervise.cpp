@@ -33,7 +33,7 @@ std::uint64_t resident(int pid) {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-detail::MemoryOf memory_of(const host::TaskHost& host) {
+detail::MemoryOf memory_of(const task_host::TaskHost& host) {
   std::map<model::DeploymentKey, int> pids;
   const bool alone = host.computers().empty();
   for (const auto& task : host.tasks()) {
@@ -111,7 +111,7 @@ void Runtime::Implementation::supervise() {
     left = put_right(returned, seen);
   }
   // So that it is known since when something is wrong, also where nobody looks for a while.
-  judge({seen.network, pools.empty() ? std::vector<host::TaskReport>() : host.tasks(), {}});
+  judge({seen.network, pools.empty() ? std::vector<task_host::TaskReport>() : host.tasks(), {}});
   bool due = false;
   {
     const std::lock_guard lock(mutex);

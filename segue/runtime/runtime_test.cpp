@@ -2,7 +2,7 @@
 #include <segue/runtime/runtime.hpp>
 
 #include <segue/runtime/belief.hpp>
-#include <segue/runtime/report.hpp>
+#include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/test_support.hpp>
 #include <segue/task/component.hpp>
 
@@ -398,8 +398,9 @@ TEST_F(RuntimeTest, a_task_that_fails_causes_an_event_and_changes_the_belief) {
 
 TEST(BeliefTest, an_event_during_a_snapshot_is_not_lost) {
   const model::ComponentCatalog catalog;
-  const host::LibrarySet libraries;
-  host::LocalTaskHost tasks(libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}});
+  const task_host::LibrarySet libraries;
+  task_host::LocalTaskHost tasks(libraries, catalog,
+                                 {.stand_in = true, .only_stand_ins = false, .stand_ins = {}});
   testing::AskingHost host(tasks);
   const auto network = network_of("network: n\ntasks: {kept: {component: a::Kept}}\n");
   const auto way = solve::diff({}, network, catalog);
@@ -408,7 +409,8 @@ TEST(BeliefTest, an_event_during_a_snapshot_is_not_lost) {
     ASSERT_TRUE(host.perform(action, RealClock::instance().now() + std::chrono::seconds(30)));
   }
   detail::Belief belief(host);
-  host.set_listener([&](const host::HostEvent& event) { belief.on_event(std::get<host::TaskEvent>(event)); });
+  host.set_listener(
+      [&](const task_host::HostEvent& event) { belief.on_event(std::get<task_host::TaskEvent>(event)); });
   const model::TaskId kept("kept");
   const auto look_and_adopt = [&] {
     const auto seen = belief.observe();

@@ -23,7 +23,7 @@ bool detail::is_unrecovered(const SwitchResult& result) {
   return went_back && !caught;
 }
 
-Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_host,
+Runtime::Implementation::Implementation(std::string robot, task_host::TaskHost& task_host,
                                         const model::ComponentCatalog& components,
                                         RuntimeOptions runtime_options)
     : WorkerMemory(runtime_options.policies.restart),
@@ -35,7 +35,7 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
   definitions.fallback = options.fallback;
   definitions.halt = options.halt ? std::make_shared<const model::Halt>(*options.halt) : nullptr;
   halts.use(definitions.halt);
-  host.set_listener([this](const host::HostEvent& event) {
+  host.set_listener([this](const task_host::HostEvent& event) {
     std::visit([this](const auto& what) { on_event(what); }, event);
   });
   unseen_hosts = detail::unreachable_hosts(host);
@@ -304,13 +304,13 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
 }
 
 std::vector<std::string> Runtime::Implementation::differences_from(
-    const model::Network& observed, const std::vector<host::ConnectionReport>* known_reports) const {
+    const model::Network& observed, const std::vector<task_host::ConnectionReport>* known) const {
   const model::Network shall = host.condensed(detail::reachable_part(belief.held().desired(), host));
-  const auto why_missing = [reports = known_reports,
-                            asked = std::optional<std::vector<host::ConnectionReport>>(),
+  const auto why_missing = [reports = known,
+                            asked = std::optional<std::vector<task_host::ConnectionReport>>(),
                             this](const model::Connection& connection) mutable {
     if (reports == nullptr) reports = &asked.emplace(host.connections());
-    const auto found = std::ranges::find_if(*reports, [&](const host::ConnectionReport& report) {
+    const auto found = std::ranges::find_if(*reports, [&](const task_host::ConnectionReport& report) {
       return report.connection.from == connection.from && report.connection.to == connection.to &&
              !report.error.empty();
     });
@@ -345,7 +345,7 @@ void Runtime::Implementation::settle(RuntimeState next) {
   }
 }
 
-void Runtime::Implementation::on_event(const host::TaskEvent& event) {
+void Runtime::Implementation::on_event(const task_host::TaskEvent& event) {
   belief.on_event(event);
   wake_worker();
   log.add(EventKind::TaskState, event.task.str(),
@@ -362,7 +362,7 @@ void Runtime::Implementation::wake_worker() {
   wake.notify_all();
 }
 
-void Runtime::Implementation::on_event(const host::ProcessEvent& event) {
+void Runtime::Implementation::on_event(const task_host::ProcessEvent& event) {
   if (event.gone) {
     const std::lock_guard lock(mutex);
     ended.insert_or_assign(event.process, event.message);
@@ -371,7 +371,7 @@ void Runtime::Implementation::on_event(const host::ProcessEvent& event) {
   log.add(EventKind::Process, to_string(event.process), event.message, event.gone);
 }
 
-void Runtime::Implementation::on_event(const host::ComputerEvent& event) {
+void Runtime::Implementation::on_event(const task_host::ComputerEvent& event) {
   if (event.reachable) {
     const std::lock_guard lock(mutex);
     returned_hosts.insert(event.host);
@@ -381,7 +381,7 @@ void Runtime::Implementation::on_event(const host::ComputerEvent& event) {
 }
 
 /// Whoever commands the robot here commands it no longer, and what waits is refused when it is planned.
-void Runtime::Implementation::on_event(const host::LossEvent& event) {
+void Runtime::Implementation::on_event(const task_host::LossEvent& event) {
   log.add(EventKind::Lease, "", event.message);
   leases.take_away("another runtime");
   wake_worker();

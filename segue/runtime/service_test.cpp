@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/runtime/robot_service.hpp>
+#include <segue/runtime/runtime_service.hpp>
 
 #include <segue/base/question.hpp>
 #include <segue/control/server.hpp>
-#include <segue/runtime/report.hpp>
+#include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/test_support.hpp>
 #include <segue/type/json.hpp>
 #include <support/forwarding_host.hpp>
@@ -158,15 +158,16 @@ TEST_F(Service, gives_access_to_single_tasks) {
 class OlderHost final : public segue::testing::ForwardingHost {
  public:
   using ForwardingHost::ForwardingHost;
-  Result<host::TaskDetails> details(const model::TaskId& /*task*/) const override {
+  Result<task_host::TaskDetails> details(const model::TaskId& /*task*/) const override {
     return fail(ErrorCode::Unsupported, "runs a segue that cannot do this");
   }
 };
 
 TEST(TaskReport, LacksWhatAnOlderProcessCannotTell) {
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
-  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost host{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   OlderHost older(host);
   Runtime runtime("robot", older, catalog);
   ASSERT_FALSE(runtime.add_controller(testing::network_of("network: only\ntasks: {a: {component: x::A}}\n"))
@@ -190,7 +191,7 @@ class ForgetfulHost final : public segue::testing::ForwardingHost {
     if (forgets) network.connections.clear();
     return network;
   }
-  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
+  [[nodiscard]] std::vector<task_host::ConnectionReport> connections() const override {
     auto reports = ForwardingHost::connections();
     if (forgets) {
       for (auto& report : reports)
@@ -202,8 +203,9 @@ class ForgetfulHost final : public segue::testing::ForwardingHost {
 
 TEST(StatusReport, says_why_a_connection_is_missing) {
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
-  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost host{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   ForgetfulHost forgetful(host);
   Runtime runtime("robot", forgetful, catalog);
   ASSERT_EQ(runtime

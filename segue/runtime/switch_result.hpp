@@ -98,7 +98,7 @@ struct AcceptedRequest {
 /// The result of Runtime::apply().
 struct ApplyResult {
   /// Done: the controllers are the new ones, and if one of them runs, it runs in its new version. Refused,
-  /// Failed: the controllers are those of before, and so is what runs (unless `transition` says that it could
+  /// Failed: the controllers are unchanged, and so is what runs (unless `transition` says that it could
   /// not be restored). Superseded: newer files were applied before these took effect.
   Outcome outcome = Outcome::Done;
   std::vector<ControllerChange> changes;   ///< compared with the controllers of before

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/local_task_host.hpp>
 #include <segue/model/files.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <support/asking_host.hpp>
 
@@ -49,8 +49,9 @@ struct StandInRobot {
       : runtime("robot", asking, catalog, std::move(options)) {}
 
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
-  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost host{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   AskingHost asking{host};
   Runtime runtime;
 };

@@ -102,7 +102,7 @@ bool takes_down(model::ActionKind kind) {
   return kind == Recover || kind == Stop || kind == Disconnect || kind == Cleanup || kind == Undeploy;
 }
 
-std::map<model::HostName, std::uint64_t> connections_of(const host::TaskHost& host) {
+std::map<model::HostName, std::uint64_t> connections_of(const task_host::TaskHost& host) {
   std::map<model::HostName, std::uint64_t> numbers;
   for (const auto& computer : host.computers()) {
     numbers.emplace(computer.name, computer.connection);
@@ -180,7 +180,7 @@ Result<std::string> Transaction::cancel(const std::string& who) {
     case Stage::Committed:
     case Stage::Retire:
       return refused(
-          "it is past its point of commit and completes; request the controller of before instead");
+          "it is past its point of commit and completes; switch back to the previous controller instead");
     case Stage::Undo:
       return refused("it has failed and is being undone already");
     case Stage::Prepare:

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
 #include <segue/runtime/event_log.hpp>
-#include <segue/runtime/execution.hpp>
 #include <segue/runtime/network_parts.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/runtime/transition_execution.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -21,7 +21,7 @@ namespace segue::runtime::detail {
 
 /// The host on which transitions are executed, the components it has, and the log of events.
 struct TransitionContext {
-  host::TaskHost& host;
+  task_host::TaskHost& host;
   const model::ComponentCatalog& catalog;
   EventLog& log;
 };

@@ -32,8 +32,9 @@ const std::string kArtemis = segue::paths::in_sources("/examples/04_artemis/robo
 /// A runtime whose tasks are all stand-ins, and whose host may fail.
 struct FaultyRobot {
   model::ComponentCatalog catalog;
-  host::LibrarySet libraries;
-  host::LocalTaskHost tasks{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost tasks{
+      libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   FaultyHost host{tasks};
   Runtime runtime{"robot", host, catalog};
 };

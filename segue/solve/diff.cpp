@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/solve/index.hpp>
-#include <segue/solve/order.hpp>
+#include <segue/solve/action_order.hpp>
 #include <segue/solve/plan.hpp>
 #include <segue/solve/solve.hpp>
+#include <segue/solve/transition_index.hpp>
 
 #include <algorithm>
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/solve/order.hpp>
+#include <segue/solve/action_order.hpp>
 
 #include <numeric>
 

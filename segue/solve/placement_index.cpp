@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/solve/index.hpp>
 #include <segue/solve/placement_index.hpp>
+#include <segue/solve/transition_index.hpp>
 
 namespace segue::solve::detail {
 

@@ -3,8 +3,8 @@
 
 #include <segue/base/result.hpp>
 #include <segue/model/transition.hpp>
-#include <segue/solve/index.hpp>
 #include <segue/solve/solve.hpp>
+#include <segue/solve/transition_index.hpp>
 
 #include <cstdint>
 #include <vector>

@@ -3,8 +3,8 @@
 
 #include <segue/base/text.hpp>
 #include <segue/solve/component_facts.hpp>
-#include <segue/solve/index.hpp>
 #include <segue/solve/plan.hpp>
+#include <segue/solve/transition_index.hpp>
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/solve/index.hpp>
 #include <segue/solve/placement_index.hpp>
 #include <segue/solve/simulation.hpp>
+#include <segue/solve/transition_index.hpp>
 
 #include <utility>
 

@@ -3,7 +3,7 @@
 // Descriptions of the language's and the standard library's own types; part of describe.hpp.
 #pragma once
 
-#include <segue/type/describe.hpp>
+#include <segue/type/describe_own.hpp>
 
 namespace segue::type::detail {
 

@@ -81,7 +81,7 @@ Result<std::uint64_t> Command::number_or(std::string_view name, std::uint64_t ot
   if (value == nullptr) return otherwise;
   const bool fits =
       value->kind() == Value::Kind::UInt || (value->kind() == Value::Kind::Int && value->as_int() >= 0);
-  if (!fits) return argument_error(name, "must be a whole number from 0 on");
+  if (!fits) return argument_error(name, "must be a non-negative integer");
   return value->as_uint();
 }
 

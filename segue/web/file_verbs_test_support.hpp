@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/file.hpp>
-#include <segue/web/session.hpp>
+#include <segue/web/browser_session.hpp>
 #include <segue/web/test_support.hpp>
 
 #include <filesystem>

@@ -4,8 +4,8 @@
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/controllers.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/pools.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission/pool_actions.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/type/scalar_text.hpp>

@@ -3,8 +3,8 @@
 
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/model/component.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>

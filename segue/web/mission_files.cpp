@@ -2,8 +2,8 @@
 #include <segue/web/mission_files.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/rafcon.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/rafcon/rafcon.hpp>
 
 #include <algorithm>
 #include <set>

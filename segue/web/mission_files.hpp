@@ -3,7 +3,7 @@
 
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/files_folder.hpp>
 #include <segue/web/robot_files.hpp>

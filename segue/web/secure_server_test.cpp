@@ -2,8 +2,8 @@
 //
 // The server for browsers of other computers: over TLS, for people with certificates.
 #include <segue/control/authority.hpp>
-#include <segue/web/server.hpp>
 #include <segue/web/test_support.hpp>
+#include <segue/web/web_server.hpp>
 
 #include <support/browser.hpp>
 

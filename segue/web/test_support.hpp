@@ -84,7 +84,7 @@ class ShownRobot final : public control::FakeRobot {
     Result<std::vector<type::Value>> read(std::size_t /*limit*/, const Wait& /*wait*/) override {
       return std::vector<type::Value>();
     }
-    void next(std::size_t /*limit*/, const Wait& /*wait*/, host::SamplesAnswer answered) override {
+    void next(std::size_t /*limit*/, const Wait& /*wait*/, task_host::SamplesAnswer answered) override {
       answered(std::vector<type::Value>());
     }
     [[nodiscard]] std::string type_name() const override { return "/int32_t"; }

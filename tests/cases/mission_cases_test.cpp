@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 #include <segue/type/yaml.hpp>
 #include <support/expected_diagnostics.hpp>
 #include <support/paths.hpp>

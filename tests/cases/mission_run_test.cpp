@@ -2,11 +2,11 @@
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/base/virtual_clock.hpp>
-#include <segue/convert/run.hpp>
-#include <segue/mission/engine.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/index.hpp>
-#include <segue/mission/interrupted_journal.hpp>
+#include <segue/convert/concurrent_run.hpp>
+#include <segue/mission/mission_index.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_engine/engine.hpp>
+#include <segue/mission_engine/interrupted_journal.hpp>
 #include <segue/type/json.hpp>
 #include <segue/type/yaml.hpp>
 
@@ -84,7 +84,7 @@ class Trial {
   void execute_concurrently() {
     ASSERT_NO_FATAL_FAILURE(compile());
     convert::RunOptions options;
-    options.clock = cdtn::ClockKind::Virtual;
+    options.clock = task_network::ClockKind::Virtual;
     options.facts = facts();
     options.resources = resources();
     options.preemption_grace = std::chrono::milliseconds(1);
@@ -100,9 +100,9 @@ class Trial {
     outcome_ = run_->run();
     for (const std::string& fact : run_->network_result().world.texts(run_->plan().network().facts))
       world_.insert(fact);
-    const cdtn::ResourceTable& resources = run_->plan().network().resources;
+    const task_network::ResourceTable& resources = run_->plan().network().resources;
     for (std::uint32_t i = 0; i < resources.size(); ++i)
-      units_[resources.name(cdtn::ResourceId{i})] = run_->network_result().units[i];
+      units_[resources.name(task_network::ResourceId{i})] = run_->network_result().units[i];
     const auto by_text = [](const Value& a, const Value& b) { return json(a) < json(b); };
     std::ranges::sort(notes_, by_text);
     ValueMap expect;

@@ -5,8 +5,8 @@
 #include <segue/control/authority.hpp>
 #include <segue/control/server.hpp>
 #include <segue/runtime/embedded_robot.hpp>
-#include <segue/runtime/robot_service.hpp>
-#include <segue/web/server.hpp>
+#include <segue/runtime/runtime_service.hpp>
+#include <segue/web/web_server.hpp>
 #include <support/fake_deployment.hpp>
 #include <support/fake_hosts.hpp>
 
@@ -61,7 +61,7 @@ class ObservedRobot {
   std::optional<runtime::RuntimeService> service_;
   std::unique_ptr<control::RobotLease> lease_;
   bool asked_to_end_ = false;
-  std::optional<hosts::testing::Computer> host_;
+  std::optional<distributed::testing::Computer> host_;
   control::FakeProcesses processes_;
   std::unique_ptr<control::Server> robot_door_;
   std::unique_ptr<control::Server> host_door_;

@@ -6,7 +6,7 @@
 #include <segue/concurrent/thread.hpp>
 #include <segue/control/verbs.hpp>
 #include <segue/type/json.hpp>
-#include <segue/web/verbs.hpp>
+#include <segue/web/page_verbs.hpp>
 #include <support/browser.hpp>
 #include <support/number_from.hpp>
 

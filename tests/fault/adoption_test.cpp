@@ -16,11 +16,11 @@ class Adoption : public DeployedRobotTest {
  protected:
   /// Starts the process by another version of Segue.
   void start_other_version(const std::string& deployment) {
-    process::ProcessServerOptions options;
+    process_server::ProcessServerOptions options;
     options.program = segue::paths::kOtherVersionProgram;
-    auto server = process::ProcessServer::create(options);
+    auto server = process_server::ProcessServer::create(options);
     ASSERT_TRUE(server) << to_string(server.error());
-    process::Launch launch = launch_;
+    process_server::Launch launch = launch_;
     launch.deployment.process = model::ProcessName(deployment);
     const auto started = (*server)->start(launch, RealClock::instance().now() + std::chrono::seconds(60));
     ASSERT_TRUE(started) << to_string(started.error());

@@ -8,9 +8,9 @@
 #include "../support/sanitizer_reports.hpp"
 #include "deployed_robot.hpp"
 
-#include <segue/host/component_library.hpp>
-#include <segue/link/shared_memory.hpp>
 #include <segue/model/files.hpp>
+#include <segue/sample_link/shared_memory.hpp>
+#include <segue/task_host/component_library.hpp>
 
 #include <support/eventually.hpp>
 #include <support/paths.hpp>
@@ -31,7 +31,8 @@ using type::Value;
 constexpr const char* kLibrary = "segue_test_faults";
 }  // namespace
 
-RobotLife::RobotLife(const process::Launch& launch, std::unique_ptr<process::ProcessService> processes,
+RobotLife::RobotLife(const process_server::Launch& launch,
+                     std::unique_ptr<process_server::ProcessService> processes,
                      const deploy::DeployedOptions& options)
     : processes_(std::move(processes)) {
   EXPECT_TRUE(libraries_.load(kLibrary));
@@ -39,10 +40,10 @@ RobotLife::RobotLife(const process::Launch& launch, std::unique_ptr<process::Pro
   EXPECT_TRUE(models);
   for (auto& model : *models)
     catalog_.add(std::move(model));
-  auto memory = link::SharedMemory::create(launch.memory);
+  auto memory = sample_link::SharedMemory::create(launch.memory);
   EXPECT_TRUE(memory);
-  local_ = std::make_unique<host::LocalTaskHost>(
-      libraries_, catalog_, host::LocalOptions{launch.stand_in, launch.only_stand_ins, {}});
+  local_ = std::make_unique<task_host::LocalTaskHost>(
+      libraries_, catalog_, task_host::LocalOptions{launch.stand_in, launch.only_stand_ins, {}});
   deploy::DeploymentInfo info;
   info.robot = launch.robot;
   info.pid = ::getpid();
@@ -55,10 +56,10 @@ RobotLife::RobotLife(const process::Launch& launch, std::unique_ptr<process::Pro
   runtime_ = std::make_unique<runtime::Runtime>(launch.robot, *asking_, catalog_);
 }
 
-std::unique_ptr<process::ProcessService> DeployedRobotTest::make_processes() {
-  process::ProcessServerOptions options;
+std::unique_ptr<process_server::ProcessService> DeployedRobotTest::make_processes() {
+  process_server::ProcessServerOptions options;
   options.program = segue::paths::kDeploymentProgram;
-  auto server = process::ProcessServer::create(options);
+  auto server = process_server::ProcessServer::create(options);
   EXPECT_TRUE(server) << to_string(server.error());
   return std::move(*server);
 }

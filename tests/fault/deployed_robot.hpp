@@ -4,7 +4,7 @@
 #include <segue/control/deployment_client.hpp>
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/process/process_server.hpp>
+#include <segue/process_server/process_server.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <support/asking_host.hpp>
@@ -29,11 +29,11 @@ namespace segue::testing {
 /// A runtime and everything that ends with it.
 class RobotLife {
  public:
-  RobotLife(const process::Launch& launch, std::unique_ptr<process::ProcessService> processes,
+  RobotLife(const process_server::Launch& launch, std::unique_ptr<process_server::ProcessService> processes,
             const deploy::DeployedOptions& options);
 
   runtime::Runtime& runtime() { return *runtime_; }
-  host::TaskHost& host() { return *host_; }
+  task_host::TaskHost& host() { return *host_; }
   /// Between the runtime and the tasks: called before every action.
   AskingHost& asking() { return *asking_; }
   /// The tasks of the runtime's own process.
@@ -41,10 +41,10 @@ class RobotLife {
 
  private:
   model::ComponentCatalog catalog_;
-  host::LibrarySet libraries_;
-  std::unique_ptr<host::LocalTaskHost> local_;
+  task_host::LibrarySet libraries_;
+  std::unique_ptr<task_host::LocalTaskHost> local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
-  std::unique_ptr<process::ProcessService> processes_;
+  std::unique_ptr<process_server::ProcessService> processes_;
   std::unique_ptr<deploy::DeployedTaskHost> host_;
   std::unique_ptr<AskingHost> asking_;
   std::unique_ptr<runtime::Runtime> runtime_;
@@ -64,10 +64,10 @@ class DeployedRobotTest : public ::testing::Test {
                                 const std::string& deployments = {}, const std::string& connections = {});
 
   /// The process service of a runtime.
-  virtual std::unique_ptr<process::ProcessService> make_processes();
+  virtual std::unique_ptr<process_server::ProcessService> make_processes();
   void begin_life() { life_ = std::make_unique<RobotLife>(launch_, make_processes(), options_); }
   runtime::Runtime& runtime() { return life_->runtime(); }
-  host::TaskHost& host() { return life_->host(); }
+  task_host::TaskHost& host() { return life_->host(); }
 
   runtime::SwitchResult try_switch(const model::Network& target,
                                    Duration action_deadline = std::chrono::seconds(60));
@@ -93,7 +93,7 @@ class DeployedRobotTest : public ::testing::Test {
   void expect_event(runtime::EventKind kind, const std::string& words);
 
   std::filesystem::path folder_;
-  process::Launch launch_;
+  process_server::Launch launch_;
   deploy::DeployedOptions options_;
   std::unique_ptr<RobotLife> life_;
 };

@@ -18,7 +18,7 @@ class HostileClient : public DeployedRobotTest {
  protected:
   std::filesystem::path socket_of(const std::string& deployment) {
     const model::DeploymentKey key{model::kLocalHost, model::ProcessName(deployment)};
-    return process::process_socket(launch_.robot, key).value();
+    return process_server::process_socket(launch_.robot, key).value();
   }
   Descriptor connect(const std::string& deployment) {
     sockaddr_un address{};

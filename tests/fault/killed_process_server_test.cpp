@@ -25,7 +25,7 @@ class KilledProcessServer : public DisturbedTransition {
     EXPECT_EQ(daemon_->wait().status, 0);
     DisturbedTransition::TearDown();
   }
-  std::unique_ptr<process::ProcessService> make_processes() override {
+  std::unique_ptr<process_server::ProcessService> make_processes() override {
     start();
     auto connected = runtime::DaemonProcesses::connect(
         launch_.robot, [this] { return control::connect_processes(folder_ / "segue/host.sock"); });

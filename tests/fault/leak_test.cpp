@@ -16,7 +16,7 @@ namespace segue::testing {
 namespace {
 
 /// The process of an endpoint of a connection.
-using Place = std::tuple<link::Incarnation, std::uint64_t, std::uint64_t>;
+using Place = std::tuple<sample_link::Incarnation, std::uint64_t, std::uint64_t>;
 
 class Leaks : public DeployedRobotTest {
  protected:
@@ -84,7 +84,7 @@ class Leaks : public DeployedRobotTest {
     all.push_back(std::move(*own));
     for (const auto& [name, pid] : deployments()) {
       const auto socket =
-          process::process_socket(launch_.robot, {model::kLocalHost, model::ProcessName(name)});
+          process_server::process_socket(launch_.robot, {model::kLocalHost, model::ProcessName(name)});
       EXPECT_TRUE(socket);
       auto connected =
           control::connect_deployment(*socket, RealClock::instance().now() + std::chrono::seconds(60), [] {});

@@ -2,7 +2,7 @@
 // The memory that a process shares is overwritten with garbage, as each of its peers can do,
 // SEGUE_HOSTILE_ROUNDS times (3).
 #include <segue/base/descriptor.hpp>
-#include <segue/link/mapping.hpp>
+#include <segue/sample_link/mapping.hpp>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -21,7 +21,7 @@ namespace {
 class OverwrittenMemory : public DeployedRobotTest {
  protected:
   /// The memory of a process into which its peers write.
-  static std::optional<link::Mapping> control_memory_of(pid_t process) {
+  static std::optional<sample_link::Mapping> control_memory_of(pid_t process) {
     const auto folder = std::filesystem::path("/proc") / std::to_string(process) / "fd";
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       std::error_code gone;
@@ -30,8 +30,8 @@ class OverwrittenMemory : public DeployedRobotTest {
       const Descriptor file(::open(entry.path().c_str(), O_RDWR | O_CLOEXEC));
       struct stat found {};
       if (::fstat(file.get(), &found) != 0) continue;
-      auto mapped = link::Mapping::of_file(file.get(), static_cast<std::size_t>(found.st_size),
-                                           link::Mapping::Access::ReadWrite);
+      auto mapped = sample_link::Mapping::of_file(file.get(), static_cast<std::size_t>(found.st_size),
+                                                  sample_link::Mapping::Access::ReadWrite);
       if (mapped) return std::move(*mapped);
     }
     return std::nullopt;

@@ -3,7 +3,7 @@
 // Mission files: whatever is read without errors validates without harm and is written back equal.
 #include "require.hpp"
 
-#include <segue/mission/files.hpp>
+#include <segue/mission/mission_io.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -2,8 +2,8 @@
 // Three texts, between them a '%' on its own: a domain, a problem, a plan.
 #include "require.hpp"
 
-#include <segue/cdtn/order.hpp>
 #include <segue/pddl/pddl.hpp>
+#include <segue/task_network/order.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                        {text.substr(second + 1), "plan"}, diagnostics);
   require(network.has_value() != diagnostics.has_errors(), "a refusal says why");
   if (!network) return 0;
-  for (const auto rule : {cdtn::OrderRule::Epoch, cdtn::OrderRule::Goal})
-    require(cdtn::derive_order(*network, rule).size() == network->size(), "every node has its place");
+  for (const auto rule : {task_network::OrderRule::Epoch, task_network::OrderRule::Goal})
+    require(task_network::derive_order(*network, rule).size() == network->size(), "every node has its place");
   return 0;
 }

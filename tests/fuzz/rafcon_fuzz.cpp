@@ -4,8 +4,8 @@
 // What becomes a mission is written and read back equal.
 #include "require.hpp"
 
-#include <segue/mission/files.hpp>
-#include <segue/mission/rafcon_state.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/rafcon/rafcon_state.hpp>
 
 #include <cstddef>
 #include <cstdint>

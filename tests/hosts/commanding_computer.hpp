@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/component_library.hpp>
-#include <segue/host/local_task_host.hpp>
-#include <segue/hosts/distributed_task_host.hpp>
+#include <segue/distributed/distributed_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/task_host/component_library.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <support/fake_hosts.hpp>
 
@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace segue::hosts::testing {
+namespace segue::distributed::testing {
 
 using namespace std::chrono_literals;
 
@@ -53,9 +53,9 @@ class CommandingComputer {
   const std::string holder;
 
  private:
-  host::LibrarySet libraries_;
+  task_host::LibrarySet libraries_;
   model::ComponentCatalog catalog_;
-  host::LocalTaskHost local_{
+  task_host::LocalTaskHost local_{
       libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   deploy::testing::FakeWorld world_;
   deploy::testing::FakeProcesses processes_{world_};
@@ -72,4 +72,4 @@ class CommandingComputer {
   std::optional<runtime::Runtime> runtime;
 };
 
-}  // namespace segue::hosts::testing
+}  // namespace segue::distributed::testing

@@ -2,7 +2,7 @@
 #include "hosts_test.hpp"
 
 #include <segue/base/file.hpp>
-#include <segue/hosts/gateways.hpp>
+#include <segue/distributed/gateways.hpp>
 #include <segue/model/files.hpp>
 
 #include <support/eventually.hpp>
@@ -114,7 +114,7 @@ Lines expected_processes(const model::Network& network) {
   for (const auto& deployment : network.deployments)
     names.insert(to_string(deployment.key()));
   for (const auto& host : used) {
-    if (used.size() > 1) names.insert(host + "/" + hosts::kGatewayProcess.str());
+    if (used.size() > 1) names.insert(host + "/" + distributed::kGatewayProcess.str());
   }
   return names;
 }

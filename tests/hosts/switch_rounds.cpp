@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-namespace segue::hosts::testing {
+namespace segue::distributed::testing {
 
 namespace {
 
@@ -407,4 +407,4 @@ std::string run(const Scenario& scenario, Planted planted, Ends& ends) {
   return Player(scenario, planted, ends).play();
 }
 
-}  // namespace segue::hosts::testing
+}  // namespace segue::distributed::testing

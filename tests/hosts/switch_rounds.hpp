@@ -12,7 +12,7 @@
 #include <vector>
 
 /// Rounds of a robot on several hosts, each a request with trouble, and what must be true after each.
-namespace segue::hosts::testing {
+namespace segue::distributed::testing {
 
 struct Round {
   int controller = 0;  ///< which one is requested
@@ -49,4 +49,4 @@ std::vector<model::Network> random_controllers(std::uint64_t seed, int hosts);
 /// Runs a scenario. Gives what was wrong first, and where; empty where all was well.
 std::string run(const Scenario& scenario, Planted planted, Ends& ends);
 
-}  // namespace segue::hosts::testing
+}  // namespace segue::distributed::testing

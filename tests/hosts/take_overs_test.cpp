@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace segue::hosts {
+namespace segue::distributed {
 namespace {
 
 using segue::testing::eventually;
@@ -178,4 +178,4 @@ TEST_F(TakeOvers, at_about_the_same_moment_have_one_winner) {
 }
 
 }  // namespace
-}  // namespace segue::hosts
+}  // namespace segue::distributed

@@ -3,12 +3,12 @@
 // What trouble is called, and what runs, for messages.
 #include "troubled_robot.hpp"
 
-#include <segue/host/full_id.hpp>
+#include <segue/task_host/full_id.hpp>
 
 #include <algorithm>
 #include <iterator>
 
-namespace segue::hosts::testing {
+namespace segue::distributed::testing {
 
 namespace {
 
@@ -69,14 +69,15 @@ std::vector<std::string> inventory(const model::Network& network) {
     }
   }
   const auto plain = [](const model::PortRef& port) {
-    return host::plain_id(port.task).str() + "." + port.port;
+    return task_host::plain_id(port.task).str() + "." + port.port;
   };
   std::vector<std::string> all;
   for (const auto& task : network.tasks) {
     auto& places = processes[task.id];
     const std::string place = places.empty() ? "the runtime's process" : places.front();
     places.erase(places.begin(), places.begin() + (places.empty() ? 0 : 1));
-    all.push_back(place + ": " + host::plain_id(task.id).str() + " " + std::string(to_string(task.state)));
+    all.push_back(place + ": " + task_host::plain_id(task.id).str() + " " +
+                  std::string(to_string(task.state)));
   }
   for (const auto& connection : network.connections) {
     all.push_back(plain(connection.from) + " -> " + plain(connection.to));
@@ -104,4 +105,4 @@ std::vector<std::string> changes_between(const std::vector<std::string>& was,
   return changes;
 }
 
-}  // namespace segue::hosts::testing
+}  // namespace segue::distributed::testing

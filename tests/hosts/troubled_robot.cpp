@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-namespace segue::hosts::testing {
+namespace segue::distributed::testing {
 
 namespace {
 
@@ -504,4 +504,4 @@ void TroubledRobot::check_promises(std::size_t host) {
   }
 }
 
-}  // namespace segue::hosts::testing
+}  // namespace segue::distributed::testing

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/component_library.hpp>
-#include <segue/host/local_task_host.hpp>
-#include <segue/hosts/distributed_task_host.hpp>
+#include <segue/distributed/distributed_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/task_host/component_library.hpp>
+#include <segue/task_host/local_task_host.hpp>
 
 #include <support/fake_hosts.hpp>
 
@@ -22,7 +22,7 @@
 
 /// A robot on several simulated hosts, with a real runtime and real daemons. Between them, and in the
 /// processes, there is trouble as a test wishes.
-namespace segue::hosts::testing {
+namespace segue::distributed::testing {
 
 enum class TroubleKind {
   MessageLost,      ///< the connection breaks before a call was carried out; the host stays lost
@@ -131,9 +131,9 @@ class TroubledRobot {
  private:
   struct Command {
     explicit Command(TroubledRobot& robot);
-    host::LibrarySet libraries;
+    task_host::LibrarySet libraries;
     model::ComponentCatalog catalog;
-    host::LocalTaskHost local{
+    task_host::LocalTaskHost local{
         libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
     deploy::testing::FakeProcesses processes;
     deploy::testing::FakeService service;
@@ -191,4 +191,4 @@ class TroubledRobot {
   std::unique_ptr<Command> command_;
 };
 
-}  // namespace segue::hosts::testing
+}  // namespace segue::distributed::testing

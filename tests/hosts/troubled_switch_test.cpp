@@ -23,7 +23,7 @@
 #include <sstream>
 #include <vector>
 
-namespace segue::hosts::testing {
+namespace segue::distributed::testing {
 
 void showValue(const Round& round, std::ostream& out) {
   out << "\n  controller " << round.controller << (round.paper ? ", order paper" : "")
@@ -193,4 +193,4 @@ INSTANTIATE_TEST_SUITE_P(OfEachKind, PlantedDefects,
                          name_of);
 
 }  // namespace
-}  // namespace segue::hosts::testing
+}  // namespace segue::distributed::testing

@@ -23,7 +23,7 @@
 #include <memory>
 #include <random>
 
-namespace segue::hosts {
+namespace segue::distributed {
 namespace {
 
 using namespace std::chrono_literals;
@@ -314,4 +314,4 @@ TEST_F(TwoCommanders, are_never_obeyed_both_and_the_last_one_can_go_on) {
 }
 
 }  // namespace
-}  // namespace segue::hosts
+}  // namespace segue::distributed

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random missions on random robots of stand-ins, with a real runtime: what the robot runs is compared with a
 // model all along, while its actions fail, and while others ask for the robot and take it over.
-#include <segue/mission/controller_runner.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/robot/served_robot.hpp>
-#include <segue/runtime/robot_service.hpp>
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_robot/controller_runner.hpp>
+#include <segue/mission_run/session.hpp>
+#include <segue/remote_robot/served_robot.hpp>
+#include <segue/runtime/runtime_service.hpp>
 #include <segue/runtime/test_support.hpp>
-#include <segue/session/session.hpp>
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -73,11 +73,11 @@ class RobotRun {
         trouble_(trouble),
         controllers_(random_controllers(random_)),
         mission_(random_robot_mission(random_, controllers_.size())),
-        mode_(one_in(random_, 2) ? session::RunMode::Concurrent : session::RunMode::Sequential),
+        mode_(one_in(random_, 2) ? mission_run::RunMode::Concurrent : mission_run::RunMode::Sequential),
         service_(robot_.runtime, nullptr, [] {}) {
     for (const auto& controller : controllers_)
       EXPECT_FALSE(robot_.runtime.add_controller(controller).has_errors());
-    served_ = std::make_shared<robot::ServedRobot>(service_, "the mission");
+    served_ = std::make_shared<remote_robot::ServedRobot>(service_, "the mission");
     checked_ = std::make_shared<CheckedRobot>(robot_.runtime, controllers_,
                                               std::make_shared<DefectiveRobot>(service_, served_, defect));
   }
@@ -97,7 +97,7 @@ class RobotRun {
     if (auto wrong = checked_->problem()) return wrong;
     checked_.reset();
     if (!was_lost && trouble_.fault_in == 0 && mission_.is_a_sequence &&
-        mode_ == session::RunMode::Sequential && left != left_by_a_sequence()) {
+        mode_ == mission_run::RunMode::Sequential && left != left_by_a_sequence()) {
       return "the mission left other controllers running than it should";
     }
     return after_all();
@@ -121,9 +121,9 @@ class RobotRun {
     ASSERT_TRUE(mission) << to_string(diagnostics) << mission_.text;
     const auto conflicts = checked_->conflicts(Wait(TimePoint::max()));
     ASSERT_TRUE(conflicts);
-    const auto plan = session::Session::create(std::move(*mission), &*conflicts);
+    const auto plan = mission_run::Session::create(std::move(*mission), &*conflicts);
     ASSERT_TRUE(plan) << to_string(plan.error()) << mission_.text;
-    session::RunRequest request;
+    mission_run::RunRequest request;
     request.mode = mode_;
     request.on_event = [this](const mission::StateEvent& event) { note(event); };
     request.runners.set_controllers(
@@ -176,7 +176,8 @@ class RobotRun {
 
   /// What a sequence leaves running, by the rules of the manual.
   std::set<std::string> left_by_a_sequence() {
-    const auto conflicts = robot::ServedRobot(service_, "a reader").conflicts(Wait(TimePoint::max())).value();
+    const auto conflicts =
+        remote_robot::ServedRobot(service_, "a reader").conflicts(Wait(TimePoint::max())).value();
     const auto interfere = [&](const std::string& kept, const std::string& used) {
       return conflicts.conflict(kept, used) || conflicts.influence(kept, used);
     };
@@ -214,10 +215,10 @@ class RobotRun {
   const Trouble trouble_;
   const std::vector<model::Network> controllers_;
   const RobotMission mission_;
-  const session::RunMode mode_;
+  const mission_run::RunMode mode_;
   runtime::testing::StandInRobot robot_;
   runtime::RuntimeService service_;
-  std::shared_ptr<robot::ServedRobot> served_;
+  std::shared_ptr<remote_robot::ServedRobot> served_;
   std::shared_ptr<CheckedRobot> checked_;
   std::string taker_wants_;
   std::map<std::string, bool> began_late_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <support/forwarding_host.hpp>
 
@@ -48,7 +48,7 @@ class AskingHost final : public ForwardingHost {
     inner_.get_ready(target);
   }
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                 host::Completion completed) override {
+                 task_host::Completion completed) override {
     Ask ask;
     Ask after;
     {
@@ -79,7 +79,7 @@ class AskingHost final : public ForwardingHost {
   [[nodiscard]] model::Network observe() const override {
     model::Network seen = inner_.observe();
     Listener notify;
-    std::optional<host::TaskEvent> event;
+    std::optional<task_host::TaskEvent> event;
     {
       const std::lock_guard lock(mutex_);
       notify = listener_;
@@ -91,7 +91,7 @@ class AskingHost final : public ForwardingHost {
     return seen;
   }
   /// Reports `event` after the next snapshot has been taken and before it is returned.
-  void tell_after_look(host::TaskEvent event) {
+  void tell_after_look(task_host::TaskEvent event) {
     const std::lock_guard lock(mutex_);
     after_look_ = std::move(event);
   }
@@ -109,7 +109,7 @@ class AskingHost final : public ForwardingHost {
   Ask ask_after_;
   std::function<void(const model::Network&)> getting_ready_;
   Listener listener_;
-  mutable std::optional<host::TaskEvent> after_look_;
+  mutable std::optional<task_host::TaskEvent> after_look_;
 };
 
 }  // namespace segue::testing

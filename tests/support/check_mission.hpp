@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/order.hpp>
-#include <segue/convert/ahead.hpp>
+#include <segue/convert/ahead_of_failures.hpp>
+#include <segue/task_network/order.hpp>
 #include <support/check_run.hpp>
 #include <support/mission_runs.hpp>
 
@@ -41,8 +41,8 @@ class MissionCheck {
   std::string slower() {
     if (failed() && !strict_) return {};  // what acts behind a failing action takes time
     Duration limit{};
-    for (const cdtn::NodeResult& node : run_.network_result().nodes) {
-      if (node.status != cdtn::NodeStatus::NotReached) limit += node.ended - node.started;
+    for (const task_network::NodeResult& node : run_.network_result().nodes) {
+      if (node.status != task_network::NodeStatus::NotReached) limit += node.ended - node.started;
     }
     if (ran_.makespan > limit)
       return fmt::format("took {} s, all nodes together {} s", seconds(ran_.makespan), seconds(limit));
@@ -128,18 +128,19 @@ class MissionCheck {
   /// The network's own rules, then what the mission declares: no unit is used twice, and all that were taken
   /// are given back; conflicting actions follow each other as in the program.
   std::string log() {
-    const cdtn::RunResult& result = run_.network_result();
-    const auto beside = [this](cdtn::NodeId acts, cdtn::NodeId fails) {
+    const task_network::RunResult& result = run_.network_result();
+    const auto beside = [this](task_network::NodeId acts, task_network::NodeId fails) {
       return beside_or_after_race(run_.plan(), acts, fails);
     };
-    std::string text = cdtn::RunCheck(run_.plan().network(), result, result, strict_, beside).difference();
+    std::string text =
+        task_network::RunCheck(run_.plan().network(), result, result, strict_, beside).difference();
     if (text.empty()) text = grants();
     if (text.empty()) text = conflicts();
     if (text.empty()) text = races();
     return text;
   }
 
-  [[nodiscard]] const mission::Action* action(cdtn::NodeId node) const {
+  [[nodiscard]] const mission::Action* action(task_network::NodeId node) const {
     const PlannedNode& planned = run_.plan()[node];
     if (planned.role != Role::Action) return nullptr;
     const mission::Program& program = run_.plan().program();
@@ -153,10 +154,10 @@ class MissionCheck {
 
   std::string grants() {
     std::map<std::string, int> used;
-    for (const cdtn::LogEntry& entry : run_.network_result().log) {
-      const bool start = entry.kind == cdtn::LogKind::Start;
+    for (const task_network::LogEntry& entry : run_.network_result().log) {
+      const bool start = entry.kind == task_network::LogKind::Start;
       const mission::Action* what = action(entry.node);
-      if (what == nullptr || (!start && entry.kind != cdtn::LogKind::End)) continue;
+      if (what == nullptr || (!start && entry.kind != task_network::LogKind::End)) continue;
       if (!run_.plan()[entry.node].refused.empty()) continue;  // it never executes
       for (const mission::ResourceUse& use : what->resources) {
         if (use.operation != mission::ResourceOperation::Block) continue;
@@ -174,34 +175,35 @@ class MissionCheck {
   /// A node ordered after another by facts, or because one of them may touch anything, begins after its end,
   /// so there is no cycle of conflicts.
   std::string conflicts() {
-    const cdtn::TaskNetwork& network = run_.plan().network();
-    const cdtn::Order order = cdtn::derive_order(network);
+    const task_network::TaskNetwork& network = run_.plan().network();
+    const task_network::Order order = task_network::derive_order(network);
     const auto& nodes = run_.network_result().nodes;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-      const bool acts = network[cdtn::NodeId{i}].kind != ActionClass::Pure;
-      if (!acts || nodes[i].attempts == 0 || nodes[i].status == cdtn::NodeStatus::NotReached) continue;
-      for (const cdtn::Dependency& dependency : order.before(cdtn::NodeId{i})) {
-        const cdtn::NodeResult& from = nodes[index(dependency.from)];
-        const bool senses = network[cdtn::NodeId{i}].kind == ActionClass::Sensing;
-        const bool guessed = dependency.reason() == cdtn::Reason::Data ||
-                             dependency.reason() == cdtn::Reason::Condition ||
-                             dependency.reason() == cdtn::Reason::Resource;
-        if (from.status == cdtn::NodeStatus::Skipped || (senses && guessed)) continue;
-        const bool begun = dependency.reason() == cdtn::Reason::Resource;
+      const bool acts = network[task_network::NodeId{i}].kind != ActionClass::Pure;
+      if (!acts || nodes[i].attempts == 0 || nodes[i].status == task_network::NodeStatus::NotReached)
+        continue;
+      for (const task_network::Dependency& dependency : order.before(task_network::NodeId{i})) {
+        const task_network::NodeResult& from = nodes[index(dependency.from)];
+        const bool senses = network[task_network::NodeId{i}].kind == ActionClass::Sensing;
+        const bool guessed = dependency.reason() == task_network::Reason::Data ||
+                             dependency.reason() == task_network::Reason::Condition ||
+                             dependency.reason() == task_network::Reason::Resource;
+        if (from.status == task_network::NodeStatus::Skipped || (senses && guessed)) continue;
+        const bool begun = dependency.reason() == task_network::Reason::Resource;
         const TimePoint there = begun ? from.started : from.committed;
-        const bool done = (begun && from.attempts > 0) || from.status == cdtn::NodeStatus::Done ||
-                          from.status == cdtn::NodeStatus::Preempted;
+        const bool done = (begun && from.attempts > 0) || from.status == task_network::NodeStatus::Done ||
+                          from.status == task_network::NodeStatus::Preempted;
         if (!done || there > nodes[i].started)
-          return fmt::format("{} did not wait for {} ({} {})", network.label(cdtn::NodeId{i}),
+          return fmt::format("{} did not wait for {} ({} {})", network.label(task_network::NodeId{i}),
                              network.label(dependency.from), to_string(dependency.reason()),
-                             cdtn::subject_text(network, dependency));
+                             task_network::subject_text(network, dependency));
       }
     }
     return {};
   }
 
   /// The number of each execution of a preemptive container that the node is in.
-  [[nodiscard]] std::set<std::uint64_t> races_of(cdtn::NodeId node) const {
+  [[nodiscard]] std::set<std::uint64_t> races_of(task_network::NodeId node) const {
     const mission::Program& program = run_.plan().program();
     std::set<std::uint64_t> numbers;
     for (const auto* branch = run_.plan()[node].branch.get(); branch != nullptr;
@@ -214,28 +216,28 @@ class MissionCheck {
 
   /// States of a preemptive container do not wait for each other, and begin when all before has ended.
   std::string races() {
-    const cdtn::TaskNetwork& network = run_.plan().network();
-    const cdtn::Order order = cdtn::derive_order(network);
+    const task_network::TaskNetwork& network = run_.plan().network();
+    const task_network::Order order = task_network::derive_order(network);
     const auto& nodes = run_.network_result().nodes;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-      const cdtn::NodeId node{i};
+      const task_network::NodeId node{i};
       const std::set<std::uint64_t> own = races_of(node);
       if (own.empty() || nodes[i].attempts == 0) continue;
-      const auto in_parallel = [&](cdtn::NodeId other) {
+      const auto in_parallel = [&](task_network::NodeId other) {
         return mission::in_parallel(run_.plan()[node].branch.get(), run_.plan()[other].branch.get());
       };
-      for (const cdtn::Dependency& dependency : order.before(node)) {
+      for (const task_network::Dependency& dependency : order.before(node)) {
         const std::set<std::uint64_t> others = races_of(dependency.from);
         if (in_parallel(dependency.from) && (!own.empty() || !others.empty()))
           return fmt::format("{} would wait for {}, which runs beside it ({} {})", network.label(node),
                              network.label(dependency.from), to_string(dependency.reason()),
-                             cdtn::subject_text(network, dependency));
+                             task_network::subject_text(network, dependency));
       }
       for (std::uint32_t j = 0; j < i; ++j) {
-        const cdtn::NodeId before{j};
+        const task_network::NodeId before{j};
         const bool inside = std::ranges::includes(races_of(before), own);
         const bool over =
-            nodes[j].status == cdtn::NodeStatus::Skipped || nodes[j].committed <= nodes[i].started;
+            nodes[j].status == task_network::NodeStatus::Skipped || nodes[j].committed <= nodes[i].started;
         if (!inside && !over && !in_parallel(before))
           return fmt::format("{} did not wait for {}", network.label(node), network.label(before));
       }
@@ -260,17 +262,18 @@ class MissionCheck {
   std::string ahead() {
     const auto failed_node = run_.network_result().failed;
     if (!failed_node) return {};
-    const cdtn::TaskNetwork& network = run_.plan().network();
+    const task_network::TaskNetwork& network = run_.plan().network();
     const auto known = ahead_of_failures(run_.plan().shared_program()).value();
     const std::string& failed = network.name_of(*failed_node);
     for (std::uint32_t i = index(*failed_node) + 1; i < run_.network_result().nodes.size(); ++i) {
-      const cdtn::NodeId node{i};
+      const task_network::NodeId node{i};
       const PlannedNode& planned = run_.plan()[node];
       const bool executes = planned.role == Role::Action || planned.role == Role::OpaqueSubtree;
       if (!executes || !planned.refused.empty() || beside_or_after_race(run_.plan(), node, *failed_node))
         continue;
-      if (!cdtn::has_acted(network, run_.network_result(), node)) continue;
-      const auto entry = std::ranges::find(known.pairs, network.name_of(node), &cdtn::NamedActsAhead::acts);
+      if (!task_network::has_acted(network, run_.network_result(), node)) continue;
+      const auto entry =
+          std::ranges::find(known.pairs, network.name_of(node), &task_network::NamedActsAhead::acts);
       const bool listed =
           entry != known.pairs.end() && std::ranges::find(entry->fails, failed) != entry->fails.end();
       if (known.complete && !listed)
@@ -280,7 +283,7 @@ class MissionCheck {
     return {};
   }
 
-  [[nodiscard]] bool is_strict(cdtn::NodeId node) const {
+  [[nodiscard]] bool is_strict(task_network::NodeId node) const {
     const mission::Program& program = run_.plan().program();
     const mission::Action* what = action(node);
     bool strict = what != nullptr && what->strict;
@@ -299,7 +302,7 @@ class MissionCheck {
   std::string begun() {
     std::map<std::string, std::size_t> seen;
     std::string text;
-    run_.for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
+    run_.for_each_action([&](task_network::NodeId node, const std::string& outcome) {
       const PlannedNode& planned = run_.plan()[node];
       const std::size_t place = seen[std::string(planned.path)]++;
       if (!all_before_are_known(node) || outcome == "preempted") return;
@@ -310,20 +313,21 @@ class MissionCheck {
     });
     const TimePoint stopped = run_.stopped();
     if (stopped == TimePoint::max()) return "the node that stopped it never began";
-    for (const cdtn::LogEntry& entry : run_.network_result().log) {
-      if (entry.kind == cdtn::LogKind::Start && entry.when > stopped)
+    for (const task_network::LogEntry& entry : run_.network_result().log) {
+      if (entry.kind == task_network::LogKind::Start && entry.when > stopped)
         text = run_.plan().network().label(entry.node) + " began after the stop";
     }
     return text;
   }
 
   /// Whether all nodes of that path that precede it in the plan have ended or were skipped.
-  [[nodiscard]] bool all_before_are_known(cdtn::NodeId node) const {
+  [[nodiscard]] bool all_before_are_known(task_network::NodeId node) const {
     for (std::uint32_t i = 0; i < index(node); ++i) {
       const auto status = run_.network_result().nodes[i].status;
-      const bool known = status == cdtn::NodeStatus::Done || status == cdtn::NodeStatus::Skipped ||
-                         status == cdtn::NodeStatus::Preempted;
-      if (!known && run_.plan()[cdtn::NodeId{i}].path == run_.plan()[node].path) return false;
+      const bool known = status == task_network::NodeStatus::Done ||
+                         status == task_network::NodeStatus::Skipped ||
+                         status == task_network::NodeStatus::Preempted;
+      if (!known && run_.plan()[task_network::NodeId{i}].path == run_.plan()[node].path) return false;
     }
     return true;
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/ahead.hpp>
-#include <segue/cdtn/run_result.hpp>
-#include <segue/cdtn/task_network.hpp>
+#include <segue/task_network/acts_ahead.hpp>
+#include <segue/task_network/run_result.hpp>
+#include <segue/task_network/task_network.hpp>
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include <vector>
 
 /// Checks from results and log that a concurrent run is equivalent to the sequential one. For tests only.
-namespace segue::cdtn {
+namespace segue::task_network {
 
 /// Whether the run of the node that was last counts: a node that is refused in the end has none, whatever ran
 /// before.
@@ -237,4 +237,4 @@ class RunCheck {
   const std::function<bool(NodeId, NodeId)> beside_;
 };
 
-}  // namespace segue::cdtn
+}  // namespace segue::task_network

@@ -3,8 +3,8 @@
 
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
-#include <segue/host/action_pool.hpp>
-#include <segue/host/watches.hpp>
+#include <segue/task_host/action_pool.hpp>
+#include <segue/task_host/watches.hpp>
 #include <support/eventually.hpp>
 #include <support/fake_robot.hpp>
 
@@ -80,14 +80,14 @@ class FakeDeployment final : public deploy::DeploymentService {
   type::Value wrote{};
   std::vector<model::Action> performed{};
   model::ComponentModel component{};
-  host::TaskDetails task_details{};
+  task_host::TaskDetails task_details{};
   std::string state_name{};
   type::Value value{};
   std::optional<task::SavedState> state{};
   std::string written{};
-  link::Incarnation forgotten = 0;
+  sample_link::Incarnation forgotten = 0;
   std::vector<std::string> admitted{};
-  link::InputPlace place{};
+  sample_link::InputPlace place{};
   std::vector<deploy::OpenInput> opened{};
   std::vector<deploy::AttachOutput> attached{};
   std::vector<deploy::CloseEndpoint> closed{};
@@ -105,7 +105,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   }
   /// A stop of "wait" blocks, one of "bad" fails; a batch with one of "throws" throws.
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                 host::Completion completed) override {
+                 task_host::Completion completed) override {
     note(deadline);
     {
       const std::lock_guard lock(fields_);
@@ -155,18 +155,19 @@ class FakeDeployment final : public deploy::DeploymentService {
     return value;
   }
   /// Keeps a question whose asker has seen the level, until become() or its stop.
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override {
     if (question.task.str() == "no") return answered(fail(ErrorCode::NotFound, "no task"));
-    watches_.add(wait, [this, question, answered](host::detail::Watches::End end) {
-      if (end == host::detail::Watches::End::Stop) {
+    watches_.add(wait, [this, question, answered](task_host::detail::Watches::End end) {
+      if (end == task_host::detail::Watches::End::Stop) {
         dropped.open();
         answered(no_longer_wanted());
         return true;
       }
       std::unique_lock lock(fields_);
-      const host::TaskLevel level{TaskState::Running, state_name, 7};
+      const task_host::TaskLevel level{TaskState::Running, state_name, 7};
       lock.unlock();
-      if (end == host::detail::Watches::End::No && !question.is_news(level)) return false;
+      if (end == task_host::detail::Watches::End::No && !question.is_news(level)) return false;
       answered(level);
       return true;
     });
@@ -178,7 +179,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     }
     watches_.ring();
   }
-  Result<host::TaskDetails> details(const model::TaskId& task) override {
+  Result<task_host::TaskDetails> details(const model::TaskId& task) override {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
     const std::lock_guard lock(fields_);
     return task_details;
@@ -203,42 +204,42 @@ class FakeDeployment final : public deploy::DeploymentService {
     wrote = type::Value::map({{"port", to_string(port)}, {"value", sample}});
     return {};
   }
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override {
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override {
     if (port.port != "out") return fail(ErrorCode::NotFound, "no port");
     return std::make_unique<Numbers>(open_readers, static_cast<int>(buffer));
   }
-  Result<link::MemoryOffer> memory(TimePoint /*deadline*/) override {
-    return link::MemoryOffer{7, memory_with("payload"), memory_with("control")};
+  Result<sample_link::MemoryOffer> memory(TimePoint /*deadline*/) override {
+    return sample_link::MemoryOffer{7, memory_with("payload"), memory_with("control")};
   }
-  Result<void> admit(const link::MemoryOffer& peer, TimePoint /*deadline*/) override {
+  Result<void> admit(const sample_link::MemoryOffer& peer, TimePoint /*deadline*/) override {
     const std::lock_guard lock(fields_);
     admitted = {std::to_string(peer.incarnation), content_of(peer.payload), content_of(peer.control)};
     return {};
   }
-  Result<void> forget(link::Incarnation peer) override {
+  Result<void> forget(sample_link::Incarnation peer) override {
     const std::lock_guard lock(fields_);
     forgotten = peer;
     return {};
   }
-  std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
-                                                           TimePoint deadline) override {
+  std::vector<Result<sample_link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                                  TimePoint deadline) override {
     note(deadline);
-    std::vector<Result<link::OutputOrigin>> origins;
+    std::vector<Result<sample_link::OutputOrigin>> origins;
     for (const auto& port : ports) {
       if (port.port == "no")
         origins.push_back(fail(ErrorCode::NotFound, "no port"));
       else
-        origins.push_back(link::OutputOrigin{7, port.port.size(), true});
+        origins.push_back(sample_link::OutputOrigin{7, port.port.size(), true});
     }
     return origins;
   }
-  std::vector<Result<link::InputPlace>> open_inputs(std::span<const deploy::OpenInput> inputs,
-                                                    TimePoint deadline) override {
+  std::vector<Result<sample_link::InputPlace>> open_inputs(std::span<const deploy::OpenInput> inputs,
+                                                           TimePoint deadline) override {
     note(deadline);
     const std::lock_guard lock(fields_);
     opened.assign(inputs.begin(), inputs.end());
-    return {inputs.size(), Result<link::InputPlace>(place)};
+    return {inputs.size(), Result<sample_link::InputPlace>(place)};
   }
   std::vector<Result<void>> attach_outputs(std::span<const deploy::AttachOutput> outputs,
                                            TimePoint deadline) override {
@@ -266,7 +267,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   }
   Seen<FakeDeployment> seen() { return {*this, fields_}; }
 
-  void tell(const host::TaskEvent& event) {
+  void tell(const task_host::TaskEvent& event) {
     const std::lock_guard lock(mutex_);
     if (listener_) listener_(event);
   }
@@ -282,7 +283,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     return {};
   }
 
-  class Numbers final : public host::PortReader {
+  class Numbers final : public task_host::PortReader {
    public:
     Numbers(std::atomic<int>& open, int first) : open_(open), last_(first) { ++open_; }
     ~Numbers() override { --open_; }
@@ -292,7 +293,7 @@ class FakeDeployment final : public deploy::DeploymentService {
         samples.emplace_back(++last_);
       return samples;
     }
-    void next(std::size_t limit, const Wait& /*wait*/, host::SamplesAnswer answered) override {
+    void next(std::size_t limit, const Wait& /*wait*/, task_host::SamplesAnswer answered) override {
       answered(read(limit));
     }
     [[nodiscard]] std::string type_name() const override { return "/int32_t"; }
@@ -305,53 +306,53 @@ class FakeDeployment final : public deploy::DeploymentService {
   std::mutex fields_;
   std::mutex mutex_;
   Listener listener_;
-  concurrent::ThreadPool threads_{"fake", host::kActionThreads};
-  host::ActionPool actions_{threads_,
-                            [this](const model::Action& action, TimePoint deadline) -> Result<void> {
-                              const std::string task = action.task() != nullptr ? action.task()->str() : "";
-                              if (task == "wait") return wait(deadline);
-                              if (task == "bad") return fail(ErrorCode::HookFailed, "it is bad", "bad");
-                              return {};
-                            }};
-  host::detail::Watches watches_;
+  concurrent::ThreadPool threads_{"fake", task_host::kActionThreads};
+  task_host::ActionPool actions_{
+      threads_, [this](const model::Action& action, TimePoint deadline) -> Result<void> {
+        const std::string task = action.task() != nullptr ? action.task()->str() : "";
+        if (task == "wait") return wait(deadline);
+        if (task == "bad") return fail(ErrorCode::HookFailed, "it is bad", "bad");
+        return {};
+      }};
+  task_host::detail::Watches watches_;
 };
 
-class FakeProcesses final : public process::ProcessService {
+class FakeProcesses final : public process_server::ProcessService {
  public:
-  process::Launch launched{};
-  process::ProcessInfo process{};
-  process::ExitReason exit{};
+  process_server::Launch launched{};
+  process_server::ProcessInfo process{};
+  process_server::ExitReason exit{};
   std::string asked{};
 
-  Result<process::ProcessInfo> start(const process::Launch& launch, TimePoint) override {
+  Result<process_server::ProcessInfo> start(const process_server::Launch& launch, TimePoint) override {
     const std::lock_guard lock(fields_);
     launched = launch;
     if (launch.robot == "twice") return fail(ErrorCode::AlreadyExists, "it runs");
     return process;
   }
-  Result<process::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
-                                   TimePoint) override {
+  Result<process_server::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                          TimePoint) override {
     const std::lock_guard lock(fields_);
     asked = robot + ":" + to_string(key);
     return exit;
   }
-  Result<process::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
-                                   TimePoint) override {
+  Result<process_server::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                          TimePoint) override {
     const std::lock_guard lock(fields_);
     asked = "kill " + robot + ":" + to_string(key);
     return exit;
   }
-  Result<std::vector<process::ProcessInfo>> processes(const std::string& robot) override {
+  Result<std::vector<process_server::ProcessInfo>> processes(const std::string& robot) override {
     const std::lock_guard lock(fields_);
     asked = robot;
-    return std::vector<process::ProcessInfo>{process, {}};
+    return std::vector<process_server::ProcessInfo>{process, {}};
   }
   Seen<FakeProcesses> seen() { return {*this, fields_}; }
   void set_listener(Listener listener) override {
     const std::lock_guard lock(mutex_);
     listener_ = std::move(listener);
   }
-  void tell(const process::ProcessInfo& event) {
+  void tell(const process_server::ProcessInfo& event) {
     const std::lock_guard lock(mutex_);
     if (listener_) listener_(event);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/hosts/hosted_robot.hpp>
+#include <segue/distributed/hosted_robot.hpp>
 #include <support/fake_deployment.hpp>
 
 #include <atomic>
@@ -17,7 +17,7 @@
 namespace segue::control {
 
 /// Remembers what was asked; tasks are those of a FakeDeployment.
-class FakeHostedRobot final : public hosts::HostedRobot {
+class FakeHostedRobot final : public distributed::HostedRobot {
  public:
   Gate entered;  ///< a call has begun that blocks
   Gate go_on;
@@ -29,12 +29,12 @@ class FakeHostedRobot final : public hosts::HostedRobot {
   struct Fields {
     std::vector<std::string> asked;
     std::optional<Error> refusal;
-    hosts::HostView view;
+    distributed::HostView view;
     model::Network before;
     model::Network target;
     model::Transition transition;
     std::vector<model::Action> actions;
-    std::vector<hosts::LinkWait> links;
+    std::vector<distributed::LinkWait> links;
     std::uint64_t number = 0;
     Duration duration{0};
   };
@@ -46,7 +46,7 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     const std::lock_guard lock(mutex_);
     return fields_;
   }
-  void tell(const host::HostEvent& event) {
+  void tell(const task_host::HostEvent& event) {
     const std::lock_guard lock(listening_);
     if (listener_) listener_(event);
   }
@@ -57,7 +57,7 @@ class FakeHostedRobot final : public hosts::HostedRobot {
 
   Result<void> renew() override { return note("renew"); }
   Result<void> release() override { return note("release"); }
-  Result<hosts::HostView> look() override {
+  Result<distributed::HostView> look() override {
     if (auto noted = note("look"); !noted) return noted.error();
     return fields().view;
   }
@@ -75,22 +75,22 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     });
   }
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                      host::Completion completed) override {
+                      task_host::Completion completed) override {
     auto noted = note("begin_in_order", [&](Fields& fields) {
       fields.actions = actions;
       fields.duration = action_deadline;
     });
-    std::vector<host::Completed> ended;
+    std::vector<task_host::Completed> ended;
     for (std::size_t i = 0; i < actions.size(); ++i) {
-      host::Completed one{i, noted};
-      one.span = host::Span{std::chrono::milliseconds(i), std::chrono::milliseconds(i + 1)};
+      task_host::Completed one{i, noted};
+      one.span = task_host::Span{std::chrono::milliseconds(i), std::chrono::milliseconds(i + 1)};
       one.begun = i % 2 == 0;
       ended.push_back(std::move(one));
     }
     completed(std::move(ended));
   }
   void begin_no_more() override { (void)note("begin_no_more"); }
-  Result<void> get_ready(const model::Network& target, const std::vector<hosts::LinkWait>& links,
+  Result<void> get_ready(const model::Network& target, const std::vector<distributed::LinkWait>& links,
                          TimePoint deadline) override {
     return note("get_ready", [&](Fields& fields) {
       fields.target = target;
@@ -129,13 +129,13 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     return note("end_processes",
                 [&](Fields& fields) { fields.duration = deadline - RealClock::instance().now(); });
   }
-  void set_listener(host::TaskHost::Listener listener) override {
+  void set_listener(task_host::TaskHost::Listener listener) override {
     const std::lock_guard lock(listening_);
     listener_ = std::move(listener);
   }
 
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                 host::Completion completed) override {
+                 task_host::Completion completed) override {
     tasks.begin_all(std::move(actions), deadline, std::move(completed));
   }
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
@@ -146,10 +146,11 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     return tasks.restore_state(task, state, deadline);
   }
   Result<model::ComponentModel> describe(const model::TaskId& task) override { return tasks.describe(task); }
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override {
     tasks.watch(question, wait, std::move(answered));
   }
-  Result<host::TaskDetails> details(const model::TaskId& task) override { return tasks.details(task); }
+  Result<task_host::TaskDetails> details(const model::TaskId& task) override { return tasks.details(task); }
   Result<type::Value> properties(const model::TaskId& task) override { return tasks.properties(task); }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override {
@@ -162,8 +163,8 @@ class FakeHostedRobot final : public hosts::HostedRobot {
   Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
     return tasks.write(port, value, deadline);
   }
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override {
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override {
     return tasks.open_reader(port, buffer);
   }
 
@@ -179,7 +180,7 @@ class FakeHostedRobot final : public hosts::HostedRobot {
   std::mutex mutex_;
   Fields fields_;
   std::mutex listening_;
-  host::TaskHost::Listener listener_;
+  task_host::TaskHost::Listener listener_;
 };
 
 }  // namespace segue::control

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/hosts/host_link.hpp>
-#include <segue/hosts/local_host.hpp>
+#include <segue/distributed/host_link.hpp>
+#include <segue/distributed/local_host.hpp>
 #include <support/fake_world.hpp>
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@
 
 /// Computers with simulated deployment processes, and lines to their daemons that break and spoil calls on
 /// request.
-namespace segue::hosts::testing {
+namespace segue::distributed::testing {
 
 /// The lines to one computer. Thread safe.
 class Line {
@@ -203,8 +203,8 @@ class WiredRobot final : public HostedRobot {
     return wire_.pass("begin_transition", [&] { return robot_->begin_transition(before, target); });
   }
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
-                      host::Completion completed) override {
-    begin("begin_in_order", actions.size(), completed, [&](host::Completion report) {
+                      task_host::Completion completed) override {
+    begin("begin_in_order", actions.size(), completed, [&](task_host::Completion report) {
       robot_->begin_in_order(std::move(actions), action_deadline, std::move(report));
     });
   }
@@ -236,11 +236,13 @@ class WiredRobot final : public HostedRobot {
   Result<void> end_processes(TimePoint deadline) override {
     return wire_.pass("end_processes", [&] { return robot_->end_processes(deadline); });
   }
-  void set_listener(host::TaskHost::Listener listener) override { robot_->set_listener(std::move(listener)); }
+  void set_listener(task_host::TaskHost::Listener listener) override {
+    robot_->set_listener(std::move(listener));
+  }
 
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                 host::Completion completed) override {
-    begin("begin_all", actions.size(), completed, [&](host::Completion report) {
+                 task_host::Completion completed) override {
+    begin("begin_all", actions.size(), completed, [&](task_host::Completion report) {
       robot_->begin_all(std::move(actions), deadline, std::move(report));
     });
   }
@@ -257,14 +259,15 @@ class WiredRobot final : public HostedRobot {
   Result<type::Value> properties(const model::TaskId& task) override {
     return wire_.pass("properties", [&] { return robot_->properties(task); });
   }
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override {
     const auto asked = wire_.pass("watch", [&]() -> Result<void> {
       robot_->watch(question, wait, answered);
       return {};
     });
     if (!asked) answered(asked.error());
   }
-  Result<host::TaskDetails> details(const model::TaskId& task) override {
+  Result<task_host::TaskDetails> details(const model::TaskId& task) override {
     return wire_.pass("details", [&] { return robot_->details(task); });
   }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
@@ -278,22 +281,23 @@ class WiredRobot final : public HostedRobot {
   Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
     return wire_.pass("write", [&] { return robot_->write(port, value, deadline); });
   }
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override {
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override {
     return wire_.pass("open_reader", [&] { return robot_->open_reader(port, buffer); });
   }
 
  private:
   /// Every action is reported once, also where that is lost on the way.
   template <class Begin>
-  void begin(const std::string& what, std::size_t count, const host::Completion& completed, Begin begin) {
+  void begin(const std::string& what, std::size_t count, const task_host::Completion& completed,
+             Begin begin) {
     if (const auto error = wire_.lost_on_the_way(what)) {
-      std::vector<host::Completed> refused;
+      std::vector<task_host::Completed> refused;
       for (std::size_t i = 0; i < count; ++i)
         refused.push_back({i, *error});
       return completed(std::move(refused));
     }
-    begin([wire = wire_, what, completed](std::vector<host::Completed> ended) {
+    begin([wire = wire_, what, completed](std::vector<task_host::Completed> ended) {
       if (const auto error = wire.lost_on_the_way_back(what)) {
         for (auto& one : ended)
           one.outcome = *error;
@@ -398,7 +402,7 @@ class Computer {
         return computer_.local->highest_term(robot);
       });
     }
-    Result<process::LogPart> log(const LogRequest& request) override {
+    Result<process_server::LogPart> log(const LogRequest& request) override {
       return wire_.pass("log", [&] { return computer_.local->log(request); });
     }
     Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) override {
@@ -426,4 +430,4 @@ inline RobotRequest request_of(const std::string& holder, bool take_over = false
   return request;
 }
 
-}  // namespace segue::hosts::testing
+}  // namespace segue::distributed::testing

@@ -3,7 +3,7 @@
 
 #include <segue/control/robot_service.hpp>
 #include <segue/control/server.hpp>
-#include <segue/host/watches.hpp>
+#include <segue/task_host/watches.hpp>
 
 #include <gtest/gtest.h>
 
@@ -66,9 +66,10 @@ class FakeRobot : public RobotService {
     if (id != "huge" && id != "large") return type::Value::map({{"id", id}});
     return type::Value(std::string(std::size_t{id == "huge" ? 200U : 20U} << 20, 'x'));
   }
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
-    watches_.add(wait, [this, question, answered](host::detail::Watches::End end) {
-      using End = host::detail::Watches::End;
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override {
+    watches_.add(wait, [this, question, answered](task_host::detail::Watches::End end) {
+      using End = task_host::detail::Watches::End;
       if (end == End::Stop) {
         dropped.open();
         answered(no_longer_wanted());
@@ -76,7 +77,7 @@ class FakeRobot : public RobotService {
         entered.open();
         return false;
       } else {
-        answered(host::TaskLevel{TaskState::Running, question.task.str(), 7});
+        answered(task_host::TaskLevel{TaskState::Running, question.task.str(), 7});
       }
       return true;
     });
@@ -85,9 +86,9 @@ class FakeRobot : public RobotService {
     return type::Value::map({{"controller", "fake"}, {"lease", lease}});
   }
   void changes(std::uint64_t seen, const Wait& wait, ChangesAnswer answered) override {
-    watches_.add(wait, [seen, answered](host::detail::Watches::End end) {
+    watches_.add(wait, [seen, answered](task_host::detail::Watches::End end) {
       constexpr std::uint64_t kCount = 3;
-      if (end == host::detail::Watches::End::No && seen == kCount) return false;
+      if (end == task_host::detail::Watches::End::No && seen == kCount) return false;
       answered(kCount);
       return true;
     });
@@ -153,7 +154,7 @@ class FakeRobot : public RobotService {
   Result<type::Value> mission(std::uint64_t after, bool with_plan) override {
     return type::Value::map({{"after", after}, {"with_plan", with_plan}});
   }
-  Result<std::uint64_t> ask_holder(std::string_view what, const type::Value& arguments) override {
+  Result<std::uint64_t> send_command(std::string_view what, const type::Value& arguments) override {
     const std::lock_guard lock(mutex_);
     asked_.push_back({++asked_so_far_, std::string(what), arguments});
     return asked_so_far_;
@@ -255,7 +256,7 @@ class FakeRobot : public RobotService {
         samples.emplace_back(++last_);
       return samples;
     }
-    void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
+    void next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered) override {
       answered(read(limit, wait));
     }
     [[nodiscard]] std::string type_name() const override { return "/int32_t"; }
@@ -294,7 +295,7 @@ class FakeRobot : public RobotService {
   type::Value set_;
   Sender sender_;
   std::string set_text_;
-  host::detail::Watches watches_;
+  task_host::detail::Watches watches_;
 };
 
 /// A server in a runtime folder of its own.

@@ -65,7 +65,7 @@ Result<Snapshot> FakeService::snapshot() {
       snapshot.network.tasks.push_back(task);
       if (hangs) snapshot.network.tasks.back().state = TaskState::Fatal;
       deployment.tasks.push_back({id, id.str()});
-      host::TaskReport report;
+      task_host::TaskReport report;
       report.id = id;
       report.state = snapshot.network.tasks.back().state;
       if (hangs) report.error = "on_update has not returned within 5 s";
@@ -92,9 +92,9 @@ Result<void> FakeService::expect(const model::Network& /*network*/) {
 }
 
 void FakeService::begin_all(std::vector<model::Action> actions, TimePoint /*deadline*/,
-                            host::Completion completed) {
+                            task_host::Completion completed) {
   if (world_.pretends()) {
-    std::vector<host::Completed> done;
+    std::vector<task_host::Completed> done;
     for (std::size_t i = 0; i < actions.size(); ++i) {
       done.push_back({i, {}});
     }
@@ -102,7 +102,7 @@ void FakeService::begin_all(std::vector<model::Action> actions, TimePoint /*dead
   }
   auto outcomes = answer_all<void>("perform", std::span<const model::Action>(actions),
                                    [&](const model::Action& action) { return act(action); });
-  std::vector<host::Completed> ended;
+  std::vector<task_host::Completed> ended;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     ended.push_back({i, std::move(outcomes[i])});
   }
@@ -274,18 +274,18 @@ Result<type::Value> FakeService::properties(const model::TaskId& task) {
 }
 
 /// At once: whoever waits for changes asks another fake.
-void FakeService::watch(const host::LevelQuestion& question, const Wait& /*wait*/,
-                        host::LevelAnswer answered) {
-  answered(answer<host::TaskLevel>("watch", [&]() -> Result<host::TaskLevel> {
-    host::TaskLevel level;
+void FakeService::watch(const task_host::LevelQuestion& question, const Wait& /*wait*/,
+                        task_host::LevelAnswer answered) {
+  answered(answer<task_host::TaskLevel>("watch", [&]() -> Result<task_host::TaskLevel> {
+    task_host::TaskLevel level;
     level.state_name = process_->info.key.process.str() + '/' + question.task.str();
     return level;
   }));
 }
 
-Result<host::TaskDetails> FakeService::details(const model::TaskId& task) {
-  return answer<host::TaskDetails>("details", [&]() -> Result<host::TaskDetails> {
-    host::TaskDetails details;
+Result<task_host::TaskDetails> FakeService::details(const model::TaskId& task) {
+  return answer<task_host::TaskDetails>("details", [&]() -> Result<task_host::TaskDetails> {
+    task_host::TaskDetails details;
     details.timing.updates.counts[0] = task.str().size();
     return details;
   });
@@ -309,27 +309,27 @@ Result<void> FakeService::write(const model::PortRef& /*port*/, const type::Valu
   return fail(ErrorCode::Unsupported, "fakes have no samples");
 }
 
-Result<std::unique_ptr<host::PortReader>> FakeService::open_reader(const model::PortRef& /*port*/,
-                                                                   std::size_t /*buffer*/) {
+Result<std::unique_ptr<task_host::PortReader>> FakeService::open_reader(const model::PortRef& /*port*/,
+                                                                        std::size_t /*buffer*/) {
   return fail(ErrorCode::Unsupported, "fakes have no samples");
 }
 
-Result<link::MemoryOffer> FakeService::memory(TimePoint /*deadline*/) {
-  return answer<link::MemoryOffer>("memory", [&]() -> Result<link::MemoryOffer> {
-    link::MemoryOffer offer;
+Result<sample_link::MemoryOffer> FakeService::memory(TimePoint /*deadline*/) {
+  return answer<sample_link::MemoryOffer>("memory", [&]() -> Result<sample_link::MemoryOffer> {
+    sample_link::MemoryOffer offer;
     offer.incarnation = process_->incarnation;
     return offer;
   });
 }
 
-Result<void> FakeService::admit(const link::MemoryOffer& peer, TimePoint /*deadline*/) {
+Result<void> FakeService::admit(const sample_link::MemoryOffer& peer, TimePoint /*deadline*/) {
   return answer<void>("admit", [&]() -> Result<void> {
     process_->admitted.insert(peer.incarnation);
     return {};
   });
 }
 
-Result<void> FakeService::forget(link::Incarnation peer) {
+Result<void> FakeService::forget(sample_link::Incarnation peer) {
   return answer<void>("forget", [&]() -> Result<void> {
     process_->admitted.erase(peer);
     std::erase_if(process_->endpoints, [&](const EndpointReport& endpoint) { return endpoint.peer == peer; });
@@ -337,24 +337,24 @@ Result<void> FakeService::forget(link::Incarnation peer) {
   });
 }
 
-std::vector<Result<link::OutputOrigin>> FakeService::describe_outputs(std::span<const model::PortRef> ports,
-                                                                      TimePoint /*deadline*/) {
-  return answer_all<link::OutputOrigin>("describe_outputs", ports,
-                                        [&](const model::PortRef& port) -> Result<link::OutputOrigin> {
-                                          if (!process_->tasks.contains(port.task)) {
-                                            return no_such("task");
-                                          }
-                                          link::OutputOrigin origin;
-                                          origin.writer = process_->incarnation;
-                                          origin.sample_size = port.port == kPortWithoutType ? 0 : 8;
-                                          return origin;
-                                        });
+std::vector<Result<sample_link::OutputOrigin>> FakeService::describe_outputs(
+    std::span<const model::PortRef> ports, TimePoint /*deadline*/) {
+  return answer_all<sample_link::OutputOrigin>(
+      "describe_outputs", ports, [&](const model::PortRef& port) -> Result<sample_link::OutputOrigin> {
+        if (!process_->tasks.contains(port.task)) {
+          return no_such("task");
+        }
+        sample_link::OutputOrigin origin;
+        origin.writer = process_->incarnation;
+        origin.sample_size = port.port == kPortWithoutType ? 0 : 8;
+        return origin;
+      });
 }
 
-std::vector<Result<link::InputPlace>> FakeService::open_inputs(std::span<const OpenInput> inputs,
-                                                               TimePoint /*deadline*/) {
-  return answer_all<link::InputPlace>(
-      "open_inputs", inputs, [&](const OpenInput& input) -> Result<link::InputPlace> {
+std::vector<Result<sample_link::InputPlace>> FakeService::open_inputs(std::span<const OpenInput> inputs,
+                                                                      TimePoint /*deadline*/) {
+  return answer_all<sample_link::InputPlace>(
+      "open_inputs", inputs, [&](const OpenInput& input) -> Result<sample_link::InputPlace> {
         if (!process_->admitted.contains(input.origin.writer)) {
           return fail(ErrorCode::InvalidState, "the writer has not been admitted");
         }

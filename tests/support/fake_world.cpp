@@ -20,7 +20,7 @@ bool same_place(const EndpointReport& a, const EndpointReport& b) {
 }  // namespace
 
 FakeWorld::FakeWorld() : own_(std::make_shared<FakeProcess>()) {
-  own_->incarnation = std::numeric_limits<link::Incarnation>::max();  // no other process gets as far
+  own_->incarnation = std::numeric_limits<sample_link::Incarnation>::max();  // no other process gets as far
   own_->info.pid = 1;
 }
 
@@ -84,7 +84,7 @@ std::vector<FakePtr> FakeWorld::running() const {
   return running;
 }
 
-FakePtr FakeWorld::of(link::Incarnation incarnation) const {
+FakePtr FakeWorld::of(sample_link::Incarnation incarnation) const {
   if (own_->incarnation == incarnation) {
     return own_;
   }
@@ -167,7 +167,7 @@ std::vector<std::string> FakeWorld::orphans() const {
 }
 
 FakePtr FakeWorld::add_running(const std::string& process) {
-  process::Launch launch;
+  process_server::Launch launch;
   launch.deployment.process = model::ProcessName(process);
   auto made = start(launch);
   const std::lock_guard lock(mutex);
@@ -175,14 +175,14 @@ FakePtr FakeWorld::add_running(const std::string& process) {
   return made;
 }
 
-FakePtr FakeWorld::start(const process::Launch& launch) {
+FakePtr FakeWorld::start(const process_server::Launch& launch) {
   const auto process = std::make_shared<FakeProcess>();
   bool dies = false;
   {
     const std::lock_guard lock(mutex);
     ++lives_;
     process->deployment = launch.deployment;
-    process->incarnation = static_cast<link::Incarnation>(lives_);
+    process->incarnation = static_cast<sample_link::Incarnation>(lives_);
     process->info.robot = "robot";
     process->info.key = launch.deployment.key();
     process->info.pid = 100 + lives_;
@@ -213,11 +213,11 @@ void FakeWorld::kill(const FakePtr& process, int signal, bool requested) {
     if (gone) {
       gone();
     }
-    process::ProcessInfo info = process->info;
-    info.exit = process::ExitReason{};
+    process_server::ProcessInfo info = process->info;
+    info.exit = process_server::ExitReason{};
     info.exit->signal = signal;
     info.exit->requested = requested;
-    process::ProcessService::Listener listener;
+    process_server::ProcessService::Listener listener;
     {
       const std::lock_guard lock(mutex);
       listener = exit_listener;
@@ -247,7 +247,7 @@ void FakeWorld::later(std::function<void()> what) {
   later_.push_back(std::move(started));
 }
 
-void FakeWorld::tell(const FakePtr& process, const host::TaskEvent& event) {
+void FakeWorld::tell(const FakePtr& process, const task_host::TaskEvent& event) {
   DeploymentService::Listener listener;
   {
     const std::lock_guard lock(mutex);
@@ -299,7 +299,8 @@ FakeWorld::Verdict FakeWorld::judge(const std::string& what, const FakePtr& proc
   return verdict;
 }
 
-Result<process::ProcessInfo> FakeProcesses::start(const process::Launch& launch, TimePoint /*deadline*/) {
+Result<process_server::ProcessInfo> FakeProcesses::start(const process_server::Launch& launch,
+                                                         TimePoint /*deadline*/) {
   const auto verdict = world_.judge("start", nullptr);
   if (verdict.take_effect) {
     const auto same = world_.find(launch.deployment.key());
@@ -317,18 +318,20 @@ Result<process::ProcessInfo> FakeProcesses::start(const process::Launch& launch,
   return *verdict.answer;
 }
 
-Result<process::ExitReason> FakeProcesses::stop(const std::string& /*robot*/, const model::DeploymentKey& key,
-                                                TimePoint /*deadline*/) {
+Result<process_server::ExitReason> FakeProcesses::stop(const std::string& /*robot*/,
+                                                       const model::DeploymentKey& key,
+                                                       TimePoint /*deadline*/) {
   return end("stop", key, 15);
 }
 
-Result<process::ExitReason> FakeProcesses::kill(const std::string& /*robot*/, const model::DeploymentKey& key,
-                                                TimePoint /*deadline*/) {
+Result<process_server::ExitReason> FakeProcesses::kill(const std::string& /*robot*/,
+                                                       const model::DeploymentKey& key,
+                                                       TimePoint /*deadline*/) {
   return end("kill", key, 9);
 }
 
-Result<process::ExitReason> FakeProcesses::end(const std::string& how, const model::DeploymentKey& key,
-                                               int signal) {
+Result<process_server::ExitReason> FakeProcesses::end(const std::string& how, const model::DeploymentKey& key,
+                                                      int signal) {
   const auto verdict = world_.judge(how, nullptr);
   if (verdict.take_effect) {
     const auto process = world_.find(key);
@@ -339,7 +342,7 @@ Result<process::ExitReason> FakeProcesses::end(const std::string& how, const mod
       world_.kill(process, process->crashed_by != 0 ? process->crashed_by : signal, true);
     }
     if (!verdict.answer) {
-      process::ExitReason reason;
+      process_server::ExitReason reason;
       reason.requested = true;
       reason.signal = process->crashed_by;
       reason.killed = process->hangs || how == "kill";
@@ -349,12 +352,12 @@ Result<process::ExitReason> FakeProcesses::end(const std::string& how, const mod
   return *verdict.answer;
 }
 
-Result<std::vector<process::ProcessInfo>> FakeProcesses::processes(const std::string& /*robot*/) {
+Result<std::vector<process_server::ProcessInfo>> FakeProcesses::processes(const std::string& /*robot*/) {
   const auto verdict = world_.judge("processes", nullptr);
   if (verdict.answer) {
     return *verdict.answer;
   }
-  std::vector<process::ProcessInfo> infos;
+  std::vector<process_server::ProcessInfo> infos;
   for (const auto& process : world_.running()) {
     infos.push_back(process->info);
   }

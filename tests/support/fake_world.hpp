@@ -31,9 +31,9 @@ struct Fault {
 inline constexpr const char* kPortWithoutType = "any";
 
 struct FakeProcess {
-  process::ProcessInfo info;
+  process_server::ProcessInfo info;
   model::Deployment deployment;
-  link::Incarnation incarnation = 0;
+  sample_link::Incarnation incarnation = 0;
   bool alive = true;
   bool hangs = false;
   int crashed_by = 0;  ///< the signal by which it ends before it can be asked to; 0: none
@@ -61,7 +61,7 @@ struct FakeProcess {
     return committed() ? std::none_of(ending.endpoints.begin(), ending.endpoints.end(), ends)
                        : endpoint.carries;
   }
-  std::set<link::Incarnation> admitted;
+  std::set<sample_link::Incarnation> admitted;
   DeploymentService::Listener listener;
   std::function<void()> gone;
 };
@@ -93,7 +93,7 @@ class FakeWorld {
   /// Adds a process that runs already.
   FakePtr add_running(const std::string& process);
   void change(const std::function<void()>& what);
-  void tell(const FakePtr& process, const host::TaskEvent& event);
+  void tell(const FakePtr& process, const task_host::TaskEvent& event);
   /// `see` is called before each call with its name and process, without a lock held.
   void on_call(std::function<void(const std::string& what, const FakePtr& process)> see);
   /// The call to perform actions that is the `count`th from now on is not carried out, but answered as if it
@@ -113,12 +113,12 @@ class FakeWorld {
     bool die_afterwards = false;
   };
   Verdict judge(const std::string& what, const FakePtr& process);
-  FakePtr start(const process::Launch& launch);
+  FakePtr start(const process_server::Launch& launch);
   [[nodiscard]] std::vector<FakePtr> running() const;
-  [[nodiscard]] FakePtr of(link::Incarnation incarnation) const;  ///< with the lock held
-  std::uint64_t next_place() { return ++places_; }                ///< likewise
+  [[nodiscard]] FakePtr of(sample_link::Incarnation incarnation) const;  ///< with the lock held
+  std::uint64_t next_place() { return ++places_; }                       ///< likewise
   mutable std::mutex mutex;
-  process::ProcessService::Listener exit_listener;
+  process_server::ProcessService::Listener exit_listener;
 
  private:
   void later(std::function<void()> what);
@@ -145,7 +145,8 @@ class FakeService final : public DeploymentService {
   Result<DeploymentInfo> info() override;
   Result<Snapshot> snapshot() override;
   Result<void> expect(const model::Network& network) override;
-  void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 task_host::Completion completed) override;
   Result<void> arm_commit(const ArmCommit& what, TimePoint deadline) override;
   Result<void> settle(TimePoint deadline) override;
   Result<void> conclude(const model::Transition& transition, TimePoint deadline) override;
@@ -154,22 +155,23 @@ class FakeService final : public DeploymentService {
                              TimePoint deadline) override;
   Result<model::ComponentModel> describe(const model::TaskId& task) override;
   Result<type::Value> properties(const model::TaskId& task) override;
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override;
-  Result<host::TaskDetails> details(const model::TaskId& task) override;
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override;
+  Result<task_host::TaskDetails> details(const model::TaskId& task) override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override;
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, TimePoint deadline) override;
   Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override;
-  Result<link::MemoryOffer> memory(TimePoint deadline) override;
-  Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) override;
-  Result<void> forget(link::Incarnation peer) override;
-  std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override;
+  Result<sample_link::MemoryOffer> memory(TimePoint deadline) override;
+  Result<void> admit(const sample_link::MemoryOffer& peer, TimePoint deadline) override;
+  Result<void> forget(sample_link::Incarnation peer) override;
+  std::vector<Result<sample_link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                                  TimePoint deadline) override;
+  std::vector<Result<sample_link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
                                                            TimePoint deadline) override;
-  std::vector<Result<link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
-                                                    TimePoint deadline) override;
   std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
                                            TimePoint deadline) override;
   std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,
@@ -191,19 +193,20 @@ class FakeService final : public DeploymentService {
   FakePtr process_;
 };
 
-class FakeProcesses final : public process::ProcessService {
+class FakeProcesses final : public process_server::ProcessService {
  public:
   explicit FakeProcesses(FakeWorld& world) : world_(world) {}
-  Result<process::ProcessInfo> start(const process::Launch& launch, TimePoint deadline) override;
-  Result<process::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
-                                   TimePoint deadline) override;
-  Result<process::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
-                                   TimePoint deadline) override;
-  Result<std::vector<process::ProcessInfo>> processes(const std::string& robot) override;
+  Result<process_server::ProcessInfo> start(const process_server::Launch& launch,
+                                            TimePoint deadline) override;
+  Result<process_server::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                          TimePoint deadline) override;
+  Result<process_server::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                          TimePoint deadline) override;
+  Result<std::vector<process_server::ProcessInfo>> processes(const std::string& robot) override;
   void set_listener(Listener listener) override;
 
  private:
-  Result<process::ExitReason> end(const std::string& how, const model::DeploymentKey& key, int signal);
+  Result<process_server::ExitReason> end(const std::string& how, const model::DeploymentKey& key, int signal);
 
   FakeWorld& world_;
 };

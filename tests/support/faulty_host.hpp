@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <support/forwarding_host.hpp>
 
@@ -76,7 +76,7 @@ class FaultyHost final : public ForwardingHost {
   }
 
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                 host::Completion completed) override {
+                 task_host::Completion completed) override {
     std::vector<model::Action> passed;
     std::vector<std::size_t> index_of;
     std::set<std::size_t> doubted;
@@ -225,7 +225,7 @@ class FaultyHost final : public ForwardingHost {
       const std::lock_guard lock(mutex_);
       notify = listener_;
     }
-    if (was_there && notify) notify(host::ProcessEvent{*place, "was ended by SIGKILL", true});
+    if (was_there && notify) notify(task_host::ProcessEvent{*place, "was ended by SIGKILL", true});
     const bool is_told_so = action.kind == model::ActionKind::Undeploy;
     return is_told_so ? Meeting{} : Meeting{false, false, gone()};
   }

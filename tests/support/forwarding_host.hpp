@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <memory>
 #include <span>
@@ -13,15 +13,15 @@ namespace segue::testing {
 
 /// Forwards everything to another host; tests override the functions that they disturb. Executes each action
 /// as a batch of one.
-class ForwardingHost : public host::TaskHost {
+class ForwardingHost : public task_host::TaskHost {
  public:
-  explicit ForwardingHost(host::TaskHost& inner) : inner_(inner) {}
+  explicit ForwardingHost(task_host::TaskHost& inner) : inner_(inner) {}
 
   Result<void> perform(const model::Action& action, TimePoint deadline) override {
     return std::move(perform_all({&action, 1}, deadline).front());
   }
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                 host::Completion completed) override {
+                 task_host::Completion completed) override {
     inner_.begin_all(std::move(actions), deadline, std::move(completed));
   }
   [[nodiscard]] bool side_by_side() const override { return inner_.side_by_side(); }
@@ -45,18 +45,21 @@ class ForwardingHost : public host::TaskHost {
   Result<void> commit() override { return inner_.commit(); }
   void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
   [[nodiscard]] model::Network observe() const override { return inner_.observe(); }
-  [[nodiscard]] std::vector<host::TaskReport> tasks() const override { return inner_.tasks(); }
-  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
+  [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override { return inner_.tasks(); }
+  [[nodiscard]] std::vector<task_host::ConnectionReport> connections() const override {
     return inner_.connections();
   }
   Result<model::ComponentModel> describe(const model::TaskId& task) const override {
     return inner_.describe(task);
   }
   Result<type::Value> properties(const model::TaskId& task) const override { return inner_.properties(task); }
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override {
     inner_.watch(question, wait, std::move(answered));
   }
-  Result<host::TaskDetails> details(const model::TaskId& task) const override { return inner_.details(task); }
+  Result<task_host::TaskDetails> details(const model::TaskId& task) const override {
+    return inner_.details(task);
+  }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override {
     return inner_.set_property(task, path, value, deadline);
@@ -68,14 +71,14 @@ class ForwardingHost : public host::TaskHost {
   Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
     return inner_.write(port, value, deadline);
   }
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override {
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override {
     return inner_.open_reader(port, buffer);
   }
   void set_listener(Listener listener) override { inner_.set_listener(std::move(listener)); }
 
  protected:
-  host::TaskHost& inner_;
+  task_host::TaskHost& inner_;
 };
 
 }  // namespace segue::testing

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/virtual_clock.hpp>
-#include <segue/convert/run.hpp>
+#include <segue/convert/concurrent_run.hpp>
 
 #include <fmt/format.h>
 
@@ -267,11 +267,11 @@ class ConcurrentRun {
     ran.makespan = network_result().makespan;
     ran.world = network_result().world.texts(plan().network().facts);
     ran.globals = run_->globals().snapshot();
-    const cdtn::ResourceTable& resources = plan().network().resources;
+    const task_network::ResourceTable& resources = plan().network().resources;
     for (std::uint32_t i = 0; i < resources.size(); ++i)
-      if (network_result().units[i] != 1 && !plan().network().resources[cdtn::ResourceId{i}].lent)
-        ran.units[resources.name(cdtn::ResourceId{i})] = network_result().units[i];
-    for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
+      if (network_result().units[i] != 1 && !plan().network().resources[task_network::ResourceId{i}].lent)
+        ran.units[resources.name(task_network::ResourceId{i})] = network_result().units[i];
+    for_each_action([&](task_network::NodeId node, const std::string& outcome) {
       ran.happened[std::string(plan()[node].path)].push_back(outcome);
     });
     for (const mission::Execution& first : plan().race_record().firsts)
@@ -280,7 +280,7 @@ class ConcurrentRun {
   }
 
   [[nodiscard]] const MissionPlan& plan() const { return run_->plan(); }
-  [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
+  [[nodiscard]] const task_network::RunResult& network_result() const { return run_->network_result(); }
   [[nodiscard]] std::uint64_t begun() const { return begun_; }
   [[nodiscard]] std::size_t begun_at(const std::string& path) const {
     const auto found = begun_at_.find(path);
@@ -290,11 +290,11 @@ class ConcurrentRun {
   /// When it was stopped: the begin of the last execution of the node that requested it.
   [[nodiscard]] TimePoint stopped() const {
     TimePoint when = TimePoint::max();
-    for (const cdtn::LogEntry& entry : network_result().log) {
+    for (const task_network::LogEntry& entry : network_result().log) {
       const std::string around = std::string(plan()[entry.node].path);
       const bool asked =
           stopped_in_ && (around.empty() || around == *stopped_in_ || stopped_in_->starts_with(around + "/"));
-      if (entry.kind == cdtn::LogKind::Start && asked) when = entry.when;
+      if (entry.kind == task_network::LogKind::Start && asked) when = entry.when;
     }
     return when;
   }
@@ -302,7 +302,7 @@ class ConcurrentRun {
   /// Whether events at that path are not reported, since it runs as written.
   [[nodiscard]] bool in_opaque_subtree(const std::string& path) const {
     for (std::uint32_t i = 0; i < plan().network().size(); ++i) {
-      const PlannedNode& node = plan()[cdtn::NodeId{i}];
+      const PlannedNode& node = plan()[task_network::NodeId{i}];
       if (node.role != Role::OpaqueSubtree) continue;
       if (node.path.empty() || path.starts_with(std::string(node.path) + "/")) return true;
     }
@@ -312,12 +312,13 @@ class ConcurrentRun {
   /// Calls visit(node, outcome) for all actions that have ended.
   template <class Visit>
   void for_each_action(Visit&& visit) const {
-    const cdtn::RunResult& result = network_result();
+    const task_network::RunResult& result = network_result();
     for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
-      const cdtn::NodeId node{i};
+      const task_network::NodeId node{i};
       const auto status = result.nodes[i].status;
       if (plan()[node].role != Role::Action) continue;
-      if (status == cdtn::NodeStatus::NotReached || status == cdtn::NodeStatus::Skipped) continue;
+      if (status == task_network::NodeStatus::NotReached || status == task_network::NodeStatus::Skipped)
+        continue;
       const auto outcome = plan().outcome(node, result.nodes[i].outcome);
       visit(node, plan().program().outcome_name(plan()[node].state, outcome));
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/environment.hpp>
-#include <segue/cdtn/task_network.hpp>
+#include <segue/task_network/environment.hpp>
+#include <segue/task_network/task_network.hpp>
 
 #include <algorithm>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 /// Random task networks, and a world in which what a node does depends on nothing but what it reads: for
 /// tests only.
-namespace segue::cdtn {
+namespace segue::task_network {
 
 inline std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
   std::uint64_t number = a * 0x9E3779B97F4A7C15U + b + 0x7F4A7C15U;
@@ -262,4 +262,4 @@ class RandomEnvironment final : public Environment {
   Pace pace_;
 };
 
-}  // namespace segue::cdtn
+}  // namespace segue::task_network

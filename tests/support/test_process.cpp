@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A deployment process without tasks, for tests of process servers. The environment variable TEST_DO of its
 /// deployment selects its behaviour.
-#include <segue/process/assignment.hpp>
-#include <segue/process/inherited_process.hpp>
-#include <segue/process/process_limits.hpp>
-#include <segue/process/process_log.hpp>
-#include <segue/process/zygote.hpp>
-#include <segue/process/zygote_message.hpp>
+#include <segue/process_server/assignment.hpp>
+#include <segue/process_server/inherited_process.hpp>
+#include <segue/process_server/process_limits.hpp>
+#include <segue/process_server/process_log.hpp>
+#include <segue/process_server/zygote.hpp>
+#include <segue/process_server/zygote_message.hpp>
 
 #include <signal.h>
 #include <sys/syscall.h>
@@ -44,7 +44,7 @@ void chatter() {
 
 /// Behaves like a process that is killed while one of its threads is in a system call: its first thread has
 /// ended, and with it the command line in /proc, but its descriptors stay open until SIGTERM.
-[[noreturn]] void end_slowly(process::InheritedProcess& process) {
+[[noreturn]] void end_slowly(process_server::InheritedProcess& process) {
   std::thread([&process] {
     while (!process.wait_for_end(std::chrono::hours(1))) {
     }
@@ -66,10 +66,10 @@ void chatter() {
 }
 
 int run() {
-  process::InheritedProcess process;
-  const auto assignment = process::read_assignment(process::kAssignment);
+  process_server::InheritedProcess process;
+  const auto assignment = process_server::read_assignment(process_server::kAssignment);
   if (!assignment) return kNoAssignment;
-  if (!process::apply_to_this_process(assignment->launch)) return kNotPermitted;
+  if (!process_server::apply_to_this_process(assignment->launch)) return kNotPermitted;
   const char* software = std::getenv("TEST_SOFTWARE");
   process.begin(assignment->socket, software == nullptr ? "0.1.0" : software);
   const char* variable = std::getenv("TEST_DO");
@@ -78,8 +78,8 @@ int run() {
   if (what == "end slowly") end_slowly(process);
   if (what == "child") start_stubborn_child();
   if (what == "chatter") chatter();
-  process::OutputLog output(assignment->log, assignment->log_size, assignment->log_files,
-                            process.take_output_changes());
+  process_server::OutputLog output(assignment->log, assignment->log_size, assignment->log_files,
+                                   process.take_output_changes());
   std::printf("ready\n");
   const Duration most =
       what == "print once" ? Duration(std::chrono::hours(1)) : std::chrono::milliseconds(20);
@@ -98,9 +98,9 @@ int run() {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count > 1 && words[1] == process::detail::kZygoteOption) {
+  if (count > 1 && words[1] == process_server::detail::kZygoteOption) {
     const auto preload_nothing = [](const std::string&) { return segue::Result<void>(); };
-    return segue::process::detail::run_zygote({count, words}, {preload_nothing, [] {}, &run});
+    return segue::process_server::detail::run_zygote({count, words}, {preload_nothing, [] {}, &run});
   }
   return run();
 }

@@ -212,7 +212,7 @@ TEST_F(EditedStandIns, ATransitionThatFailsIsUndoneWithItsFiles) {
   edit("rover/walk.net", "gain: 1", "gain: 2");
   const auto failed = segue({"apply"});
   EXPECT_EQ(failed.status, 1);
-  EXPECT_TRUE(contains(failed.output, "failed: the controllers are those of before")) << failed.output;
+  EXPECT_TRUE(contains(failed.output, "failed: controllers unchanged")) << failed.output;
   EXPECT_TRUE(contains(failed.errors, "the robot runs 'look' as before")) << failed.errors;
   const auto status = json({"status"});
   EXPECT_EQ(status.find("version")->as_string(), before);

@@ -105,7 +105,7 @@ async function goSlowly({ link, fast, slow }) {
   // What the fast page does shows here too: the newest, without what was in between.
   await fast.page.getByRole('link', { name: 'Switch' }).click();
   await fast.page.getByRole('button', { name: 'manual', exact: true }).click();
-  await fast.page.getByRole('button', { name: 'Do it' }).click();
+  await fast.page.getByRole('button', { name: 'Switch', exact: true }).click();
   await fast.page.locator('.outcome.good', { hasText: 'done' }).waitFor();
   await slow.page.locator('.react-flow__node[data-id=joystick]').waitFor({ timeout: 60000 });
   await slow.page.locator('.react-flow__node[data-id=wanderer]').waitFor({ state: 'detached', timeout: 60000 });

@@ -83,7 +83,7 @@ async function drive(page) {
   await page.getByRole('button', { name: 'go_to', exact: true }).click();
   await seen(page.locator('.task-box.fate-comes').first());
   await look(page, 'switch_before');
-  await page.getByRole('button', { name: 'Do it' }).click();
+  await page.getByRole('button', { name: 'Switch', exact: true }).click();
   await seen(page.locator('.outcome.good', { hasText: 'done' }));
   await page.waitForFunction(() => {
     const actions = [...document.querySelectorAll('[data-progress]')];
@@ -94,7 +94,7 @@ async function drive(page) {
 
   // A switch that fails is undone.
   await page.getByRole('button', { name: 'broken', exact: true }).click();
-  await page.getByRole('button', { name: 'Do it' }).click();
+  await page.getByRole('button', { name: 'Switch', exact: true }).click();
   await seen(page.locator('.outcome.bad', { hasText: 'Undone' }));
   await seen(page.locator('[data-progress=failed]'));
   await look(page, 'switch_failed');

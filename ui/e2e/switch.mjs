@@ -15,7 +15,7 @@ async function cancelASwitch(page) {
   await page.getByRole('button', { name: 'go_to', exact: true }).click();
   await page.locator('.task-box.fate-comes').first().waitFor();
   await page.getByText('Force kills the processes').waitFor();
-  await page.getByRole('button', { name: 'Do it' }).click();
+  await page.getByRole('button', { name: 'Switch', exact: true }).click();
   // What is done quickly is done; the slow task lets the transition wait.
   await page.locator('[data-progress=done]', { hasText: 'configure seeker' }).waitFor();
   const cancel = page.getByRole('button', { name: 'Cancel go_to' });

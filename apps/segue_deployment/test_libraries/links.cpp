@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/host/component_library.hpp>
 #include <segue/task/component.hpp>
+#include <segue/task_host/component_library.hpp>
 
 #include <dlfcn.h>
 
@@ -14,7 +14,7 @@ class Component final : public segue::task::Component {
  public:
   Component() {
     Dl_info info{};
-    ::dladdr(reinterpret_cast<const void*>(&segue::host::installed_libraries), &info);
+    ::dladdr(reinterpret_cast<const void*>(&segue::task_host::installed_libraries), &info);
     std::printf("code from %s\n", std::filesystem::path(info.dli_fname).filename().c_str());
   }
 };

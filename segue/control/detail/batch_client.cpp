@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/batch_client.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
-#include <segue/host/batch_outcomes.hpp>
+#include <segue/task_host/batch_outcomes.hpp>
 
 #include <map>
 #include <utility>
@@ -9,7 +9,7 @@
 namespace segue::control::detail {
 
 struct BatchClient::Batch {
-  Batch(std::vector<model::Action> asked, host::Completion completed)
+  Batch(std::vector<model::Action> asked, task_host::Completion completed)
       : actions(std::move(asked)), outcomes(actions.size(), std::move(completed)) {}
 
   void fail_rest(const Error& why) {
@@ -17,7 +17,7 @@ struct BatchClient::Batch {
   }
 
   const std::vector<model::Action> actions;
-  host::BatchOutcomes outcomes;
+  task_host::BatchOutcomes outcomes;
 };
 
 /// Batches that have not ended, by their tickets. Used in the loop only.
@@ -58,7 +58,7 @@ class FollowerServer final : public wire::BatchFollower::Server {
   kj::Promise<void> report(ReportContext context) override {
     const auto params = context.getParams();
     if (const auto batch = open_->find(params.getTicket())) {
-      std::vector<host::Completed> ended;
+      std::vector<task_host::Completed> ended;
       for (const auto one : params.getEnded())
         ended.push_back(decode(one));
       batch->outcomes.add(std::move(ended));
@@ -79,7 +79,8 @@ BatchClient::~BatchClient() {
   channel_->run([this] { open_->fail_all(fail(ErrorCode::Unavailable, "the connection is closed")); });
 }
 
-void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
+void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline,
+                        task_host::Completion completed) {
   const Duration left = time_left(deadline);
   auto send_request = [left](wire::TaskAccess::Client access, const std::vector<model::Action>& what,
                              std::uint64_t ticket) {
@@ -89,7 +90,7 @@ void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, 
 }
 
 void BatchClient::begin(std::vector<model::Action> actions, Duration timeout, Send send,
-                        host::Completion completed) {
+                        task_host::Completion completed) {
   if (actions.empty()) return;
   const auto batch = std::make_shared<Batch>(std::move(actions), std::move(completed));
   auto ask = [batch, send = std::move(send), tasks = tasks_, open = open_,

@@ -4,7 +4,7 @@
 #include <segue/control/tasks.capnp.h>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
-#include <segue/host/task_host.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -29,15 +29,16 @@ class BatchClient {
   BatchClient& operator=(const BatchClient&) = delete;
 
   /// Makes the request for a batch and sends it, in the loop.
-  using Ended = Result<std::vector<host::Completed>>;
+  using Ended = Result<std::vector<task_host::Completed>>;
   using Send = std::function<kj::Promise<Ended>(
       wire::TaskAccess::Client access, const std::vector<model::Action>& actions, std::uint64_t ticket)>;
 
   /// Sends a batch of actions that do not depend on each other, and returns at once. `completed` gets each
   /// action once, in the loop of the channel; where the process does not answer, with an error.
-  void begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed);
+  void begin(std::vector<model::Action> actions, TimePoint deadline, task_host::Completion completed);
   /// Sends a batch with the request that `send` makes. The answer may take as long as `timeout`.
-  void begin(std::vector<model::Action> actions, Duration timeout, Send send, host::Completion completed);
+  void begin(std::vector<model::Action> actions, Duration timeout, Send send,
+             task_host::Completion completed);
 
   /// Sends `request`, which has actions, a timeout and a ticket, and whose results have what ended.
   template <class Request>
@@ -62,7 +63,7 @@ kj::Promise<BatchClient::Ended> BatchClient::send(Request request, const std::ve
   request.setTicket(ticket);
   return request.send().then([](auto&& response) -> Ended {
     if (response.hasError()) return decode(response.getError());
-    std::vector<host::Completed> ended;
+    std::vector<task_host::Completed> ended;
     for (const auto one : response.getEnded()) {
       const std::size_t place = ended.size();
       ended.push_back(decode(one));

@@ -10,7 +10,7 @@ namespace segue::control::detail {
 
 namespace {
 
-using Outcomes = std::vector<host::Completed>;
+using Outcomes = std::vector<task_host::Completed>;
 
 /// A batch in progress; used in the loop's thread only, and lets go of all that belongs there when it has
 /// ended.
@@ -30,7 +30,7 @@ class Batch final : private kj::TaskSet::ErrorHandler {
     return kj::mv(pair.promise);
   }
 
-  void take(std::vector<host::Completed> ended) {
+  void take(std::vector<task_host::Completed> ended) {
     if (sending_ == nullptr) return;
     open_ -= ended.size();
     for (auto& one : ended) {
@@ -108,7 +108,7 @@ kj::Promise<Result<Outcomes>> perform_batch(Caller caller, std::shared_ptr<void>
   const auto batch = std::make_shared<Batch>(caller, std::move(follower), ticket, count);
   auto answer = batch->answer();
   core.batches.add();
-  auto completed = [&core, batch, service = std::move(service)](std::vector<host::Completed> ended) {
+  auto completed = [&core, batch, service = std::move(service)](std::vector<task_host::Completed> ended) {
     core.loop.post(
         [batch, ended = std::move(ended)](kj::AsyncIoContext&) mutable { batch->take(std::move(ended)); });
   };

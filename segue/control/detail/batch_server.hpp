@@ -4,7 +4,7 @@
 #include <segue/control/tasks.capnp.h>
 #include <segue/control/detail/caller.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
-#include <segue/host/task_host.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <functional>
 #include <memory>
@@ -17,15 +17,16 @@ namespace segue::control::detail {
 using Follower = std::shared_ptr<kj::Maybe<wire::BatchFollower::Client>>;
 
 /// Lets a service begin a batch, without waiting for its end.
-using BeginBatch = std::function<void(std::vector<model::Action> actions, host::Completion completed)>;
+using BeginBatch = std::function<void(std::vector<model::Action> actions, task_host::Completion completed)>;
 
 /// Has `begin` carry out a batch for the caller, on threads of the service: a quick batch is
 /// answered at once, and of a slow one the follower gets what has ended meanwhile. Keeps `service` until
 /// then. Only in the event loop.
-kj::Promise<Result<std::vector<host::Completed>>> perform_batch(Caller caller, std::shared_ptr<void> service,
-                                                                Follower follower, std::uint64_t ticket,
-                                                                std::vector<model::Action> actions,
-                                                                const BeginBatch& begin);
+kj::Promise<Result<std::vector<task_host::Completed>>> perform_batch(Caller caller,
+                                                                     std::shared_ptr<void> service,
+                                                                     Follower follower, std::uint64_t ticket,
+                                                                     std::vector<model::Action> actions,
+                                                                     const BeginBatch& begin);
 
 /// Answers a call with `actions` and a `ticket` by perform_batch().
 template <class Context>
@@ -39,12 +40,12 @@ kj::Promise<void> answer_batch(Context context, Caller caller, std::shared_ptr<v
   context.allowCancellation();
   return perform_batch(std::move(caller), std::move(service), std::move(follower), ticket, std::move(actions),
                        begin)
-      .then([context](Result<std::vector<host::Completed>>&& outcomes) mutable {
+      .then([context](Result<std::vector<task_host::Completed>>&& outcomes) mutable {
         auto results = context.getResults();
         if (!outcomes) return encode(outcomes.error(), results.initError());
         try {
           encode_list(*outcomes, results.initEnded(count_of(*outcomes)),
-                      [](const host::Completed& ended, auto builder) { encode(ended, builder); });
+                      [](const task_host::Completed& ended, auto builder) { encode(ended, builder); });
         } catch (const WireError& failed) {
           encode(failed.error(), results.initError());
         }

@@ -85,7 +85,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server, public Ta
               context,
               [&]() -> Result<void> {
                 if (!page) return page.error();
-                auto mapped = link::CommitPage::map(page->get());
+                auto mapped = sample_link::CommitPage::map(page->get());
                 if (!mapped) return mapped.error();
                 what.page = std::move(*mapped);
                 return service().arm_commit(what, soon());
@@ -102,13 +102,13 @@ class DeploymentServer final : public wire::DeploymentProcess::Server, public Ta
   kj::Promise<void> memory(MemoryContext context) override {
     return caller_.answer(
         context, [&service = service()] { return service.memory(soon()); },
-        [](link::MemoryOffer& offer, auto results) { encode(std::move(offer), results.initOffer()); });
+        [](sample_link::MemoryOffer& offer, auto results) { encode(std::move(offer), results.initOffer()); });
   }
 
   kj::Promise<void> admit(AdmitContext context) override {
     return in_time(decode(context.getParams().getOffer()))
-        .then([this, context](Result<link::MemoryOffer>&& offer) mutable {
-          auto held = std::make_shared<Result<link::MemoryOffer>>(std::move(offer));
+        .then([this, context](Result<sample_link::MemoryOffer>&& offer) mutable {
+          auto held = std::make_shared<Result<sample_link::MemoryOffer>>(std::move(offer));
           return caller_.answer(context, [&service = service(), held]() -> Result<void> {
             if (!*held) return held->error();
             return service.admit(**held, soon());
@@ -129,7 +129,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server, public Ta
       return all(service.describe_outputs(ports, deadline));
     };
     return caller_.answer(context, std::move(job),
-                          listing<Result<link::OutputOrigin>>(
+                          listing<Result<sample_link::OutputOrigin>>(
                               [](auto results, unsigned size) { return results.initOrigins(size); }));
   }
 
@@ -140,7 +140,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server, public Ta
       return all(service.open_inputs(inputs, deadline));
     };
     return caller_.answer(context, std::move(job),
-                          listing<Result<link::InputPlace>>(
+                          listing<Result<sample_link::InputPlace>>(
                               [](auto results, unsigned size) { return results.initPlaces(size); }));
   }
 
@@ -170,12 +170,12 @@ class DeploymentServer final : public wire::DeploymentProcess::Server, public Ta
              context.getResults().initError());
       return kj::READY_NOW;
     }
-    auto send = [listener = context.getParams().getListener()](const std::vector<host::TaskEvent>& events,
-                                                               std::uint64_t lost) mutable {
+    auto send = [listener = context.getParams().getListener()](
+                    const std::vector<task_host::TaskEvent>& events, std::uint64_t lost) mutable {
       auto request = listener.reportRequest();
       request.setLost(lost);
       encode_list(events, request.initEvents(count_of(events)),
-                  [](const host::TaskEvent& event, auto builder) { encode(event, builder); });
+                  [](const task_host::TaskEvent& event, auto builder) { encode(event, builder); });
       return request.send().ignoreResult();
     };
     listeners_.push_back(std::make_unique<Listener>(caller_.core().task_events, std::move(send)));
@@ -193,7 +193,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server, public Ta
     return offer.exclusiveJoin(kj::mv(late));
   }
 
-  using Listener = Broadcast<host::TaskEvent>::Listener;
+  using Listener = Broadcast<task_host::TaskEvent>::Listener;
   [[nodiscard]] DeploymentService& service() const { return caller_.core().service<DeploymentService>(); }
 
   Caller caller_;

@@ -35,13 +35,13 @@ deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
   endpoint.place = decode(reader.getPlace());
   endpoint.counters = {reader.getWritten(), reader.getRead(), reader.getDropped(), reader.getOverwritten()};
   endpoint.corrupt = reader.getCorrupt();
-  endpoint.damage = enum_from(reader.getDamage(), link::Damage::Payload);
+  endpoint.damage = enum_from(reader.getDamage(), sample_link::Damage::Payload);
   endpoint.carries = reader.getCarries();
   endpoint.latency = decode(reader.getLatency());
   return endpoint;
 }
 
-void encode_usage(const link::MemoryUsage& usage, wire::MemoryUsage::Builder builder) {
+void encode_usage(const sample_link::MemoryUsage& usage, wire::MemoryUsage::Builder builder) {
   builder.setPayloadUsed(usage.payload_used);
   builder.setPayloadTouched(usage.payload_touched);
   builder.setControlUsed(usage.control_used);
@@ -49,7 +49,7 @@ void encode_usage(const link::MemoryUsage& usage, wire::MemoryUsage::Builder bui
   builder.setPeers(usage.peers);
 }
 
-link::MemoryUsage decode_usage(wire::MemoryUsage::Reader reader) {
+sample_link::MemoryUsage decode_usage(wire::MemoryUsage::Reader reader) {
   return {reader.getPayloadUsed(), reader.getPayloadTouched(), reader.getControlUsed(),
           reader.getConnections(), reader.getPeers()};
 }
@@ -83,8 +83,8 @@ void encode(const deploy::Snapshot& snapshot, wire::Snapshot::Builder builder) {
 deploy::Snapshot decode(wire::Snapshot::Reader reader) {
   deploy::Snapshot snapshot;
   snapshot.network = decode(reader.getNetwork());
-  snapshot.tasks = decode_list<host::TaskReport>(reader.getTasks(), kDecodePart);
-  snapshot.connections = decode_list<host::ConnectionReport>(reader.getConnections(), kDecodePart);
+  snapshot.tasks = decode_list<task_host::TaskReport>(reader.getTasks(), kDecodePart);
+  snapshot.connections = decode_list<task_host::ConnectionReport>(reader.getConnections(), kDecodePart);
   snapshot.endpoints = decode_list<deploy::EndpointReport>(reader.getEndpoints(), decode_endpoint);
   snapshot.memory = decode_usage(reader.getMemory());
   snapshot.hanging = decode_list<TaskId>(reader.getHanging(),
@@ -92,17 +92,17 @@ deploy::Snapshot decode(wire::Snapshot::Reader reader) {
   return snapshot;
 }
 
-void encode(const link::OutputOrigin& origin, wire::Origin::Builder builder) {
+void encode(const sample_link::OutputOrigin& origin, wire::Origin::Builder builder) {
   builder.setWriter(origin.writer);
   builder.setSampleSize(origin.sample_size);
   builder.setFlat(origin.flat);
 }
 
-link::OutputOrigin decode(wire::Origin::Reader reader) {
+sample_link::OutputOrigin decode(wire::Origin::Reader reader) {
   return {reader.getWriter(), reader.getSampleSize(), reader.getFlat()};
 }
 
-void encode(const link::InputPlace& place, wire::Place::Builder builder) {
+void encode(const sample_link::InputPlace& place, wire::Place::Builder builder) {
   builder.setReader(place.reader);
   builder.setOffset(place.offset);
   builder.setGeneration(place.generation);
@@ -113,8 +113,8 @@ void encode(const link::InputPlace& place, wire::Place::Builder builder) {
   builder.setPort(as_text(place.port));
 }
 
-link::InputPlace decode(wire::Place::Reader reader) {
-  link::InputPlace place;
+sample_link::InputPlace decode(wire::Place::Reader reader) {
+  sample_link::InputPlace place;
   place.reader = reader.getReader();
   place.offset = reader.getOffset();
   place.generation = reader.getGeneration();
@@ -126,22 +126,22 @@ link::InputPlace decode(wire::Place::Reader reader) {
   return place;
 }
 
-void encode(const Result<link::OutputOrigin>& origin, wire::OriginOutcome::Builder builder) {
+void encode(const Result<sample_link::OutputOrigin>& origin, wire::OriginOutcome::Builder builder) {
   if (!origin) return encode(origin.error(), builder.initError());
   encode(*origin, builder.initOrigin());
 }
 
-Result<link::OutputOrigin> decode(wire::OriginOutcome::Reader reader) {
+Result<sample_link::OutputOrigin> decode(wire::OriginOutcome::Reader reader) {
   if (reader.isError()) return decode(reader.getError());
   return decode(reader.getOrigin());
 }
 
-void encode(const Result<link::InputPlace>& place, wire::PlaceOutcome::Builder builder) {
+void encode(const Result<sample_link::InputPlace>& place, wire::PlaceOutcome::Builder builder) {
   if (!place) return encode(place.error(), builder.initError());
   encode(*place, builder.initPlace());
 }
 
-Result<link::InputPlace> decode(wire::PlaceOutcome::Reader reader) {
+Result<sample_link::InputPlace> decode(wire::PlaceOutcome::Reader reader) {
   if (reader.isError()) return decode(reader.getError());
   return decode(reader.getPlace());
 }
@@ -188,7 +188,7 @@ deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader) {
           reader.getPeerClosed(), reader.getPeer()};
 }
 
-void encode(const process::ExitReason& reason, wire::ExitReason::Builder builder) {
+void encode(const process_server::ExitReason& reason, wire::ExitReason::Builder builder) {
   builder.setStatus(reason.status);
   builder.setSignal(reason.signal);
   builder.setCoreDumped(reason.core_dumped);
@@ -197,12 +197,12 @@ void encode(const process::ExitReason& reason, wire::ExitReason::Builder builder
   builder.setKilled(reason.killed);
 }
 
-process::ExitReason decode(wire::ExitReason::Reader reader) {
+process_server::ExitReason decode(wire::ExitReason::Reader reader) {
   return {reader.getStatus(), reader.getSignal(),    reader.getCoreDumped(),
           reader.getKnown(),  reader.getRequested(), reader.getKilled()};
 }
 
-void encode(const process::ProcessInfo& process, wire::ProcessInfo::Builder builder) {
+void encode(const process_server::ProcessInfo& process, wire::ProcessInfo::Builder builder) {
   builder.setRobot(as_text(process.robot));
   builder.setHost(as_text(process.key.host.str()));
   builder.setProcess(as_text(process.key.process.str()));
@@ -213,8 +213,8 @@ void encode(const process::ProcessInfo& process, wire::ProcessInfo::Builder buil
   if (process.exit) encode(*process.exit, builder.initExit());
 }
 
-process::ProcessInfo decode(wire::ProcessInfo::Reader reader) {
-  process::ProcessInfo process;
+process_server::ProcessInfo decode(wire::ProcessInfo::Reader reader) {
+  process_server::ProcessInfo process;
   process.robot = as_string(reader.getRobot());
   process.key.host = model::HostName(as_string(reader.getHost()));
   process.key.process = model::ProcessName(as_string(reader.getProcess()));

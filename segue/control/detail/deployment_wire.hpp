@@ -5,7 +5,7 @@
 #include <segue/control/processes.capnp.h>
 #include <segue/control/detail/tasks_wire.hpp>
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/process/process_service.hpp>
+#include <segue/process_server/process_service.hpp>
 
 /// Encodes and decodes the messages of deployment processes and process servers. As in model_wire.hpp,
 /// messages are not trusted, and unknown words in them throw WireError.
@@ -17,17 +17,17 @@ deploy::DeploymentInfo decode(wire::Info::Reader reader);
 void encode(const deploy::Snapshot& snapshot, wire::Snapshot::Builder builder);
 deploy::Snapshot decode(wire::Snapshot::Reader reader);
 
-void encode(const link::OutputOrigin& origin, wire::Origin::Builder builder);
-link::OutputOrigin decode(wire::Origin::Reader reader);
+void encode(const sample_link::OutputOrigin& origin, wire::Origin::Builder builder);
+sample_link::OutputOrigin decode(wire::Origin::Reader reader);
 
-void encode(const link::InputPlace& place, wire::Place::Builder builder);
-link::InputPlace decode(wire::Place::Reader reader);
+void encode(const sample_link::InputPlace& place, wire::Place::Builder builder);
+sample_link::InputPlace decode(wire::Place::Reader reader);
 
-void encode(const Result<link::OutputOrigin>& origin, wire::OriginOutcome::Builder builder);
-Result<link::OutputOrigin> decode(wire::OriginOutcome::Reader reader);
+void encode(const Result<sample_link::OutputOrigin>& origin, wire::OriginOutcome::Builder builder);
+Result<sample_link::OutputOrigin> decode(wire::OriginOutcome::Reader reader);
 
-void encode(const Result<link::InputPlace>& place, wire::PlaceOutcome::Builder builder);
-Result<link::InputPlace> decode(wire::PlaceOutcome::Reader reader);
+void encode(const Result<sample_link::InputPlace>& place, wire::PlaceOutcome::Builder builder);
+Result<sample_link::InputPlace> decode(wire::PlaceOutcome::Reader reader);
 
 void encode(const deploy::OpenInput& input, wire::OpenInput::Builder builder);
 deploy::OpenInput decode(wire::OpenInput::Reader reader);
@@ -41,10 +41,10 @@ deploy::ArmCommit::Endpoint decode(wire::EndingEndpoint::Reader reader);
 void encode(const deploy::CloseEndpoint& endpoint, wire::CloseEndpoint::Builder builder);
 deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader);
 
-void encode(const process::ExitReason& reason, wire::ExitReason::Builder builder);
-process::ExitReason decode(wire::ExitReason::Reader reader);
+void encode(const process_server::ExitReason& reason, wire::ExitReason::Builder builder);
+process_server::ExitReason decode(wire::ExitReason::Reader reader);
 
-void encode(const process::ProcessInfo& process, wire::ProcessInfo::Builder builder);
-process::ProcessInfo decode(wire::ProcessInfo::Reader reader);
+void encode(const process_server::ProcessInfo& process, wire::ProcessInfo::Builder builder);
+process_server::ProcessInfo decode(wire::ProcessInfo::Reader reader);
 
 }  // namespace segue::control::detail

@@ -11,8 +11,8 @@ namespace segue::control::detail {
 
 namespace {
 
-using hosts::HostedRobot;
-using hosts::HostService;
+using distributed::HostedRobot;
+using distributed::HostService;
 
 /// One runtime's hold on a robot. The lease outlives the connection, so this does not release it.
 class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAccessServer {
@@ -39,7 +39,7 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
   kj::Promise<void> look(LookContext context) override {
     return caller_.answer(
         context, [robot = robot_] { return robot->look(); },
-        [](hosts::HostView& view, auto results) { encode(view, results.initView()); });
+        [](distributed::HostView& view, auto results) { encode(view, results.initView()); });
   }
   kj::Promise<void> expect(ExpectContext context) override {
     return caller_.answer(context, [robot = robot_, target = decode(context.getParams().getTarget())] {
@@ -70,7 +70,7 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
     return in_turn([this, context]() mutable {
       const Duration action_deadline = timeout_of(context.getParams().getTimeout());
       return answer_batch(context, caller_, robot_, follower(),
-                          [&](std::vector<model::Action> actions, host::Completion completed) {
+                          [&](std::vector<model::Action> actions, task_host::Completion completed) {
                             robot_->begin_in_order(std::move(actions), action_deadline, std::move(completed));
                           });
     });
@@ -85,7 +85,7 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
     return in_turn([this, context]() mutable {
       const auto params = context.getParams();
       return caller_.answer(context, [robot = robot_, target = decode(params.getTarget()),
-                                      links = decode_list<hosts::LinkWait>(
+                                      links = decode_list<distributed::LinkWait>(
                                           params.getLinks(), [](const auto& part) { return decode(part); }),
                                       deadline = deadline_after(params.getTimeout())] {
         return robot->get_ready(target, links, deadline);
@@ -135,7 +135,7 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
   kj::Promise<void> listen(ListenContext context) override;
 
  private:
-  using Events = Broadcast<host::HostEvent>;
+  using Events = Broadcast<task_host::HostEvent>;
 
   /// The client does not wait for the answer to beginTransition(); what it asks next comes after that.
   template <class Work>
@@ -157,17 +157,17 @@ kj::Promise<void> HostedRobotServer::listen(ListenContext context) {
            context.getResults().initError());
     return kj::READY_NOW;
   }
-  auto send = [listener = context.getParams().getListener()](const std::vector<host::HostEvent>& events,
+  auto send = [listener = context.getParams().getListener()](const std::vector<task_host::HostEvent>& events,
                                                              std::uint64_t lost) mutable {
     auto request = listener.reportRequest();
     request.setLost(lost);
     encode_list(events, request.initEvents(count_of(events)),
-                [](const host::HostEvent& event, auto builder) { encode(event, builder); });
+                [](const task_host::HostEvent& event, auto builder) { encode(event, builder); });
     return request.send().ignoreResult();
   };
   listeners_.push_back(std::make_unique<Events::Listener>(*events_, std::move(send)));
   ++caller_.client()->listeners;
-  robot_->set_listener([events = events_, &core = caller_.core()](const host::HostEvent& event) {
+  robot_->set_listener([events = events_, &core = caller_.core()](const task_host::HostEvent& event) {
     events->tell(event, core.loop);
   });
   return kj::READY_NOW;
@@ -180,7 +180,7 @@ class HostServer final : public wire::Host::Server {
   kj::Promise<void> info(InfoContext context) override {
     return caller_.answer(
         context, [&service = service()] { return service.info(); },
-        [](hosts::HostInfo& info, auto results) { encode(info, results.initInfo()); });
+        [](distributed::HostInfo& info, auto results) { encode(info, results.initInfo()); });
   }
   kj::Promise<void> clock(ClockContext context) override {
     return caller_.answer_here(
@@ -193,21 +193,21 @@ class HostServer final : public wire::Host::Server {
   kj::Promise<void> robots(RobotsContext context) override {
     return caller_.answer(
         context, [&service = service()] { return service.robots(); },
-        [](std::vector<hosts::LeaseInfo>& robots, auto results) {
+        [](std::vector<distributed::LeaseInfo>& robots, auto results) {
           encode_list(robots, results.initRobots(count_of(robots)),
-                      [](const hosts::LeaseInfo& lease, auto builder) { encode(lease, builder); });
+                      [](const distributed::LeaseInfo& lease, auto builder) { encode(lease, builder); });
         });
   }
   kj::Promise<void> log(LogContext context) override {
     const auto params = context.getParams();
-    hosts::LogRequest request;
+    distributed::LogRequest request;
     request.robot = as_string(params.getRobot());
     request.process = model::ProcessName(as_string(params.getProcess()));
     request.lines = params.getLines();
     if (params.hasAfter()) request.after = decode(params.getAfter());
     return caller_.answer(
         context, [&service = service(), request = std::move(request)] { return service.log(request); },
-        [](process::LogPart& part, auto results) {
+        [](process_server::LogPart& part, auto results) {
           results.setText(kj::arrayPtr(part.text.data(), part.text.size()).asBytes());
           encode(part.end, results.initEnd());
         });
@@ -222,21 +222,21 @@ class HostServer final : public wire::Host::Server {
   }
   kj::Promise<void> acquire(AcquireContext context) override {
     const auto params = context.getParams();
-    hosts::RobotRequest request;
+    distributed::RobotRequest request;
     request.holder = as_string(params.getHolder());
     request.secret = as_string(params.getSecret());
     request.identity = identity_of(caller_.client()->peer);
     request.take_over = params.getTakeOver();
     request.again = params.getAgain();
     request.term = params.getTerm();
-    request.models =
-        decode_list<hosts::ModelFile>(params.getModels(), [](const auto& part) { return decode(part); });
+    request.models = decode_list<distributed::ModelFile>(params.getModels(),
+                                                         [](const auto& part) { return decode(part); });
     auto job = [&service = service(), request = std::move(request),
                 launch = decode(params.getLaunch(), kServerMessageWords),
                 deadline =
                     deadline_after(params.getTimeout())]() mutable -> Result<std::shared_ptr<HostedRobot>> {
       if (!launch) return launch.error();
-      auto checked = process::launch_from(*launch);
+      auto checked = process_server::launch_from(*launch);
       if (!checked) return checked.error();
       request.launch = std::move(*checked);
       request.launch.deployment = {};  // of whichever process is deployed

@@ -64,7 +64,7 @@ class LeaseNews {
     const std::lock_guard lock(mutex_);
     return standing_;
   }
-  std::vector<HolderRequest> take_asked() {
+  std::vector<HolderRequest> take_commands() {
     const std::lock_guard lock(mutex_);
     return std::exchange(asked_, {});
   }
@@ -112,7 +112,7 @@ class ClientLease final : public RobotLease {
   }
   Result<std::vector<HolderRequest>> asked() override {
     if (auto read = read_news(Wait(TimePoint::max())); !read) return read.error();
-    return news_->take_asked();
+    return news_->take_commands();
   }
 
  private:

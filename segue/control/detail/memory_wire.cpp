@@ -36,22 +36,22 @@ kj::Promise<Result<Descriptor>> decode(wire::Memory::Client memory) {
   });
 }
 
-void encode(link::MemoryOffer offer, wire::Offer::Builder builder) {
+void encode(sample_link::MemoryOffer offer, wire::Offer::Builder builder) {
   builder.setIncarnation(offer.incarnation);
   builder.setPayload(encode(std::move(offer.payload)));
   builder.setControl(encode(std::move(offer.control)));
 }
 
-kj::Promise<Result<link::MemoryOffer>> decode(wire::Offer::Reader reader) {
+kj::Promise<Result<sample_link::MemoryOffer>> decode(wire::Offer::Reader reader) {
   auto control = decode(reader.getControl());
   return decode(reader.getPayload())
       .then([incarnation = reader.getIncarnation(), control = kj::mv(control)](
-                Result<Descriptor>&& payload) mutable -> kj::Promise<Result<link::MemoryOffer>> {
-        if (!payload) return Result<link::MemoryOffer>(payload.error());
+                Result<Descriptor>&& payload) mutable -> kj::Promise<Result<sample_link::MemoryOffer>> {
+        if (!payload) return Result<sample_link::MemoryOffer>(payload.error());
         return control.then([incarnation, payload = std::move(*payload)](
-                                Result<Descriptor>&& second) mutable -> Result<link::MemoryOffer> {
+                                Result<Descriptor>&& second) mutable -> Result<sample_link::MemoryOffer> {
           if (!second) return second.error();
-          return link::MemoryOffer{incarnation, std::move(payload), std::move(*second)};
+          return sample_link::MemoryOffer{incarnation, std::move(payload), std::move(*second)};
         });
       });
 }

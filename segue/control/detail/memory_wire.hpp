@@ -3,7 +3,7 @@
 
 #include <segue/control/deployment.capnp.h>
 #include <segue/base/descriptor.hpp>
-#include <segue/link/shared_memory.hpp>
+#include <segue/sample_link/shared_memory.hpp>
 
 #include <kj/async.h>
 
@@ -11,11 +11,11 @@
 namespace segue::control::detail {
 
 /// The descriptors of `offer` are sent with the message, and closed when the other side has released them.
-void encode(link::MemoryOffer offer, wire::Offer::Builder builder);
+void encode(sample_link::MemoryOffer offer, wire::Offer::Builder builder);
 
 /// The descriptors are duplicated. ParseError where a capability carries none, ResourceExhausted where the
 /// system has none left. `reader` is only used until this returns.
-kj::Promise<Result<link::MemoryOffer>> decode(wire::Offer::Reader reader);
+kj::Promise<Result<sample_link::MemoryOffer>> decode(wire::Offer::Reader reader);
 
 /// A single file.
 wire::Memory::Client encode(Descriptor descriptor);

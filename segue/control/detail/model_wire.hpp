@@ -3,7 +3,7 @@
 
 #include <segue/control/model.capnp.h>
 #include <segue/control/detail/wire.hpp>
-#include <segue/model/component.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 

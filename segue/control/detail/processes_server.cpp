@@ -10,8 +10,8 @@ namespace segue::control::detail {
 
 namespace {
 
-using process::ProcessInfo;
-using process::ProcessService;
+using process_server::ProcessInfo;
+using process_server::ProcessService;
 
 void encode_processes(const std::vector<ProcessInfo>& processes,
                       capnp::List<wire::ProcessInfo>::Builder builder) {
@@ -28,7 +28,7 @@ class ProcessesServer final : public wire::Processes::Server {
     auto job = [&service = service(), launch = decode(params.getLaunch(), kServerMessageWords),
                 deadline = deadline_after(params.getTimeout())]() -> Result<ProcessInfo> {
       if (!launch) return launch.error();
-      const auto checked = process::launch_from(*launch);
+      const auto checked = process_server::launch_from(*launch);
       if (!checked) return checked.error();
       return service.start(*checked, deadline);
     };
@@ -46,7 +46,7 @@ class ProcessesServer final : public wire::Processes::Server {
     };
     return caller_.answer(
         Role::Administer, context, std::move(job),
-        [](process::ExitReason& reason, auto results) { encode(reason, results.initExit()); });
+        [](process_server::ExitReason& reason, auto results) { encode(reason, results.initExit()); });
   }
 
   kj::Promise<void> processes(ProcessesContext context) override {

@@ -108,7 +108,7 @@ class LeaseStream final : public SampleStream {
       news.push_back(Value::map({{"asked", one.what}, {"number", one.number}, {"arguments", one.arguments}}));
     return news;
   }
-  void next(std::size_t /*limit*/, const Wait& /*wait*/, host::SamplesAnswer answered) override {
+  void next(std::size_t /*limit*/, const Wait& /*wait*/, task_host::SamplesAnswer answered) override {
     answered(fail(ErrorCode::Unsupported, "a lease is not waited for; read its news"));
   }
   [[nodiscard]] std::string type_name() const override { return std::to_string(lease_->number()); }
@@ -153,8 +153,8 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> watch(WatchContext context) override {
     return answer_watch(role_for(Verb::Watch), caller_, context,
-                        [&service = service()](const host::LevelQuestion& question, const Wait& wait,
-                                               host::LevelAnswer answered) {
+                        [&service = service()](const task_host::LevelQuestion& question, const Wait& wait,
+                                               task_host::LevelAnswer answered) {
                           service.watch(question, wait, std::move(answered));
                         });
   }
@@ -278,13 +278,13 @@ class RobotServer final : public wire::Robot::Server {
         });
   }
 
-  kj::Promise<void> askHolder(AskHolderContext context) override {
+  kj::Promise<void> sendCommand(SendCommandContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(role_for(Verb::AskHolder), context,
+    return caller_.answer_value(role_for(Verb::SendCommand), context,
                                 [&service = service(), what = as_string(params.getWhat()),
                                  arguments = decode(params.getArguments(), kMaxNodes)]() -> Result<Value> {
                                   if (!arguments) return arguments.error();
-                                  const auto number = service.ask_holder(what, *arguments);
+                                  const auto number = service.send_command(what, *arguments);
                                   return number ? Result<Value>(*number) : Result<Value>(number.error());
                                 });
   }

@@ -10,8 +10,8 @@
 #include <segue/control/peer.hpp>
 #include <segue/control/server.hpp>
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/hosts/host_service.hpp>
-#include <segue/process/process_service.hpp>
+#include <segue/distributed/host_service.hpp>
+#include <segue/process_server/process_service.hpp>
 
 #include <atomic>
 #include <cstddef>
@@ -70,8 +70,8 @@ struct ServerCore {
 
   const Served served;
   std::atomic<bool> stopping{false};
-  Broadcast<host::TaskEvent> task_events;
-  Broadcast<process::ProcessInfo> process_events;
+  Broadcast<task_host::TaskEvent> task_events;
+  Broadcast<process_server::ProcessInfo> process_events;
   LeaseOwners lease_owners;
   RefusalLog refusals{"control"};  ///< used in the loop's thread only
   CallLimits calls;                ///< likewise

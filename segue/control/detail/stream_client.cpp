@@ -34,7 +34,7 @@ class ClientStream final : public SampleStream {
     return samples_in(std::move(*answer));
   }
 
-  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
+  void next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered) override {
     using Samples = std::vector<Value>;
     ask_later<Samples>(
         *channel_, wait, std::move(answered),

@@ -32,7 +32,7 @@ class StreamServer final : public wire::SampleStream::Server {
         Role::Observe, caller_, context,
         [held = held_, limit = std::min<std::size_t>(params.getLimit(), kMaxSamples),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped,
-                                                         host::SamplesAnswer answered) {
+                                                         task_host::SamplesAnswer answered) {
           held->next(limit, Wait(deadline, dropped), std::move(answered));
         },
         [](std::vector<type::Value>& samples, auto results) {
@@ -62,7 +62,7 @@ Result<type::Value> HeldStream::read(std::size_t limit) {
   return type::Value(std::move(*samples));
 }
 
-void HeldStream::next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) {
+void HeldStream::next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered) {
   const std::lock_guard lock(mutex);
   if (stream == nullptr) return answered(fail(ErrorCode::InvalidState, "the stream is closed"));
   stream->next(limit, wait, std::move(answered));

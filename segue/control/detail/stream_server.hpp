@@ -19,7 +19,7 @@ struct HeldStream {
   std::unique_ptr<SampleStream> stream;  ///< null after close()
 
   Result<type::Value> read(std::size_t limit);
-  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered);
+  void next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered);
   void close();
 };
 

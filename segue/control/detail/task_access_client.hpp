@@ -19,14 +19,14 @@
 namespace segue::control::detail {
 
 /// A stream of samples as the reader of a port; what cannot be read any more has no samples.
-class ClientReader final : public host::PortReader {
+class ClientReader final : public task_host::PortReader {
  public:
   explicit ClientReader(std::unique_ptr<SampleStream> stream) : stream_(std::move(stream)) {}
   std::vector<type::Value> read(std::size_t limit) override {
     auto samples = stream_->read(limit);
     return samples ? std::move(*samples) : std::vector<type::Value>();
   }
-  void next(std::size_t limit, const Wait& wait, host::SamplesAnswer answered) override {
+  void next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered) override {
     stream_->next(limit, wait, std::move(answered));
   }
   [[nodiscard]] std::string type_name() const override { return stream_->type_name(); }
@@ -41,7 +41,7 @@ template <class Service>
 class TaskAccessClient : public Service {
  public:
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                 host::Completion completed) override {
+                 task_host::Completion completed) override {
     batches_.begin(std::move(actions), deadline, std::move(completed));
   }
 
@@ -87,18 +87,19 @@ class TaskAccessClient : public Service {
     });
   }
 
-  void watch(const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) override {
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override {
     send_watch(
         *channel_, question, wait, std::move(answered),
         [tasks = tasks_](RpcChannel::Connection& connection) { return tasks(connection).watchRequest(); });
   }
 
-  Result<host::TaskDetails> details(const model::TaskId& task) override {
-    return ask<host::TaskDetails>(kLookTimeout, [&](wire::TaskAccess::Client tasks) {
+  Result<task_host::TaskDetails> details(const model::TaskId& task) override {
+    return ask<task_host::TaskDetails>(kLookTimeout, [&](wire::TaskAccess::Client tasks) {
       auto request = tasks.detailsRequest();
       request.setTask(as_text(task.str()));
-      return RpcChannel::send<host::TaskDetails>(request,
-                                                 [](auto& results) { return decode(results.getDetails()); });
+      return RpcChannel::send<task_host::TaskDetails>(
+          request, [](auto& results) { return decode(results.getDetails()); });
     });
   }
 
@@ -139,8 +140,8 @@ class TaskAccessClient : public Service {
     });
   }
 
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override {
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override {
     const RpcChannel::StreamId id = channel_->new_stream_id();
     auto type = channel_->ask(kLookTimeout, [&, id](RpcChannel::Connection& connection) {
       auto request = tasks_(connection).openReaderRequest();

@@ -18,7 +18,7 @@ TaskAccessServer::TaskAccessServer(Caller caller, std::shared_ptr<deploy::TaskAc
 kj::Promise<void> TaskAccessServer::perform(PerformContext context) {
   const TimePoint deadline = deadline_after(context.getParams().getTimeout());
   return answer_batch(context, caller_, tasks_, follower_,
-                      [&](std::vector<model::Action> actions, host::Completion completed) {
+                      [&](std::vector<model::Action> actions, task_host::Completion completed) {
                         tasks_->begin_all(std::move(actions), deadline, std::move(completed));
                       });
 }
@@ -65,11 +65,11 @@ kj::Promise<void> TaskAccessServer::properties(PropertiesContext context) {
 }
 
 kj::Promise<void> TaskAccessServer::watch(WatchContext context) {
-  return answer_watch(
-      Role::Observe, caller_, context,
-      [tasks = tasks_](const host::LevelQuestion& question, const Wait& wait, host::LevelAnswer answered) {
-        tasks->watch(question, wait, std::move(answered));
-      });
+  return answer_watch(Role::Observe, caller_, context,
+                      [tasks = tasks_](const task_host::LevelQuestion& question, const Wait& wait,
+                                       task_host::LevelAnswer answered) {
+                        tasks->watch(question, wait, std::move(answered));
+                      });
 }
 
 kj::Promise<void> TaskAccessServer::details(DetailsContext context) {
@@ -78,7 +78,7 @@ kj::Promise<void> TaskAccessServer::details(DetailsContext context) {
       [tasks = tasks_, task = model::TaskId(as_string(context.getParams().getTask()))] {
         return tasks->details(task);
       },
-      [](host::TaskDetails& details, auto results) { encode(details, results.initDetails()); });
+      [](task_host::TaskDetails& details, auto results) { encode(details, results.initDetails()); });
 }
 
 kj::Promise<void> TaskAccessServer::setProperty(SetPropertyContext context) {

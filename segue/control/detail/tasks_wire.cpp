@@ -72,7 +72,7 @@ LogLine decode_line(wire::LogLine::Reader reader) {
 
 }  // namespace
 
-void encode(const host::TaskReport& report, wire::TaskReport::Builder builder) {
+void encode(const task_host::TaskReport& report, wire::TaskReport::Builder builder) {
   builder.setId(as_text(report.id.str()));
   builder.setComponent(as_text(report.component.str()));
   builder.setHost(as_text(report.process.host.str()));
@@ -86,8 +86,8 @@ void encode(const host::TaskReport& report, wire::TaskReport::Builder builder) {
   encode_timing(report.timing, builder.initTiming());
 }
 
-host::TaskReport decode(wire::TaskReport::Reader reader) {
-  host::TaskReport report;
+task_host::TaskReport decode(wire::TaskReport::Reader reader) {
+  task_host::TaskReport report;
   report.id = TaskId(as_string(reader.getId()));
   report.component = model::ComponentName(as_string(reader.getComponent()));
   report.process.host = model::HostName(as_string(reader.getHost()));
@@ -102,39 +102,39 @@ host::TaskReport decode(wire::TaskReport::Reader reader) {
   return report;
 }
 
-void encode(const host::TaskLevel& level, wire::TaskLevel::Builder builder) {
+void encode(const task_host::TaskLevel& level, wire::TaskLevel::Builder builder) {
   builder.setState(static_cast<std::uint8_t>(level.state));
   builder.setStateName(as_text(level.state_name));
   builder.setUpdates(level.updates);
 }
 
-host::TaskLevel decode(wire::TaskLevel::Reader reader) {
+task_host::TaskLevel decode(wire::TaskLevel::Reader reader) {
   return {enum_from(reader.getState(), TaskState::Fatal), as_string(reader.getStateName()),
           reader.getUpdates()};
 }
 
-void encode(const host::TaskDetails& details, wire::Details::Builder builder) {
+void encode(const task_host::TaskDetails& details, wire::Details::Builder builder) {
   encode_histogram(details.timing.updates, builder.initUpdates());
   encode_histogram(details.timing.latencies, builder.initLatencies());
   encode_list(details.log, builder.initLog(count_of(details.log)), encode_line);
 }
 
-host::TaskDetails decode(wire::Details::Reader reader) {
+task_host::TaskDetails decode(wire::Details::Reader reader) {
   return {{decode_histogram(reader.getUpdates()), decode_histogram(reader.getLatencies())},
           decode_list<LogLine>(reader.getLog(), decode_line)};
 }
 
-void encode(const link::Latency& latency, wire::Latency::Builder builder) {
+void encode(const sample_link::Latency& latency, wire::Latency::Builder builder) {
   builder.setMeasured(latency.measured);
   builder.setMean(latency.mean.count());
   builder.setWorst(latency.worst.count());
 }
 
-link::Latency decode(wire::Latency::Reader reader) {
+sample_link::Latency decode(wire::Latency::Reader reader) {
   return {reader.getMeasured(), Duration(reader.getMean()), Duration(reader.getWorst())};
 }
 
-void encode(const host::ConnectionReport& report, wire::ConnectionReport::Builder builder) {
+void encode(const task_host::ConnectionReport& report, wire::ConnectionReport::Builder builder) {
   encode(report.connection, builder.initConnection());
   builder.setWritten(report.written);
   builder.setRead(report.read);
@@ -143,7 +143,7 @@ void encode(const host::ConnectionReport& report, wire::ConnectionReport::Builde
   builder.setError(as_text(report.error));
 }
 
-host::ConnectionReport decode(wire::ConnectionReport::Reader reader) {
+task_host::ConnectionReport decode(wire::ConnectionReport::Reader reader) {
   return {decode(reader.getConnection()), reader.getWritten(),         reader.getRead(), reader.getDropped(),
           decode(reader.getLatency()),    as_string(reader.getError())};
 }
@@ -158,18 +158,18 @@ task::SavedState decode(wire::State::Reader reader) {
   return {as_string(reader.getName()), reader.getVersion(), get(reader.getValue())};
 }
 
-void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder) {
+void encode(const task_host::TaskEvent& event, wire::TaskEvent::Builder builder) {
   builder.setTask(as_text(event.task.str()));
   builder.setState(static_cast<std::uint8_t>(event.state));
   builder.setMessage(as_text(event.message));
 }
 
-host::TaskEvent decode(wire::TaskEvent::Reader reader) {
+task_host::TaskEvent decode(wire::TaskEvent::Reader reader) {
   return {TaskId(as_string(reader.getTask())), enum_from(reader.getState(), TaskState::Fatal),
           as_string(reader.getMessage())};
 }
 
-void encode(const host::Completed& ended, wire::Ended::Builder builder) {
+void encode(const task_host::Completed& ended, wire::Ended::Builder builder) {
   builder.setIndex(static_cast<std::uint32_t>(ended.index));
   encode(ended.outcome, builder.initOutcome());
   builder.setTook(ended.took ? ended.took->count() : -1);
@@ -178,11 +178,11 @@ void encode(const host::Completed& ended, wire::Ended::Builder builder) {
   builder.setBegun(ended.begun);
 }
 
-host::Completed decode(wire::Ended::Reader reader) {
-  host::Completed ended{reader.getIndex(), decode(reader.getOutcome())};
+task_host::Completed decode(wire::Ended::Reader reader) {
+  task_host::Completed ended{reader.getIndex(), decode(reader.getOutcome())};
   if (reader.getTook() >= 0) ended.took = Duration(reader.getTook());
   if (reader.getBegin() >= 0 && reader.getEnd() >= 0)
-    ended.span = host::Span{Duration(reader.getBegin()), Duration(reader.getEnd())};
+    ended.span = task_host::Span{Duration(reader.getBegin()), Duration(reader.getEnd())};
   ended.begun = reader.getBegun();
   return ended;
 }

@@ -3,7 +3,7 @@
 
 #include <segue/control/detail/ask_later.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
-#include <segue/host/task_level.hpp>
+#include <segue/task_host/task_level.hpp>
 
 #include <utility>
 
@@ -11,9 +11,9 @@ namespace segue::control::detail {
 
 /// Sends a question for how a task is; `make` makes the request, in the channel's loop. As TaskHost::watch.
 template <class Make>
-void send_watch(RpcChannel& channel, const host::LevelQuestion& question, const Wait& wait,
-                host::LevelAnswer answered, Make make) {
-  ask_later<host::TaskLevel>(
+void send_watch(RpcChannel& channel, const task_host::LevelQuestion& question, const Wait& wait,
+                task_host::LevelAnswer answered, Make make) {
+  ask_later<task_host::TaskLevel>(
       channel, wait, std::move(answered),
       [question, make = std::move(make)](RpcChannel::Connection& connection, Duration left) {
         auto request = make(connection);
@@ -21,8 +21,8 @@ void send_watch(RpcChannel& channel, const host::LevelQuestion& question, const 
         if (question.seen) encode(*question.seen, request.initSeen());
         request.setEachUpdate(question.each_update);
         request.setTimeout(left.count());
-        return RpcChannel::send<host::TaskLevel>(request,
-                                                 [](auto& results) { return decode(results.getLevel()); });
+        return RpcChannel::send<task_host::TaskLevel>(
+            request, [](auto& results) { return decode(results.getLevel()); });
       },
       question.task.str());
 }

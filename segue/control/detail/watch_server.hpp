@@ -3,7 +3,7 @@
 
 #include <segue/control/detail/answer_later.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
-#include <segue/host/task_level.hpp>
+#include <segue/task_host/task_level.hpp>
 
 #include <stop_token>
 #include <string>
@@ -13,8 +13,8 @@ namespace segue::control::detail {
 
 /// The question of a call of watch(); an error where it has a word that this version does not know.
 template <class Params>
-Result<host::LevelQuestion> question_of(Params params) {
-  host::LevelQuestion question{model::TaskId(as_string(params.getTask()))};
+Result<task_host::LevelQuestion> question_of(Params params) {
+  task_host::LevelQuestion question{model::TaskId(as_string(params.getTask()))};
   try {
     if (params.hasSeen()) question.seen = decode(params.getSeen());
   } catch (const WireError& failed) {
@@ -28,15 +28,15 @@ Result<host::LevelQuestion> question_of(Params params) {
 template <class Context, class Watch>
 kj::Promise<void> answer_watch(Role needed, Caller& caller, Context context, Watch watch) {
   const auto params = context.getParams();
-  return answer_later<host::TaskLevel>(
+  return answer_later<task_host::TaskLevel>(
       needed, caller, context,
       [watch = std::move(watch), question = question_of(params),
        deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped,
-                                                       host::LevelAnswer answered) {
+                                                       task_host::LevelAnswer answered) {
         if (!question) return answered(question.error());
         watch(*question, Wait(deadline, dropped), std::move(answered));
       },
-      [](host::TaskLevel& level, auto results) { encode(level, results.initLevel()); });
+      [](task_host::TaskLevel& level, auto results) { encode(level, results.initLevel()); });
 }
 
 }  // namespace segue::control::detail

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { BoxMark } from '../network/BoxButtons';
-import type { GraphEdge, GraphGroup, GraphNode } from '../network/Graph';
+import type { GraphEdge, GraphGroup, GraphNode } from '../network/drawn_graph';
 import { pathsTo, type Life, type Plan, type PlanState } from './mission';
 
 /** Of a plan with more states only the outermost are open at first. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { ViewportPortal } from '@xyflow/react';
 import { useMemo } from 'react';
-import type { GraphEdge } from './Graph';
+import type { GraphEdge } from './drawn_graph';
 import type { Layout } from './layout';
 import { arrowOf, labelPlace, pathOf } from './route';
 

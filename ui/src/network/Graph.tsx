@@ -4,42 +4,12 @@ import '@xyflow/react/dist/style.css';
 import { useCallback, useEffect, useId, useMemo, useRef, useState, type FocusEvent, type KeyboardEvent, type ReactNode } from 'react';
 import { BoxActionsContext, MarkButton, OpenButton, type BoxActions, type BoxMark } from './BoxButtons';
 import { BulkEdges } from './BulkEdges';
+import type { GraphEdge, GraphGroup, GraphNode } from './drawn_graph';
 import { GraphTip } from './GraphTip';
 import { Keeper } from './keeper';
 import { geometry, Layouter, nodeHeight, nodeWidth, noLayout, type Box, type BoxTree, type Layout } from './layout';
 import { edgeTypes } from './RoutedEdge';
 import './network.css';
-
-export interface GraphNode {
-  id: string;
-  group?: string;
-  title: string;
-  detail: string;
-  /** Which colours: a class of style.css. */
-  look: string;
-  /** A group that is closed: a click opens it. */
-  folded?: boolean;
-  /** A button in it opens it; a click selects it. */
-  expanded?: boolean;
-  mark?: BoxMark;
-}
-export interface GraphEdge {
-  id: string;
-  source: string;
-  target: string;
-  label?: string;
-  look: string;
-}
-export interface GraphGroup {
-  id: string;
-  title: string;
-  /** The group around it; groups come before those in them. */
-  group?: string;
-  look?: string;
-  /** A button in it, and no click, closes it; a click selects it. */
-  expanded?: boolean;
-  mark?: BoxMark;
-}
 
 type Buttons = { expanded?: boolean; mark?: BoxMark };
 type TaskNode = Node<{ title: string; detail: string; look: string; folded?: boolean } & Buttons, 'task'>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { taskOf, type Status } from '../robot/types';
-import type { GraphEdge, GraphGroup, GraphNode } from './Graph';
+import type { GraphEdge, GraphGroup, GraphNode } from './drawn_graph';
 import { placeOf, rateText, toneOf, type Flows } from './graph';
 import { durationOf } from './histogram';
 

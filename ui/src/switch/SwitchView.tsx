@@ -66,7 +66,7 @@ function Outcome({ attempt }: { attempt: Attempt }) {
   return (
     <div className={'outcome ' + (good ? 'good' : 'bad')} role="status">
       <strong>{outcome.outcome}</strong>
-      {outcome.duration_s !== undefined && <span> after {seconds(outcome.duration_s)}, of it {seconds(outcome.commit_s)} commit</span>}
+      {outcome.duration_s !== undefined && <span> after {seconds(outcome.duration_s)}, including {seconds(outcome.commit_s)} commit</span>}
       {outcome.error && <p>{outcome.error}</p>}
       {outcome.undo && (
         <p>
@@ -222,7 +222,7 @@ export function SwitchView({ status }: { status: Status }) {
             {!fixed && (
               <div className="doit">
                 <button type="button" className="primary" disabled={busy || attempt !== null || transition.actions.length === 0} onClick={() => void doIt()}>
-                  Do it
+                  Switch
                 </button>
                 <label>
                   <input type="checkbox" checked={force} disabled={attempt !== null} aria-describedby="force-means" onChange={(event) => setForce(event.target.checked)} /> force

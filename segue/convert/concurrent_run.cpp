@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/action_environment.hpp>
+#include <segue/convert/concurrent_run.hpp>
+#include <segue/convert/run_events.hpp>
+#include <segue/convert/unfinished_outputs.hpp>
+#include <segue/convert/world_views.hpp>
+#include <segue/mission_robot/fact_observer.hpp>
+#include <segue/mission_script/scripted_data.hpp>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+namespace segue::convert {
+
+namespace {
+
+/// A plan, and whoever follows or records the actions whose ends count.
+class ObservedPlan final : public task_network::Expansion {
+ public:
+  /// `journal` may be null.
+  ObservedPlan(MissionPlan& plan, RunEvents& events, NodeJournal* journal)
+      : plan_(plan), events_(events), journal_(journal) {}
+  void expand(task_network::TaskNetwork& network, std::size_t wanted) override {
+    plan_.expand(network, wanted);
+    events_.settle();
+  }
+  void failed(task_network::NodeId node) override { plan_.failed(node); }
+  void skipped(task_network::NodeId node) override {
+    plan_.skipped(node);
+    events_.settle();
+  }
+  [[nodiscard]] bool races() const override { return plan_.races(); }
+  [[nodiscard]] std::vector<task_network::NodeId> take_lost() override { return plan_.take_lost(); }
+  [[nodiscard]] bool finished() const override { return plan_.finished(); }
+  void ended(task_network::NodeId node, task_network::OutcomeId outcome,
+             const type::Value* outputs) override {
+    if (journal_ != nullptr) journal_->ended(node, outcome, outputs);
+    events_.ended(node, outcome, outputs);
+    plan_.ended(node, outcome, outputs);
+    events_.settle();
+  }
+
+ private:
+  MissionPlan& plan_;
+  RunEvents& events_;
+  NodeJournal* const journal_;
+};
+
+/// Opaque subtrees report from threads of their own.
+mission::StateObserver one_at_a_time(mission::StateObserver observe) {
+  if (!observe) return {};
+  return [observe = std::move(observe),
+          mutex = std::make_shared<std::mutex>()](const mission::StateEvent& event) {
+    const std::lock_guard lock(*mutex);
+    observe(event);
+  };
+}
+
+void mark_observed(const mission::Mission& mission, task_network::FactTable& facts) {
+  for (const mission::ObservedFact& one : mission.observed) {
+    const auto grounded = mission::ground(one.fact);
+    const auto fact = grounded ? facts.intern_named(grounded->text) : grounded.error();
+    if (fact) facts.mark_observed(*fact);
+  }
+}
+
+}  // namespace
+
+class Run::Implementation {
+ public:
+  Implementation(std::unique_ptr<MissionPlan> plan, const mission::Runners& runners,
+                 std::vector<std::shared_ptr<mission::ActionRunner>> by_action, const RunOptions& options)
+      : plan_(std::move(plan)),
+        runners_(runners),
+        journal_(options.journal ? std::make_unique<NodeJournal>(*plan_, options.journal) : nullptr),
+        events_(*plan_, options),
+        environment_(*plan_, runners_, std::move(by_action), options, {journal_.get(), &events_}),
+        observed_(*plan_, events_, journal_.get()),
+        engine_(plan_->network(), observed_, environment_, settings(options)) {
+    if (journal_) plan_->set_race_record(journal_->races());
+  }
+
+  const mission::MissionResult& run() {
+    network_result_ = engine_.run();
+    environment_.close();
+    events_.finish(network_result_);
+    const mission::Program& program = plan_->program();
+    result_.outcome = plan_->final_outcome(network_result_);
+    result_.outcome_name = program.outcome_name(0, result_.outcome);
+    if (network_result_.error && result_.outcome == mission::kAborted)
+      result_.error = network_result_.error->message;
+    else if (result_.outcome != mission::kPreempted)
+      result_.error = plan_->final_error();
+    result_.outputs = result_.outcome >= 0
+                          ? plan_->final_outputs()
+                          : unfinished_outputs(*plan_, network_result_, environment_.globals);
+    result_.outputs.resize(program.node(0).output_ports->size());
+    if (journal_ && !network_result_.stopped) journal_->finished(result_.outcome_name);
+    return result_;
+  }
+
+  [[nodiscard]] task_network::ConcurrentEngineOptions settings(const RunOptions& options) const {
+    task_network::ConcurrentEngineOptions made;
+    if (options.held) {
+      made.held = [this, told = options.held](const std::vector<task_network::NodeId>& next) {
+        std::vector<std::string> paths;
+        for (const task_network::NodeId node : next)
+          paths.emplace_back((*plan_)[node].path);
+        told(paths);
+      };
+    }
+    made.clock = options.clock;
+    made.strict = options.strict;
+    made.speculate = options.speculate;
+    made.workers = options.workers;
+    made.world_copies = options.world_copies;
+    made.horizon = options.horizon;
+    made.log = options.log;
+    return made;
+  }
+
+  std::unique_ptr<MissionPlan> plan_;
+  const mission::Runners runners_;
+  const std::unique_ptr<NodeJournal> journal_;
+  RunEvents events_;
+  ActionEnvironment environment_;
+  ObservedPlan observed_;
+  task_network::ConcurrentEngine engine_;
+  task_network::RunResult network_result_;
+  mission::MissionResult result_;
+};
+
+Run::Run(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
+Run::~Run() = default;
+
+Result<std::unique_ptr<Run>> Run::create(std::shared_ptr<const mission::Program> program,
+                                         const mission::Runners& runners, std::vector<type::Value> inputs,
+                                         RunOptions options) {
+  auto assigned = runners.assign(program->mission());
+  if (!assigned) return assigned.error();
+  options.observe = one_at_a_time(std::move(options.observe));
+  auto plan = MissionPlan::create(std::move(program), std::move(inputs), options.facts, PlanScope::AsKnown,
+                                  options.resources);
+  if (!plan) return plan.error();
+  if (auto attached = mission::attach_declared((*plan)->program().mission(), options.world_data); !attached)
+    return attached.error();
+  auto& network = (*plan)->network();
+  attach(network.initial_world, network.facts, options.world_data);
+  if (runners.observer()) {
+    const mission::Mission& mission = (*plan)->program().mission();
+    if (const auto facts = mission::initial_facts(mission, options.facts)) runners.observer()->begin(*facts);
+    mark_observed(mission, network.facts);
+  }
+  return std::unique_ptr<Run>(
+      new Run(std::make_unique<Implementation>(std::move(*plan), runners, std::move(*assigned), options)));
+}
+
+const mission::MissionResult& Run::run() {
+  return implementation_->run();
+}
+void Run::stop() {
+  implementation_->engine_.stop();
+  implementation_->environment_.stop();
+}
+void Run::pause() {
+  implementation_->engine_.pause();
+}
+void Run::resume() {
+  implementation_->engine_.resume();
+}
+void Run::step() {
+  implementation_->engine_.step();
+}
+const task_network::RunResult& Run::network_result() const {
+  return implementation_->network_result_;
+}
+const task_network::Order& Run::order() const {
+  return implementation_->engine_.order();
+}
+const MissionPlan& Run::plan() const {
+  return *implementation_->plan_;
+}
+mission::Globals& Run::globals() {
+  return implementation_->environment_.globals;
+}
+
+namespace {
+
+/// A plan that has come to its end, as far as an engine is told, when there are so many nodes.
+class Bounded final : public task_network::Expansion {
+ public:
+  Bounded(MissionPlan& plan, std::size_t most) : plan_(plan), most_(most) {}
+  void expand(task_network::TaskNetwork& network, std::size_t wanted) override {
+    if (network.size() < most_) plan_.expand(network, std::min(wanted, most_ - network.size()));
+  }
+  void ended(task_network::NodeId node, task_network::OutcomeId outcome,
+             const type::Value* outputs) override {
+    plan_.ended(node, outcome, outputs);
+  }
+  void failed(task_network::NodeId node) override { plan_.failed(node); }
+  void skipped(task_network::NodeId node) override { plan_.skipped(node); }
+  [[nodiscard]] bool races() const override { return plan_.races(); }
+  [[nodiscard]] std::vector<task_network::NodeId> take_lost() override { return plan_.take_lost(); }
+  [[nodiscard]] bool finished() const override { return plan_.finished() || plan_.network().size() >= most_; }
+
+ private:
+  MissionPlan& plan_;
+  const std::size_t most_;
+};
+
+}  // namespace
+
+Result<std::optional<Error>> plan_ahead(MissionPlan& plan, std::size_t most,
+                                        const mission::Runners* assumed) {
+  if (assumed == nullptr) {
+    plan.expand(plan.network(), most);
+    return std::optional<Error>();
+  }
+  auto by_action = assumed->assign(plan.program().mission());
+  if (!by_action) return by_action.error();
+  RunOptions options;
+  options.clock = task_network::ClockKind::Virtual;
+  ActionEnvironment environment(plan, *assumed, std::move(*by_action), options);
+  Bounded bounded(plan, most);
+  task_network::ConcurrentEngineOptions settings;
+  settings.clock = task_network::ClockKind::Virtual;
+  settings.horizon = most;
+  task_network::ConcurrentEngine engine(plan.network(), bounded, environment, settings);
+  task_network::RunResult result = engine.run();
+  environment.close();
+  return std::move(result.error);
+}
+
+}  // namespace segue::convert

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/distributed/sites.hpp>
+#include <segue/model/transition.hpp>
+
+#include <condition_variable>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <stop_token>
+#include <vector>
+
+namespace segue::distributed::detail {
+
+/// Sends actions to the computers where they have to be carried out, and keeps a transition together: a
+/// computer whose connection was made anew since the transition began has given it up, and takes no more of
+/// its actions. Thread safe.
+class ActionRouter {
+ public:
+  explicit ActionRouter(Sites& sites) : sites_(sites) {}
+
+  /// As TaskHost::perform_in_order: one message for each computer, unless its actions have to wait for what
+  /// happens on another. What a sender has taken is delivered before its receivers stop and are disconnected.
+  void perform(std::vector<model::Action> actions, Duration action_deadline,
+               const task_host::EarlyEnd& early_end, task_host::Completion completed);
+
+  /// As TaskHost::begin_all, of actions on each computer that may depend on each other.
+  void begin(std::vector<model::Action> actions, Duration action_deadline, task_host::Completion completed);
+  /// Waits until all actions that were begun are reported.
+  void close();
+
+  /// From now on until end_transition(), only computers that can be reached now, through the connections of
+  /// now, take part.
+  void begin_transition(const model::Network& before, const model::Network& target);
+  void end_transition();
+  /// Whether a connection carries samples whenever it is there, not from commit to commit. What a new
+  /// receiver delivers begins and ends with what its sender gets on the other computer, so that no sample is
+  /// lost between the commits of both. A receiver that goes on delivers to each reader from commit to commit,
+  /// so that no sample gets to two readers of which one takes the other's place.
+  [[nodiscard]] bool at_once(const model::Connection& connection) const;
+  /// The computer as the transition in progress may use it; Unavailable where its connection is another one.
+  Result<HostLink::Reached> reach(const Site& site) const;
+
+ private:
+  using Indices = std::vector<std::size_t>;
+  /// Actions that begin now: on each computer those that wait only for others there.
+  struct Batch {
+    std::vector<model::Action> actions;
+    Duration action_deadline;
+    task_host::Completion completed;
+    std::map<Site*, Indices> at_site;
+  };
+  using BatchPtr = std::shared_ptr<const Batch>;
+
+  [[nodiscard]] model::Action for_host(model::Action action) const;
+  [[nodiscard]] Result<Site*> site_of(const model::Action& action) const;
+  [[nodiscard]] Result<Site*> site_of(const model::Action& action, const model::Connection& connection) const;
+  /// nullptr: the state travels from one computer to another.
+  [[nodiscard]] Result<Site*> site_of(const model::HandOverAction& what) const;
+  /// Where an incarnation of a task lives or, before it has been created, will live.
+  [[nodiscard]] Result<Site*> site_of(const model::TaskId& task, deploy::detail::Which which) const;
+  void begin_at(Site& site, const Indices& indices, const BatchPtr& batch);
+  void begin_hand_over(std::size_t index, const BatchPtr& batch);
+  Result<void> hand_over(const model::HandOverAction& action, TimePoint deadline) const;
+  void note_placement(const model::Action& action, const Result<void>& outcome) const;
+  void report(const BatchPtr& batch, std::vector<task_host::Completed> ended);
+  void begin_no_more() const;
+
+  Sites& sites_;
+  mutable std::mutex mutex_;  ///< protects everything below
+  std::condition_variable idle_;
+  std::size_t in_progress_ = 0;                                      ///< actions that are not reported yet
+  std::optional<std::map<const Site*, std::uint64_t>> connections_;  ///< of the transition in progress
+  std::set<model::TaskId> kept_;  ///< receivers that the transition in progress leaves as they are
+};
+
+}  // namespace segue::distributed::detail

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/concurrent/thread_pool.hpp>
+#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/distributed/hosted_robot.hpp>
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <vector>
+
+namespace segue::distributed {
+
+/// The deployments of a robot on this computer as a HostedRobot, without a lease: whoever has this commands
+/// them.
+class CommitParticipant final : public HostedRobot {
+ public:
+  /// `tasks` must outlive this. `clock` is what promises to commit are measured with.
+  explicit CommitParticipant(deploy::DeployedTaskHost& tasks, const Clock& clock = RealClock::instance())
+      : tasks_(tasks), clock_(clock) {}
+
+  Result<void> renew() override { return {}; }
+  Result<void> release() override { return {}; }
+  Result<HostView> look() override;
+  Result<void> expect(const model::Network& target) override;
+  Result<void> begin_transition(const model::Network& before, const model::Network& target) override;
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      task_host::Completion completed) override;
+  void begin_no_more() override;
+  Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
+                         TimePoint deadline) override;
+  Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
+                          TimePoint deadline) override;
+  Result<void> vote(std::uint64_t number, Duration validity) override;
+  Result<void> commit(std::uint64_t number) override;
+  Result<void> conclude(const model::Transition& transition) override;
+  Result<void> withdraw() override;
+  Result<void> end_processes(TimePoint deadline) override;
+  void set_listener(task_host::TaskHost::Listener listener) override;
+
+  /// begin_in_order() where each action that is ready is begun by `begin`.
+  using Begin = std::function<void(std::vector<model::Action>, TimePoint, task_host::Completion)>;
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      const task_host::Completion& completed, Begin begin);
+
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 task_host::Completion completed) override;
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
+                             TimePoint deadline) override;
+  Result<model::ComponentModel> describe(const model::TaskId& task) override;
+  Result<type::Value> properties(const model::TaskId& task) override;
+  void watch(const task_host::LevelQuestion& question, const Wait& wait,
+             task_host::LevelAnswer answered) override;
+  Result<task_host::TaskDetails> details(const model::TaskId& task) override;
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override;
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override;
+  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
+                                                             std::size_t buffer) override;
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
+
+ private:
+  deploy::DeployedTaskHost& tasks_;
+  const Clock& clock_;
+  Result<void> wait_for(const LinkWait& link, TimePoint deadline);
+
+  std::mutex stop_mutex_;    ///< protects the member below
+  std::stop_source stop_;    ///< of what begin_in_order() has been given since the last begin_no_more()
+  std::mutex mutex_;         ///< protects the members below; held while a transition commits
+  std::uint64_t armed_ = 0;  ///< the transition that can commit; 0: none
+  bool promised_ = false;    ///< commit() is obeyed until `until_`
+  TimePoint until_{};
+  concurrent::ThreadPool pool_{"segue-ordered", {64, 1}};
+};
+
+}  // namespace segue::distributed

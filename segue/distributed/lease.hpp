@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/distributed/host_service.hpp>
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace segue::distributed {
+
+/// Who wants a lease.
+struct Claim {
+  std::string holder;      ///< for people
+  std::string key{};       ///< nobody else can know it; empty: never the same as who has it
+  bool take_over = false;  ///< although somebody else has it
+  bool again = false;      ///< it has had it before, and does not want it if somebody else has had it since
+  std::uint64_t term = 0;  ///< see RobotRequest::term
+};
+
+/// Who may command a robot on this host. Every runtime that gets the lease has a higher epoch than the ones
+/// before, also those before a restart of the daemon (the last epoch is kept in a file, with who had it), and
+/// what comes with a lower epoch than the present one is refused. So a runtime that was cut off, and whose
+/// messages arrive late, does no harm (fencing). After a restart, whoever had it gets it before all others.
+/// Whoever had it and finds that somebody else has had it since is superseded, however it asks. Of runtimes
+/// that take a robot over at the same moment, the same one wins on all hosts, in whichever order they reach
+/// these: the one with the higher term, as leaders are elected in Raft (Ongaro and Ousterhout 2014,
+/// section 5.1). Thread safe.
+class Lease {
+ public:
+  /// How long a lease lasts that is not renewed. Runtimes renew it once a second.
+  static constexpr Duration kValidity = std::chrono::seconds(5);
+
+  /// `file` keeps the epoch; its folder exists. `clock` must outlive this.
+  Lease(std::string robot, std::filesystem::path file, const Clock& clock);
+
+  /// Returns the new epoch. AlreadyExists while somebody else has it, unless it takes the lease over;
+  /// Superseded where it asks again although somebody else has had it since, or where it takes over from
+  /// somebody whose term is higher (the greater name and key win a tie). IoError where the epoch cannot be
+  /// kept: then nobody gets it. DeadlineExceeded where work under the former epoch has not ended; nobody has
+  /// the lease then.
+  Result<std::uint64_t> acquire(const Claim& claim, TimePoint deadline);
+  /// Where the epoch is not the present one, or was released: what refusal() says.
+  Result<void> renew(std::uint64_t epoch);
+  Result<void> release(std::uint64_t epoch);
+  /// The daemon ends: nobody has the lease any more, nor gets it. Blocks until all work has ended.
+  void close();
+  [[nodiscard]] LeaseInfo info() const;
+  /// The highest term of all who have had it, also before a restart.
+  [[nodiscard]] std::uint64_t highest_term() const;
+
+  /// Work under an epoch: acquire() waits for its end. Empty where the epoch is not the present one.
+  class Work {
+   public:
+    Work(Lease& lease, std::uint64_t epoch);
+    ~Work();
+    Work(Work&& other) noexcept : lease_(std::exchange(other.lease_, nullptr)) {}
+    Work(const Work&) = delete;
+    Work& operator=(const Work&) = delete;
+    Work& operator=(Work&&) = delete;
+    explicit operator bool() const { return lease_ != nullptr; }
+
+   private:
+    Lease* lease_;
+  };
+  /// Why work under `epoch` is refused: Superseded where somebody else has got the lease since; otherwise
+  /// Unavailable: it was released, or its holder has got it anew.
+  [[nodiscard]] Error refusal(std::uint64_t epoch) const;
+
+ private:
+  [[nodiscard]] Duration left() const;
+  /// What the file has.
+  struct Kept {
+    std::uint64_t epoch = 0;
+    std::string key{};  ///< of who had it last
+    std::string holder{};
+    bool is_held = false;
+    std::uint64_t term = 0;          ///< of who had it last
+    std::uint64_t highest_term = 0;  ///< of all
+  };
+  static Kept read(const std::filesystem::path& file);
+  Result<void> keep(const Kept& kept) const;
+  [[nodiscard]] std::optional<Error> refusal_of(const Claim& claim) const;
+  [[nodiscard]] bool is_of_last(const Claim& claim) const;
+  /// Whether somebody has it, or is waiting for the end of what was begun before.
+  [[nodiscard]] bool is_wanted() const { return waiting_ > 0 || until_ > clock_.now(); }
+  [[nodiscard]] std::optional<Error> refusal_of_take_over(const Claim& claim) const;
+  /// As refusal(), with the mutex held.
+  [[nodiscard]] Error refusal_of_epoch(std::uint64_t epoch) const;
+
+  const std::string robot_;
+  const std::filesystem::path file_;
+  const Clock& clock_;
+  mutable std::mutex mutex_;  ///< protects everything below
+  std::condition_variable idle_;
+  std::string holder_;  ///< empty: nobody commands the robot
+  Kept last_;           ///< who has it, or had it last, and the present epoch
+  /// The epochs from this one on are all of who has it, or had it last.
+  std::uint64_t first_of_last_ = 0;
+  TimePoint until_{};  ///< nobody but that one gets it before
+  std::size_t working_ = 0;
+  std::size_t waiting_ = 0;  ///< calls of acquire() that wait for the end of work
+  bool closed_ = false;
+};
+
+}  // namespace segue::distributed

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/model/network.hpp>
+
+#include <functional>
+#include <mutex>
+#include <optional>
+
+namespace segue::distributed::detail {
+
+/// That another runtime has got the robot. One host that says so suffices, for all of them and for good.
+/// Thread safe.
+class RobotLoss {
+ public:
+  /// `lost` is called once, by whichever thread notes it first; must not block.
+  explicit RobotLoss(std::function<void(const Error& why)> lost) : lost_(std::move(lost)) {}
+
+  /// What a host has answered; errors other than Superseded say nothing of this.
+  void note(const model::HostName& host, const Error& error);
+  /// Nothing: the robot is not lost.
+  [[nodiscard]] std::optional<Error> why() const;
+
+ private:
+  const std::function<void(const Error&)> lost_;
+  mutable std::mutex mutex_;  ///< protects the member below
+  std::optional<Error> why_;
+};
+
+}  // namespace segue::distributed::detail

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/footprint.hpp>
+#include <segue/mission/units.hpp>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::mission {
+
+/// What the containers around a state declare for everything in them. Immutable, so that states share it.
+struct EnclosingScope {
+  /// Units that a container holds from its begin to its end. What is in it uses these: they are the units of
+  /// a resource of their own, `lent`.
+  struct Held {
+    std::string resource;
+    std::string lent;   ///< "arm (held by fetch)"
+    std::string taken;  ///< from what the container took them: `resource`, or what an outer container lends
+    std::uint32_t count = 1;
+  };
+  std::vector<GroundFact> required;  ///< preconditions of each action
+  std::vector<Held> held;            ///< the innermost first
+};
+/// Null: nothing is declared around the state.
+using EnclosingScopePtr = std::shared_ptr<const EnclosingScope>;
+
+/// The facts of an execution that are observed (ObservedFact), with those that are declared around it.
+struct ObservedNeeds {
+  std::vector<GroundFact> preconditions;  ///< with those of `during`
+  std::vector<GroundFact> during;
+  std::vector<GroundFact> effects;
+};
+/// Null: none is.
+using ObservedNeedsPtr = std::shared_ptr<const ObservedNeeds>;
+
+/// What an execution needs to begin and what it changes, with what is declared around it. Of a container:
+/// what it needs itself.
+struct Needs {
+  std::vector<GroundFact> preconditions;
+  std::vector<GroundFact> effects;
+  std::vector<UnitUse> uses;
+  std::vector<std::string> resources;  ///< by use: its resource without regard to what is around
+  ObservedNeedsPtr observed;           ///< of its facts
+};
+
+/// As footprint(); `action` may be what a container declares (CompiledState::required). InvalidArgument also
+/// if preconditions around contradict its own, or it changes the number of units that a container holds.
+Result<Needs> needs(const Mission& mission, const Action& action, std::span<const type::Value> inputs,
+                    std::string_view path, const EnclosingScopePtr& around);
+
+/// What is around the states in a container of this path that has these needs.
+EnclosingScopePtr inside(const Needs& container, std::string_view path, const EnclosingScopePtr& around);
+
+}  // namespace segue::mission

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/question.hpp>
+#include <segue/base/result.hpp>
+#include <segue/mission/commanded_robot.hpp>
+#include <segue/mission/footprint.hpp>
+#include <segue/mission/mission.hpp>
+#include <segue/mission/world.hpp>
+#include <segue/mission_robot/robot_look.hpp>
+#include <segue/mission_robot/watched_ports.hpp>
+#include <segue/mission_robot/watched_tasks.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace segue::mission {
+
+/// The observed facts of a mission (ObservedFact), as the robot shows them. Thread safe.
+class FactObserver {
+ public:
+  struct Options {
+    /// How often a task is asked that cannot be seen, and an operation whose task is not updated. All else is
+    /// looked at when the robot says that it has changed.
+    Duration period = std::chrono::milliseconds(20);
+    Duration answer_deadline = std::chrono::seconds(1);
+  };
+  /// Begins to look, in a thread of its own.
+  FactObserver(std::shared_ptr<CommandedRobot> robot, std::vector<ObservedFact> facts, Options options);
+  /// Those that watch are not called any more.
+  ~FactObserver();
+  FactObserver(const FactObserver&) = delete;
+  FactObserver& operator=(const FactObserver&) = delete;
+
+  /// A run begins with these facts: they count for those that could not be observed yet.
+  void begin(const World::Facts& facts);
+  /// Looks at the robot now: the first of these facts that is not as it says. Blocks until the robot has
+  /// answered; where a port has just been opened, until its first sample comes, for the fact's settling time
+  /// at most.
+  std::optional<GroundFact> first_false(std::span<const GroundFact> facts);
+  /// Whether the fact is so, as of a look now; nothing where it cannot be observed.
+  std::optional<bool> observed(std::string_view fact);
+  /// An action has made these facts true or false: that counts for those that cannot be observed.
+  void assume(std::span<const GroundFact> effects);
+  /// How long an effect on that fact may take to show.
+  [[nodiscard]] Duration settle(std::string_view fact) const;
+
+  /// Says when it is to be called again at the latest; nothing: never again.
+  using Look = std::function<std::optional<TimePoint>()>;
+  /// Calls `look` on the thread of this: soon, whenever a fact may have changed, at the time that it has
+  /// said, and when the bell is rung.
+  void watch(Look look);
+  [[nodiscard]] const std::shared_ptr<Bell>& bell() const { return bell_; }
+
+ private:
+  struct Entry {
+    ObservedFact declared;
+    bool value = false;  ///< as observed last
+    bool seen = false;   ///< it could be observed at least once
+    std::optional<PortFeed> feed{};
+    TimePoint opened{};    ///< `feed`
+    TimePoint followed{};  ///< `opened` when it was followed last
+    std::uint64_t updates =
+        0;  ///< of the task whose port is followed; fewer are those of another incarnation
+  };
+
+  void work(const std::stop_token& end);
+  void follow_tasks();
+  void follow_ports();
+  void follow_port(Entry& entry, const Member& port);
+  /// When they are to be called again at the latest; nothing: nobody watches.
+  std::optional<TimePoint> call_watchers();
+  std::optional<bool> look(Entry& entry);
+  std::optional<bool> look(Entry& entry, const TaskReaches& when);
+  std::optional<bool> look(Entry& entry, const SampleShows& when);
+  std::optional<bool> look(Entry& entry, const OperationAnswers& when);
+  bool value_now(Entry& entry);
+
+  const std::shared_ptr<CommandedRobot> robot_;
+  const Options options_;
+  std::mutex looking_;  ///< protects `entries_`; held while the robot is asked
+  std::map<std::string, Entry, std::less<>> entries_;
+  std::mutex mutex_;  ///< protects `watches_`
+  std::vector<Look> watches_;
+
+  // Used by the thread only. Their answers ring the bell; what is so then is asked anew.
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
+  WatchedTasks tasks_;       ///< that show facts; asked for while somebody watches
+  WatchedTasks port_tasks_;  ///< whose ports show facts
+  WatchedPorts ports_{bell_};
+  std::jthread thread_;
+};
+
+}  // namespace segue::mission

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission_engine/engine_test_support.hpp>
+#include <segue/mission_robot/pool_runner.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <functional>
+#include <future>
+#include <map>
+#include <mutex>
+
+namespace segue::mission {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using type::Value;
+
+/// Has a pool of two planners; a function of the test answers.
+class PlanningRobot final : public CommandedRobot {
+ public:
+  using Answer = std::function<Result<Value>(const std::string& instance, const Value& arguments)>;
+
+  explicit PlanningRobot(Answer answer) : answer_(std::move(answer)) {}
+
+  Result<void> request(const ControllerRequest& /*what*/, const Wait& /*wait*/) override { return {}; }
+  Result<ControllerTrouble> trouble(std::string_view /*controller*/, const Wait& /*wait*/) override {
+    return ControllerTrouble{};
+  }
+  Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override { return ControllerConflicts{}; }
+  Result<void> prepare(const std::vector<std::string>& /*names*/, const Wait& /*wait*/) override {
+    return {};
+  }
+  Result<std::vector<PoolView>> pools(const Wait& /*wait*/) override {
+    const std::lock_guard lock(mutex_);
+    if (is_gone_) return fail(ErrorCode::Unavailable, "the test took the robot away");
+    ++looks_;
+    looked_.notify_all();
+    return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}}};
+  }
+  Result<Value> call(const Member& operation, const Value& arguments, const Wait& /*wait*/) override {
+    {
+      const std::lock_guard lock(mutex_);
+      called_.push_back(operation.task);
+    }
+    return answer_(operation.task, arguments);
+  }
+  Result<void> set(const Member& /*property*/, const Value& /*value*/, const Wait& /*wait*/) override {
+    return {};
+  }
+  Result<void> write(const Member& /*port*/, const Value& /*value*/, const Wait& /*wait*/) override {
+    return {};
+  }
+  void watch(const TaskQuestion& /*question*/, const Wait& /*wait*/, TaskAnswer answered) override {
+    answered(TaskView{});
+  }
+  void changes(std::uint64_t seen, const Wait& /*wait*/, ChangesAnswer answered) override {
+    if (seen == 0) answered(1);
+  }
+  Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& /*wait*/) override {
+    return fail(ErrorCode::NotFound, to_string(port));
+  }
+
+  void lose(const std::string& instance, bool for_good = false) {
+    change(instance, [&](PoolInstanceView& one) {
+      one.ready = false;
+      one.given_up = for_good;
+      one.reason = "its process is gone";
+    });
+  }
+  void start_again(const std::string& instance) {
+    change(instance, [](PoolInstanceView& one) { one = {one.task, one.pid + 100, true, false, ""}; });
+  }
+  void work_for_others(const std::string& instance, bool works) {
+    change(instance, [works](PoolInstanceView& one) { one.busy = works; });
+  }
+  void vanish() {
+    const std::lock_guard lock(mutex_);
+    is_gone_ = true;
+  }
+  /// Somebody has asked for the pools that often.
+  void wait_for_looks(int count) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(looked_.wait_for(lock, 60s, [&] { return looks_ >= count; }));
+  }
+  std::vector<std::string> called() {
+    const std::lock_guard lock(mutex_);
+    return called_;
+  }
+
+ private:
+  void change(const std::string& instance, const std::function<void(PoolInstanceView&)>& how) {
+    const std::lock_guard lock(mutex_);
+    for (PoolInstanceView& one : instances_) {
+      if (one.task == instance) how(one);
+    }
+  }
+
+  const Answer answer_;
+  std::mutex mutex_;  ///< protects all below
+  std::vector<PoolInstanceView> instances_{{"planner_1", 1, true}, {"planner_2", 2, true}};
+  std::condition_variable looked_;
+  std::vector<std::string> called_;
+  int looks_ = 0;
+  bool is_gone_ = false;
+};
+
+Value route(const char* outcome) {
+  return Value::map({{"outcome", outcome}, {"path", Value::map({{"length", 7}})}});
+}
+Error connection_broke() {
+  return fail(ErrorCode::Unavailable, "the connection is closed");
+}
+
+class PoolCalls : public RunningMission {
+ protected:
+  /// A mission of one action with these declarations.
+  void begin(PlanningRobot::Answer answer, const std::string& declared = "pure: true") {
+    robot_ = std::make_shared<PlanningRobot>(std::move(answer));
+    const std::string text =
+        "mission: m\n"
+        "actions:\n"
+        "  plan:\n"
+        "    inputs: {to: {type: text, default: home}}\n"
+        "    outputs: {length: any, all: any}\n"
+        "    outcomes: [found, no_route]\n"
+        "    " +
+        declared +
+        "\n"
+        "    run: {pool: planner, call: {plan: {to: '{to}'}}, outcome_from: outcome,\n"
+        "          outputs: {length: path.length, all: value}}\n"
+        "outcomes: [found, no_route]\n"
+        "outputs: {length: any}\n"
+        "start: plan\n"
+        "flows: [plan.length -> outputs.length]\n"
+        "states: {plan: {on: {found: return found, no_route: return no_route}}}\n";
+    Runners runners;
+    runners.set_pools(std::make_shared<PoolRunner>(robot_, options_));
+    begin_mission(text, runners);
+  }
+
+  std::shared_ptr<PlanningRobot> robot_;
+  PoolOptions options_{.period = 1ms, .ready_deadline = 60s, .notice = 60s};
+};
+
+TEST_F(PoolCalls, EndAsTheAnswerSays) {
+  begin([](const std::string&, const Value& arguments) {
+    EXPECT_EQ(arguments, Value::map({{"to", "home"}}));
+    return route("found");
+  });
+  EXPECT_EQ(ended().outcome_name, "found");
+  EXPECT_EQ(engine_->result().outputs[0], Value(7));
+  begin([](const std::string&, const Value&) { return route("no_route"); });
+  EXPECT_EQ(ended().outcome_name, "no_route");
+}
+
+TEST_F(PoolCalls, SayWhichTimeLimitHasPassed) {
+  begin([](const std::string&, const Value&) -> Result<Value> {
+    return fail(ErrorCode::DeadlineExceeded, "operation 'plan' did not begin in time");
+  });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error,
+              HasSubstr("planner_1.plan has not answered within the action's "
+                        "'timeout' of 60s (operation 'plan' did not begin in time)"));
+}
+
+TEST_F(PoolCalls, AbortWithTheErrorOfTheOperation) {
+  begin([](const std::string&, const Value&) -> Result<Value> {
+    return fail(ErrorCode::InvalidArgument, "the goal is outside of the map");
+  });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("the goal is outside of the map"));
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1"));
+}
+
+TEST_F(PoolCalls, AbortWhereTheAnswerIsNotAsExpected) {
+  begin([](const std::string&, const Value&) { return route("perhaps"); });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("'perhaps' as 'outcome', which is none of its outcomes"));
+  begin([](const std::string&, const Value&) { return Value::map({{"outcome", "found"}}); });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("has no field 'path.length'"));
+}
+
+TEST_F(PoolCalls, AreRepeatedByAnotherInstanceWhereOneIsLost) {
+  begin([this](const std::string& instance, const Value&) -> Result<Value> {
+    if (instance == "planner_2") return route("found");
+    robot_->lose(instance);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "found");
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2"));
+}
+
+TEST_F(PoolCalls, WaitUntilAnInstanceIsThereAgain) {
+  int calls = 0;
+  begin([this, &calls](const std::string& instance, const Value&) -> Result<Value> {
+    if (++calls == 3) return route("found");
+    robot_->lose(instance);
+    if (calls == 2) robot_->start_again("planner_1");
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "found");
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2", "planner_1"));
+}
+
+TEST_F(PoolCalls, AreRepeatedABoundedNumberOfTimes) {
+  begin([this](const std::string& instance, const Value&) -> Result<Value> {
+    robot_->lose(instance);
+    robot_->start_again(instance);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("3 attempts have failed"));
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2", "planner_1"))
+      << "not by the same one, though it is there again";
+}
+
+TEST_F(PoolCalls, AreNotRepeatedUnlessTheActionIsPure) {
+  begin(
+      [this](const std::string& instance, const Value&) -> Result<Value> {
+        robot_->lose(instance);
+        return connection_broke();
+      },
+      "strict: true");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("planner_1 was lost while it worked"));
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1"));
+}
+
+TEST_F(PoolCalls, AbortAtOnceWhereNoInstanceComesBack) {
+  begin([this](const std::string&, const Value&) -> Result<Value> {
+    robot_->lose("planner_1", true);
+    robot_->lose("planner_2", true);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(
+      engine_->result().error,
+      HasSubstr("no instance of pool 'planner' is ready: planner_1: its process is gone; planner_2: "));
+}
+
+TEST_F(PoolCalls, EndAsPreemptedWhereTheRobotIsGone) {
+  options_.unreachable = [this](const Error&) { engine_->stop(); };
+  for (const char* declared : {"pure: true", "strict: true"}) {
+    begin(
+        [this](const std::string&, const Value&) -> Result<Value> {
+          robot_->vanish();
+          return connection_broke();
+        },
+        declared);
+    EXPECT_EQ(ended().outcome_name, "preempted") << engine_->result().error;
+  }
+}
+
+TEST_F(PoolCalls, GoToNoInstanceThatWorksForSomebodyElse) {
+  begin([this](const std::string& instance, const Value&) -> Result<Value> {
+    if (robot_->called().size() == 3) return route("found");
+    robot_->lose(instance);
+    robot_->start_again(instance);
+    robot_->work_for_others("planner_1", true);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "found");
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2", "planner_2"));
+}
+
+TEST_F(PoolCalls, LeaveTheirInstanceToNobodyElseBeforeItHasAnswered) {
+  std::promise<void> ended_meanwhile;
+  auto has_ended = ended_meanwhile.get_future().share();
+  robot_ = std::make_shared<PlanningRobot>([has_ended](const std::string& instance, const Value&) {
+    const bool first = instance == "planner_1";
+    EXPECT_TRUE(!first || has_ended.wait_for(60s) == std::future_status::ready);
+    return route("found");
+  });
+  Runners runners;
+  runners.set_pools(std::make_shared<PoolRunner>(robot_, options_));
+  begin_mission(
+      "mission: m\n"
+      "actions:\n"
+      "  plan: {pure: true, run: {pool: planner, call: {plan: {}}}}\n"
+      "  short: {run: {simulated: {duration: 20ms}}}\n"
+      "start: race\n"
+      "states:\n"
+      "  race:\n"
+      "    kind: preemptive\n"
+      "    on: {success: plan}\n"
+      "    states:\n"
+      "      long: {action: plan, on: {success: return success}}\n"
+      "      short: {on: {success: return success}}\n"
+      "  plan: {on: {success: return success}}\n",
+      runners);
+  EXPECT_EQ(ended().outcome_name, "success") << engine_->result().error;
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2"));
+  ended_meanwhile.set_value();
+}
+
+TEST_F(PoolCalls, GetAnInstanceAtOnceWhenItIsFree) {
+  options_.period = 1h;  // so nobody looks again by himself
+  robot_ = std::make_shared<PlanningRobot>([this](const std::string&, const Value&) {
+    robot_->wait_for_looks(3);
+    return route("found");
+  });
+  Runners runners;
+  runners.set_pools(std::make_shared<PoolRunner>(robot_, options_));
+  begin_mission(
+      "mission: m\n"
+      "resources: {planner: {count: 2}}\n"
+      "actions:\n"
+      "  plan: {pure: true, run: {pool: planner, call: {plan: {}}}}\n"
+      "  short: {run: {simulated: {duration: 20ms}}}\n"
+      "  d: {run: {decide: [{outcome: success}]}}\n"
+      "start: race\n"
+      "states:\n"
+      "  race:\n"
+      "    kind: preemptive\n"
+      "    on: {success: both}\n"
+      "    states:\n"
+      "      given_up: {action: plan, on: {success: return success}}\n"
+      "      short: {on: {success: return success}}\n"
+      "  both:\n"
+      "    kind: barrier\n"
+      "    on: {success: return success}\n"
+      "    states:\n"
+      "      a: {action: plan}\n"
+      "      b: {action: plan}\n"
+      "      d: {kind: decider, on: {success: return success}}\n",
+      runners);
+  EXPECT_EQ(ended().outcome_name, "success") << engine_->result().error;
+  EXPECT_EQ(robot_->called().size(), 3U);
+}
+
+}  // namespace
+}  // namespace segue::mission

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission_run/session.hpp>
+
+#include <ctime>
+
+/// The runs behind Session::run. Internal.
+namespace segue::mission_run::detail {
+
+using RunResult = Result<std::unique_ptr<FinishedRun>>;
+using SharedProgram = std::shared_ptr<const mission::Program>;
+
+/// Each blocks until its run has ended.
+RunResult run_as_written(SharedProgram program, const RunRequest& request, const std::stop_token& stop);
+RunResult run_concurrently(SharedProgram program, const RunRequest& request, const std::stop_token& stop);
+RunResult run_network(std::shared_ptr<const task_network::FlatNetwork> network, const RunRequest& request,
+                      const std::stop_token& stop);
+
+/// What the run begins with: as requested, or as the journal says that it continues. `runners`: of the run,
+/// which say what can go on. `journal` is set if one is wanted.
+Result<mission::RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
+                                                const mission::Runners& runners,
+                                                std::shared_ptr<mission::RunJournal>& journal);
+
+/// The diagram of a mission, planned as the request says. Blocks.
+Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequest& request);
+
+/// By port of the mission; null for its default. NotFound, TypeMismatch.
+Result<std::vector<type::Value>> inputs_by_port(const mission::Program& program, const type::ValueMap& given);
+/// ParseError.
+Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts);
+/// Those of the request, with scripts and simulation as it says.
+mission::Runners runners_for(const RunRequest& request);
+
+inline double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Measures the processor time of this thread from its construction on.
+class ProcessorTime {
+ public:
+  [[nodiscard]] double microseconds() const { return now() - begin_; }
+
+ private:
+  static double now() {
+    timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) * 1e6 + static_cast<double>(time.tv_nsec) * 1e-3;
+  }
+  double begin_ = now();
+};
+
+}  // namespace segue::mission_run::detail

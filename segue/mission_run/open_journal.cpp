@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission_run/implementation.hpp>
+
+#include <map>
+
+namespace segue::mission_run::detail {
+
+using mission::RunJournal;
+
+namespace {
+
+Error changed(const std::string& what) {
+  return fail(ErrorCode::InvalidArgument, "a run that is resumed goes on as it began, but " + what);
+}
+
+/// Of several counts of a resource the last one counts.
+std::map<std::string, std::uint32_t> by_name(const mission::UnitCounts& counts) {
+  std::map<std::string, std::uint32_t> found;
+  for (const auto& [resource, count] : counts)
+    found[resource] = count;
+  return found;
+}
+
+/// What is said again about a run, as in the same command with `--resume`, must be what it began with.
+Result<void> check_unchanged(const RunJournal::Start& wanted, const RunJournal::Start& begun) {
+  for (const auto& [name, value] : wanted.inputs) {
+    const type::Value* const before = begun.inputs.find(name);
+    if (before != nullptr && *before == value) continue;
+    return changed("the input " + quote(name) + " was " +
+                   (before == nullptr ? "not given" : type::describe(*before)) + " and is " +
+                   type::describe(value));
+  }
+  if (!wanted.facts.empty() && wanted.facts != begun.facts) return changed("its facts were others");
+  if (!wanted.start_at.empty() && wanted.start_at != begun.start_at)
+    return changed("it began at " + (begun.start_at.empty() ? "its start" : quote(begun.start_at)));
+  if (wanted.seed != 0 && wanted.seed != begun.seed)
+    return changed("its seed was " + std::to_string(begun.seed));
+  const auto before = by_name(begun.resources);
+  for (const auto& [resource, count] : by_name(wanted.resources)) {
+    const auto found = before.find(resource);
+    if (found != before.end() && found->second == count) continue;
+    return changed("there are " + std::to_string(count) + " units of the resource " + quote(resource) +
+                   (found == before.end() ? ", as many as the mission says then"
+                                          : ", " + std::to_string(found->second) + " then"));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
+                                       const mission::Runners& runners,
+                                       std::shared_ptr<RunJournal>& journal) {
+  const bool concurrent = request.mode == RunMode::Concurrent;
+  RunJournal::Start start{request.inputs, request.facts,     request.start_at,
+                          concurrent,     request.resources, request.seed};
+  if (!request.journal) return start;
+  const JournalRequest& wanted = *request.journal;
+  if (!wanted.resume) {
+    auto created = RunJournal::create(wanted.file, mission, start, request.note);
+    if (!created) return created.error();
+    journal = std::move(*created);
+    return start;
+  }
+  const auto can_go_on = [&](const mission::Action& action, const type::Value& progress) {
+    return runners.go_on(action, progress);
+  };
+  auto found =
+      RunJournal::resume(wanted.file, mission, concurrent, wanted.under_way, request.note, can_go_on);
+  if (!found) return found.error();
+  if (auto same = check_unchanged(start, (*found)->start()); !same) return same.error();
+  journal = std::move(*found);
+  if (request.note) {
+    request.note("the run is resumed: " + std::to_string(journal->size()) +
+                 (journal->size() == 1 ? " action" : " actions") + " had ended");
+  }
+  return journal->start();
+}
+
+}  // namespace segue::mission_run::detail

@@ -1,0 +1,587 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/mission_io.hpp>
+#include <segue/mission/world_effects.hpp>
+#include <segue/mission_run/session_test_support.hpp>
+#include <segue/type/json.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace segue::mission_run {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kEndless = R"(mission: endless
+actions:
+  tick: {run: {simulated: {duration: 1s}}}
+start: tick
+states:
+  tick: {on: {success: tick}}
+)";
+constexpr const char* kNetwork = R"j({"name": "n", "nodes": [
+  {"name": "short", "duration_s": 1, "effects": ["+p()"]},
+  {"name": "beside", "duration_s": 2, "effects": ["+q()"]},
+  {"name": "after", "duration_s": 3, "preconditions": ["p()"], "effects": []}]})j";
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+std::vector<std::string> outputs_of(const FinishedRun& run) {
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : run.overview().outputs)
+    texts.push_back(name + ": " + type::to_json(value));
+  return texts;
+}
+
+TEST_F(Sessions, AMissionEndsTheSameInEitherMode) {
+  const Session session = load("m.yaml", kGrasp);
+  EXPECT_FALSE(session.is_network());
+  EXPECT_EQ(session.name(), "m");
+  const auto sequential = session.run(request(RunMode::Sequential)).value();
+  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+  for (const auto& run : {sequential.get(), concurrent.get()}) {
+    EXPECT_TRUE(run->overview().succeeded);
+    EXPECT_EQ(run->overview().name, "m");
+    EXPECT_EQ(run->overview().outcome, "success");
+    EXPECT_EQ(*run->overview().outputs.find("pose"), type::Value(7));
+    EXPECT_EQ(run->overview().actions, 3U);
+    EXPECT_EQ(seconds(run->comparison().sequential), 7);
+    EXPECT_EQ(run->gantt().nodes.size(), 3U);
+    EXPECT_EQ(run->to_value().find("outcome")->as_string(), "success");
+  }
+  EXPECT_EQ(seconds(sequential->overview().makespan), 7);
+  EXPECT_EQ(seconds(concurrent->overview().makespan), 4);
+}
+
+TEST_F(Sessions, RowsTellWhenAndWhy) {
+  const Session session = load("m.yaml", kGrasp);
+  const auto sequential = session.run(request(RunMode::Sequential)).value();
+  const auto first = sequential->rows(2);
+  ASSERT_EQ(first.size(), 2U);
+  EXPECT_TRUE(sequential->as_written());
+  EXPECT_EQ(first[1].name, "look");
+  EXPECT_EQ(seconds(first[1].start), 4);
+  EXPECT_EQ(seconds(first[1].end), 7);
+  EXPECT_EQ(first[1].outcome, "success");
+  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+  EXPECT_FALSE(concurrent->as_written());
+  EXPECT_EQ(concurrent->rows()[2].waited_for, "world warm() of warm_up");
+}
+
+TEST_F(Sessions, ProgressTellsOfEachActionInEitherMode) {
+  const Session session = load("m.yaml", kGrasp);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    std::vector<std::string> begun;
+    std::vector<std::string> ended;
+    RunRequest wanted = request(mode);
+    wanted.on_event = [&](const mission::StateEvent& event) {
+      if (event.kind == mission::StateEvent::Kind::Began) {
+        begun.emplace_back(event.path);
+      } else {
+        ended.push_back(std::string(event.path) + ": " + std::string(event.outcome));
+      }
+    };
+    ASSERT_TRUE(session.run(wanted));
+    EXPECT_THAT(begun, ::testing::UnorderedElementsAre("warm_up", "look", "grasp"));
+    EXPECT_THAT(ended,
+                ::testing::UnorderedElementsAre("warm_up: success", "look: success", "grasp: success"));
+  }
+}
+
+TEST_F(Sessions, AnActionThatAbortsIsReportedWithItsError) {
+  const Session session = load("m.yaml", kGrasp);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    std::vector<std::string> errors;
+    RunRequest wanted = request(mode);
+    wanted.runners.add("grasp", [](mission::ActionCall&) {
+      return mission::Ending{mission::kAborted, "it slipped"};
+    });
+    wanted.on_event = [&](const mission::StateEvent& event) {
+      if (!event.error.empty())
+        errors.push_back(std::string(event.outcome) + ": " + std::string(event.error));
+    };
+    const auto run = session.run(wanted).value();
+    EXPECT_FALSE(run->overview().succeeded);
+    EXPECT_EQ(run->overview().outcome, "aborted");
+    ASSERT_TRUE(run->overview().error);
+    EXPECT_EQ(run->overview().error->message, "it slipped");
+    EXPECT_THAT(errors, ElementsAre("aborted: it slipped"));
+  }
+}
+
+/// Fails inside, with outputs of every origin. What comes after the failure is pure and runs ahead.
+constexpr const char* kFailing = R"j(mission: m
+actions:
+  look: {pure: true, outputs: {pose: int}, run: {simulated: {duration: 1s, outputs: {pose: 7}}}}
+  count: {effects: ["+counted()"], outputs: {n: int}, run: {simulated: {duration: 1s, outputs: {n: 3}}}}
+  grasp: {effects: ["+held()"], outputs: {force: {type: int, default: 4}}, run: {callback: grasp}}
+  again: {pure: true, outputs: {pose: int}, run: {simulated: {duration: 1s, outputs: {pose: 8}}}}
+start: look
+outputs: {pose: int, n: int, force: int, never: {type: int, default: 9}, error: string}
+flows: [look.pose -> outputs.pose, again.pose -> outputs.pose, inner.n -> outputs.n, inner.force -> outputs.force]
+states:
+  look: {on: {success: inner}}
+  inner:
+    outputs: {n: int, force: int}
+    flows: [count.n -> outputs.n, grasp.force -> outputs.force]
+    start: count
+    states:
+      count: {on: {success: grasp}}
+      grasp: {on: {success: return success}}
+    on: {success: again}
+  again: {on: {success: return success}}
+)j";
+
+TEST_F(Sessions, ARunThatAbortsKeepsItsOutputsInEitherMode) {
+  const Session session = load("m.yaml", kFailing);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    RunRequest wanted = request(mode);
+    wanted.runners.add("grasp", [](mission::ActionCall& call) {
+      call.set_output("force", type::Value(5));
+      return mission::Ending{mission::kAborted, "it slipped"};
+    });
+    const auto run = session.run(wanted).value();
+    EXPECT_EQ(run->overview().outcome, "aborted");
+    EXPECT_THAT(outputs_of(*run),
+                ElementsAre("pose: 7", "n: 3", "force: 5", "never: 9", "error: \"it slipped\""));
+  }
+}
+
+TEST_F(Sessions, AContainerThatAbortsGivesItsErrorInEitherMode) {
+  const Session session = load("m.yaml", R"j(mission: m
+actions:
+  grasp: {effects: ["+held()"], run: {callback: grasp}}
+  rest: {effects: ["+rested()"], run: {simulated: {duration: 1s}}}
+start: inner
+outputs: {why: string}
+flows: [inner.error -> outputs.why]
+states:
+  inner:
+    outputs: {error: string}
+    start: grasp
+    states: {grasp: {on: {success: return success}}}
+    on: {success: return success, aborted: rest}
+  rest: {on: {success: return success}}
+)j");
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    RunRequest wanted = request(mode);
+    wanted.runners.add("grasp", [](mission::ActionCall&) {
+      return mission::Ending{mission::kAborted, "it slipped"};
+    });
+    const auto run = session.run(wanted).value();
+    EXPECT_TRUE(run->overview().succeeded);
+    EXPECT_THAT(outputs_of(*run), ElementsAre("why: \"it slipped\""));
+  }
+}
+
+TEST_F(Sessions, WhatARunDoesNotReachHasNoOutcome) {
+  const Session session = load("m.yaml", kFailing);
+  RunRequest wanted = request(RunMode::Concurrent);
+  wanted.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{mission::kAborted, "no"}; });
+  const auto run = session.run(wanted).value();
+  const type::Value json = run->to_value();
+  std::vector<std::string> outcomes;
+  for (const type::Value& node : json.find("nodes")->as_list())
+    outcomes.push_back(node.find("name")->as_string() + ": " + node.find("outcome")->as_string());
+  EXPECT_THAT(outcomes,
+              ElementsAre("look: success", "inner/count: success", "inner/grasp: aborted", "again: "));
+  EXPECT_THAT(run->rows().back().outcome, IsEmpty());
+  EXPECT_THAT(run->gantt().nodes.back().outcome, IsEmpty());
+}
+
+TEST_F(Sessions, AStopFromAnotherThreadEndsTheRun) {
+  const Session session = load("m.yaml", kEndless);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    RunRequest wanted = request(mode);
+    std::stop_source stop;
+    std::atomic<bool> goes_on = false;
+    wanted.on_event = [&](const mission::StateEvent&) {
+      goes_on = true;
+      goes_on.notify_all();
+    };
+    std::jthread other([&] {
+      goes_on.wait(false);
+      stop.request_stop();
+    });
+    const auto run = session.run(wanted, stop.get_token()).value();
+    EXPECT_FALSE(run->overview().succeeded);
+    EXPECT_EQ(run->overview().outcome, "preempted");
+  }
+}
+
+TEST_F(Sessions, AStopBeforeTheRunLeavesNothingDone) {
+  std::stop_source stop;
+  stop.request_stop();
+  for (const auto& [file, text] : {std::pair("m.yaml", kEndless), std::pair("n.json", kNetwork)}) {
+    const Session session = load(file, text);
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      const auto run = session.run(request(mode), stop.get_token()).value();
+      EXPECT_FALSE(run->overview().succeeded) << file;
+      for (const RunRow& row : run->rows())
+        EXPECT_NE(row.status, task_network::NodeStatus::Done) << file << ' ' << row.name;
+    }
+  }
+}
+
+/// The boxes on the shelf, as a program's own model of the world has them.
+class Shelf final : public mission::WorldData {
+ public:
+  [[nodiscard]] std::shared_ptr<mission::WorldData> clone() const override {
+    return std::make_shared<Shelf>(*this);
+  }
+  void changed(const std::string& fact, bool holds) override {
+    if (fact.starts_with("on_shelf(")) boxes += holds ? 1 : -1;
+  }
+  int boxes = 0;
+};
+
+/// Where boxes are, in metres.
+using Scene = std::map<std::string, double>;
+
+mission::WorldEffects<Scene> scene_effects() {
+  mission::WorldEffects<Scene> effects;
+  effects.on("+holding", [](Scene& scene, auto boxes) { scene["gripper"] = scene.at(boxes[0]); })
+      .on("+holding", [](Scene& scene, auto boxes) { scene.erase(boxes[0]); })
+      .on("-holding",
+          [](Scene& scene, auto boxes) {
+            scene[boxes[0]] = scene.at("gripper") + 1;
+            scene.erase("gripper");
+          })
+      .shown_as([](const Scene& scene) {
+        type::ValueMap places;
+        for (const auto& [what, where] : scene)
+          places.append(what, where);
+        return type::Value(std::move(places));
+      });
+  return effects;
+}
+
+TEST_F(Sessions, EffectsChangeDataOfAnyTypeThatScriptsSeeToo) {
+  const Session session = load("scene.yaml", R"j(mission: m
+actions:
+  grasp: {effects: ["+holding(red)"], run: {callback: grasp}}
+  put: {effects: ["-holding(red)"], run: {callback: put}}
+  plan: {outputs: {red: float}, pure: true, reads_world: true, run: {callback: plan}}
+  tell:
+    outputs: {seen: any}
+    pure: true
+    reads_world: true
+    run:
+      python:
+        text: |
+          def execute(self, inputs, outputs, gvm):
+              outputs["seen"] = [self.world.holds("holding( red )"), sorted(self.world), self.world.data["scene"]]
+              return 0
+start: grasp
+outputs: {seen: any, red: float}
+flows: [tell.seen -> outputs.seen, plan.red -> outputs.red]
+states:
+  grasp: {on: {success: tell}}
+  tell: {on: {success: put}}
+  put: {on: {success: plan, aborted: plan}}
+  plan: {on: {success: return success}}
+)j");
+  for (const bool slips : {false, true}) {
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      SCOPED_TRACE(slips);
+      RunRequest wanted = request(mode);
+      wanted.clock = task_network::ClockKind::Real;
+      wanted.python = "python3";
+      wanted.world_data.emplace("scene", mission::world_data(Scene{{"red", 2.0}}, scene_effects()));
+      wanted.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{}; });
+      wanted.runners.add("put", [&](mission::ActionCall&) {
+        return slips ? mission::Ending{mission::kAborted, "it stuck"} : mission::Ending{};
+      });
+      wanted.runners.add("plan", [](mission::ActionCall& call) {
+        const auto scene = mission::data_of<Scene>(call.world().value(), "scene");
+        EXPECT_EQ(mission::data_of<int>(call.world().value(), "scene"), nullptr);
+        call.set_output("red", type::Value(scene->contains("red") ? scene->at("red") : -1.0));
+        return mission::Ending{};
+      });
+      const auto run = session.run(wanted).value();
+      const auto& outputs = run->overview().outputs;
+      EXPECT_EQ(*outputs.find("red"), type::Value(slips ? -1.0 : 3.0))
+          << "what was predicted wrongly is undone";
+      EXPECT_EQ(type::to_json(*outputs.find("seen"), -1), R"j([true,["holding(red)"],{"gripper":2.0}])j");
+    }
+  }
+}
+
+/// The changes of facts, in their order.
+mission::WorldEffects<std::string> noted_changes(const std::vector<std::string>& facts) {
+  mission::WorldEffects<std::string> effects;
+  for (const std::string& fact : facts) {
+    for (const std::string sign : {"+", "-"})
+      effects.on(sign + fact, [=](std::string& notes, auto) { notes += " " + sign + fact; });
+  }
+  return effects.shown_as([](const std::string& notes) { return type::Value(notes); });
+}
+
+std::string noted(const Session& session, RunRequest request, const std::vector<std::string>& facts) {
+  std::string seen;
+  request.world_data.emplace("notes", mission::world_data(std::string(), noted_changes(facts)));
+  request.runners.add("look", [&](mission::ActionCall& call) {
+    seen = *mission::data_of<std::string>(call.world().value(), "notes");
+    return mission::Ending{};
+  });
+  const auto run = session.run(request).value();
+  EXPECT_TRUE(run->overview().succeeded);
+  return seen;
+}
+
+TEST_F(Sessions, EffectsComeInTheOrderOfThePlan) {
+  for (const std::string how : {"", "pure: true, "}) {
+    const Session session = load("order.yaml", R"j(mission: m
+actions:
+  slow: {effects: ["+a()"], run: {simulated: {duration: 4s}}}
+  quick: {preconditions: ["!d()", "!b()"], effects: ["+c()", "+b()", "+d()"], run: {simulated: {duration: 1s}}}
+  back: {effects: ["-c()"], run: {simulated: {duration: 1s}}}
+  again: {effects: ["+c()"], run: {simulated: {duration: 1s}}}
+  look: {)j" + how + R"j(reads_world: true, run: {callback: look}}
+start: slow
+states:
+  slow: {on: {success: quick}}
+  quick: {on: {success: as_written}}
+  as_written:
+    start: back
+    on: {success: look}
+    states:
+      back: {on: {success: again, preempted: again}}
+      again: {on: {success: return success}}
+  look: {on: {success: return success}}
+)j");
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      EXPECT_EQ(noted(session, request(mode), {"a", "b", "c", "d"}), " +a +c +b +d -c +c") << how;
+    }
+  }
+}
+
+TEST_F(Sessions, FactsThatCameToTheSameInAnotherWayAreNotTheSameToData) {
+  const Session session = load("ways.yaml", R"j(mission: m
+actions:
+  open: {effects: ["+open()"], run: {simulated: {duration: 4s, outcomes: [aborted]}}, expect: {duration: 4s}}
+  close: {effects: ["-open()"], run: {simulated: {duration: 1s}}}
+  look: {pure: true, reads_world: true, run: {callback: look}}
+start: open
+states:
+  open: {on: {success: close, aborted: close}}
+  close: {on: {success: look}}
+  look: {on: {success: return success}}
+)j");
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    EXPECT_EQ(noted(session, request(mode), {"open"}), "");
+  }
+}
+
+/// Boxes that are lifted and put down, by functions that do not commute.
+constexpr const char* kScriptedScene = R"j(mission: m
+world_data:
+  scene:
+    initial: {red: 2.0}
+    python: scene.py
+    effects: {"+holding": lift, "-holding": put}
+actions:
+  grasp: {effects: ["+holding(red)", "+seen(red)"], run: {callback: grasp}}
+  put: {effects: ["-holding(red)"], run: {callback: put}}
+  tell:
+    outputs: {seen: any}
+    pure: true
+    reads_world: true
+    run:
+      python:
+        text: |
+          def execute(self, inputs, outputs, gvm):
+              outputs["seen"] = [sorted(self.world.data), dict(self.world.data["scene"])]
+              self.world.data["scene"].clear()
+              return 0
+start: grasp
+outputs: {first: any, last: any}
+flows: [first.seen -> outputs.first, last.seen -> outputs.last]
+states:
+  grasp: {on: {success: first}}
+  first: {action: tell, on: {success: put}}
+  put: {on: {success: last, aborted: last}}
+  last: {action: tell, on: {success: return success}}
+)j";
+
+TEST_F(Sessions, DataFollowFactsByFunctionsInPython) {
+  write("scene.py",
+        "def lift(scene, box):\n  scene['gripper'] = scene.pop(box)\n"
+        "def put(scene, box):\n  return {**{k: v for k, v in scene.items() if k != 'gripper'},\n"
+        "          box: scene['gripper'] + 1}\n");
+  const Session session = load("scripted.yaml", kScriptedScene);
+  for (const bool slips : {false, true}) {
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      SCOPED_TRACE(slips);
+      RunRequest wanted = request(mode);
+      wanted.clock = task_network::ClockKind::Real;
+      wanted.runners.add("put", [&](mission::ActionCall&) {
+        return slips ? mission::Ending{mission::kAborted, "it stuck"} : mission::Ending{};
+      });
+      const auto run = session.run(wanted).value();
+      const auto& outputs = run->overview().outputs;
+      ASSERT_TRUE(run->overview().succeeded);
+      EXPECT_EQ(type::to_json(*outputs.find("first"), -1), R"j([["scene"],{"gripper":2.0}])j");
+      EXPECT_EQ(type::to_json(*outputs.find("last"), -1),
+                slips ? R"j([["scene"],{"gripper":2.0}])j" : R"j([["scene"],{"red":3.0}])j");
+      wanted.world_data.emplace("scene", mission::world_data(Scene(), scene_effects()));
+      EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidArgument) << "both have a scene";
+    }
+  }
+}
+
+TEST_F(Sessions, ActionsSeeTheWorldThatIsPredictedWithWhatIsAttachedToIt) {
+  const Session session = load("world.yaml", R"j(mission: m
+actions:
+  place: {inputs: {box: text}, effects: ["+on_shelf({box})"], run: {callback: place}}
+  plan: {outputs: {seen: int}, pure: true, reads_world: true, run: {callback: plan}}
+  blind: {pure: true, run: {callback: blind}}
+start: first
+outputs: {seen: int}
+flows: [plan.seen -> outputs.seen]
+states:
+  first: {action: place, inputs: {box: a}, on: {success: second, aborted: second}}
+  second: {action: place, inputs: {box: b}, on: {success: plan}}
+  plan: {on: {success: blind}}
+  blind: {on: {success: return success}}
+)j");
+  for (const bool fails : {false, true}) {
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      RunRequest wanted = request(mode);
+      std::vector<std::int64_t> planned;
+      wanted.world_data.emplace("shelf", std::make_shared<Shelf>());
+      wanted.runners.add("place", [&](mission::ActionCall& call) {
+        const bool ends_well = !fails || call.input("box") == type::Value("b");
+        return ends_well ? mission::Ending{} : mission::Ending{mission::kAborted, "it slipped"};
+      });
+      wanted.runners.add("plan", [&](mission::ActionCall& call) {
+        const auto world = call.world().value();
+        const auto shelf = world.attached<Shelf>("shelf");
+        planned.push_back(shelf->boxes);
+        EXPECT_EQ(shelf->boxes, static_cast<int>(world.facts().size()));
+        EXPECT_TRUE(world.holds("on_shelf(b)") && world.holds("on_shelf( b )"));
+        EXPECT_EQ(world.attached<Shelf>("table"), nullptr);
+        call.set_output("seen", type::Value(static_cast<std::int64_t>(shelf->boxes)));
+        return mission::Ending{};
+      });
+      wanted.runners.add("blind", [](mission::ActionCall& call) {
+        EXPECT_EQ(call.world().error().code, ErrorCode::InvalidState) << "it does not declare reads_world";
+        return mission::Ending{};
+      });
+      const auto run = session.run(wanted).value();
+      EXPECT_EQ(*run->overview().outputs.find("seen"), type::Value(fails ? 1 : 2));
+      const bool ahead = mode == RunMode::Concurrent;
+      if (fails && ahead) {
+        EXPECT_THAT(planned, ElementsAre(2, 1)) << "the prediction was wrong";
+      } else {
+        EXPECT_THAT(planned, ElementsAre(fails ? 1 : 2));
+      }
+    }
+  }
+}
+
+TEST_F(Sessions, ANetworkRunsInEitherMode) {
+  const Session session = load("n.json", kNetwork);
+  EXPECT_TRUE(session.is_network());
+  EXPECT_EQ(session.program(), nullptr);
+  const auto sequential = session.run(request(RunMode::Sequential)).value();
+  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+  EXPECT_EQ(seconds(sequential->overview().makespan), 6);
+  EXPECT_EQ(seconds(concurrent->overview().makespan), 4);
+  EXPECT_EQ(concurrent->overview().outcome, "done");
+  EXPECT_EQ(seconds(concurrent->comparison().sequential), 6);
+  EXPECT_EQ(seconds(concurrent->comparison().critical_path), 4);
+  EXPECT_EQ(concurrent->gantt().nodes.size(), 3U);
+}
+
+TEST_F(Sessions, ConvertShowsTheNodesBeforeAnyRun) {
+  const Session mission = load("m.yaml", kGrasp);
+  const auto nodes = mission.convert({}).value().nodes;
+  ASSERT_EQ(nodes.size(), 3U);
+  EXPECT_EQ(nodes[2].name, "grasp");
+  EXPECT_EQ(nodes[2].before.size(), 2U);
+  ConvertRequest far;
+  far.horizon = 20;
+  far.assume_expected = true;
+  EXPECT_GE(load("e.yaml", kEndless).convert(far).value().nodes.size(), 20U);
+  EXPECT_EQ(load("n.json", kNetwork).convert({}).value().nodes.size(), 3U);
+}
+
+TEST_F(Sessions, WhatCannotBeRequestedIsRefusedBeforeTheRun) {
+  const Session mission = load("m.yaml", kGrasp);
+  const Session network = load("n.json", kNetwork);
+  RunRequest odd = request(RunMode::Sequential);
+  odd.inputs.append("x", 1);
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(network.run(odd).error().code, ErrorCode::Unsupported);
+  odd = request(RunMode::Concurrent);
+  odd.inputs.append("force", "strong");
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::TypeMismatch);
+  odd = request(RunMode::Concurrent);
+  odd.start_at = "look";
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
+  odd = request(RunMode::Sequential);
+  odd.start_at = "nowhere";
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
+  odd = request(RunMode::Sequential);
+  odd.facts = {"(("};
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::ParseError);
+  odd = request(RunMode::Concurrent);
+  odd.resources = {{"nothing", 2}};
+  EXPECT_EQ(network.run(odd).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(mission.run({}).error().code, ErrorCode::NotFound) << "no callback";
+  odd = request(RunMode::Concurrent);
+  odd.resources = {{"nothing", 2}};
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
+  odd.mode = RunMode::Sequential;
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
+  odd = request(RunMode::Concurrent);
+  odd.order = task_network::OrderRule::Goal;
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
+  odd = request(RunMode::Sequential);
+  odd.workers = 2;
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
+  EXPECT_EQ(network.run(odd).error().code, ErrorCode::Unsupported);
+}
+
+TEST_F(Sessions, EveryProblemOfAFileIsReported) {
+  Diagnostics diagnostics;
+  const auto file = write("broken.yaml", "mission: x\nstart: nowhere\nstates: {}\n");
+  EXPECT_FALSE(Session::load(file, {}, diagnostics));
+  EXPECT_TRUE(diagnostics.has_errors());
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("nowhere"));
+  Diagnostics again;
+  EXPECT_FALSE(Session::load(write("broken.json", R"({"nodes": [{"name": 3}]})"), {}, again));
+  EXPECT_TRUE(again.has_errors());
+  Diagnostics none;
+  EXPECT_TRUE(Session::load(write("m.yaml", kGrasp), {}, none));
+  EXPECT_TRUE(Session::load(write("n.json", kNetwork), {}, none));
+  EXPECT_THAT(to_string(none), IsEmpty());
+}
+
+TEST_F(Sessions, AMissionNeedsNoFile) {
+  Diagnostics diagnostics;
+  auto mission = mission::read_mission(kGrasp, "m.yaml", diagnostics);
+  ASSERT_TRUE(mission);
+  const Session session = Session::create(std::move(*mission)).value();
+  EXPECT_TRUE(session.run(request(RunMode::Concurrent)).value()->overview().succeeded);
+
+  auto broken = mission::read_mission(kEndless, "m.yaml", diagnostics);
+  ASSERT_TRUE(broken);
+  broken->states.back().action = mission::ActionName("missing");
+  EXPECT_EQ(Session::create(std::move(*broken)).error().code, ErrorCode::InvalidArgument);
+}
+
+}  // namespace
+}  // namespace segue::mission_run

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/mission/action_runner.hpp>
+#include <segue/mission/commanded_robot.hpp>
+#include <segue/mission/execution_threads.hpp>
+#include <segue/mission_robot/controller_union.hpp>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace segue::mission {
+
+struct ScriptRobotOptions {
+  /// As ControllerOptions::unreachable.
+  std::function<void(const Error& why)> unreachable{};
+};
+
+/// The robot as scripts command it (`self.robot`, docs/robot_missions.md): controllers are requested together
+/// with those of other actions, and a script whose controller is lost is preempted and aborts. What scripts
+/// ask is carried out in threads of its own. Thread safe.
+class ScriptRobot {
+ public:
+  /// What one execution of a script may do, and does, with the robot.
+  class Use;
+  struct Rights {
+    bool may_command = false;              ///< else it only looks, and calls operations
+    std::vector<std::string> controllers;  ///< that it may request
+    ControllerUser user{};                 ///< the action of the script
+  };
+  using Answered = std::function<void(type::ValueMap answer)>;
+
+  /// `controllers`: shared with the ControllerRunner of the same run.
+  ScriptRobot(std::shared_ptr<CommandedRobot> robot, std::shared_ptr<ControllerUnion> controllers,
+              ScriptRobotOptions options = {});
+  /// Blocks until the robot has answered what scripts have asked.
+  ~ScriptRobot();
+  ScriptRobot(const ScriptRobot&) = delete;
+  ScriptRobot& operator=(const ScriptRobot&) = delete;
+
+  /// `preempt` is called once, on some thread, where the script is to end since a controller was lost. This
+  /// must outlive the use.
+  std::shared_ptr<Use> begin(Rights rights, std::function<void()> preempt);
+
+ private:
+  const std::shared_ptr<CommandedRobot> robot_;
+  const std::shared_ptr<ControllerUnion> controllers_;
+  const ScriptRobotOptions options_;
+  ExecutionThreads threads_;  // destroyed first: they use the others
+};
+
+/// Functions may be called from any thread, and do not block.
+class ScriptRobot::Use : public std::enable_shared_from_this<Use> {
+ public:
+  virtual ~Use() = default;
+  /// Carries out a request of a script: "call" is one of call, set, write, read, task, request and release.
+  /// `answered` gets "value", or "error" and "code", on some thread.
+  virtual void ask(type::Value request, Answered answered) = 0;
+  /// Whoever waits for the robot gets Cancelled, as does whoever asks for more than to look at it or to
+  /// release a controller afterwards: an action that was preempted commands nothing any more.
+  virtual void preempt() = 0;
+  /// The script has ended: gives back the controllers that it still uses, and then calls `ended` on some
+  /// thread with what the execution has come to: no script succeeds whose controller was lost.
+  virtual void end(Ending ending, std::function<void(Ending)> ended) = 0;
+};
+
+}  // namespace segue::mission

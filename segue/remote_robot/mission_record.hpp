@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/mission/action_runner.hpp>
+#include <segue/mission/commanded_robot.hpp>
+#include <segue/type/value.hpp>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace segue::remote_robot {
+
+/// What a mission did, for the journal of the robot that it commands: it waits here until the robot has taken
+/// it (ServedRobot::report). Thread safe; nothing blocks.
+class MissionRecord {
+ public:
+  struct Limits {
+    std::size_t waiting = 4000;  ///< entries; beyond that the oldest are dropped, and counted
+    std::size_t at_once = 500;   ///< entries of one report
+  };
+  explicit MissionRecord(Limits limits) : limits_(limits) {}
+  MissionRecord() : MissionRecord(Limits{}) {}
+
+  /// What follows is of that mission. What comes before any began is not recorded.
+  void began(std::string_view mission);
+  /// An action began or ended. Where the mission itself is the action, it is told by began() and ended().
+  void observe(const mission::StateEvent& event);
+  /// An action asks for a controller, or for its end where `controller` is empty, which is not recorded.
+  void asked(const mission::ControllerRequest::Cause& cause);
+  /// The mission ended; `error` says why it aborted.
+  void ended(std::string_view outcome, std::string_view error);
+
+  /// The mission's name; empty: none has begun.
+  [[nodiscard]] std::string mission() const;
+  [[nodiscard]] bool has_waiting() const;
+  /// What waits, as "happened" of control::RobotService::report(), with the number of its last entry; 0:
+  /// there is nothing.
+  [[nodiscard]] std::pair<type::Value, std::uint64_t> waiting() const;
+  /// The robot has taken what waited up to that number.
+  void taken(std::uint64_t number);
+
+ private:
+  struct Entry {
+    std::uint64_t number = 0;
+    std::chrono::system_clock::time_point time{};
+    std::string_view kind{};  ///< of journal::MissionEntry: "began", "asked", "ended"
+    std::string action{};     ///< empty: the mission itself
+    std::uint64_t iteration = 0;
+    std::string controller{};
+    std::string outcome{};
+    std::string error{};
+    Duration duration{0};
+  };
+  static type::Value to_value(const Entry& entry);
+  void add(Entry entry);
+  [[nodiscard]] Duration since_begin_of(const std::string& action, std::uint64_t iteration);
+
+  const Limits limits_;
+  mutable std::mutex mutex_;  ///< protects all below
+  std::string mission_;
+  std::uint64_t last_number_ = 0;
+  std::uint64_t lost_ = 0;
+  std::deque<Entry> waiting_;
+  std::map<std::pair<std::string, std::uint64_t>, TimePoint> begins_;  ///< of what has not ended
+};
+
+}  // namespace segue::remote_robot

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/control/robot_service.hpp>
+#include <segue/mission/commanded_robot.hpp>
+#include <segue/remote_robot/mission_record.hpp>
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+/// Robots as missions command them.
+namespace segue::remote_robot {
+
+/// What look-ahead saved of the transitions that a mission asked for.
+struct LookAheadSaving {
+  std::size_t transitions = 0;  ///< that found tasks prepared
+  Duration saved{0};            ///< of all of them
+  friend bool operator==(const LookAheadSaving&, const LookAheadSaving&) = default;
+};
+
+/// A robot that offers a RobotService: one in another process (control::connect), or in this one
+/// (runtime::RuntimeService). One that does not say in time what became of its lease is lost, for good:
+/// whoever waits for it, and whatever it is asked later, fails at once with Unavailable. Thread safe.
+class ServedRobot final : public mission::CommandedRobot {
+ public:
+  /// `service` must outlive this; `who` requests controllers, for the robot's journal.
+  ServedRobot(control::RobotService& service, std::string who) : service_(service), who_(std::move(who)) {}
+
+  /// Calls this, on any thread and maybe more than once, where the robot says that its mission is stopped:
+  /// from then on it does nothing of what it is asked. To be set before it is asked for anything.
+  void when_stopped(std::function<void()> stopped) { when_stopped_ = std::move(stopped); }
+  /// Takes the lease now, rather than with the first request.
+  Result<void> take();
+  /// What whoever holds the lease has been asked to do (control::RobotLease::asked), and says that it does.
+  Result<std::vector<control::HolderRequest>> asked();
+  /// `doing` is a map; with it goes what waits in record(), for the robot's journal.
+  Result<void> report(type::Value doing);
+  /// Commands the robot no longer, which is to `keep` running what it runs, or comes to rest: null, or as of
+  /// control::RobotService::give_back(). Nothing can be requested afterwards.
+  Result<type::Value> give_back(bool keep, TimePoint deadline);
+  /// What the mission did. Once a mission has begun there, requests are in the name of its actions.
+  [[nodiscard]] MissionRecord& record() { return record_; }
+
+  [[nodiscard]] LookAheadSaving saved() const;
+
+  Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override;
+  Result<mission::ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override;
+  Result<mission::ControllerConflicts> conflicts(const Wait& wait) override;
+  Result<std::vector<mission::PoolView>> pools(const Wait& wait) override;
+  Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) override;
+  Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
+                           const Wait& wait) override;
+  Result<void> set(const mission::Member& property, const type::Value& value, const Wait& wait) override;
+  Result<void> write(const mission::Member& port, const type::Value& value, const Wait& wait) override;
+  void watch(const mission::TaskQuestion& question, const Wait& wait, mission::TaskAnswer answered) override;
+  void changes(std::uint64_t seen, const Wait& wait, mission::ChangesAnswer answered) override;
+  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port, const Wait& wait) override;
+
+ private:
+  Result<std::uint64_t> lease();
+  /// To be looked at; null: it was not taken, or was given back.
+  Result<std::shared_ptr<control::RobotLease>> present_lease() const;
+  /// What the robot says of its lease, which it does at once. DeadlineExceeded: it is lost.
+  template <class T>
+  Result<T> heard(Result<T> answer);
+  /// `ask(wait)`, which ends, too, where the robot is lost.
+  template <class Ask>
+  auto command(const Wait& wait, Ask ask) -> decltype(ask(wait));
+  [[nodiscard]] std::optional<Error> loss() const;
+  /// Why nothing may be commanded any more.
+  [[nodiscard]] std::optional<Error> refusal() const;
+  /// Why the mission commands the robot no longer, as a sentence; nothing: it does. Cancelled once a stop is
+  /// requested.
+  Result<std::optional<std::string>> lost_command(const std::stop_token& stop);
+  [[nodiscard]] std::optional<std::string> lost_by(const control::LeaseStanding& standing) const;
+  /// `ask(wait)`, which only looks, and ends, too, where the robot is lost.
+  template <class Ask>
+  auto look(const Wait& wait, Ask ask) const -> decltype(ask(wait));
+  /// The same with `ask(wait, answered)`, which returns at once.
+  template <class T, class Ask>
+  void look_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const;
+  [[nodiscard]] control::Sender sender() const;
+  void count_saving(const type::Value& transition);
+  [[nodiscard]] std::string requester(const mission::ControllerRequest& what) const;
+
+  control::RobotService& service_;
+  const std::string who_;
+  std::function<void()> when_stopped_ = [] {};
+  MissionRecord record_;
+  /// Held while the lease is looked at: whoever looks after one that was not answered knows that the robot is
+  /// lost, and need not wait as long again.
+  class Looking;
+  std::mutex looking_mutex_;  ///< protects the next one
+  bool is_looked_at_ = false;
+  std::condition_variable_any looked_;
+  mutable std::mutex mutex_;                    ///< protects all below
+  std::shared_ptr<control::RobotLease> lease_;  ///< taken by the first request
+  bool given_back_ = false;
+  LookAheadSaving saved_;
+  std::optional<Error> why_lost_;
+  std::stop_source lost_;  ///< stopped after that is set
+};
+
+}  // namespace segue::remote_robot

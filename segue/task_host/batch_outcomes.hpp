@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/task_host/task_host.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <vector>
+
+namespace segue::task_host {
+
+/// Collects how the actions of a batch end, and reports each of them to a Completion once. Needed where an
+/// end may come twice: where a deadline is kept (the action may end later), and where another process
+/// reports. All functions may be called from any thread.
+class BatchOutcomes {
+ public:
+  BatchOutcomes(std::size_t count, Completion completed);
+  BatchOutcomes(const BatchOutcomes&) = delete;
+  BatchOutcomes& operator=(const BatchOutcomes&) = delete;
+
+  /// Takes note of an end; reported by the next report(), or at once where it was the last one. What is known
+  /// already, and an index that is none, is dropped.
+  void note(Completed one);
+  /// Reports what has been noted. Where another thread is reporting, that one reports this too.
+  void report();
+  /// note() for each, then report().
+  void add(std::vector<Completed> ended);
+  /// Reports what has not ended as failed, each with its own error.
+  void fail_rest(const std::function<Error(std::size_t index)>& why);
+
+  /// How many have ended.
+  [[nodiscard]] std::size_t ended() const;
+
+ private:
+  /// Gives the lock back where all are reported.
+  void report_now(std::unique_lock<std::mutex>& lock);
+  bool note_now(Completed one);
+
+  mutable std::mutex mutex_;  ///< protects all below; not held while the Completion is called
+  Completion completed_;      ///< released once all are reported
+  std::vector<bool> known_;
+  std::vector<Completed> waiting_;  ///< noted and not reported
+  std::size_t ended_ = 0;
+  std::size_t reported_ = 0;
+  bool reporting_ = false;
+};
+
+}  // namespace segue::task_host

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/wait.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+
+namespace segue::task_host::detail {
+
+/// Questions that wait for something in this process to change; one thread looks after all of them. Thread
+/// safe.
+class Watches {
+ public:
+  /// Changes that ring for nothing, such as a task that hangs, are seen within this.
+  static constexpr Duration kLook = std::chrono::milliseconds(100);
+
+  enum class End : std::uint8_t { No, Deadline, Stop, Closed };
+  /// Looks whether what is waited for has happened, and answers if so; true once it has answered. It must at
+  /// an end, and must not block.
+  using Look = std::function<bool(End end)>;
+
+  /// Looks at least so often while somebody waits. `thread` is the name of the thread: a literal of at most
+  /// 15 characters.
+  explicit Watches(Duration look = kLook, const char* thread = "segue-watch")
+      : look_(look), thread_name_(thread) {}
+  Watches(const Watches&) = delete;
+  Watches& operator=(const Watches&) = delete;
+  ~Watches() { close(); }
+
+  /// `look` is called now, after each ring(), and at the end of `wait`, one call at a time.
+  void add(Wait wait, Look look);
+  /// Something may have changed. Real-time safe, and free while nobody waits.
+  void ring() noexcept;
+  /// Ends what waits; later questions end at once.
+  void close();
+
+ private:
+  struct Open {
+    Open(Wait until, Look how, Watches& owner);
+    const Wait wait;
+    const Look look;
+    const std::stop_callback<std::function<void()>> stopped;
+  };
+
+  void wake() noexcept;
+  void run();
+  /// Until when the next one waits.
+  TimePoint look_at_all(TimePoint now);
+  [[nodiscard]] End end_of(const Open& open, TimePoint now) const;
+
+  const Duration look_;
+  const char* const thread_name_;
+  /// ring() looks at `open_count_` after the change that it stands for; add() raises that before it looks for
+  /// changes (both sequentially consistent): so one of them sees the other.
+  std::atomic<std::uint32_t> open_count_{0};
+  std::atomic<std::uint32_t> rings_{0};
+  std::atomic<bool> closed_{false};
+  std::mutex mutex_;  ///< protects the next two
+  std::list<std::unique_ptr<Open>> added_;
+  std::optional<std::thread> thread_;
+  std::list<std::unique_ptr<Open>> open_;  ///< used by the thread
+};
+
+}  // namespace segue::task_host::detail

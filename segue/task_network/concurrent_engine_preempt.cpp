@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "concurrent_engine_implementation.hpp"
+
+#include <algorithm>
+
+namespace segue::task_network {
+
+// Speculative runs hold units and workers only until a node that is certain to count needs them: it preempts
+// speculative runs, for units those of later nodes, for a worker any. So the lowest unfinished node waits
+// only for runs that count, and no network takes longer than its sequential execution. Every preemption lets
+// a run begin that counts, so there are finitely many.
+
+/// Records the units of a speculative run, from its start until it ends or is cancelled.
+void ConcurrentEngine::Implementation::note_speculative(NodeId node, bool speculative) {
+  if (speculative && certain(node)) return;
+  for (const Claim& claim : network_.claims(node)) {
+    SpeculativeHolders& holders = speculative_[index(claim.resource)];
+    if (speculative && holders.ranks.insert(rank(node)).second)
+      holders.units += blocked_units(node, claim.resource);
+    if (!speculative && holders.ranks.erase(rank(node)) > 0)
+      holders.units -= blocked_units(node, claim.resource);
+  }
+}
+
+/// The units that a run of the node gives back when it ends.
+std::uint64_t ConcurrentEngine::Implementation::blocked_units(NodeId node, ResourceId resource) const {
+  std::uint64_t units = 0;
+  for (const Claim& claim : network_.claims(node)) {
+    if (claim.resource == resource && claim.op == ResourceOp::Block) units += claim.count;
+  }
+  return units;
+}
+
+/// Whether a later speculative run holds units of a resource that the node claims.
+bool ConcurrentEngine::Implementation::speculation_holds(NodeId node) const {
+  return std::ranges::any_of(network_.claims(node), [&](const Claim& claim) {
+    const auto& ranks = speculative_[index(claim.resource)].ranks;
+    return !ranks.empty() && rank(node) < *ranks.rbegin();
+  });
+}
+
+/// Records the units and the worker that a cancelled run still holds, until it ends.
+void ConcurrentEngine::Implementation::note_preempted(NodeId node, bool preempted) {
+  if (needs_worker(node)) preempted_workers_ = preempted ? preempted_workers_ + 1 : preempted_workers_ - 1;
+  for (const Claim& claim : network_.claims(node)) {
+    if (claim.op != ResourceOp::Block || claim.group != kNone) continue;
+    std::uint64_t& units = preempted_units_[index(claim.resource)];
+    units = preempted ? units + claim.count : units - claim.count;
+  }
+}
+
+/// Adds the speculative runs, the last in rank first, that must be preempted for the node to get the units
+/// that it claims. False if even all of them would not be enough.
+bool ConcurrentEngine::Implementation::collect_holders(NodeId node, const Claim& claim,
+                                                       std::vector<NodeId>& holders) {
+  std::uint64_t coming = preempted_units_[index(claim.resource)];
+  const auto& [candidates, held] = speculative_[index(claim.resource)];
+  const auto missing = pool_.missing(rank(node), claim, coming + held);
+  if (!missing) return false;
+  for (const NodeId holder : holders)
+    coming += blocked_units(holder, claim.resource);
+  for (auto last = candidates.rbegin(); last != candidates.rend() && coming < *missing && rank(node) < *last;
+       ++last) {
+    // The holder may have become certain to count meanwhile.
+    const bool known = std::ranges::find(holders, last->node) != holders.end();
+    if (known || (at(last->node).phase == Phase::Running && certain(last->node))) continue;
+    holders.push_back(last->node);
+    coming += blocked_units(last->node, claim.resource);
+  }
+  return coming >= *missing;
+}
+
+/// Requires that the node is certain to count and waits for units.
+void ConcurrentEngine::Implementation::preempt_for_units(NodeId node) {
+  if (!speculation_holds(node)) return;
+  std::vector<NodeId> holders;
+  for (const Claim& claim : network_.claims(node)) {
+    if (!collect_holders(node, claim, holders)) return;
+  }
+  for (const NodeId holder : holders)
+    preempt(holder);
+}
+
+/// Preempts for nodes that are certain to count and still wait for units, and for those that lack only a
+/// worker, whatever their rank.
+void ConcurrentEngine::Implementation::preempt_for_waiting() {
+  pool_.still_waiting(granted_);
+  for (const NodeId node : granted_) {
+    if (at(node).phase == Phase::Queued && certain(node)) preempt_for_units(node);
+  }
+  if (options_.workers == 0 || pause_.paused()) return;
+  const std::uint64_t coming = options_.workers - at_work_ + preempted_workers_;
+  for (std::uint64_t wanted = ready_.size(); wanted > coming; --wanted) {
+    const NodeId* last = nullptr;
+    for (const NodeId& node : running_) {
+      const bool speculative = (!certain(node) || planted(EngineFault::PreemptsWhatCounts)) &&
+                               !at(node).cancelled && needs_worker(node);
+      if (speculative && (last == nullptr || rank(*last) < rank(node))) last = &node;
+    }
+    if (last == nullptr) return;
+    preempt(*last);
+  }
+}
+
+/// The node releases what it holds, and waits again.
+void ConcurrentEngine::Implementation::preempt(NodeId node) {
+  if (planted(EngineFault::NeverPreempts)) return;
+  State& state = at(node);
+  if (state.phase == Phase::Running) {
+    ++statistics_.preempted;
+    return cancel_run(node);
+  }
+  abandon(node);
+  state.phase = Phase::Waiting;
+  work_.push_back(node);
+}
+
+/// Ends what has lost a race; false if nothing has.
+bool ConcurrentEngine::Implementation::take_lost() {
+  if (expansion_ == nullptr) return false;
+  const std::vector<NodeId> lost = expansion_->take_lost();
+  for (const NodeId node : lost)
+    lose(node);
+  return !lost.empty();
+}
+
+/// The node releases what it holds. What runs for certain is asked to end, and counts as it ends.
+void ConcurrentEngine::Implementation::lose(NodeId node) {
+  State& state = at(node);
+  if (state.passed || state.phase == Phase::Done || beyond(node)) return;
+  state.lost = true;
+  if (state.phase == Phase::Running && settled(node)) {
+    patience_.with(node, events_.elapsed() + environment_.patience());
+    return cancel_run(node);
+  }
+  skip(node);
+}
+
+/// Takes runs that have lost and not ended in time as aborted; false if no time was up.
+bool ConcurrentEngine::Implementation::give_up_lost() {
+  bool up = false;
+  while (const auto node = patience_.next_overdue(events_.elapsed())) {
+    up = true;
+    if (!at(*node).active) continue;
+    events_.finish_at(events_.now(), *node, at(*node).attempt,
+                      refusal(*node, "it was preempted, but went on; given up"));
+  }
+  return up;
+}
+
+}  // namespace segue::task_network

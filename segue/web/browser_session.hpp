@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/refusal_log.hpp>
+#include <segue/control/peer.hpp>
+#include <segue/web/hub.hpp>
+#include <segue/web/page_verbs.hpp>
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace segue::web {
+
+using control::Role;
+
+/// One browser, whatever carries its messages. It gets
+///   {"role", "robot"}                                 first,
+///   {"document", "version", "skipped", "value" or "change" (from the version that it got before), "error"},
+///   {"id", "result"} or {"id", "error": {"code", "message"}}.
+/// Of each document it is sent the newest version as soon as it has taken what was sent before; "skipped"
+/// says how many it missed meanwhile. So what waits for a slow browser is bounded. All functions may be
+/// called from any thread.
+class Session final : public Viewer, public std::enable_shared_from_this<Session> {
+ public:
+  struct Identity {
+    Role role = Role::Observe;
+    std::string robot{};  ///< its name
+    std::string who{};    ///< for logs and the robot's journal
+  };
+  static constexpr std::size_t kMostDocuments = 64;
+  /// Answers that the browser has not taken; while there are so many, it should not be read from.
+  static constexpr std::size_t kMostAnswers = 32;
+  static constexpr std::size_t kLongestAnswer = std::size_t{8} << 20;
+
+  /// `ready`: next() may have something, or is_full() may have ended; called by any thread, must not block.
+  static std::shared_ptr<Session> create(Hub& hub, Verbs& verbs, Identity identity,
+                                         std::function<void()> ready);
+  ~Session() override;
+
+  void receive(std::string_view text);
+  /// What is to be sent next.
+  std::optional<std::string> next();
+  [[nodiscard]] bool is_full() const;
+  void on_change(const std::string& document) override;
+
+ private:
+  Session(Hub& hub, Verbs& verbs, Identity identity, std::function<void()> ready);
+  void execute(Command command);
+  Result<type::Value> look(const Command& command);
+  void answer(std::uint64_t id, const Result<type::Value>& result);
+  std::string update(const std::string& name, const std::shared_ptr<const Document>& newest);
+
+  Hub& hub_;
+  Verbs& verbs_;
+  const Identity identity_;
+  const std::function<void()> ready_;
+  mutable std::mutex mutex_;  ///< protects all below
+  std::deque<std::string> answers_;
+  std::size_t in_progress_ = 0;  ///< calls
+  std::map<std::string, std::shared_ptr<const Document>>
+      sent_;  ///< of each document looked at; null: none yet
+  std::set<std::string> changed_;
+  RefusalLog refusals_{"studio"};
+  std::string last_update_;  ///< the document that was sent last: others come first
+};
+
+}  // namespace segue::web

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/web/page_verbs.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/control/verbs.hpp>
+
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace segue::web {
+
+namespace {
+
+using control::RobotService;
+using control::SwitchOptions;
+using control::Verb;
+using type::Value;
+
+constexpr Duration kSwitchTime = std::chrono::seconds(60);
+constexpr Duration kCallTime = std::chrono::seconds(10);
+constexpr std::size_t kLongestHistory = 200;
+
+struct Request {
+  RobotService& robot;
+  const Command& command;
+  const std::string& who;
+};
+
+Result<SwitchOptions> switch_options(const Request& request, bool dry_run) {
+  const auto force = request.command.flag("force");
+  if (!force) return force.error();
+  const auto take_over = request.command.flag("take_over");
+  if (!take_over) return take_over.error();
+  const auto order = request.command.text_or("order", "");
+  if (!order) return order.error();
+  return SwitchOptions{
+      .dry_run = dry_run, .force = *force, .order = *order, .who = request.who, .take_over = *take_over};
+}
+
+Result<Value> ask_switch(const Request& request, bool dry_run) {
+  const auto controller = request.command.text("controller");
+  if (!controller) return controller.error();
+  const auto options = switch_options(request, dry_run);
+  if (!options) return options.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.switch_to(*controller, *options, *deadline);
+}
+
+/// What the robot's files, as they are now, would change or do change.
+Result<Value> take_files(const Request& request, bool dry_run) {
+  const auto options = switch_options(request, dry_run);
+  if (!options) return options.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return dry_run ? request.robot.plan("", *options, *deadline) : request.robot.apply(*options, *deadline);
+}
+
+Result<Value> ask_plan(const Request& request) {
+  return take_files(request, true);
+}
+
+Result<Value> do_apply(const Request& request) {
+  return take_files(request, false);
+}
+
+Result<Value> ask_diff(const Request& request) {
+  return ask_switch(request, true);
+}
+
+Result<Value> do_switch(const Request& request) {
+  return ask_switch(request, false);
+}
+
+Result<Value> do_repair(const Request& request) {
+  const auto options = switch_options(request, false);
+  if (!options) return options.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.repair(*options, *deadline);
+}
+
+/// A request in progress, 0: the newest.
+Result<Value> do_cancel(const Request& request) {
+  const auto number = request.command.number_or("request", 0);
+  if (!number) return number.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.cancel(*number, request.who, *deadline);
+}
+
+/// Whoever commands it.
+Result<Value> do_stop(const Request& request) {
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.stop(request.who, *deadline);
+}
+
+Result<Value> do_release(const Request& request) {
+  const auto released = request.robot.release_stop(request.who);
+  return released ? Result<Value>(Value()) : Result<Value>(released.error());
+}
+
+Result<Value> do_prepare(const Request& request) {
+  const auto controllers = request.command.texts("controllers");
+  if (!controllers) return controllers.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.prepare(*controllers, 0, *deadline);
+}
+
+/// The two names and the value that set, call and write have in common.
+template <class Use>
+Result<Value> with_member(const Request& request, std::string_view member, Use use) {
+  const auto beside = request.command.flag("beside_mission");
+  if (!beside) return beside.error();
+  const control::Sender sender{.who = request.who, .beside_mission = *beside};
+  const auto task = request.command.text("task");
+  if (!task) return task.error();
+  const auto name = request.command.text(member);
+  if (!name) return name.error();
+  const auto value = request.command.value();
+  if (!value) return value.error();
+  const auto deadline = request.command.deadline(kCallTime);
+  if (!deadline) return deadline.error();
+  return use(*task, *name, *value, sender, *deadline);
+}
+
+Result<Value> nothing_or_error(const Result<void>& done) {
+  return done ? Result<Value>(Value()) : Result<Value>(done.error());
+}
+
+Result<Value> do_set(const Request& request) {
+  return with_member(
+      request, "property",
+      [&](const auto& task, const auto& name, const Value& value, const auto& sender, TimePoint until) {
+        return nothing_or_error(request.robot.set_property(task, name, value, sender, until));
+      });
+}
+
+Result<Value> do_call(const Request& request) {
+  return with_member(request, "operation",
+                     [&](const auto& task, const auto& name, const Value& value, const auto& sender,
+                         TimePoint until) { return request.robot.call(task, name, value, sender, until); });
+}
+
+Result<Value> do_write(const Request& request) {
+  return with_member(
+      request, "port",
+      [&](const auto& task, const auto& name, const Value& value, const auto& sender, TimePoint until) {
+        return nothing_or_error(request.robot.write(task, name, value, sender, until));
+      });
+}
+
+/// What control::RobotService::send_command has, its arguments beside "what"; the mission may take its time.
+Result<Value> ask_of_mission(const Request& request) {
+  const auto what = request.command.text("what");
+  if (!what) return what.error();
+  auto mission = request.robot.mission(std::numeric_limits<std::uint64_t>::max(), false);
+  if (!mission) return mission;
+  const Value* state = mission->find("state");
+  if (state == nullptr || *state == Value("ended"))
+    return fail(ErrorCode::NotFound, "no mission commands the robot");
+  Value arguments = request.command.arguments();
+  arguments.as_map().erase("what");
+  const auto number = request.robot.send_command(*what, arguments);
+  return number ? Result<Value>(Value::map({{"number", *number}})) : Result<Value>(number.error());
+}
+
+Result<Value> ask_status(const Request& request) {
+  return request.robot.status();
+}
+
+Result<Value> ask_task(const Request& request) {
+  const auto task = request.command.text("task");
+  if (!task) return task.error();
+  return request.robot.task(*task);
+}
+
+Result<Value> ask_events(const Request& request) {
+  const auto after = request.command.number_or("after", 0);
+  if (!after) return after.error();
+  return request.robot.events(*after, Duration(0));
+}
+
+/// The newest of them.
+Result<Value> ask_history(const Request& request) {
+  auto history = request.robot.history();
+  if (!history || !history->is_list()) return history;
+  auto& list = history->as_list();
+  if (list.size() > kLongestHistory)
+    list.erase(list.begin(), list.end() - static_cast<std::ptrdiff_t>(kLongestHistory));
+  return history;
+}
+
+/// Of the robot's journal; it says itself what a question needs.
+Result<Value> ask_past(const Request& request) {
+  return request.robot.past(request.command.arguments());
+}
+
+using OfFiles = Result<Value> (FileVerbs::*)(const Command&);
+
+struct VerbEntry {
+  VerbForm form;
+  Result<Value> (*execute)(const Request&);
+  OfFiles of_files = nullptr;  ///< in place of `execute`
+};
+
+const std::vector<VerbEntry>& verb_entries() {
+  static const std::vector<VerbEntry> entries = {
+      {{"status", Verb::Status, {}}, ask_status},
+      {{"task", Verb::Task, {"task"}}, ask_task},
+      {{"events", Verb::Events, {"after"}}, ask_events},
+      {{"history", Verb::History, {}}, ask_history},
+      {{"past", Verb::Past, {"ask", "id", "before", "limit", "words", "time_s"}}, ask_past},
+      {{"diff", Verb::Plan, {"controller", "force", "order", "timeout_s"}}, ask_diff},
+      {{"switch", Verb::Switch, {"controller", "force", "order", "take_over", "timeout_s"}}, do_switch},
+      {{"repair", Verb::Repair, {"force", "order", "take_over", "timeout_s"}}, do_repair},
+      {{"cancel", Verb::Cancel, {"request", "timeout_s"}}, do_cancel},
+      {{"stop", Verb::Stop, {"timeout_s"}}, do_stop},
+      {{"release", Verb::ReleaseStop, {}}, do_release},
+      {{"mission", Verb::SendCommand, {"what", "how", "at", "of"}}, ask_of_mission},
+      {{"prepare", Verb::Prepare, {"controllers", "timeout_s"}}, do_prepare},
+      {{"set", Verb::Set, {"task", "property", "value", "yaml", "beside_mission", "timeout_s"}}, do_set},
+      {{"call", Verb::Call, {"task", "operation", "value", "yaml", "beside_mission", "timeout_s"}}, do_call},
+      {{"write", Verb::Write, {"task", "port", "value", "yaml", "beside_mission", "timeout_s"}}, do_write},
+      {{"files", Verb::LookAtFiles, {}}, nullptr, &FileVerbs::list},
+      {{"read_file", Verb::LookAtFiles, {"path"}}, nullptr, &FileVerbs::read},
+      {{"check_file", Verb::LookAtFiles, {"path", "text"}}, nullptr, &FileVerbs::check},
+      {{"save_file", Verb::ChangeFiles, {"path", "text", "version"}}, nullptr, &FileVerbs::save},
+      {{"create_file", Verb::ChangeFiles, {"path", "text", "robot_text", "robot_version"}},
+       nullptr,
+       &FileVerbs::create},
+      {{"rename_file", Verb::ChangeFiles, {"path", "to", "version", "robot_text", "robot_version"}},
+       nullptr,
+       &FileVerbs::rename},
+      {{"delete_file", Verb::ChangeFiles, {"path", "version", "robot_text", "robot_version"}},
+       nullptr,
+       &FileVerbs::remove},
+      {{"libraries", Verb::LookAtFiles, {"path"}}, nullptr, &FileVerbs::libraries},
+      {{"models", Verb::LookAtFiles, {}}, nullptr, &FileVerbs::models},
+      {{"plan_files", Verb::Plan, {"force", "order", "timeout_s"}}, ask_plan},
+      {{"apply_files", Verb::Apply, {"force", "order", "take_over", "timeout_s"}}, do_apply},
+  };
+  return entries;
+}
+
+const VerbEntry* find_verb(std::string_view name) {
+  for (const VerbEntry& entry : verb_entries()) {
+    if (entry.form.name == name) return &entry;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<VerbForm> verb_forms() {
+  std::vector<VerbForm> forms;
+  for (const VerbEntry& entry : verb_entries())
+    forms.push_back(entry.form);
+  return forms;
+}
+
+Verbs::Verbs(RobotLink& link, ModelsOf models) : link_(link), files_(link, std::move(models)) {}
+
+void Verbs::begin(Command command, Role role, const std::string& who, Answer answer) {
+  const VerbEntry* entry = find_verb(command.verb());
+  if (entry == nullptr) return answer(fail(ErrorCode::NotFound, "there is no verb " + quote(command.verb())));
+  const Role needed = control::role_for(entry->form.verb, command.flag("take_over").value_or(false));
+  if (role < needed) {
+    return answer(fail(ErrorCode::PermissionDenied,
+                       "this browser may only " + std::string(to_string(role)) + ", not " + command.verb() +
+                           ", which needs the role " + std::string(to_string(needed))));
+  }
+  if (auto known = command.only(entry->form.arguments); !known) return answer(known.error());
+  const bool observes = role == Role::Observe;
+  if (observes && calls_of_observers_.fetch_add(1) >= kMostCallsOfObservers) {
+    --calls_of_observers_;
+    return answer(fail(ErrorCode::ResourceExhausted,
+                       "too many calls of those who only observe are in progress; try again"));
+  }
+  auto shared = std::make_shared<Answer>(std::move(answer));
+  concurrent::ThreadPool& pool = entry->form.verb == Verb::Stop ? stops_ : pool_;
+  const bool accepted = pool.try_submit([this, command = std::move(command), who, shared, observes] {
+    const auto result = execute(command, who);
+    if (observes) --calls_of_observers_;
+    (*shared)(result);
+  });
+  if (accepted) return;
+  if (observes) --calls_of_observers_;
+  (*shared)(fail(ErrorCode::ResourceExhausted, "too many calls are in progress; try again"));
+}
+
+Result<Value> Verbs::execute(const Command& command, const std::string& who) {
+  const VerbEntry& entry = *find_verb(command.verb());
+  if (entry.of_files != nullptr) return (files_.*entry.of_files)(command);
+  const auto link = link_.get();
+  if (!link) return link.error();
+  auto answer = entry.execute({*link->robot, command, who});
+  if (!answer) link_.failed(link->generation, answer.error());
+  return answer;
+}
+
+}  // namespace segue::web
