@@ -69,6 +69,15 @@ async function holds(what, message) {
   }
 }
 
+/** Takes back one step after the other; the page may take its time to show each, and none too many is taken back. */
+async function undoUntil(page, text, done) {
+  const shown = () => text.locator('.cm-line').allTextContents();
+  for (let lines = await shown(); !done(lines); lines = await shown()) {
+    await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
+    await holds(async () => (await shown()).join('\n') !== lines.join('\n'), 'a step is taken back');
+  }
+}
+
 /** A picture and axe-core; axe-core itself fails where the page changes under it, and looks again then. */
 async function look(page, name) {
   for (let left = 5; ; --left) {
@@ -117,10 +126,7 @@ async function editAction(page) {
   await page.keyboard.press('Enter');
   await action.locator('output.bad').waitFor();
   await look(page, 'edit_mission_action');
-  await holds(async () => {
-    await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
-    return (await text.locator('.cm-line').allTextContents()).join('\n').includes('  grasp: {inputs: {pose: map, force: float}, run: {simulated: {duration: 1s}}}');
-  }, 'all of it is undone');
+  await undoUntil(page, text, (lines) => lines.includes('  grasp: {inputs: {pose: map, force: float}, run: {simulated: {duration: 1s}}}'));
 }
 
 /** By the graph's panel, and by drawing. */
@@ -208,14 +214,9 @@ async function editMission(page) {
   await seen(problems.getByText("state 'keep': its outcome 'success' has no transition"));
   await look(page, 'edit_mission_flows');
   await page.getByLabel('data flows').uncheck();
-  await holds(async () => {
-    await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
-    return (await text.locator('.cm-line').allTextContents()).join('\n').includes('  keep: {library: tools/store, on: {success: return done}}');
-  }, 'it is back');
-  await holds(async () => {
-    if ((await state('hierarchy').count()) > 0) await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
-    return (await state('hierarchy').count()) === 0;
-  }, 'the container is gone');
+  await undoUntil(page, text, (lines) => !lines.some((line) => line.startsWith('  hierarchy:')));
+  await has('  keep: {library: tools/store, on: {success: return done}}', 'it is back');
+  await holds(async () => (await state('hierarchy').count()) === 0, 'the container is gone');
 
   await text.click();
   await page.keyboard.press('Control+s');
