@@ -171,8 +171,7 @@ bool MissionPlan::off_path(const ContainerRun& container) const {
 }
 
 bool MissionPlan::on_path(const ContainerRun& container) const {
-  const auto live = unroller_->paths().live(container.when);
-  return live && live->always();
+  return unroller_->paths().certain(container.when);
 }
 
 PathIndex MissionPlan::path_index() const {
@@ -194,8 +193,7 @@ mission::Outcome MissionPlan::final_outcome(const task_network::RunResult& resul
     return preempted ? mission::kPreempted : mission::kAborted;
   }
   for (const Exit& exit : unroller_->end().exits) {
-    const auto live = unroller_->paths().live(exit.arrival.when);
-    if (live && live->always()) return exit.outcome;
+    if (unroller_->paths().certain(exit.arrival.when)) return exit.outcome;
   }
   return mission::kAborted;
 }
@@ -210,8 +208,7 @@ std::vector<Value> MissionPlan::final_outputs() {
 std::string MissionPlan::final_error() {
   if (!finished()) return {};
   for (const Exit& exit : unroller_->end().exits) {
-    const auto live = unroller_->paths().live(exit.arrival.when);
-    if (!live || !live->always()) continue;
+    if (!unroller_->paths().certain(exit.arrival.when)) continue;
     const auto error = unroller_->value_of({exit.arrival.errors, {}});
     if (error && error->is_string()) return error->as_string();
   }

@@ -47,6 +47,11 @@ class PathConditions {
   [[nodiscard]] task_network::NodeId node(BranchEdge edge) const { return branches_[edge.branch].node; }
   /// The edge without decided branches; nothing if it is off the path.
   std::optional<BranchEdge> live(BranchEdge edge) { return edge.always() ? edge : live_within(edge); }
+  /// Whether what is decided so far puts the edge on the path for good.
+  bool certain(BranchEdge edge) {
+    const auto known = live(edge);
+    return known && known->always();
+  }
   /// Whether the edge is off the path, also where a join on the way to it has not ended yet but must end as
   /// missed.
   bool off_path(BranchEdge edge);

@@ -101,9 +101,10 @@ bool RunEvents::is_told(NodeId node, task_network::OutcomeId outcome) const {
 void RunEvents::tell_end(NodeId node, task_network::OutcomeId ending, const type::Value* outputs) {
   const PlannedNode& planned = plan_[node];
   const bool is_container = planned.role == Role::Begin;
-  const std::string path = is_container ? plan_.network().name_of(node) : std::string(planned.path);
   const mission::Outcome outcome = plan_.outcome(node, ending);
   const bool tries_again = retries_.ended(planned.state, outcome);
+  if (!observe_ && !(tries_again && warn_)) return;
+  const std::string path = is_container ? plan_.network().name_of(node) : std::string(planned.path);
   if (tries_again && warn_) warn_(path + ": " + mission::RetryWatch::warning());
   if (!observe_) return;
   const auto container = plan_.container_of(node);

@@ -38,10 +38,8 @@ std::shared_ptr<ContainerRun> Unroller::container_of(NodeId node) const {
 
 const Exit* Unroller::exit_of(const ContainerRun& container) {
   if (container.open > 0 || container.lost) return nullptr;
-  const auto taken = std::ranges::find_if(container.exits, [&](const Exit& exit) {
-    const auto live = paths_.live(exit.arrival.when);
-    return live && live->always();
-  });
+  const auto taken = std::ranges::find_if(
+      container.exits, [&](const Exit& exit) { return paths_.certain(exit.arrival.when); });
   return taken == container.exits.end() ? nullptr : &*taken;
 }
 

@@ -180,10 +180,8 @@ bool Unroller::has_ended(Track& track) {
   if (!track.settled()) return false;
   drop_ended(track);
   if (!track.open.empty()) return false;
-  return std::ranges::any_of(track.end->exits, [&](const Exit& exit) {
-    const auto live = paths_.live(exit.arrival.when);
-    return live && live->always();
-  });
+  return std::ranges::any_of(track.end->exits,
+                             [&](const Exit& exit) { return paths_.certain(exit.arrival.when); });
 }
 
 void Unroller::drop_ended(Track& track) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/mission.hpp>
+#include <segue/mission/state_path.hpp>
 
 namespace segue::mission {
 
@@ -25,17 +26,11 @@ StateIndex Mission::add(StateIndex parent, State state) {
   return index;
 }
 
-namespace {
-
-/// From the innermost to the outermost.
-std::string joined(const std::vector<const std::string*>& ids) {
-  std::string text;
+std::string state_path(const std::vector<const std::string*>& ids, std::string around) {
   for (auto id = ids.rbegin(); id != ids.rend(); ++id)
-    text += (text.empty() ? "" : "/") + **id;
-  return text;
+    around += (around.empty() ? "" : "/") + **id;
+  return around;
 }
-
-}  // namespace
 
 std::optional<Action> declared_by(const State& container) {
   if (container.preconditions.empty() && container.resources.empty()) return std::nullopt;
@@ -52,7 +47,7 @@ std::string Mission::path(StateIndex state) const {
   std::vector<const std::string*> ids;
   for (; state != kNoState && states[state].parent != kNoState; state = states[state].parent)
     ids.push_back(&states[state].id.str());
-  return joined(ids);
+  return state_path(ids);
 }
 
 }  // namespace segue::mission

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/mission_index.hpp>
 #include <segue/mission/mission_io.hpp>
+#include <segue/mission/state_path.hpp>
 #include <segue/mission_engine/engine_core.hpp>
 
 namespace segue::mission::detail {
@@ -142,10 +143,7 @@ std::string EngineCore::path(const Activation& activation) const {
     // The root of a library has no path element of its own.
     if (program->node(a->state).parent != kNoState) ids.push_back(&program->state(a->state).id.str());
   }
-  std::string text = options.part ? options.part->path : std::string();
-  for (auto id = ids.rbegin(); id != ids.rend(); ++id)
-    text += (text.empty() ? "" : "/") + **id;
-  return text;
+  return state_path(ids, options.part ? options.part->path : std::string());
 }
 
 }  // namespace segue::mission::detail

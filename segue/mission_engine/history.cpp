@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/state_path.hpp>
 #include <segue/mission_engine/history.hpp>
 
 #include <vector>
@@ -12,10 +13,7 @@ std::string History::path(const Program& program, std::uint32_t item) const {
     const StateIndex state = items_[item].state;
     if (program.node(state).parent != kNoState) ids.push_back(&program.state(state).id.str());
   }
-  std::string text;
-  for (auto id = ids.rbegin(); id != ids.rend(); ++id)
-    text += (text.empty() ? "" : "/") + **id;
-  return text;
+  return state_path(ids);
 }
 
 }  // namespace segue::mission
