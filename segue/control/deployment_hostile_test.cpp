@@ -94,7 +94,7 @@ TEST_F(DeploymentTest, ActionsThatMakeNoSenseAreRefusedAndTheConnectionLives) {
       });
     });
   };
-  EXPECT_NE(perform(200).message, "");
+  EXPECT_EQ(perform(200).code, ErrorCode::ParseError);
   EXPECT_NE(perform(static_cast<unsigned>(ActionKind::Connect)).message, "");
   EXPECT_TRUE(deployment_.seen()->performed.empty());
   EXPECT_EQ(perform(static_cast<unsigned>(ActionKind::Stop)).message, "");

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/host.capnp.h>
 #include <segue/control/host_client.hpp>
 #include <segue/control/server.hpp>
 #include <support/fake_hosted_robot.hpp>
+#include <support/hostile_client.hpp>
 #include <support/random_actions.hpp>
 
 #include <rapidcheck.h>
@@ -312,6 +314,38 @@ TEST_F(HostTest, RefusalsTravel) {
     EXPECT_EQ(answer.error().subject, "spot") << what;
   }
   EXPECT_EQ(robot->look().error().code, ErrorCode::Superseded);
+}
+
+TEST_F(HostTest, ArgumentsThatCannotBeDecodedAreRefusedAndTheRobotLives) {
+  serve();
+  Speaker speaker(socket_);
+  ASSERT_EQ(speaker.hello(detail::kProtocolVersion, "host").message, "");
+  const auto refuses = [&](auto new_request, auto fill) {
+    const Error answer = speaker.ask([&](capnp::Capability::Client service) -> kj::Promise<Error> {
+      auto acquire = service.castAs<wire::Host>().acquireRequest();
+      acquire.setTimeout(Duration(kLong).count());
+      process_server::Launch launch = request().launch;
+      launch.deployment.process = model::ProcessName("any");
+      detail::put(process_server::to_value(launch), acquire.initLaunch());
+      auto call = new_request(acquire.send().getRobot());
+      fill(call);
+      return call.send().then([](auto&& response) { return detail::decode(response.getError()); });
+    });
+    EXPECT_EQ(answer.code, ErrorCode::ParseError) << to_string(answer);
+  };
+  const auto bad_action = [](auto& call) { call.initActions(1)[0].setKind(200); };
+  const auto bad_order = [](auto& call) { call.initTransition().setOrder(200); };
+  const auto bad_connection = [](auto& call) { call.initTarget().initConnections(1)[0].setKind(200); };
+  refuses([](auto robot) { return robot.performRequest(); }, bad_action);
+  refuses([](auto robot) { return robot.performInOrderRequest(); }, bad_action);
+  refuses([](auto robot) { return robot.armCommitRequest(); }, bad_order);
+  refuses([](auto robot) { return robot.concludeRequest(); }, bad_order);
+  refuses([](auto robot) { return robot.getReadyRequest(); }, bad_connection);
+  refuses([](auto robot) { return robot.beginTransitionRequest(); }, bad_connection);
+  for (const std::string& asked : daemon_.robot->fields().asked)
+    EXPECT_EQ(asked, "begin_no_more") << "where nobody holds the robot any more";
+  const auto host = client();
+  EXPECT_TRUE(robot_of(*host)->renew());
 }
 
 TEST_F(HostTest, TasksOfARobotAreAskedThroughItsHost) {

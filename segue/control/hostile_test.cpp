@@ -61,6 +61,29 @@ TEST_F(ControlTest, AnotherVersionIsToldBothVersions) {
   EXPECT_EQ(Speaker(socket_).hello(detail::kProtocolVersion, "robot").message, "");
 }
 
+TEST_F(ControlTest, ArgumentsThatCannotBeDecodedAreRefused) {
+  serve();
+  Speaker speaker(socket_);
+  ASSERT_EQ(speaker.hello(detail::kProtocolVersion, "robot").message, "");
+  const Error bad_level = speaker.ask([](capnp::Capability::Client service) {
+    auto request = service.castAs<wire::Robot>().watchRequest();
+    request.initSeen().setState(200);
+    return request.send().then([](auto&& response) { return detail::decode(response.getError()); });
+  });
+  EXPECT_EQ(bad_level.code, ErrorCode::ParseError) << to_string(bad_level);
+  const Error bad_value = speaker.ask([](capnp::Capability::Client service) {
+    auto request = service.castAs<wire::Robot>().callRequest();
+    request.setOperation("wait");
+    auto twice = request.initArguments().initMap(2);
+    twice[0].setKey(detail::as_data("a"));
+    twice[1].setKey(detail::as_data("a"));
+    return request.send().then(
+        [](auto&& response) { return detail::decode(response.getAnswer().getError()); });
+  });
+  EXPECT_EQ(bad_value.code, ErrorCode::ParseError) << to_string(bad_value);
+  EXPECT_TRUE(client()->status());
+}
+
 TEST_F(ControlTest, AClientThatVanishesInACallLeavesTheServerWhole) {
   serve();
   Speaker doomed(socket_);

@@ -28,18 +28,26 @@ kj::Promise<Result<std::vector<task_host::Completed>>> perform_batch(Caller call
                                                                      std::vector<model::Action> actions,
                                                                      const BeginBatch& begin);
 
-/// Answers a call with `actions` and a `ticket` by perform_batch().
+/// What a call with `actions` and a `ticket` asks for.
+struct BatchRequest {
+  std::uint64_t ticket = 0;
+  std::vector<model::Action> actions{};
+};
+/// Throws WireError.
+template <class Params>
+BatchRequest batch_of(Params params) {
+  return {params.getTicket(),
+          decode_list<model::Action>(params.getActions(), [](const auto& part) { return decode(part); })};
+}
+
+/// Answers a call of `batch` by perform_batch().
 template <class Context>
-kj::Promise<void> answer_batch(Context context, Caller caller, std::shared_ptr<void> service,
-                               Follower follower, const BeginBatch& begin) {
-  const auto params = context.getParams();
-  auto actions =
-      decode_list<model::Action>(params.getActions(), [](const auto& part) { return decode(part); });
-  const std::uint64_t ticket = params.getTicket();
+kj::Promise<void> answer_batch(Context context, BatchRequest batch, Caller caller,
+                               std::shared_ptr<void> service, Follower follower, const BeginBatch& begin) {
   context.releaseParams();
   context.allowCancellation();
-  return perform_batch(std::move(caller), std::move(service), std::move(follower), ticket, std::move(actions),
-                       begin)
+  return perform_batch(std::move(caller), std::move(service), std::move(follower), batch.ticket,
+                       std::move(batch.actions), begin)
       .then([context](Result<std::vector<task_host::Completed>>&& outcomes) mutable {
         auto results = context.getResults();
         if (!outcomes) return encode(outcomes.error(), results.initError());

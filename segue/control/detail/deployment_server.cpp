@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/decoding_server.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
 #include <segue/control/detail/memory_wire.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
@@ -41,7 +42,7 @@ auto listing(Init init) {
 constexpr auto kInitOutcomes = [](auto results, unsigned size) { return results.initOutcomes(size); };
 constexpr auto kDecode = [](const auto& part) { return decode(part); };
 
-class DeploymentServer final : public wire::DeploymentProcess::Server, public TaskAccessServer {
+class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, public TaskAccessServer {
  public:
   explicit DeploymentServer(Caller caller)
       : TaskAccessServer(caller, {std::shared_ptr<void>(), &caller.core().service<DeploymentService>()}),

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/decoding_server.hpp>
 #include <segue/control/detail/host_wire.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/task_access_server.hpp>
@@ -15,7 +16,7 @@ using distributed::HostedRobot;
 using distributed::HostService;
 
 /// One runtime's hold on a robot. The lease outlives the connection, so this does not release it.
-class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAccessServer {
+class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public TaskAccessServer {
  public:
   HostedRobotServer(const Caller& caller, std::shared_ptr<HostedRobot> robot)
       : TaskAccessServer(caller, robot), caller_(caller), robot_(std::move(robot)) {}
@@ -67,9 +68,10 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
     });
   }
   kj::Promise<void> performInOrder(PerformInOrderContext context) override {
-    return in_turn([this, context]() mutable {
-      const Duration action_deadline = timeout_of(context.getParams().getTimeout());
-      return answer_batch(context, caller_, robot_, follower(),
+    const auto params = context.getParams();
+    const Duration action_deadline = timeout_of(params.getTimeout());
+    return in_turn([this, context, action_deadline, batch = batch_of(params)]() mutable {
+      return answer_batch(context, std::move(batch), caller_, robot_, follower(),
                           [&](std::vector<model::Action> actions, task_host::Completion completed) {
                             robot_->begin_in_order(std::move(actions), action_deadline, std::move(completed));
                           });
@@ -82,25 +84,22 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
     });
   }
   kj::Promise<void> getReady(GetReadyContext context) override {
-    return in_turn([this, context]() mutable {
-      const auto params = context.getParams();
-      return caller_.answer(context, [robot = robot_, target = decode(params.getTarget()),
-                                      links = decode_list<distributed::LinkWait>(
-                                          params.getLinks(), [](const auto& part) { return decode(part); }),
-                                      deadline = deadline_after(params.getTimeout())] {
-        return robot->get_ready(target, links, deadline);
-      });
-    });
+    const auto params = context.getParams();
+    return in_turn([this, context,
+                    job = [robot = robot_, target = decode(params.getTarget()),
+                           links = decode_list<distributed::LinkWait>(
+                               params.getLinks(), [](const auto& part) { return decode(part); }),
+                           deadline = deadline_after(params.getTimeout())] {
+                      return robot->get_ready(target, links, deadline);
+                    }]() mutable { return caller_.answer(context, std::move(job)); });
   }
   kj::Promise<void> armCommit(ArmCommitContext context) override {
-    return in_turn([this, context]() mutable {
-      const auto params = context.getParams();
-      return caller_.answer(
-          context, [robot = robot_, transition = decode(params.getTransition()), number = params.getNumber(),
-                    deadline = deadline_after(params.getTimeout())] {
-            return robot->arm_commit(transition, number, deadline);
-          });
-    });
+    const auto params = context.getParams();
+    return in_turn([this, context,
+                    job = [robot = robot_, transition = decode(params.getTransition()),
+                           number = params.getNumber(), deadline = deadline_after(params.getTimeout())] {
+                      return robot->arm_commit(transition, number, deadline);
+                    }]() mutable { return caller_.answer(context, std::move(job)); });
   }
   kj::Promise<void> vote(VoteContext context) override {
     const auto params = context.getParams();
@@ -114,12 +113,10 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
     });
   }
   kj::Promise<void> conclude(ConcludeContext context) override {
-    return in_turn([this, context]() mutable {
-      return caller_.answer(context,
-                            [robot = robot_, transition = decode(context.getParams().getTransition())] {
-                              return robot->conclude(transition);
-                            });
-    });
+    return in_turn(
+        [this, context, job = [robot = robot_, transition = decode(context.getParams().getTransition())] {
+          return robot->conclude(transition);
+        }]() mutable { return caller_.answer(context, std::move(job)); });
   }
   kj::Promise<void> withdraw(WithdrawContext context) override {
     return in_turn([this, context]() mutable {
@@ -173,7 +170,7 @@ kj::Promise<void> HostedRobotServer::listen(ListenContext context) {
   return kj::READY_NOW;
 }
 
-class HostServer final : public wire::Host::Server {
+class HostServer final : public DecodingServer<wire::Host> {
  public:
   explicit HostServer(Caller caller) : caller_(std::move(caller)) {}
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/decoding_server.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
 #include <segue/control/detail/services.hpp>
 
@@ -18,7 +19,7 @@ void encode_processes(const std::vector<ProcessInfo>& processes,
   encode_list(processes, builder, [](const ProcessInfo& process, auto part) { encode(process, part); });
 }
 
-class ProcessesServer final : public wire::Processes::Server {
+class ProcessesServer final : public DecodingServer<wire::Processes> {
  public:
   explicit ProcessesServer(Caller caller) : caller_(std::move(caller)) {}
   ~ProcessesServer() noexcept { caller_.client()->listeners -= listeners_.size(); }

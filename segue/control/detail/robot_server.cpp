@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/robot.capnp.h>
 #include <segue/base/clock.hpp>
+#include <segue/control/detail/decoding_server.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_server.hpp>
 #include <segue/control/detail/watch_server.hpp>
@@ -136,7 +137,7 @@ Result<Value> wait_for_events(ServerCore& core, std::uint64_t after, TimePoint d
   }
 }
 
-class RobotServer final : public wire::Robot::Server {
+class RobotServer final : public DecodingServer<wire::Robot> {
  public:
   explicit RobotServer(Caller caller) : caller_(std::move(caller)) {}
 

@@ -16,8 +16,9 @@ TaskAccessServer::TaskAccessServer(Caller caller, std::shared_ptr<deploy::TaskAc
     : caller_(std::move(caller)), tasks_(std::move(tasks)) {}
 
 kj::Promise<void> TaskAccessServer::perform(PerformContext context) {
-  const TimePoint deadline = deadline_after(context.getParams().getTimeout());
-  return answer_batch(context, caller_, tasks_, follower_,
+  const auto params = context.getParams();
+  const TimePoint deadline = deadline_after(params.getTimeout());
+  return answer_batch(context, batch_of(params), caller_, tasks_, follower_,
                       [&](std::vector<model::Action> actions, task_host::Completion completed) {
                         tasks_->begin_all(std::move(actions), deadline, std::move(completed));
                       });

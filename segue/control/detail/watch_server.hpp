@@ -11,15 +11,11 @@
 
 namespace segue::control::detail {
 
-/// The question of a call of watch(); an error where it has a word that this version does not know.
+/// The question of a call of watch(). Throws WireError.
 template <class Params>
-Result<task_host::LevelQuestion> question_of(Params params) {
+task_host::LevelQuestion question_of(Params params) {
   task_host::LevelQuestion question{model::TaskId(as_string(params.getTask()))};
-  try {
-    if (params.hasSeen()) question.seen = decode(params.getSeen());
-  } catch (const WireError& failed) {
-    return failed.error();
-  }
+  if (params.hasSeen()) question.seen = decode(params.getSeen());
   question.each_update = params.getEachUpdate();
   return question;
 }
@@ -33,8 +29,7 @@ kj::Promise<void> answer_watch(Role needed, Caller& caller, Context context, Wat
       [watch = std::move(watch), question = question_of(params),
        deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped,
                                                        task_host::LevelAnswer answered) {
-        if (!question) return answered(question.error());
-        watch(*question, Wait(deadline, dropped), std::move(answered));
+        watch(question, Wait(deadline, dropped), std::move(answered));
       },
       [](task_host::TaskLevel& level, auto results) { encode(level, results.initLevel()); });
 }
