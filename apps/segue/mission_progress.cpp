@@ -3,6 +3,7 @@
 
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
+#include <segue/concurrent/thread.hpp>
 
 #include <fmt/core.h>
 #include <sys/ioctl.h>
@@ -58,7 +59,7 @@ MissionProgress::MissionProgress(std::string name, Style style, bool with_time, 
     clear_block();
     print_error_line(fmt::format("{}: {}: {}", to_string(level), source, message));
   });
-  thread_ = std::thread([this] { refresh(); });
+  thread_ = concurrent::start_thread("segue-progress", [this] { refresh(); });
 }
 
 MissionProgress::~MissionProgress() {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mission_remote.hpp"
 
+#include <segue/concurrent/thread.hpp>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -79,7 +81,8 @@ MissionRemote::MissionRemote(remote_robot::ServedRobot& robot, const mission::Pr
       plan_(std::move(plan)),
       control_(control),
       stop_(std::move(stop)),
-      thread_([this](const std::stop_token& end) { work(end); }),
+      thread_(concurrent::start_stoppable_thread("segue-remote",
+                                                 [this](const std::stop_token& end) { work(end); })),
       stopping_(stop_.get_token(), Stopping{*answers_}) {
   robot_.record().began(mission_);
 }

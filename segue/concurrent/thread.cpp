@@ -18,12 +18,28 @@ void block_signals() {
   ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
 }
 
+namespace {
+
+/// Of the calling thread, which begins.
+void set_up(const char* name) {
+  block_signals();
+  ::pthread_setname_np(::pthread_self(), name);
+  ask_for_short_time_slices();
+}
+
+}  // namespace
+
 std::thread start_thread(const char* name, std::function<void()> work) {
   return std::thread([name, work = std::move(work)] {
-    block_signals();
-    ::pthread_setname_np(::pthread_self(), name);
-    ask_for_short_time_slices();
+    set_up(name);
     work();
+  });
+}
+
+std::jthread start_stoppable_thread(const char* name, std::function<void(const std::stop_token& stop)> work) {
+  return std::jthread([name, work = std::move(work)](const std::stop_token& stop) {
+    set_up(name);
+    work(stop);
   });
 }
 

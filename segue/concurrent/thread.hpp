@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <thread>
 
 /// Threads and what passes work between them. Built on base only.
@@ -14,5 +15,9 @@ void block_signals();
 /// Starts a thread with that name (15 characters at most), all signals blocked and short time slices. Throws
 /// std::system_error where the system has no thread left.
 std::thread start_thread(const char* name, std::function<void()> work);
+
+/// As start_thread(), with a token by which `work` is asked to stop, at the latest where the thread is
+/// destroyed, which waits for its end.
+std::jthread start_stoppable_thread(const char* name, std::function<void(const std::stop_token& stop)> work);
 
 }  // namespace segue::concurrent

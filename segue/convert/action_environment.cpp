@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/time_after.hpp>
 #include <segue/base/virtual_clock.hpp>
+#include <segue/concurrent/thread.hpp>
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/all_changes.hpp>
 #include <segue/convert/conversion_fault.hpp>
@@ -457,8 +458,9 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
                                  std::move(report));
   }
   running_[index(context.node())] = {reports, [engine] { engine->stop(); }};
-  subtrees_.emplace_back([carry_out, receiver = receiver_, node = context.node(),
-                          attempt = context.attempt()] { receiver->deliver(node, attempt, carry_out()); });
+  const auto run = [carry_out, receiver = receiver_, node = context.node(), attempt = context.attempt()](
+                       const std::stop_token& /*own*/) { receiver->deliver(node, attempt, carry_out()); };
+  subtrees_.push_back(concurrent::start_stoppable_thread("segue-subtree", run));
 }
 
 /// Registers the subtree that occupies this thread, so that another thread can stop it.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/concurrent/thread.hpp>
 #include <segue/mission/execution_threads.hpp>
 
 #include <system_error>
@@ -31,11 +32,12 @@ void ExecutionThreads::start(std::stop_source stop, std::function<void(const std
   Job& job = jobs_.emplace_back();
   job.stop = std::move(stop);
   try {
-    job.thread = std::jthread([&job, work = std::move(work)]() mutable {
+    const auto run = [&job, work = std::move(work)](const std::stop_token& /*own*/) mutable {
       work(job.stop.get_token());
       work = nullptr;  // what it holds is not kept until the next one starts
       job.ended = true;
-    });
+    };
+    job.thread = concurrent::start_stoppable_thread("segue-action", run);
   } catch (const std::system_error&) {
     jobs_.pop_back();
     throw;

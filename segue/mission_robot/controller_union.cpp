@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/concurrent/thread.hpp>
 #include <segue/mission_robot/controller_union.hpp>
 
 #include <algorithm>
@@ -9,7 +10,8 @@ namespace segue::mission {
 ControllerUnion::ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options options)
     : robot_(std::move(robot)),
       options_(options),
-      thread_([this](const std::stop_token& end) { work(end); }) {}
+      thread_(concurrent::start_stoppable_thread("segue-union",
+                                                 [this](const std::stop_token& end) { work(end); })) {}
 
 ControllerUnion::~ControllerUnion() {
   const std::lock_guard lock(mutex_);

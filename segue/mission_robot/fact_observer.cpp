@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/concurrent/thread.hpp>
 #include <segue/mission_robot/fact_observer.hpp>
 
 #include <segue/base/life_cycle.hpp>
@@ -28,7 +29,8 @@ FactObserver::FactObserver(std::shared_ptr<CommandedRobot> robot, std::vector<Ob
     if (grounded) entries_.emplace(grounded->text, Entry{std::move(fact)});
   }
   follow_tasks();
-  thread_ = std::jthread([this](const std::stop_token& end) { work(end); });
+  thread_ =
+      concurrent::start_stoppable_thread("segue-facts", [this](const std::stop_token& end) { work(end); });
 }
 
 FactObserver::~FactObserver() = default;

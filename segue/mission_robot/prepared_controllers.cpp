@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/concurrent/thread.hpp>
 #include <segue/mission_robot/prepared_controllers.hpp>
 
 #include <algorithm>
@@ -9,7 +10,9 @@ namespace segue::mission {
 PreparedControllers::PreparedControllers(std::shared_ptr<CommandedRobot> robot, std::size_t most,
                                          Duration deadline)
     : robot_(std::move(robot)), most_(most), deadline_(deadline) {
-  if (most_ > 0) thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+  if (most_ == 0) return;
+  thread_ = concurrent::start_stoppable_thread("segue-prepare",
+                                               [this](const std::stop_token& stop) { work(stop); });
 }
 
 PreparedControllers::~PreparedControllers() = default;

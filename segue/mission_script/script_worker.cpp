@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
+#include <segue/concurrent/thread.hpp>
 #include <segue/mission_script/script_worker.hpp>
 
 #include <sys/eventfd.h>
@@ -66,7 +67,7 @@ ScriptWorker::~ScriptWorker() {
 bool ScriptWorker::begin(std::uint64_t id, ScriptExecution& execution, const std::string& message) {
   const std::lock_guard guard(mutex_);
   if (!open_) return false;
-  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+  if (!thread_.joinable()) thread_ = concurrent::start_thread("segue-script", [this] { run(); });
   executions_.emplace(id, std::move(execution));
   forget_released();
   for (const auto& [which, counts] : memory_->take_decisions())
