@@ -73,23 +73,43 @@ function(segue_numeric)
   endforeach()
 endfunction()
 
-# segue_folder(NAME SOURCES ... [SEPARATE ...] [APART ...] DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
+# What uses Cap'n Proto links this: the library, and the C++ of our schemas.
+set(SEGUE_SCHEMA_DIR ${CMAKE_BINARY_DIR}/schema)
+add_library(segue_capnp INTERFACE)
+target_link_libraries(segue_capnp INTERFACE CapnProto::capnp-rpc)
+target_include_directories(segue_capnp SYSTEM INTERFACE ${SEGUE_SCHEMA_DIR})
+# gcc 12 takes kj's holders of unset values for reads of them where they are inlined.
+target_compile_options(segue_capnp INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+# All of that C++, for tools that compile nothing else.
+add_custom_target(segue_schemas)
+
+# segue_schema(FOLDER files...)
+# Has the C++ of a folder's schemas made at build time, as <segue/FOLDER/FILE.h>, and sets SEGUE_SCHEMA_SOURCES. It is not ours,
+# so it is compiled without our warnings. A schema of another folder is imported as "/segue/FOLDER/FILE".
+function(segue_schema FOLDER)
+  set(CAPNPC_OUTPUT_DIR ${SEGUE_SCHEMA_DIR}/segue/${FOLDER})
+  set(CAPNPC_IMPORT_DIRS ${CMAKE_SOURCE_DIR})
+  file(MAKE_DIRECTORY ${CAPNPC_OUTPUT_DIR})
+  capnp_generate_cpp(sources headers ${ARGN})
+  set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS -w)
+  add_custom_target(segue_schema_${FOLDER} DEPENDS ${sources} ${headers})
+  add_dependencies(segue_schemas segue_schema_${FOLDER})
+  set(SEGUE_SCHEMA_SOURCES ${sources} PARENT_SCOPE)
+endfunction()
+
+# segue_folder(NAME SOURCES ... [SEPARATE ...] DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
 # The shared library of one folder of the house. Its include path holds only its own folder, through a tree of links
 # made at configure time; what it may include beyond that comes from the folders it DEPENDS on. SEPARATE sources: see
-# segue_test. APART sources, which lie in subfolders of their own, are compiled likewise and are not embedded (segue_embed).
+# segue_test.
 function(segue_folder NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;APART;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
   # One tree for all presets: the same include path everywhere keeps compiler caches useful.
   set(view ${CMAKE_SOURCE_DIR}/build/include/${NAME})
   file(MAKE_DIRECTORY ${view}/segue)
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${view}/segue/${NAME} SYMBOLIC)
 
-  add_library(segue_${NAME} SHARED ${ARG_SOURCES} ${ARG_SEPARATE} ${ARG_APART})
-  set_source_files_properties(${ARG_SEPARATE} ${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  set(apart ${ARG_APART})
-  list(TRANSFORM apart REPLACE "/[^/]*$" "")
-  list(REMOVE_DUPLICATES apart)
-  set_target_properties(segue_${NAME} PROPERTIES SEGUE_APART "${apart}")
+  add_library(segue_${NAME} SHARED ${ARG_SOURCES} ${ARG_SEPARATE})
+  set_source_files_properties(${ARG_SEPARATE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   add_library(segue::${NAME} ALIAS segue_${NAME})
   target_include_directories(segue_${NAME} PUBLIC $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:include>)
   list(TRANSFORM ARG_DEPENDS PREPEND segue::)
@@ -115,16 +135,11 @@ endfunction()
 # these folders itself, uses the program's. Folders that component libraries link (task and what it needs) stay shared.
 function(segue_embed TARGET)
   foreach(folder IN LISTS ARGN)
-    set(objects "$<TARGET_OBJECTS:segue_${folder}>")
-    get_target_property(apart segue_${folder} SEGUE_APART)
-    foreach(part IN LISTS apart)
-      set(objects "$<FILTER:${objects},EXCLUDE,/segue_${folder}[.]dir/([.]/)?${part}/>")
-    endforeach()
-    target_sources(${TARGET} PRIVATE ${objects})
+    target_sources(${TARGET} PRIVATE $<TARGET_OBJECTS:segue_${folder}>)
     target_include_directories(${TARGET} PRIVATE $<TARGET_PROPERTY:segue_${folder},INTERFACE_INCLUDE_DIRECTORIES>)
   endforeach()
   set_target_properties(${TARGET} PROPERTIES ENABLE_EXPORTS ON)
-  if("control" IN_LIST ARGN)
+  if("rpc" IN_LIST ARGN)
     set(archives)
     foreach(name capnp-rpc capnp kj-async kj)
       find_library(SEGUE_ARCHIVE_${name} lib${name}.a)
@@ -266,17 +281,17 @@ function(segue_left_out NAME WHY)
   endif()
 endfunction()
 
-# segue_fuzzer(KIND_fuzz SOURCES ... LINK targets... [INCLUDE folders...])
+# segue_fuzzer(KIND_fuzz SOURCES ... LINK targets...)
 # What tries inputs that others may have written. tests/fuzz/seeds/KIND holds texts from which the build makes a first corpus
 # (tests/fuzz/make_corpus). With every compiler it is a test, KIND_fuzz_replay, that tries this corpus and simple changes of it.
 # With SEGUE_FUZZ (clang) it is a libFuzzer program as well; as a ctest entry that searches for SEGUE_FUZZ_SECONDS, beginning with
-# the corpus. Headers in INCLUDE are not ours.
+# the corpus.
 set(SEGUE_FUZZ_SECONDS 60 CACHE STRING "How long each fuzzer searches as a test")
 function(segue_fuzzer NAME)
   if(NOT SEGUE_FUZZ AND NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;INCLUDE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   string(REGEX REPLACE "_fuzz$" "" kind ${NAME})
   set(fuzz ${CMAKE_SOURCE_DIR}/tests/fuzz)
   set(corpus ${CMAKE_BINARY_DIR}/fuzz/corpus/${kind})
@@ -319,7 +334,6 @@ function(segue_fuzzer NAME)
   endif()
   foreach(program IN LISTS programs)
     target_link_libraries(${program} PRIVATE ${ARG_LINK} segue_flags)
-    target_include_directories(${program} SYSTEM PRIVATE ${ARG_INCLUDE})
     add_dependencies(${program} ${NAME}_corpus)
   endforeach()
 endfunction()

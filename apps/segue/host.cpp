@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/control/credentials.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
 #include <segue/distributed/local_host.hpp>
 #include <segue/model/host_config.hpp>
 #include <segue/process_server/process_hub.hpp>
 #include <segue/process_server/process_server.hpp>
+#include <segue/rpc/credentials.hpp>
+#include <segue/rpc_tls/credential_files.hpp>
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -95,7 +96,7 @@ Result<std::optional<control::TcpPlace>> tcp_place(const model::HostConfig& conf
   const auto folder = config.credentials.empty() ? control::credentials_folder()
                                                  : Result<std::filesystem::path>(config.credentials);
   if (!folder) return folder.error();
-  auto credentials = control::Credentials::load(*folder, control::Credentials::Use::Host, config.name);
+  auto credentials = control::load_credentials(*folder, control::CertificateUse::Host, config.name);
   if (!credentials) return credentials.error();
   return std::optional(control::TcpPlace{std::move(*address), std::move(*credentials)});
 }

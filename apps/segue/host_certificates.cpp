@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
-#include <segue/control/authority.hpp>
+#include <segue/rpc_tls/authority.hpp>
+#include <segue/rpc_tls/credential_files.hpp>
 
 #include <fmt/core.h>
 #include <pwd.h>

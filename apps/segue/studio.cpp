@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/credentials.hpp>
 #include <segue/model/files.hpp>
+#include <segue/rpc/credentials.hpp>
+#include <segue/rpc_tls/credential_files.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/web_server.hpp>
 
@@ -54,7 +55,7 @@ Result<std::optional<control::Credentials>> credentials_of(const StudioOptions& 
   const auto folder = options.credentials.empty() ? control::credentials_folder()
                                                   : Result<std::filesystem::path>(options.credentials);
   if (!folder) return folder.error();
-  auto loaded = control::Credentials::load(*folder, control::Credentials::Use::Host, options.name);
+  auto loaded = control::load_credentials(*folder, control::CertificateUse::Host, options.name);
   if (!loaded) return loaded.error();
   return std::optional(std::move(*loaded));
 }

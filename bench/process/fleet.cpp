@@ -4,9 +4,9 @@
 #include "../support/chain.hpp"
 
 #include <segue/control/deployment_client.hpp>
-#include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/distributed/distributed_task_host.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 #include <segue/model/files.hpp>
 #include <segue/process_server/process_server.hpp>
 #include <segue/runtime/host_places.hpp>

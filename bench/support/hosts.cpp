@@ -2,7 +2,7 @@
 #include "hosts.hpp"
 
 #include <segue/base/text.hpp>
-#include <segue/control/authority.hpp>
+#include <segue/rpc_tls/authority.hpp>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

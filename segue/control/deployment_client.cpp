@@ -2,11 +2,12 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
-#include <segue/control/detail/callback_slot.hpp>
-#include <segue/control/detail/deployment_wire.hpp>
-#include <segue/control/detail/memory_wire.hpp>
-#include <segue/control/detail/rpc_channel.hpp>
+#include <segue/control/detail/services.hpp>
 #include <segue/control/detail/task_access_client.hpp>
+#include <segue/rpc/detail/callback_slot.hpp>
+#include <segue/rpc/detail/rpc_channel.hpp>
+#include <segue/rpc_codecs/deployment_wire.hpp>
+#include <segue/rpc_codecs/memory_wire.hpp>
 
 #include <fcntl.h>
 

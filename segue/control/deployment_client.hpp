@@ -3,9 +3,9 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
-#include <segue/control/endpoint.hpp>
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/process_server/process_service.hpp>
+#include <segue/rpc/endpoint.hpp>
 
 #include <filesystem>
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/deployment.capnp.h>
-#include <segue/control/detail/wire.hpp>
+#include <segue/rpc_codecs/deployment.capnp.h>
+#include <segue/rpc/detail/wire.hpp>
 #include <support/fake_deployment.hpp>
 #include <support/hostile_client.hpp>
 

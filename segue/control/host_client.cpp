@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
-#include <segue/control/detail/callback_slot.hpp>
-#include <segue/control/detail/host_wire.hpp>
-#include <segue/control/detail/rpc_channel.hpp>
+#include <segue/control/detail/services.hpp>
 #include <segue/control/detail/task_access_client.hpp>
 #include <segue/control/host_client.hpp>
+#include <segue/rpc/detail/callback_slot.hpp>
+#include <segue/rpc/detail/rpc_channel.hpp>
+#include <segue/rpc_codecs/host_wire.hpp>
 #include <segue/task_host/ordered_actions.hpp>
 
 #include <future>

@@ -3,8 +3,8 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
-#include <segue/control/endpoint.hpp>
 #include <segue/distributed/host_service.hpp>
+#include <segue/rpc/endpoint.hpp>
 
 #include <functional>
 #include <memory>

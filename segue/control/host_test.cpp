@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/host.capnp.h>
+#include <segue/rpc_codecs/host.capnp.h>
 #include <segue/control/host_client.hpp>
 #include <segue/control/server.hpp>
 #include <support/fake_hosted_robot.hpp>

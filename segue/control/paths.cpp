@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
-#include <segue/control/detail/socket.hpp>
 #include <segue/control/server.hpp>
+#include <segue/rpc/detail/socket.hpp>
 
 #include <algorithm>
 #include <string>

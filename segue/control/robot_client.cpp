@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/robot.capnp.h>
+#include <segue/rpc_codecs/robot.capnp.h>
 #include <segue/base/text.hpp>
 #include <segue/control/detail/lease_client.hpp>
-#include <segue/control/detail/rpc_channel.hpp>
+#include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_client.hpp>
 #include <segue/control/detail/watch_client.hpp>
-#include <segue/control/detail/wire.hpp>
 #include <segue/control/server.hpp>
+#include <segue/rpc/detail/rpc_channel.hpp>
+#include <segue/rpc/detail/wire.hpp>
 
 #include <algorithm>
 #include <string>

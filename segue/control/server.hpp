@@ -4,13 +4,12 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
-#include <segue/control/endpoint.hpp>
 #include <segue/control/robot_service.hpp>
+#include <segue/rpc/endpoint.hpp>
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -28,6 +27,10 @@ class HostService;
 
 namespace segue::control {
 
+namespace detail {
+class RpcServer;
+}
+
 /// `$XDG_RUNTIME_DIR/segue`, else `/tmp/segue-UID`; made with mode 0700 and refused if it belongs to somebody
 /// else.
 Result<std::filesystem::path> socket_folder();
@@ -42,12 +45,6 @@ std::vector<std::string> running_robots();
 /// service.
 using Served = std::variant<RobotService*, deploy::DeploymentService*, process_server::ProcessService*,
                             distributed::HostService*>;
-
-/// Where a server listens: on a Unix socket, on TCP, or on both.
-struct Places {
-  std::filesystem::path socket;  ///< empty: none
-  std::optional<TcpPlace> tcp;
-};
 
 /// Serves one service from a thread of its own: on a Unix socket (0600; the peer's uid must be ours or
 /// root's; who connects there administers), and on TCP with mutual TLS, where the client's certificate says
@@ -79,9 +76,8 @@ class Server {
   [[nodiscard]] std::uint16_t port() const;
 
  private:
-  struct Implementation;
-  explicit Server(std::unique_ptr<Implementation> implementation);
-  std::unique_ptr<Implementation> implementation_;
+  explicit Server(std::unique_ptr<detail::RpcServer> server);
+  const std::unique_ptr<detail::RpcServer> server_;
 };
 
 /// The robot at that place. Unavailable where nobody answers; calls after the robot went answer Unavailable

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/lock_file.hpp>
-#include <segue/control/detail/socket.hpp>
+#include <segue/rpc/detail/socket.hpp>
 #include <support/ending_process.hpp>
 #include <support/fake_robot.hpp>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/robot.capnp.h>
-#include <segue/control/detail/server_core.hpp>
+#include <segue/rpc_codecs/robot.capnp.h>
+#include <segue/rpc/detail/server_core.hpp>
 #include <support/eventually.hpp>
 #include <support/sanitizers.hpp>
 #include <support/secure_server.hpp>

@@ -4,6 +4,7 @@
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/host_client.hpp>
 #include <segue/control/verbs.hpp>
+#include <segue/rpc_tls/credential_files.hpp>
 #include <support/fake_deployment.hpp>
 #include <support/fake_hosts.hpp>
 #include <support/secure_server.hpp>
@@ -269,7 +270,7 @@ TEST_F(SecureTest, CertificatesOfAnotherAuthorityAreRefusedByBothSides) {
   serve_tcp();
   auto other = Authority::create(folder_ / "other").value();
   ASSERT_TRUE(other.enrol({.name = "ann", .role = Role::Administer}, folder_ / "foreign"));
-  const auto foreign = Credentials::load(folder_ / "foreign", Credentials::Use::Person).value();
+  const auto foreign = load_credentials(folder_ / "foreign", CertificateUse::Person).value();
   const auto refused = connect(TcpEndpoint{{"127.0.0.1", server_->port()}, "left", foreign}, kLong);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::PermissionDenied);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/peer.hpp>
+#include <segue/rpc/peer.hpp>
 
 #include <array>
 #include <cstdint>

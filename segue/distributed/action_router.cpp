@@ -2,8 +2,8 @@
 #include <segue/distributed/action_router.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/deploy/action_ids.hpp>
 #include <segue/distributed/gateways.hpp>
+#include <segue/fleet/action_ids.hpp>
 #include <segue/task_host/full_id.hpp>
 #include <segue/task_host/ordered_actions.hpp>
 

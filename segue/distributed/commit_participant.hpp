@@ -3,8 +3,8 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/concurrent/thread_pool.hpp>
-#include <segue/deploy/deployed_task_host.hpp>
 #include <segue/distributed/hosted_robot.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 
 #include <functional>
 #include <memory>

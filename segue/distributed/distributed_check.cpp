@@ -2,7 +2,7 @@
 #include <segue/distributed/distributed_check.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/deploy/action_dispatcher.hpp>
+#include <segue/fleet/action_dispatcher.hpp>
 
 #include <algorithm>
 #include <map>

@@ -3,7 +3,7 @@
 
 #include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
-#include <segue/deploy/action_ids.hpp>
+#include <segue/fleet/action_ids.hpp>
 
 #include <map>
 #include <optional>

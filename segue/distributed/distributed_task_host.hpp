@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/deploy/deployed_task_host.hpp>
 #include <segue/distributed/gateways.hpp>
 #include <segue/distributed/host_link.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 #include <segue/model/component_model.hpp>
 
 #include <memory>

@@ -4,8 +4,8 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
-#include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/task_access.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/task_host/task_host.hpp>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/deploy/deployed_task_host.hpp>
 #include <segue/distributed/host_service.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 #include <segue/process_server/process_service.hpp>
 
 #include <filesystem>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/distributed/commit_participant.hpp>
 #include <segue/distributed/host_service.hpp>
 #include <segue/distributed/lease.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 #include <segue/process_server/process_service.hpp>
 #include <segue/task_host/component_library.hpp>
 #include <segue/task_host/local_task_host.hpp>

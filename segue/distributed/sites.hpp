@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/concurrent/thread_pool.hpp>
-#include <segue/deploy/placement_table.hpp>
 #include <segue/distributed/commit_participant.hpp>
 #include <segue/distributed/host_link.hpp>
+#include <segue/fleet/placement_table.hpp>
 
 #include <functional>
 #include <map>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/rpc_tls/credential_files.hpp>
 #include <segue/runtime/host_places.hpp>
 
 #include <segue/base/descriptor.hpp>
@@ -58,10 +59,10 @@ std::string own_address_towards(const std::string& address) {
 /// The credentials of a robot: of the folder that its host names, else the user's.
 Result<control::Credentials> credentials_for(const model::Robot& robot, const model::Host& host) {
   if (!host.credentials.empty()) {
-    return control::Credentials::load(robot.folder / host.credentials, control::Credentials::Use::Person);
+    return control::load_credentials(robot.folder / host.credentials, control::CertificateUse::Person);
   }
   const auto folder = control::credentials_folder();
-  return folder ? control::Credentials::load(*folder, control::Credentials::Use::Person)
+  return folder ? control::load_credentials(*folder, control::CertificateUse::Person)
                 : Result<control::Credentials>(folder.error());
 }
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/control/endpoint.hpp>
 #include <segue/distributed/distributed_task_host.hpp>
 #include <segue/model/robot.hpp>
+#include <segue/rpc/endpoint.hpp>
 
 #include <vector>
 

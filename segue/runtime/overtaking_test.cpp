@@ -5,7 +5,7 @@
 // robot always gets to what is requested last, and nothing is left over.
 //
 // SEGUE_REQUESTS sets the number of requests of each test, SEGUE_SEED the seed.
-#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/task_host/component_library.hpp>
 #include <segue/task_host/local_task_host.hpp>

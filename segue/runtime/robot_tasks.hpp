@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/distributed/distributed_task_host.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/sample_link/shared_memory.hpp>

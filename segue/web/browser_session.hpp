@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/refusal_log.hpp>
-#include <segue/control/peer.hpp>
+#include <segue/rpc/peer.hpp>
 #include <segue/web/hub.hpp>
 #include <segue/web/page_verbs.hpp>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/control/peer.hpp>
+#include <segue/rpc/peer.hpp>
 
 #include <cstdint>
 #include <mutex>

@@ -3,8 +3,8 @@
 
 #include <segue/base/result.hpp>
 #include <segue/concurrent/thread_pool.hpp>
-#include <segue/control/peer.hpp>
 #include <segue/control/verbs.hpp>
+#include <segue/rpc/peer.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>
 #include <segue/web/files_verbs.hpp>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The server for browsers of other computers: over TLS, for people with certificates.
-#include <segue/control/authority.hpp>
+#include <segue/rpc_tls/authority.hpp>
+#include <segue/rpc_tls/credential_files.hpp>
 #include <segue/web/test_support.hpp>
 #include <segue/web/web_server.hpp>
 
@@ -45,7 +46,7 @@ class SecureServer : public WebTest {
     ServerOptions options{.listen = address, .role = role, .robot = "fake"};
     if (with_credentials) {
       options.credentials =
-          control::Credentials::load(enrolled_, control::Credentials::Use::Host, "left").value();
+          control::load_credentials(enrolled_, control::CertificateUse::Host, "left").value();
     }
     return Server::start(PageFiles::read(folder_ / "page").value(), connection(), std::move(options));
   }

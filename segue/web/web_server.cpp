@@ -5,8 +5,8 @@
 #include <segue/base/refusal_log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/concurrent/thread.hpp>
-#include <segue/control/connection_table.hpp>
-#include <segue/control/tls_server.hpp>
+#include <segue/rpc/connection_table.hpp>
+#include <segue/rpc_tls/tls_server.hpp>
 #include <segue/web/browser_session.hpp>
 #include <segue/web/detail/answer.hpp>
 #include <segue/web/detail/browser_stream.hpp>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/control/credentials.hpp>
-#include <segue/control/peer.hpp>
+#include <segue/rpc/credentials.hpp>
+#include <segue/rpc/peer.hpp>
 #include <segue/web/files_verbs.hpp>
 #include <segue/web/hub.hpp>
 #include <segue/web/page_files.hpp>

@@ -2,6 +2,7 @@
 #include <doors/observed_robot.hpp>
 
 #include <segue/base/file.hpp>
+#include <segue/rpc_tls/credential_files.hpp>
 #include <segue/task/component.hpp>
 #include <segue/type/json.hpp>
 
@@ -157,7 +158,7 @@ void ObservedRobot::open_doors() {
   host_door_ = open(host_->local.get(), {});
   processes_door_ = open(&processes_, {});
   web::ServerOptions options{.robot = "rover", .periods = {.snapshots = std::chrono::milliseconds(20)}};
-  options.credentials = Credentials::load(enrolled_, Credentials::Use::Host, "left").value();
+  options.credentials = load_credentials(enrolled_, control::CertificateUse::Host, "left").value();
   const auto connect = [socket] { return control::connect(socket, std::chrono::seconds(20)); };
   auto studio =
       web::Server::start(web::PageFiles::read(folder_ / "page").value(), connect, std::move(options));
@@ -166,14 +167,14 @@ void ObservedRobot::open_doors() {
 }
 
 control::TcpPlace ObservedRobot::place() const {
-  return {{"127.0.0.1", 0}, Credentials::load(enrolled_, Credentials::Use::Host, "left").value()};
+  return {{"127.0.0.1", 0}, load_credentials(enrolled_, control::CertificateUse::Host, "left").value()};
 }
 
 control::TcpEndpoint ObservedRobot::endpoint(std::string_view kind, const std::string& person) const {
   const auto& door = kind == "robot" ? robot_door_ : kind == "host" ? host_door_ : processes_door_;
   return {{"127.0.0.1", door->port()},
           "left",
-          Credentials::load(enrolled_, Credentials::Use::Person, person).value()};
+          load_credentials(enrolled_, control::CertificateUse::Person, person).value()};
 }
 
 std::vector<std::string> ObservedRobot::known_names() const {

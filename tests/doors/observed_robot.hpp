@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/control/authority.hpp>
 #include <segue/control/server.hpp>
+#include <segue/rpc_tls/authority.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/runtime_service.hpp>
 #include <segue/web/web_server.hpp>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doors/rpc_door.hpp>
 
-#include <segue/control/host.capnp.h>
-#include <segue/control/processes.capnp.h>
-#include <segue/control/robot.capnp.h>
-#include <segue/control/detail/rpc_channel.hpp>
+#include <segue/rpc_codecs/host.capnp.h>
+#include <segue/rpc_codecs/processes.capnp.h>
+#include <segue/rpc_codecs/robot.capnp.h>
+#include <segue/rpc/detail/rpc_channel.hpp>
 
 #include <capnp/dynamic.h>
 #include <capnp/schema.h>
@@ -195,7 +195,7 @@ DynamicCapability::Client service_of(RpcChannel::Connection& connection, std::st
 }  // namespace
 
 Result<RpcDoor> RpcDoor::open(const control::TcpEndpoint& endpoint, std::string_view kind) {
-  auto channel = RpcChannel::open(endpoint, kind, "the " + std::string(kind), kAnswerTime);
+  auto channel = RpcChannel::open(endpoint, {kind, kind}, "the " + std::string(kind), kAnswerTime);
   if (!channel) return channel.error();
   return RpcDoor(std::move(*channel), std::string(kind));
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/control/endpoint.hpp>
+#include <segue/rpc/endpoint.hpp>
 
 #include <doors/hostile_values.hpp>
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/control/deployment_client.hpp>
-#include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 #include <segue/process_server/process_server.hpp>
 #include <segue/runtime/runtime.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/fleet/deployed_task_host.hpp>
 
 #include <algorithm>
 #include <atomic>

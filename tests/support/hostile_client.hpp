@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/detail/event_loop.hpp>
-#include <segue/control/detail/socket.hpp>
-#include <segue/control/detail/tcp_socket.hpp>
-#include <segue/control/detail/wire.hpp>
+#include <segue/rpc/detail/event_loop.hpp>
+#include <segue/rpc/detail/socket.hpp>
+#include <segue/rpc/detail/tcp_socket.hpp>
+#include <segue/rpc/detail/wire.hpp>
 #include <support/fake_robot.hpp>
 
 #include <capnp/message.h>

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <segue/base/log.hpp>
-#include <segue/control/authority.hpp>
-#include <segue/control/tls/openssl.hpp>
+#include <segue/rpc_tls/authority.hpp>
+#include <segue/rpc_tls/credential_files.hpp>
+#include <segue/rpc_tls/openssl.hpp>
 #include <support/hostile_client.hpp>
 
 #include <fcntl.h>
@@ -145,13 +146,13 @@ class SecureTest : public ControlTest {
     std::filesystem::copy_file(folder_ / "ca" / "ca.crl", enrolled_ / "new.crl");
     std::filesystem::rename(enrolled_ / "new.crl", enrolled_ / "ca.crl");
   }
-  Credentials credentials(const std::string& name, Credentials::Use use = Credentials::Use::Person) {
-    auto loaded = Credentials::load(enrolled_, use, name);
+  Credentials credentials(const std::string& name, CertificateUse use = CertificateUse::Person) {
+    auto loaded = load_credentials(enrolled_, use, name);
     EXPECT_TRUE(loaded) << to_string(loaded.error());
     return *loaded;
   }
   TcpPlace place(const std::string& address = "127.0.0.1") {
-    return {{address, 0}, credentials("left", Credentials::Use::Host)};
+    return {{address, 0}, credentials("left", CertificateUse::Host)};
   }
   void serve_tcp(Served service) {
     auto server = Server::listen(Places{{}, place()}, service);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/credentials.hpp>
+#include <segue/rpc/credentials.hpp>
+#include <segue/rpc_tls/credential_files.hpp>
 
 #include <sys/stat.h>
 
@@ -35,10 +36,10 @@ TEST_F(HostCertificates, AnAuthorityBeginsWithItsUserAndHost) {
   const auto made = json({"host", "init", "--host", "left"});
   EXPECT_EQ(field(made, "folder"), own_.string());
   ASSERT_EQ(made.find("certificates")->as_list().size(), 2U);
-  const auto user = Credentials::load(own_, Credentials::Use::Person);
+  const auto user = control::load_credentials(own_, control::CertificateUse::Person);
   ASSERT_TRUE(user) << to_string(user.error());
   EXPECT_EQ(user->identity().role, control::Role::Administer);
-  const auto host = Credentials::load(own_, Credentials::Use::Host);
+  const auto host = control::load_credentials(own_, control::CertificateUse::Host);
   ASSERT_TRUE(host) << to_string(host.error());
   EXPECT_EQ(host->name(), "left");
   struct stat status {};
@@ -62,7 +63,7 @@ TEST_F(HostCertificates, EnrolledComputersGetAFolderThatServes) {
   const auto enrolled = segue({"host", "enrol", "right", "--host", "--role", "administer", "--days", "10"});
   EXPECT_EQ(enrolled.status, 0) << enrolled.errors;
   EXPECT_NE(enrolled.output.find("scp -r right/."), std::string::npos) << enrolled.output;
-  const auto right = Credentials::load(folder_ / "right", Credentials::Use::Host);
+  const auto right = control::load_credentials(folder_ / "right", control::CertificateUse::Host);
   ASSERT_TRUE(right) << to_string(right.error());
   EXPECT_EQ(right->identity().role, control::Role::Administer);
   EXPECT_EQ(right->identity().valid_until - right->identity().valid_from, std::chrono::hours(240));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/batch_server.hpp>
-#include <segue/control/detail/tasks_wire.hpp>
+#include <segue/rpc_codecs/tasks_wire.hpp>
 
 #include <algorithm>
 #include <utility>

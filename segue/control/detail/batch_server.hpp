@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/tasks.capnp.h>
-#include <segue/control/detail/caller.hpp>
-#include <segue/control/detail/tasks_wire.hpp>
+#include <segue/rpc_codecs/tasks.capnp.h>
+#include <segue/rpc/detail/caller.hpp>
+#include <segue/rpc_codecs/tasks_wire.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <functional>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/detail/decoding_server.hpp>
-#include <segue/control/detail/deployment_wire.hpp>
-#include <segue/control/detail/memory_wire.hpp>
-#include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/task_access_server.hpp>
+#include <segue/rpc/detail/broadcast.hpp>
+#include <segue/rpc/detail/decoding_server.hpp>
+#include <segue/rpc/detail/rpc_channel.hpp>
+#include <segue/rpc_codecs/deployment_wire.hpp>
+#include <segue/rpc_codecs/memory_wire.hpp>
 
 #include <memory>
 #include <utility>
@@ -42,34 +43,38 @@ auto listing(Init init) {
 constexpr auto kInitOutcomes = [](auto results, unsigned size) { return results.initOutcomes(size); };
 constexpr auto kDecode = [](const auto& part) { return decode(part); };
 
+using DeploymentEvents = Broadcast<task_host::TaskEvent>;
+
 class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, public TaskAccessServer {
  public:
-  explicit DeploymentServer(Caller caller)
-      : TaskAccessServer(caller, {std::shared_ptr<void>(), &caller.core().service<DeploymentService>()}),
-        caller_(std::move(caller)) {}
+  DeploymentServer(Caller caller, DeploymentService& service, DeploymentEvents& events)
+      : TaskAccessServer(caller, {std::shared_ptr<void>(), &service}),
+        caller_(std::move(caller)),
+        service_(service),
+        events_(events) {}
   ~DeploymentServer() noexcept { caller_.client()->listeners -= listeners_.size(); }
 
   kj::Promise<void> info(InfoContext context) override {
     return caller_.answer_here(
-        context, [&service = service()] { return service.info(); },
+        context, [&service = service_] { return service.info(); },
         [](deploy::DeploymentInfo& info, auto results) { encode(info, results.initInfo()); });
   }
 
   kj::Promise<void> snapshot(SnapshotContext context) override {
     return caller_.answer_here(
-        context, [&service = service()] { return service.snapshot(); },
+        context, [&service = service_] { return service.snapshot(); },
         [](deploy::Snapshot& snapshot, auto results) { encode(snapshot, results.initSnapshot()); });
   }
 
   kj::Promise<void> expect(ExpectContext context) override {
     auto network = decode(context.getParams().getNetwork());
     return caller_.answer(
-        context, [&service = service(), network = std::move(network)] { return service.expect(network); });
+        context, [&service = service_, network = std::move(network)] { return service.expect(network); });
   }
 
   kj::Promise<void> conclude(ConcludeContext context) override {
     auto transition = decode(context.getParams().getTransition());
-    return caller_.answer(context, [&service = service(), transition = std::move(transition)] {
+    return caller_.answer(context, [&service = service_, transition = std::move(transition)] {
       return service.conclude(transition, soon());
     });
   }
@@ -89,7 +94,7 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
                 auto mapped = sample_link::CommitPage::map(page->get());
                 if (!mapped) return mapped.error();
                 what.page = std::move(*mapped);
-                return service().arm_commit(what, soon());
+                return service_.arm_commit(what, soon());
               },
               [](auto) {});
         });
@@ -97,12 +102,12 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
 
   kj::Promise<void> settle(SettleContext context) override {
     return caller_.answer_here(
-        context, [&service = service()] { return service.settle(soon()); }, [](auto) {});
+        context, [&service = service_] { return service.settle(soon()); }, [](auto) {});
   }
 
   kj::Promise<void> memory(MemoryContext context) override {
     return caller_.answer(
-        context, [&service = service()] { return service.memory(soon()); },
+        context, [&service = service_] { return service.memory(soon()); },
         [](sample_link::MemoryOffer& offer, auto results) { encode(std::move(offer), results.initOffer()); });
   }
 
@@ -110,7 +115,7 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
     return in_time(decode(context.getParams().getOffer()))
         .then([this, context](Result<sample_link::MemoryOffer>&& offer) mutable {
           auto held = std::make_shared<Result<sample_link::MemoryOffer>>(std::move(offer));
-          return caller_.answer(context, [&service = service(), held]() -> Result<void> {
+          return caller_.answer(context, [&service = service_, held]() -> Result<void> {
             if (!*held) return held->error();
             return service.admit(**held, soon());
           });
@@ -118,14 +123,14 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
   }
 
   kj::Promise<void> forget(ForgetContext context) override {
-    return caller_.answer(context, [&service = service(), peer = context.getParams().getIncarnation()] {
+    return caller_.answer(context, [&service = service_, peer = context.getParams().getIncarnation()] {
       return service.forget(peer);
     });
   }
 
   kj::Promise<void> describeOutputs(DescribeOutputsContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(), ports = decode_list<model::PortRef>(params.getPorts(), kDecode),
+    auto job = [&service = service_, ports = decode_list<model::PortRef>(params.getPorts(), kDecode),
                 deadline = deadline_after(params.getTimeout())] {
       return all(service.describe_outputs(ports, deadline));
     };
@@ -136,7 +141,7 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
 
   kj::Promise<void> openInputs(OpenInputsContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(), inputs = decode_list<deploy::OpenInput>(params.getInputs(), kDecode),
+    auto job = [&service = service_, inputs = decode_list<deploy::OpenInput>(params.getInputs(), kDecode),
                 deadline = deadline_after(params.getTimeout())] {
       return all(service.open_inputs(inputs, deadline));
     };
@@ -147,7 +152,7 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
 
   kj::Promise<void> attachOutputs(AttachOutputsContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(),
+    auto job = [&service = service_,
                 outputs = decode_list<deploy::AttachOutput>(params.getOutputs(), kDecode),
                 deadline = deadline_after(params.getTimeout())] {
       return all(service.attach_outputs(outputs, deadline));
@@ -157,7 +162,7 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
 
   kj::Promise<void> closeEndpoints(CloseEndpointsContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(),
+    auto job = [&service = service_,
                 endpoints = decode_list<deploy::CloseEndpoint>(params.getEndpoints(), kDecode),
                 deadline = deadline_after(params.getTimeout())] {
       return all(service.close_endpoints(endpoints, deadline));
@@ -179,7 +184,7 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
                   [](const task_host::TaskEvent& event, auto builder) { encode(event, builder); });
       return request.send().ignoreResult();
     };
-    listeners_.push_back(std::make_unique<Listener>(caller_.core().task_events, std::move(send)));
+    listeners_.push_back(std::make_unique<DeploymentEvents::Listener>(events_, std::move(send)));
     ++caller_.client()->listeners;
     return kj::READY_NOW;
   }
@@ -194,17 +199,33 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
     return offer.exclusiveJoin(kj::mv(late));
   }
 
-  using Listener = Broadcast<task_host::TaskEvent>::Listener;
-  [[nodiscard]] DeploymentService& service() const { return caller_.core().service<DeploymentService>(); }
-
   Caller caller_;
-  std::vector<std::unique_ptr<Listener>> listeners_;
+  DeploymentService& service_;
+  DeploymentEvents& events_;
+  std::vector<std::unique_ptr<DeploymentEvents::Listener>> listeners_;
+};
+
+class OfferedDeployment final : public OfferedService {
+ public:
+  explicit OfferedDeployment(DeploymentService& service)
+      : OfferedService(kDeploymentKind), service_(service) {}
+  capnp::Capability::Client make_server(const Caller& caller) override {
+    return wire::DeploymentProcess::Client(kj::heap<DeploymentServer>(caller, service_, events_));
+  }
+  void report_events(EventLoop* loop) override {
+    if (loop == nullptr) return service_.set_listener({});
+    service_.set_listener([this, loop](const task_host::TaskEvent& event) { events_.tell(event, *loop); });
+  }
+
+ private:
+  DeploymentService& service_;
+  DeploymentEvents events_;
 };
 
 }  // namespace
 
-capnp::Capability::Client make_deployment_server(const Caller& caller) {
-  return wire::DeploymentProcess::Client(kj::heap<DeploymentServer>(caller));
+std::unique_ptr<OfferedService> offer(DeploymentService& service) {
+  return std::make_unique<OfferedDeployment>(service);
 }
 
 }  // namespace segue::control::detail

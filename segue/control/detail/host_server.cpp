@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/detail/decoding_server.hpp>
-#include <segue/control/detail/host_wire.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/task_access_server.hpp>
+#include <segue/rpc/detail/broadcast.hpp>
+#include <segue/rpc/detail/decoding_server.hpp>
+#include <segue/rpc_codecs/host_wire.hpp>
 
 #include <memory>
 #include <utility>
@@ -172,16 +173,16 @@ kj::Promise<void> HostedRobotServer::listen(ListenContext context) {
 
 class HostServer final : public DecodingServer<wire::Host> {
  public:
-  explicit HostServer(Caller caller) : caller_(std::move(caller)) {}
+  HostServer(Caller caller, HostService& service) : caller_(std::move(caller)), service_(service) {}
 
   kj::Promise<void> info(InfoContext context) override {
     return caller_.answer(
-        context, [&service = service()] { return service.info(); },
+        context, [&service = service_] { return service.info(); },
         [](distributed::HostInfo& info, auto results) { encode(info, results.initInfo()); });
   }
   kj::Promise<void> clock(ClockContext context) override {
     return caller_.answer_here(
-        context, [&] { return service().clock(); },
+        context, [&] { return service_.clock(); },
         [](std::chrono::system_clock::time_point& time, auto results) {
           results.setTime(
               std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count());
@@ -189,7 +190,7 @@ class HostServer final : public DecodingServer<wire::Host> {
   }
   kj::Promise<void> robots(RobotsContext context) override {
     return caller_.answer(
-        context, [&service = service()] { return service.robots(); },
+        context, [&service = service_] { return service.robots(); },
         [](std::vector<distributed::LeaseInfo>& robots, auto results) {
           encode_list(robots, results.initRobots(count_of(robots)),
                       [](const distributed::LeaseInfo& lease, auto builder) { encode(lease, builder); });
@@ -203,7 +204,7 @@ class HostServer final : public DecodingServer<wire::Host> {
     request.lines = params.getLines();
     if (params.hasAfter()) request.after = decode(params.getAfter());
     return caller_.answer(
-        context, [&service = service(), request = std::move(request)] { return service.log(request); },
+        context, [&service = service_, request = std::move(request)] { return service.log(request); },
         [](process_server::LogPart& part, auto results) {
           results.setText(kj::arrayPtr(part.text.data(), part.text.size()).asBytes());
           encode(part.end, results.initEnd());
@@ -212,7 +213,7 @@ class HostServer final : public DecodingServer<wire::Host> {
   kj::Promise<void> highestTerm(HighestTermContext context) override {
     return caller_.answer(
         Role::Operate, context,
-        [&service = service(), robot = as_string(context.getParams().getRobot())] {
+        [&service = service_, robot = as_string(context.getParams().getRobot())] {
           return service.highest_term(robot);
         },
         [](std::uint64_t& term, auto results) { results.setTerm(term); });
@@ -228,7 +229,7 @@ class HostServer final : public DecodingServer<wire::Host> {
     request.term = params.getTerm();
     request.models = decode_list<distributed::ModelFile>(params.getModels(),
                                                          [](const auto& part) { return decode(part); });
-    auto job = [&service = service(), request = std::move(request),
+    auto job = [&service = service_, request = std::move(request),
                 launch = decode(params.getLaunch(), kServerMessageWords),
                 deadline =
                     deadline_after(params.getTimeout())]() mutable -> Result<std::shared_ptr<HostedRobot>> {
@@ -249,15 +250,25 @@ class HostServer final : public DecodingServer<wire::Host> {
   }
 
  private:
-  [[nodiscard]] HostService& service() const { return caller_.core().service<HostService>(); }
-
   Caller caller_;
+  HostService& service_;
+};
+
+class OfferedHost final : public OfferedService {
+ public:
+  explicit OfferedHost(HostService& service) : OfferedService(kHostKind), service_(service) {}
+  capnp::Capability::Client make_server(const Caller& caller) override {
+    return wire::Host::Client(kj::heap<HostServer>(caller, service_));
+  }
+
+ private:
+  HostService& service_;
 };
 
 }  // namespace
 
-capnp::Capability::Client make_host_server(const Caller& caller) {
-  return wire::Host::Client(kj::heap<HostServer>(caller));
+std::unique_ptr<OfferedService> offer(HostService& service) {
+  return std::make_unique<OfferedHost>(service);
 }
 
 }  // namespace segue::control::detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/robot.capnp.h>
+#include <segue/rpc_codecs/robot.capnp.h>
 #include <segue/control/detail/lease_client.hpp>
 #include <segue/control/detail/stream_client.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/robot_service.hpp>
+#include <segue/rpc/detail/rpc_channel.hpp>
 
 #include <memory>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/detail/decoding_server.hpp>
-#include <segue/control/detail/deployment_wire.hpp>
 #include <segue/control/detail/services.hpp>
+#include <segue/rpc/detail/broadcast.hpp>
+#include <segue/rpc/detail/decoding_server.hpp>
+#include <segue/rpc_codecs/deployment_wire.hpp>
 
 #include <memory>
 #include <utility>
@@ -19,14 +20,17 @@ void encode_processes(const std::vector<ProcessInfo>& processes,
   encode_list(processes, builder, [](const ProcessInfo& process, auto part) { encode(process, part); });
 }
 
+using ProcessEvents = Broadcast<ProcessInfo>;
+
 class ProcessesServer final : public DecodingServer<wire::Processes> {
  public:
-  explicit ProcessesServer(Caller caller) : caller_(std::move(caller)) {}
+  ProcessesServer(Caller caller, ProcessService& service, ProcessEvents& events)
+      : caller_(std::move(caller)), service_(service), events_(events) {}
   ~ProcessesServer() noexcept { caller_.client()->listeners -= listeners_.size(); }
 
   kj::Promise<void> start(StartContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(), launch = decode(params.getLaunch(), kServerMessageWords),
+    auto job = [&service = service_, launch = decode(params.getLaunch(), kServerMessageWords),
                 deadline = deadline_after(params.getTimeout())]() -> Result<ProcessInfo> {
       if (!launch) return launch.error();
       const auto checked = process_server::launch_from(*launch);
@@ -39,7 +43,7 @@ class ProcessesServer final : public DecodingServer<wire::Processes> {
 
   kj::Promise<void> stop(StopContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(), robot = as_string(params.getRobot()),
+    auto job = [&service = service_, robot = as_string(params.getRobot()),
                 key = model::DeploymentKey{model::HostName(as_string(params.getHost())),
                                            model::ProcessName(as_string(params.getProcess()))},
                 deadline = deadline_after(params.getTimeout()), kill = params.getKill()] {
@@ -53,7 +57,7 @@ class ProcessesServer final : public DecodingServer<wire::Processes> {
   kj::Promise<void> processes(ProcessesContext context) override {
     return caller_.answer(
         context,
-        [&service = service(), robot = as_string(context.getParams().getRobot())] {
+        [&service = service_, robot = as_string(context.getParams().getRobot())] {
           return service.processes(robot);
         },
         [](std::vector<ProcessInfo>& processes, auto results) {
@@ -74,23 +78,38 @@ class ProcessesServer final : public DecodingServer<wire::Processes> {
       encode_processes(events, request.initEvents(count_of(events)));
       return request.send().ignoreResult();
     };
-    listeners_.push_back(std::make_unique<Listener>(caller_.core().process_events, std::move(send)));
+    listeners_.push_back(std::make_unique<ProcessEvents::Listener>(events_, std::move(send)));
     ++caller_.client()->listeners;
     return kj::READY_NOW;
   }
 
  private:
-  using Listener = Broadcast<ProcessInfo>::Listener;
-  [[nodiscard]] ProcessService& service() const { return caller_.core().service<ProcessService>(); }
-
   Caller caller_;
-  std::vector<std::unique_ptr<Listener>> listeners_;
+  ProcessService& service_;
+  ProcessEvents& events_;
+  std::vector<std::unique_ptr<ProcessEvents::Listener>> listeners_;
+};
+
+class OfferedProcesses final : public OfferedService {
+ public:
+  explicit OfferedProcesses(ProcessService& service) : OfferedService(kProcessesKind), service_(service) {}
+  capnp::Capability::Client make_server(const Caller& caller) override {
+    return wire::Processes::Client(kj::heap<ProcessesServer>(caller, service_, events_));
+  }
+  void report_events(EventLoop* loop) override {
+    if (loop == nullptr) return service_.set_listener({});
+    service_.set_listener([this, loop](const ProcessInfo& event) { events_.tell(event, *loop); });
+  }
+
+ private:
+  ProcessService& service_;
+  ProcessEvents events_;
 };
 
 }  // namespace
 
-capnp::Capability::Client make_processes_server(const Caller& caller) {
-  return wire::Processes::Client(kj::heap<ProcessesServer>(caller));
+std::unique_ptr<OfferedService> offer(ProcessService& service) {
+  return std::make_unique<OfferedProcesses>(service);
 }
 
 }  // namespace segue::control::detail

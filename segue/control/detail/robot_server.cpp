@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/robot.capnp.h>
+#include <segue/rpc_codecs/robot.capnp.h>
 #include <segue/base/clock.hpp>
-#include <segue/control/detail/decoding_server.hpp>
+#include <segue/control/detail/lease_owners.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_server.hpp>
 #include <segue/control/detail/watch_server.hpp>
 #include <segue/control/robot_service.hpp>
 #include <segue/control/verbs.hpp>
+#include <segue/rpc/detail/decoding_server.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <stop_token>
 #include <utility>
 
@@ -127,42 +129,43 @@ std::vector<std::string> names_in(capnp::List<capnp::Text>::Reader list) {
 }
 
 /// Waits in slices, so that a server that stops does not wait for the longest timeout of its clients.
-Result<Value> wait_for_events(ServerCore& core, std::uint64_t after, TimePoint deadline) {
-  auto& service = core.service<RobotService>();
+Result<Value> wait_for_events(RobotService& service, const std::atomic<bool>& stopping, std::uint64_t after,
+                              TimePoint deadline) {
   for (;;) {
     const Duration left = deadline - RealClock::instance().now();
     auto events = service.events(after, std::clamp(left, Duration(0), kEventSlice));
     const bool some = events && events->is_list() && !events->as_list().empty();
-    if (!events || some || left <= kEventSlice || core.stopping) return events;
+    if (!events || some || left <= kEventSlice || stopping) return events;
   }
 }
 
 class RobotServer final : public DecodingServer<wire::Robot> {
  public:
-  explicit RobotServer(Caller caller) : caller_(std::move(caller)) {}
+  RobotServer(Caller caller, RobotService& service, LeaseOwners& owners)
+      : caller_(std::move(caller)), service_(service), lease_owners_(owners) {}
 
   kj::Promise<void> status(StatusContext context) override {
     return caller_.answer_value(role_for(Verb::Status), context,
-                                [&service = service()] { return service.status(); });
+                                [&service = service_] { return service.status(); });
   }
 
   kj::Promise<void> task(TaskContext context) override {
     return caller_.answer_value(
         role_for(Verb::Task), context,
-        [&service = service(), id = as_string(context.getParams().getId())] { return service.task(id); });
+        [&service = service_, id = as_string(context.getParams().getId())] { return service.task(id); });
   }
 
   kj::Promise<void> watch(WatchContext context) override {
     return answer_watch(role_for(Verb::Watch), caller_, context,
-                        [&service = service()](const task_host::LevelQuestion& question, const Wait& wait,
-                                               task_host::LevelAnswer answered) {
+                        [&service = service_](const task_host::LevelQuestion& question, const Wait& wait,
+                                              task_host::LevelAnswer answered) {
                           service.watch(question, wait, std::move(answered));
                         });
   }
 
   kj::Promise<void> running(RunningContext context) override {
     const std::uint64_t lease = context.getParams().getLease();
-    return answer_holder(role_for(Verb::Running), lease, context, [&service = service(), lease] {
+    return answer_holder(role_for(Verb::Running), lease, context, [&service = service_, lease] {
       return service.running(lease, Wait(TimePoint::max()));
     });
   }
@@ -171,7 +174,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return answer_later<std::uint64_t>(
         role_for(Verb::Changes), caller_, context,
-        [&service = service(), seen = params.getSeen(), deadline = deadline_after(params.getTimeout())](
+        [&service = service_, seen = params.getSeen(), deadline = deadline_after(params.getTimeout())](
             const std::stop_token& dropped, ChangesAnswer answered) {
           service.changes(seen, Wait(deadline, dropped), std::move(answered));
         },
@@ -182,7 +185,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return answer_holder(
         role_for(Verb::Switch, params.getTakeOver()), params.getLease(), context,
-        [&service = service(), controller = as_string(params.getController()),
+        [&service = service_, controller = as_string(params.getController()),
          options = options_of(params, peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!options) return options.error();
@@ -193,7 +196,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
     const auto params = context.getParams();
     return answer_holder(role_for(Verb::Switch, params.getTakeOver()), params.getLease(), context,
-                         [&service = service(), text = as_string(params.getText()),
+                         [&service = service_, text = as_string(params.getText()),
                           file = as_string(params.getFile()), options = options_of(params, peer()),
                           deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
                            if (!options) return options.error();
@@ -204,7 +207,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   kj::Promise<void> plan(PlanContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(role_for(Verb::Plan), context,
-                                [&service = service(), controller = as_string(params.getController()),
+                                [&service = service_, controller = as_string(params.getController()),
                                  options = SwitchOptions{.dry_run = true,
                                                          .force = params.getForce(),
                                                          .order = as_string(params.getOrder())},
@@ -217,14 +220,14 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return answer_holder(
         role_for(Verb::Apply, params.getTakeOver()), params.getLease(), context,
-        [&service = service(), options = whole_robot_options(params, peer()),
+        [&service = service_, options = whole_robot_options(params, peer()),
          deadline = deadline_after(params.getTimeout())] { return service.apply(options, deadline); });
   }
 
   kj::Promise<void> repair(RepairContext context) override {
     const auto params = context.getParams();
     return answer_holder(role_for(Verb::Repair, params.getTakeOver()), params.getLease(), context,
-                         [&service = service(), options = whole_robot_options(params, peer()),
+                         [&service = service_, options = whole_robot_options(params, peer()),
                           deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) {
                            return service.repair(options, {deadline, stop_of(options, dropped)});
                          });
@@ -234,7 +237,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return answer_holder(
         role_for(Verb::Prepare), params.getLease(), context,
-        [&service = service(), controllers = names_in(params.getControllers()), lease = params.getLease(),
+        [&service = service_, controllers = names_in(params.getControllers()), lease = params.getLease(),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) {
           return service.prepare(controllers, lease, {deadline, dropped});
         });
@@ -243,7 +246,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   kj::Promise<void> conflicts(ConflictsContext context) override {
     return caller_.answer_value(
         role_for(Verb::Conflicts), context,
-        [&service = service(), controllers = names_in(context.getParams().getControllers())] {
+        [&service = service_, controllers = names_in(context.getParams().getControllers())] {
           return service.conflicts(controllers);
         });
   }
@@ -252,7 +255,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const std::string said = as_string(context.getParams().getHolder());
     const std::string holder = peer().local ? said : to_string(peer()) + ": " + said;
     return answer_stream(caller_, role_for(Verb::Lease), context,
-                         [&service = service(), holder, &owners = caller_.core().lease_owners,
+                         [&service = service_, holder, &owners = lease_owners_,
                           owner = peer()]() -> Result<std::unique_ptr<SampleStream>> {
                            auto lease = service.lease(holder);
                            if (!lease) return lease.error();
@@ -263,7 +266,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   kj::Promise<void> report(ReportContext context) override {
     const auto params = context.getParams();
     return answer_holder(role_for(Verb::Report), params.getLease(), context,
-                         [&service = service(), lease = params.getLease(),
+                         [&service = service_, lease = params.getLease(),
                           doing = decode(params.getDoing(), kMaxNodes)]() -> Result<Value> {
                            if (!doing) return doing.error();
                            return as_value(service.report(lease, *doing));
@@ -274,7 +277,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return caller_.answer_value(
         role_for(Verb::Mission), context,
-        [&service = service(), after = params.getAfter(), with_plan = params.getWithPlan()] {
+        [&service = service_, after = params.getAfter(), with_plan = params.getWithPlan()] {
           return service.mission(after, with_plan);
         });
   }
@@ -282,7 +285,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   kj::Promise<void> sendCommand(SendCommandContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(role_for(Verb::SendCommand), context,
-                                [&service = service(), what = as_string(params.getWhat()),
+                                [&service = service_, what = as_string(params.getWhat()),
                                  arguments = decode(params.getArguments(), kMaxNodes)]() -> Result<Value> {
                                   if (!arguments) return arguments.error();
                                   const auto number = service.send_command(what, *arguments);
@@ -294,14 +297,14 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return caller_.answer_value(
         role_for(Verb::Cancel), context,
-        [&service = service(), request = params.getRequest(), who = who_asks(params, peer()),
+        [&service = service_, request = params.getRequest(), who = who_asks(params, peer()),
          deadline = deadline_after(params.getTimeout())] { return service.cancel(request, who, deadline); });
   }
 
   kj::Promise<void> giveBack(GiveBackContext context) override {
     const auto params = context.getParams();
     return answer_holder(role_for(Verb::GiveBack), params.getLease(), context,
-                         [&service = service(), lease = params.getLease(), keep = params.getKeep(),
+                         [&service = service_, lease = params.getLease(), keep = params.getKeep(),
                           deadline = deadline_after(params.getTimeout())] {
                            return service.give_back(lease, keep, deadline);
                          });
@@ -311,13 +314,13 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return caller_.urgent().answer_value(
         role_for(Verb::Stop), context,
-        [&service = service(), who = who_asks(params, peer()),
+        [&service = service_, who = who_asks(params, peer()),
          deadline = deadline_after(params.getTimeout())] { return service.stop(who, deadline); });
   }
 
   kj::Promise<void> release(ReleaseContext context) override {
     return caller_.answer_value(role_for(Verb::ReleaseStop), context,
-                                [&service = service(), who = who_asks(context.getParams(), peer())] {
+                                [&service = service_, who = who_asks(context.getParams(), peer())] {
                                   return as_value(service.release_stop(who));
                                 });
   }
@@ -326,7 +329,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return caller_.answer_value(
         role_for(Verb::ApplyTransition), context,
-        [&service = service(), text = as_string(params.getText()), file = as_string(params.getFile()),
+        [&service = service_, text = as_string(params.getText()), file = as_string(params.getFile()),
          deadline = deadline_after(params.getTimeout())] {
           return service.apply_transition(text, file, deadline);
         });
@@ -334,14 +337,14 @@ class RobotServer final : public DecodingServer<wire::Robot> {
 
   kj::Promise<void> resetBelief(ResetBeliefContext context) override {
     return caller_.answer_value(role_for(Verb::ResetBelief), context,
-                                [&service = service()] { return as_value(service.reset_belief()); });
+                                [&service = service_] { return as_value(service.reset_belief()); });
   }
 
   kj::Promise<void> setProperty(SetPropertyContext context) override {
     const auto params = context.getParams();
     return answer_holder(
         role_for(Verb::Set), params.getSender().getLease(), context,
-        [&service = service(), task = as_string(params.getTask()), property = as_string(params.getProperty()),
+        [&service = service_, task = as_string(params.getTask()), property = as_string(params.getProperty()),
          value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!value) return value.error();
@@ -353,7 +356,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return answer_holder(
         role_for(Verb::Write), params.getSender().getLease(), context,
-        [&service = service(), task = as_string(params.getTask()), port = as_string(params.getPort()),
+        [&service = service_, task = as_string(params.getTask()), port = as_string(params.getPort()),
          value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!value) return value.error();
@@ -365,7 +368,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return answer_holder(
         role_for(Verb::Call), params.getSender().getLease(), context,
-        [&service = service(), task = as_string(params.getTask()),
+        [&service = service_, task = as_string(params.getTask()),
          operation = as_string(params.getOperation()), arguments = decode(params.getArguments(), kMaxNodes),
          sender = sender_of(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
@@ -378,7 +381,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return answer_stream(
         caller_, role_for(Verb::OpenPort), context,
-        [&service = service(), task = as_string(params.getTask()), port = as_string(params.getPort()),
+        [&service = service_, task = as_string(params.getTask()), port = as_string(params.getPort()),
          buffer = std::clamp<std::size_t>(params.getBuffer(), 1, kMaxBuffer)] {
           return service.open_port(task, port, buffer);
         });
@@ -386,22 +389,22 @@ class RobotServer final : public DecodingServer<wire::Robot> {
 
   kj::Promise<void> events(EventsContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        role_for(Verb::Events), context,
-        [&core = caller_.core(), after = params.getAfter(), deadline = deadline_after(params.getWait())] {
-          return wait_for_events(core, after, deadline);
-        });
+    return caller_.answer_value(role_for(Verb::Events), context,
+                                [&service = service_, &stopping = caller_.core().stopping,
+                                 after = params.getAfter(), deadline = deadline_after(params.getWait())] {
+                                  return wait_for_events(service, stopping, after, deadline);
+                                });
   }
 
   kj::Promise<void> history(HistoryContext context) override {
     return caller_.answer_value(role_for(Verb::History), context,
-                                [&service = service()] { return service.history(); });
+                                [&service = service_] { return service.history(); });
   }
 
   kj::Promise<void> past(PastContext context) override {
     return caller_.answer_value(role_for(Verb::Past), context,
-                                [&service = service(), question = decode(context.getParams().getQuestion(),
-                                                                         kMaxNodes)]() -> Result<Value> {
+                                [&service = service_, question = decode(context.getParams().getQuestion(),
+                                                                        kMaxNodes)]() -> Result<Value> {
                                   if (!question) return question.error();
                                   return service.past(*question);
                                 });
@@ -409,29 +412,42 @@ class RobotServer final : public DecodingServer<wire::Robot> {
 
   kj::Promise<void> shutDown(ShutDownContext context) override {
     return caller_.answer_value(role_for(Verb::ShutDown), context,
-                                [&service = service()] { return as_value(service.shut_down()); });
+                                [&service = service_] { return as_value(service.shut_down()); });
   }
 
  private:
   /// As Caller::answer_value(), for a call that names a lease: PermissionDenied where it is of somebody else.
   template <class Context, class Job>
   kj::Promise<void> answer_holder(Role needed, std::uint64_t lease, Context context, Job job) {
-    const auto refusal = caller_.core().lease_owners.refusal(lease, peer());
+    const auto refusal = lease_owners_.refusal(lease, peer());
     if (!refusal) return caller_.answer_value(needed, context, std::move(job));
     encode(*refusal, context.getResults().initAnswer().initError());
     return kj::READY_NOW;
   }
 
   [[nodiscard]] const Peer& peer() const { return caller_.client()->peer; }
-  [[nodiscard]] RobotService& service() const { return caller_.core().service<RobotService>(); }
 
   Caller caller_;
+  RobotService& service_;
+  LeaseOwners& lease_owners_;
+};
+
+class OfferedRobot final : public OfferedService {
+ public:
+  explicit OfferedRobot(RobotService& service) : OfferedService(kRobotKind), service_(service) {}
+  capnp::Capability::Client make_server(const Caller& caller) override {
+    return wire::Robot::Client(kj::heap<RobotServer>(caller, service_, lease_owners_));
+  }
+
+ private:
+  RobotService& service_;
+  LeaseOwners lease_owners_;
 };
 
 }  // namespace
 
-capnp::Capability::Client make_robot_server(const Caller& caller) {
-  return wire::Robot::Client(kj::heap<RobotServer>(caller));
+std::unique_ptr<OfferedService> offer(RobotService& service) {
+  return std::make_unique<OfferedRobot>(service);
 }
 
 }  // namespace segue::control::detail

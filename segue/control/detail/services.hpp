@@ -1,15 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/detail/caller.hpp>
+#include <segue/rpc/detail/offered_service.hpp>
 
-/// The servers of the schemas' interfaces: each offers a service to one client. Only for use in the event
-/// loop.
+#include <memory>
+
+namespace segue::deploy {
+class DeploymentService;
+}
+namespace segue::process_server {
+class ProcessService;
+}
+namespace segue::distributed {
+class HostService;
+}
+namespace segue::control {
+class RobotService;
+}
+
+/// The services of the protocol, each behind the server of its interface in a schema.
 namespace segue::control::detail {
 
-capnp::Capability::Client make_robot_server(const Caller& caller);
-capnp::Capability::Client make_deployment_server(const Caller& caller);
-capnp::Capability::Client make_processes_server(const Caller& caller);
-capnp::Capability::Client make_host_server(const Caller& caller);
+inline constexpr ServiceKind kRobotKind{"robot", "the robot"};
+/// An offer of memory has two descriptors; no other message has any.
+inline constexpr ServiceKind kDeploymentKind{"deployment", "the deployment process", 2};
+inline constexpr ServiceKind kProcessesKind{"processes", "the process server"};
+inline constexpr ServiceKind kHostKind{"host", "the host"};
+
+std::unique_ptr<OfferedService> offer(RobotService& service);
+std::unique_ptr<OfferedService> offer(deploy::DeploymentService& service);
+std::unique_ptr<OfferedService> offer(process_server::ProcessService& service);
+std::unique_ptr<OfferedService> offer(distributed::HostService& service);
 
 }  // namespace segue::control::detail

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/detail/ask_later.hpp>
 #include <segue/control/detail/stream_client.hpp>
+#include <segue/rpc/detail/ask_later.hpp>
 
 #include <algorithm>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/detail/answer_later.hpp>
 #include <segue/control/detail/stream_server.hpp>
+#include <segue/rpc/detail/answer_later.hpp>
 
 namespace segue::control::detail {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/detail/caller.hpp>
+#include <segue/rpc/detail/caller.hpp>
 
 #include <algorithm>
 #include <memory>

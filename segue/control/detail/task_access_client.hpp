@@ -2,11 +2,11 @@
 #pragma once
 
 #include <segue/control/detail/batch_client.hpp>
-#include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/stream_client.hpp>
-#include <segue/control/detail/tasks_wire.hpp>
 #include <segue/control/detail/watch_client.hpp>
 #include <segue/deploy/task_access.hpp>
+#include <segue/rpc/detail/rpc_channel.hpp>
+#include <segue/rpc_codecs/tasks_wire.hpp>
 
 #include <algorithm>
 #include <cstdint>

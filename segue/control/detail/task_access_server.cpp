@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/stream_server.hpp>
 #include <segue/control/detail/task_access_server.hpp>
-#include <segue/control/detail/tasks_wire.hpp>
 #include <segue/control/detail/watch_server.hpp>
 #include <segue/control/reader_stream.hpp>
+#include <segue/rpc_codecs/tasks_wire.hpp>
 
 #include <algorithm>
 #include <memory>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/tasks.capnp.h>
+#include <segue/rpc_codecs/tasks.capnp.h>
 #include <segue/control/detail/batch_server.hpp>
-#include <segue/control/detail/caller.hpp>
 #include <segue/deploy/task_access.hpp>
+#include <segue/rpc/detail/caller.hpp>
 
 #include <memory>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/detail/answer_later.hpp>
-#include <segue/control/detail/tasks_wire.hpp>
+#include <segue/rpc/detail/answer_later.hpp>
+#include <segue/rpc_codecs/tasks_wire.hpp>
 #include <segue/task_host/task_level.hpp>
 
 #include <stop_token>

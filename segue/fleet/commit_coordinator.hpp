@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/fleet/fleet.hpp>
+#include <segue/fleet/remote_connector.hpp>
+#include <segue/model/transition.hpp>
+#include <segue/sample_link/commit_page.hpp>
+
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+
+namespace segue::deploy::detail {
+
+/// Lets connections begin and end with the commit of a transition, in all processes at the same instant: a
+/// store to the page that all of them map. Before it, each process concerned gets one message that says which
+/// of its connections end; after it, one that lets it drop what is not needed any more. Neither is waited for
+/// by the tasks. Thread safe; no lock is held while a process is called.
+class CommitCoordinator {
+ public:
+  CommitCoordinator(Fleet& fleet, RemoteConnector& connector) : fleet_(fleet), connector_(connector) {}
+
+  /// Connections of these processes wait for the commit.
+  void note_waiting(std::initializer_list<RecordPtr> records);
+
+  /// Before the first action of Commit. A process that was not told which of its connections begin and end is
+  /// an error, unless it has ended and none begins there: the others ended with it.
+  Result<void> arm(const model::Transition& transition, TimePoint deadline);
+  /// The store.
+  void commit();
+  /// Instead of commit(): what was to begin with it is removed.
+  void give_up();
+  /// Tells processes that a transition has ended, if they have not heard of it yet.
+  void settle();
+
+ private:
+  struct Part {
+    bool begins = false;  ///< a connection of the process begins with the commit
+    ArmCommit what{};
+  };
+  using Parts = std::map<RecordPtr, Part>;
+
+  static Result<void> arm(ProcessRecord& process, const Part& part, TimePoint deadline);
+  [[nodiscard]] Parts parts_of(const model::Transition& transition) const;
+  void add_ending(const model::Connection& connection, Parts& parts) const;
+  Result<std::shared_ptr<sample_link::CommitPage>> page();
+
+  Fleet& fleet_;
+  RemoteConnector& connector_;
+  mutable std::mutex mutex_;                       ///< protects all below
+  std::shared_ptr<sample_link::CommitPage> page_;  ///< made for the first transition
+  std::uint64_t armed_ = 0;                        ///< the number of the transition that is armed; 0: none
+  std::set<RecordPtr> waiting_;                    ///< processes that have to learn how it ended
+};
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/fleet/connection_batch.hpp>
+#include <segue/fleet/connection_claims.hpp>
+#include <segue/fleet/damage_log.hpp>
+#include <segue/fleet/fleet.hpp>
+#include <segue/fleet/peer_mapping.hpp>
+#include <segue/model/network.hpp>
+
+#include <map>
+#include <mutex>
+#include <set>
+#include <span>
+#include <vector>
+
+namespace segue::deploy::detail {
+
+/// Connects and disconnects tasks of different processes, many connections in a few rounds of messages. Each
+/// batch claims its connections, since remove_orphaned() would take the first endpoint of one that is just
+/// being made for an orphan; batches with other connections go on beside it. Thread safe; functions block
+/// until their deadline at most.
+class RemoteConnector {
+ public:
+  explicit RemoteConnector(Fleet& fleet) : fleet_(fleet) {}
+
+  /// Makes processes map each other's memory ahead of connecting them. Failures are ignored: connect() tries
+  /// again.
+  void map_peers(const std::vector<ProcessPair>& pairs, TimePoint deadline);
+  /// As connect_all(). Endpoints that a dead process left in the way are removed first.
+  std::vector<Result<void>> connect(std::span<const RemoteConnection> connections, TimePoint deadline);
+  /// As disconnect_all().
+  std::vector<Result<void>> disconnect(std::span<const RemoteConnection> connections, TimePoint deadline);
+  /// Closes endpoints whose counterparts are gone and dormant ones, but none of a connection that is just
+  /// being worked on or that waits for the commit of the present transition.
+  void remove_orphaned(TimePoint deadline);
+  /// What was ended because its memory was overwritten, and is missing since, `seen` included.
+  std::vector<task_host::ConnectionReport> note_damage(const MergedView& seen);
+  /// The connection ends with the commit of the present transition, which disconnects it afterwards.
+  void will_end(const model::Connection& connection);
+  /// The transition has committed, so no connection waits for it any more; it was given up, so those that
+  /// would have begun are removed; it is over, so what has ended with it and is still there is an orphan.
+  void settle();
+  void give_up(TimePoint deadline);
+  void conclude();
+
+ private:
+  void close_orphaned(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline);
+  void remove_blocking_endpoints(std::span<const RemoteConnection> connections,
+                                 const std::vector<Result<void>>& outcomes, TimePoint deadline);
+
+  void forget_ending();
+  using Waiting = std::map<ConnectionClaims::Key, RemoteConnection>;
+  void add_waiting(std::span<const RemoteConnection> connections);
+  [[nodiscard]] std::set<ConnectionClaims::Key> in_transition() const;
+  Waiting take_waiting();
+
+  Fleet& fleet_;
+  ConnectionClaims claims_;
+  DamageLog damage_;
+  mutable std::mutex mutex_;
+  Waiting waiting_;                         ///< connections that begin with the commit; protected by mutex_
+  std::set<ConnectionClaims::Key> ending_;  ///< those that end with it; likewise
+};
+
+}  // namespace segue::deploy::detail

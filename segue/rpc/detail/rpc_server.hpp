@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/descriptor.hpp>
+#include <segue/base/result.hpp>
+#include <segue/rpc/detail/offered_service.hpp>
+#include <segue/rpc/endpoint.hpp>
+
+#include <cstdint>
+#include <memory>
+
+namespace segue::control::detail {
+
+/// Serves one service from a thread of its own, as control::Server says, which is this for the services that
+/// there are.
+class RpcServer {
+ public:
+  /// As Server::listen().
+  static Result<std::unique_ptr<RpcServer>> listen(const Places& places,
+                                                   std::unique_ptr<OfferedService> service);
+  /// As Server::serve().
+  static Result<std::unique_ptr<RpcServer>> serve(Descriptor listening,
+                                                  std::unique_ptr<OfferedService> service);
+  /// Refuses new calls, waits for those in progress (until their deadlines at most) and sends their answers,
+  /// then closes all clients and removes the socket that listen() made.
+  ~RpcServer();
+
+  /// The port of TCP; 0 where it does not listen there.
+  [[nodiscard]] std::uint16_t port() const;
+
+ private:
+  struct Implementation;
+  explicit RpcServer(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::control::detail
