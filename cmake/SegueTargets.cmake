@@ -38,6 +38,10 @@ if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # A class whose implementation is private to one source is no danger here, though gcc takes that source for a header.
   target_compile_options(segue_flags INTERFACE -Wno-subobject-linkage)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # What a mutex protects is touched only while it is held (segue/base/mutex.hpp).
+  target_compile_options(segue_flags INTERFACE -Wthread-safety)
+endif()
 if(SEGUE_WERROR)
   target_compile_options(segue_flags INTERFACE -Werror)
 endif()

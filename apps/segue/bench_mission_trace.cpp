@@ -68,7 +68,7 @@ std::optional<double> RobotClock::at(TimePoint when) const {
 void MissionTrace::observe(const mission::StateEvent& event) {
   if (event.is_container) return;
   const TimePoint now = monotonic_now();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (event.kind == mission::StateEvent::Kind::Began) {
     open_.push_back({std::string(event.path), event.iteration, now});
     return;
@@ -87,7 +87,11 @@ void MissionTrace::observe(const mission::StateEvent& event) {
 }
 
 Duration MissionTrace::idle(TimePoint begin, TimePoint end) const {
-  auto intervals = under_way_;
+  std::vector<std::pair<TimePoint, TimePoint>> intervals;
+  {
+    const Lock lock(mutex_);
+    intervals = under_way_;
+  }
   std::ranges::sort(intervals);
   Duration idle{};
   TimePoint until = begin;
@@ -143,6 +147,7 @@ class Replay final : public mission::ActionRunner {
 std::shared_ptr<mission::ActionRunner> MissionTrace::replay(
     const std::function<double(TimePoint)>& time) const {
   EndedByPath ended;
+  const Lock lock(mutex_);
   for (const auto& [path, executions] : executions_) {
     for (const Execution& execution : executions) {
       const std::chrono::duration<double> seconds(time(execution.ended) - time(execution.began));

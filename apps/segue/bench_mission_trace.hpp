@@ -2,13 +2,13 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/commanded_robot.hpp>
 
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -70,12 +70,12 @@ class MissionTrace {
     TimePoint began;
   };
 
-  std::mutex mutex_;  ///< protects what follows
-  std::vector<Open> open_;
-  std::vector<std::pair<TimePoint, TimePoint>> under_way_;
+  mutable Mutex mutex_;  ///< protects what follows
+  std::vector<Open> open_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<std::pair<TimePoint, TimePoint>> under_way_ SEGUE_GUARDED_BY(mutex_);
   /// By path, in the order in which their iterations ended first. Of several with one iteration the last,
   /// which is the one that counts. Modes and loops count iterations in different ways.
-  std::map<std::string, std::vector<Execution>> executions_;
+  std::map<std::string, std::vector<Execution>> executions_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::cli

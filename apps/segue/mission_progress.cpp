@@ -55,7 +55,7 @@ MissionProgress::MissionProgress(std::string name, Style style, bool with_time, 
     : name_(std::move(name)), style_(style), with_time_(with_time), plan_(std::move(plan)) {
   if (style_ != Style::Block) return;
   set_log_sink([this](LogLevel level, std::string_view source, std::string_view message) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     clear_block();
     print_error_line(fmt::format("{}: {}: {}", to_string(level), source, message));
   });
@@ -65,18 +65,18 @@ MissionProgress::MissionProgress(std::string name, Style style, bool with_time, 
 MissionProgress::~MissionProgress() {
   if (style_ == Style::Block) set_log_sink({});
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
   if (thread_.joinable()) thread_.join();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   clear_block();
 }
 
 void MissionProgress::observe(const mission::StateEvent& event) {
   if (style_ == Style::None) return;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (style_ != Style::Block) return print_event(event);
   if (event.is_container) return;
   const TimePoint now = RealClock::instance().now();
@@ -102,7 +102,7 @@ void MissionProgress::observe(const mission::StateEvent& event) {
 }
 
 void MissionProgress::note(const std::string& text) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   clear_block();
   print_note(text);
 }
@@ -128,10 +128,11 @@ void MissionProgress::print_event(const mission::StateEvent& event) const {
 }
 
 void MissionProgress::refresh() {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   while (!stopping_) {
-    wake_.wait_for(lock, kRefresh, [&] { return stopping_ || is_stale_; });
-    if (is_stale_) wake_.wait_for(lock, kBetweenDrawings, [&] { return stopping_; });
+    wake_.wait_for(mutex_, kRefresh, [&]() SEGUE_REQUIRES(mutex_) { return stopping_ || is_stale_; });
+    if (is_stale_)
+      wake_.wait_for(mutex_, kBetweenDrawings, [&]() SEGUE_REQUIRES(mutex_) { return stopping_; });
     if (!stopping_) draw_block();
   }
 }

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/action_runner.hpp>
 
-#include <condition_variable>
 #include <cstddef>
 #include <map>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -43,9 +43,9 @@ class MissionProgress {
   void print_event(const mission::StateEvent& event) const;
   /// Redraws the block while time passes, though nothing happens.
   void refresh();
-  void draw_block();
-  void clear_block();
-  [[nodiscard]] std::vector<std::string> lines() const;
+  void draw_block() SEGUE_REQUIRES(mutex_);
+  void clear_block() SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] std::vector<std::string> lines() const SEGUE_REQUIRES(mutex_);
   [[nodiscard]] double seconds_since(TimePoint when) const;
 
   const std::string name_;
@@ -53,17 +53,17 @@ class MissionProgress {
   const bool with_time_;
   const TimePoint begin_ = RealClock::instance().now();
 
-  std::mutex mutex_;  ///< protects all below
-  PlannedNodes plan_;
-  std::map<std::string, TimePoint> running_;
-  std::size_t ended_ = 0;
-  std::string last_;       ///< the last one to end, and how
-  std::size_t shown_ = 0;  ///< lines of the block that is on the terminal
-  double credit_ = 0;      ///< how many drawings may follow at once
-  TimePoint seen_{};       ///< the last event
-  bool is_stale_ = false;  ///< the block does not show the last event yet
-  bool stopping_ = false;
-  std::condition_variable wake_;
+  Mutex mutex_;  ///< protects all below
+  PlannedNodes plan_ SEGUE_GUARDED_BY(mutex_);
+  std::map<std::string, TimePoint> running_ SEGUE_GUARDED_BY(mutex_);
+  std::size_t ended_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::string last_ SEGUE_GUARDED_BY(mutex_);       ///< the last one to end, and how
+  std::size_t shown_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< lines of the block that is on the terminal
+  double credit_ SEGUE_GUARDED_BY(mutex_) = 0;      ///< how many drawings may follow at once
+  TimePoint seen_ SEGUE_GUARDED_BY(mutex_){};       ///< the last event
+  bool is_stale_ SEGUE_GUARDED_BY(mutex_) = false;  ///< the block does not show the last event yet
+  bool stopping_ SEGUE_GUARDED_BY(mutex_) = false;
+  ConditionVariable wake_;
   std::thread thread_;
 };
 

@@ -43,13 +43,13 @@ std::vector<std::string> texts_in(const Value::List& list) {
 }  // namespace
 
 void MissionRemote::Answers::heard(std::uint64_t number, const Result<void>& outcome) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   note(number, outcome ? std::nullopt : std::optional(outcome.error()));
 }
 
 void MissionRemote::Answers::heard_values(std::uint64_t number, const std::string& path,
                                           const Result<Value>& values) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (values) {
     values_ = *values;
     values_.as_map().set("number", number);
@@ -58,7 +58,6 @@ void MissionRemote::Answers::heard_values(std::uint64_t number, const std::strin
   note(number, values ? std::nullopt : std::optional(values.error()));
 }
 
-/// Requires the lock.
 void MissionRemote::Answers::note(std::uint64_t number, const std::optional<Error>& refused) {
   heard_ = std::max(heard_, number);
   if (refused) problem_ = Value::map({{"number", number}, {"text", refused->message}});
@@ -66,7 +65,7 @@ void MissionRemote::Answers::note(std::uint64_t number, const std::optional<Erro
 }
 
 void MissionRemote::Answers::add_to(type::ValueMap& control) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   control.append("heard", heard_);
   if (!problem_.is_null()) control.append("problem", problem_);
   if (!values_.is_null()) control.append("values", values_);
@@ -94,7 +93,7 @@ void MissionRemote::ended(std::string_view outcome, std::string_view error) {
 void MissionRemote::observe(const mission::StateEvent& event) {
   robot_.record().observe(event);
   if (event.is_container) return;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (event.kind == mission::StateEvent::Kind::Began) {
     running_.emplace(event.path);
     return;
@@ -176,7 +175,7 @@ Value MissionRemote::steering() const {
 
 Value MissionRemote::doing() const {
   Value control = steering();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   Value::List running;
   for (const std::string& path : running_)
     running.emplace_back(path);

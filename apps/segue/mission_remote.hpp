@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/question.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/program.hpp>
@@ -11,7 +12,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <stop_token>
@@ -54,13 +54,13 @@ class MissionRemote {
     void add_to(type::ValueMap& control) const;
 
    private:
-    void note(std::uint64_t number, const std::optional<Error>& refused);
+    void note(std::uint64_t number, const std::optional<Error>& refused) SEGUE_REQUIRES(mutex_);
 
     Bell bell_;
-    mutable std::mutex mutex_;  ///< protects all below
-    std::uint64_t heard_ = 0;
-    type::Value problem_;
-    type::Value values_;
+    mutable Mutex mutex_;  ///< protects all below
+    std::uint64_t heard_ SEGUE_GUARDED_BY(mutex_) = 0;
+    type::Value problem_ SEGUE_GUARDED_BY(mutex_);
+    type::Value values_ SEGUE_GUARDED_BY(mutex_);
   };
 
   void work(const std::stop_token& end);
@@ -76,11 +76,11 @@ class MissionRemote {
   const Plan plan_;
   mission_run::RunControl& control_;
   std::stop_source stop_;
-  const std::shared_ptr<Answers> answers_ = std::make_shared<Answers>();  ///< shared with who answers
-  mutable std::mutex mutex_;                                              ///< protects the next two
-  std::multiset<std::string, std::less<>> running_;                       ///< paths of actions
-  std::uint64_t ended_ = 0;                                               ///< actions
-  std::optional<PlanDetail> to_show_ = PlanDetail::States;                ///< for the thread only
+  const std::shared_ptr<Answers> answers_ = std::make_shared<Answers>();      ///< shared with who answers
+  mutable Mutex mutex_;                                                       ///< protects the next two
+  std::multiset<std::string, std::less<>> running_ SEGUE_GUARDED_BY(mutex_);  ///< paths of actions
+  std::uint64_t ended_ SEGUE_GUARDED_BY(mutex_) = 0;                          ///< actions
+  std::optional<PlanDetail> to_show_ = PlanDetail::States;                    ///< for the thread only
   struct Stopping {
     Answers& answers;
     void operator()() const { answers.bell().ring(); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/server.hpp>
 #include <segue/runtime/embedded_robot.hpp>
@@ -12,7 +13,6 @@
 #include <atomic>
 #include <future>
 #include <memory>
-#include <mutex>
 #include <thread>
 
 #include "connection.hpp"
@@ -62,7 +62,7 @@ class EventPrinter {
 
   /// Prints the text after all events so far; not in JSON, where every line is an event.
   void announce(const std::string& text) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     print_new_locked();
     if (context_.json()) return;
     progress_.clear();
@@ -78,18 +78,18 @@ class EventPrinter {
   }
 
   void print_new() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     print_new_locked();
   }
 
-  void print_new_locked() {
+  void print_new_locked() SEGUE_REQUIRES(mutex_) {
     for (const runtime::Event& event : runtime_.events(last_)) {
       last_ = event.number;
       show(event);
     }
   }
 
-  void show(const runtime::Event& event) {
+  void show(const runtime::Event& event) SEGUE_REQUIRES(mutex_) {
     const bool is_action = event.kind == runtime::EventKind::ActionDone;
     actions_ = is_action ? actions_ + 1 : 0;
     if (context_.json()) return print_json_line(runtime::to_value(event));
@@ -102,10 +102,10 @@ class EventPrinter {
   runtime::Runtime& runtime_;
   const Context& context_;
   bool verbose_;
-  std::mutex mutex_;  ///< serialises printing; protects actions_ and progress_
+  Mutex mutex_;  ///< serialises printing; protects actions_ and progress_
   std::atomic<std::uint64_t> last_{0};
-  int actions_ = 0;
-  Progress progress_;
+  int actions_ SEGUE_GUARDED_BY(mutex_) = 0;
+  Progress progress_ SEGUE_GUARDED_BY(mutex_);
   std::atomic<bool> ended_{false};
   std::thread thread_;
 };

@@ -79,7 +79,7 @@ void StopSignal::listen(int input) {
 
 void StopSignal::request(const std::string& reason) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!reason_) reason_ = reason;
     changed_.notify_all();
   }
@@ -87,17 +87,17 @@ void StopSignal::request(const std::string& reason) {
 }
 
 bool StopSignal::requested() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return reason_.has_value();
 }
 
 std::optional<std::string> StopSignal::wait(std::optional<TimePoint> deadline) {
-  std::unique_lock lock(mutex_);
-  const auto stopped = [this] { return reason_.has_value(); };
+  Lock lock(mutex_);
+  const auto stopped = [this]() SEGUE_REQUIRES(mutex_) { return reason_.has_value(); };
   if (deadline) {
-    changed_.wait_until(lock, *deadline, stopped);
+    changed_.wait_until(mutex_, *deadline, stopped);
   } else {
-    changed_.wait(lock, stopped);
+    changed_.wait(mutex_, stopped);
   }
   return reason_;
 }

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 
-#include <condition_variable>
 #include <csignal>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -36,9 +36,9 @@ class StopSignal {
  private:
   void listen(int input);
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::optional<std::string> reason_;
+  Mutex mutex_;
+  ConditionVariable changed_;
+  std::optional<std::string> reason_ SEGUE_GUARDED_BY(mutex_);
   std::stop_source stop_;
   bool signalled_ = false;  ///< used by the listener thread only, until it has ended
   int wake_ = -1;

@@ -17,18 +17,18 @@ RealClock& RealClock::instance() {
 }
 
 TimePoint VirtualClock::now() const {
-  std::scoped_lock lock(mutex_);
+  Lock lock(mutex_);
   return now_;
 }
 
 void VirtualClock::sleep_until(TimePoint when) {
-  std::unique_lock lock(mutex_);
-  moved_.wait(lock, [&] { return now_ >= when; });
+  Lock lock(mutex_);
+  moved_.wait(mutex_, [&]() SEGUE_REQUIRES(mutex_) { return now_ >= when; });
 }
 
 void VirtualClock::advance(Duration step) {
   {
-    std::scoped_lock lock(mutex_);
+    Lock lock(mutex_);
     now_ += step;
   }
   moved_.notify_all();

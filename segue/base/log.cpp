@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/printable.hpp>
 #include <segue/base/recent_log.hpp>
 
 #include <array>
 #include <atomic>
 #include <cstdio>
-#include <mutex>
 #include <utility>
 
 namespace segue {
@@ -15,7 +15,7 @@ namespace {
 std::atomic<LogLevel> threshold{LogLevel::Info};
 
 struct Output {
-  std::mutex mutex;  ///< guards sink, and is held while it is called
+  Mutex mutex;  ///< guards sink, and is held while it is called
   LogSink sink;
 };
 
@@ -35,7 +35,7 @@ std::string_view to_string(LogLevel level) {
 void log(LogLevel level, std::string_view source, std::string_view message) {
   if (level < threshold.load(std::memory_order_relaxed)) return;
   detail::keep_line(level, source, message);
-  std::scoped_lock lock(output().mutex);
+  Lock lock(output().mutex);
   if (output().sink) {
     output().sink(level, source, message);
     return;
@@ -50,7 +50,7 @@ void set_log_level(LogLevel level) {
 }
 
 void set_log_sink(LogSink sink) {
-  std::scoped_lock lock(output().mutex);
+  Lock lock(output().mutex);
   output().sink = std::move(sink);
 }
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <utility>
@@ -20,21 +20,21 @@ namespace segue {
 class Bell {
  public:
   void ring() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     rung_ = true;
     changed_.notify_all();
   }
   /// Until it has been rung since the last call, or the wait ends.
   void wait(const Wait& wait) {
-    std::unique_lock lock(mutex_);
-    changed_.wait_until(lock, wait.stop, wait.deadline, [this] { return rung_; });
+    Lock lock(mutex_);
+    changed_.wait_until(mutex_, wait.stop, wait.deadline, [this]() SEGUE_REQUIRES(mutex_) { return rung_; });
     rung_ = false;
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  bool rung_ = false;
+  Mutex mutex_;
+  StoppableConditionVariable changed_;
+  bool rung_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 /// One question at a time. The answer rings a bell and is kept until it is taken. One thread uses this.
@@ -55,7 +55,7 @@ class Question {
     slot_ = std::make_shared<Slot>();
     ask(Wait(deadline, stop_.get_token()), Answer([slot = slot_, bell = bell_](Result<T> answer) {
           {
-            const std::lock_guard lock(slot->mutex);
+            const Lock lock(slot->mutex);
             slot->answer = std::move(answer);
           }
           bell->ring();
@@ -67,7 +67,7 @@ class Question {
     if (!slot_) return std::nullopt;
     std::optional<Result<T>> answer;
     {
-      const std::lock_guard lock(slot_->mutex);
+      const Lock lock(slot_->mutex);
       answer = std::move(slot_->answer);
     }
     if (answer) slot_.reset();
@@ -76,8 +76,8 @@ class Question {
 
  private:
   struct Slot {
-    std::mutex mutex;
-    std::optional<Result<T>> answer;
+    Mutex mutex;
+    std::optional<Result<T>> answer SEGUE_GUARDED_BY(mutex);
   };
   std::shared_ptr<Bell> bell_;
   std::stop_source stop_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/base/recent_log.hpp>
 #include <segue/base/utf8.hpp>
 
@@ -6,7 +7,6 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
 
 namespace segue {
 
@@ -17,9 +17,10 @@ constexpr std::size_t kKeptSources = 256;
 constexpr std::size_t kLongestLine = 2000;  ///< bytes
 
 struct Kept {
-  std::mutex mutex;  ///< guards the members below
-  std::uint64_t last = 0;
-  std::map<std::string, std::deque<LogLine>, std::less<>> lines;  ///< by source; none is empty
+  Mutex mutex;  ///< guards the members below
+  std::uint64_t last SEGUE_GUARDED_BY(mutex) = 0;
+  /// By source; none is empty.
+  std::map<std::string, std::deque<LogLine>, std::less<>> lines SEGUE_GUARDED_BY(mutex);
 };
 
 /// Never destroyed: threads may log while the process exits.
@@ -31,14 +32,14 @@ Kept& kept() {
 }  // namespace
 
 std::vector<LogLine> recent_log(std::string_view source) {
-  const std::scoped_lock lock(kept().mutex);
+  const Lock lock(kept().mutex);
   const auto found = kept().lines.find(source);
   if (found == kept().lines.end()) return {};
   return {found->second.begin(), found->second.end()};
 }
 
 void detail::keep_line(LogLevel level, std::string_view source, std::string_view message) {
-  const std::scoped_lock lock(kept().mutex);
+  const Lock lock(kept().mutex);
   auto& lines = kept().lines;
   auto found = lines.find(source);
   if (found == lines.end()) {

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-
-#include <condition_variable>
-#include <mutex>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 
 namespace segue {
 
@@ -17,9 +16,9 @@ class VirtualClock final : public Clock {
   void advance(Duration step);
 
  private:
-  mutable std::mutex mutex_;  ///< guards now_
-  std::condition_variable moved_;
-  TimePoint now_{};
+  mutable Mutex mutex_;  ///< guards now_
+  ConditionVariable moved_;
+  TimePoint now_ SEGUE_GUARDED_BY(mutex_){};
 };
 
 }  // namespace segue

@@ -20,7 +20,7 @@ constexpr Duration kFarAway = std::chrono::milliseconds(100);
 }  // namespace
 
 void DeadlineWatch::add(EntryPtr entry, TimePoint due) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (closed_ || !alarm_.works()) {
     return;
   }
@@ -39,7 +39,7 @@ void DeadlineWatch::add(EntryPtr entry, TimePoint due) {
 }
 
 void DeadlineWatch::remove(const EntryPtr& entry) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found =
       std::find_if(items_.begin(), items_.end(), [&](const Item& item) { return item.entry == entry; });
   if (found == items_.end()) {
@@ -52,7 +52,6 @@ void DeadlineWatch::remove(const EntryPtr& entry) {
   }
 }
 
-/// With the mutex held.
 void DeadlineWatch::set_alarm() {
   TimePoint first = TimePoint::max();
   for (const auto& item : items_) {
@@ -63,7 +62,7 @@ void DeadlineWatch::set_alarm() {
 
 std::vector<DeadlineWatch::EntryPtr> DeadlineWatch::due_at(TimePoint time) {
   std::vector<EntryPtr> due;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   alarm_.gone_off();
   for (const auto& item : items_) {
     if (item.due <= time) {
@@ -78,21 +77,21 @@ void DeadlineWatch::watch() {
     const TimePoint time = monotonic_now();
     for (const auto& entry : due_at(time)) {
       const TimePoint next = entry->on_due(time);
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       std::erase_if(items_,
                     [&](const Item& item) { return item.entry == entry && next == TimePoint::max(); });
       for (auto& item : items_) {
         item.due = item.entry == entry ? next : item.due;
       }
     }
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     set_alarm();
   }
 }
 
 void DeadlineWatch::close() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     closed_ = true;
     if (!thread_.joinable()) {
       return;  // no thread waits for the alarm, and none is started any more

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/alarm.hpp>
 
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -45,12 +45,12 @@ class DeadlineWatch {
   void watch();
   /// The alarm has gone off: those whose time has come.
   std::vector<EntryPtr> due_at(TimePoint time);
-  void set_alarm();
+  void set_alarm() SEGUE_REQUIRES(mutex_);
 
-  std::mutex mutex_;  ///< protects all below
-  std::vector<Item> items_;
-  bool closed_ = false;
-  Alarm alarm_;  ///< wait() is called without the mutex
+  Mutex mutex_;  ///< protects what names it
+  std::vector<Item> items_ SEGUE_GUARDED_BY(mutex_);
+  bool closed_ SEGUE_GUARDED_BY(mutex_) = false;
+  Alarm alarm_;  ///< is set under the mutex; the thread waits without it
   std::thread thread_;
 };
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/thread.hpp>
 
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <exception>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
@@ -33,12 +33,12 @@ class Notifier {
   /// Replaces the listener; an empty one ends the thread. No call of the previous listener is in progress
   /// when this returns. Must not be called by a listener.
   void set_listener(Listener listener) {
-    const std::lock_guard setting(setting_);
+    const Lock setting(setting_);
     halt();
     if (!listener) {
       return;
     }
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     listener_ = std::move(listener);
     running_ = true;
     thread_ = start_thread("segue-events", [this] { run(); });
@@ -47,7 +47,7 @@ class Notifier {
   /// Returns at once.
   void post(Event event) {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       waiting_.push_back(std::move(event));
       ++posted_;
       if (!running_) {
@@ -60,14 +60,13 @@ class Notifier {
   /// Waits until all that was posted before has been passed on, or there is no listener. Must not be called
   /// by a listener, and waits as long as one takes.
   void drain() {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     const std::uint64_t last = posted_;
-    changed_.wait(lock, [&] { return !running_ || passed_ >= last; });
+    changed_.wait(mutex_, [&]() SEGUE_REQUIRES(mutex_) { return !running_ || passed_ >= last; });
   }
 
  private:
-  /// With the mutex held.
-  void drop_oldest() {
+  void drop_oldest() SEGUE_REQUIRES(mutex_) {
     while (waiting_.size() > kept_) {
       waiting_.pop_front();
       ++passed_;
@@ -76,7 +75,7 @@ class Notifier {
 
   void halt() {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       running_ = false;
       drop_oldest();
     }
@@ -87,9 +86,9 @@ class Notifier {
   }
 
   void run() {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     while (true) {
-      changed_.wait(lock, [&] { return !running_ || !waiting_.empty(); });
+      changed_.wait(mutex_, [&]() SEGUE_REQUIRES(mutex_) { return !running_ || !waiting_.empty(); });
       if (!running_) {
         return;
       }
@@ -108,13 +107,13 @@ class Notifier {
   }
 
   const std::size_t kept_;
-  std::mutex setting_;  ///< protects thread_ and listener_: one set_listener() at a time
-  std::mutex mutex_;    ///< protects waiting_, the counters and running_
-  std::condition_variable changed_;
-  std::deque<Event> waiting_;
-  std::uint64_t posted_ = 0;
-  std::uint64_t passed_ = 0;  ///< to the listener, or dropped
-  bool running_ = false;
+  Mutex setting_;  ///< one set_listener() at a time
+  Mutex mutex_;
+  ConditionVariable changed_;
+  std::deque<Event> waiting_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t posted_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t passed_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< to the listener, or dropped
+  bool running_ SEGUE_GUARDED_BY(mutex_) = false;
   Listener listener_;  ///< only changed while there is no thread
   std::thread thread_;
 };

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 
 #include <segue/base/log.hpp>
 #include <segue/concurrent/thread.hpp>
 
-#include <condition_variable>
 #include <deque>
-#include <mutex>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -21,7 +21,7 @@ class Round {
   explicit Round(std::vector<ThreadPool::Job> jobs) : jobs_(std::move(jobs)) {}
 
   void take_part() {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     while (next_ < jobs_.size()) {
       const auto& mine = jobs_[next_++];
       lock.unlock();
@@ -34,23 +34,23 @@ class Round {
   }
 
   void wait() {
-    std::unique_lock lock(mutex_);
-    all_done_.wait(lock, [&] { return done_ == jobs_.size(); });
+    Lock lock(mutex_);
+    all_done_.wait(mutex_, [&]() SEGUE_REQUIRES(mutex_) { return done_ == jobs_.size(); });
   }
 
  private:
   const std::vector<ThreadPool::Job> jobs_;
-  std::mutex mutex_;  ///< protects the counters
-  std::condition_variable all_done_;
+  Mutex mutex_;  ///< protects the counters
+  ConditionVariable all_done_;
   std::size_t next_ = 0;
   std::size_t done_ = 0;
 };
 
 /// A job whose end somebody waits for until a deadline.
 struct Awaited {
-  std::mutex mutex;  ///< protects both flags
-  std::condition_variable ended;
-  bool done = false;
+  Mutex mutex;  ///< protects both flags
+  ConditionVariable ended;
+  bool done SEGUE_GUARDED_BY(mutex) = false;
   bool overdue = false;
 };
 
@@ -61,28 +61,28 @@ struct ThreadPool::Implementation : std::enable_shared_from_this<Implementation>
   Implementation(const char* thread_name, Limits most) : name(thread_name), limits(most) {}
 
   bool enter(Job job, bool at_once);
-  bool add_thread();
+  bool add_thread() SEGUE_REQUIRES(mutex);
   void serve();
   void add_overdue(std::ptrdiff_t count) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     overdue += count;
   }
 
   const char* const name;
   const Limits limits;
-  std::mutex mutex;                 ///< protects all below
-  std::condition_variable changed;  ///< there is a job, or the pool is closed
-  std::condition_variable left;     ///< a thread has ended
-  std::deque<Job> jobs;
-  std::size_t threads = 0;
-  std::size_t idle = 0;
-  std::ptrdiff_t overdue = 0;
-  bool closed = false;
+  Mutex mutex;                ///< protects all below
+  ConditionVariable changed;  ///< there is a job, or the pool is closed
+  ConditionVariable left;     ///< a thread has ended
+  std::deque<Job> jobs SEGUE_GUARDED_BY(mutex);
+  std::size_t threads SEGUE_GUARDED_BY(mutex) = 0;
+  std::size_t idle SEGUE_GUARDED_BY(mutex) = 0;
+  std::ptrdiff_t overdue SEGUE_GUARDED_BY(mutex) = 0;
+  bool closed SEGUE_GUARDED_BY(mutex) = false;
 };
 
 bool ThreadPool::Implementation::enter(Job job, bool at_once) {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (closed) {
       return false;
     }
@@ -111,7 +111,7 @@ bool ThreadPool::Implementation::add_thread() {
 }
 
 void ThreadPool::Implementation::serve() {
-  std::unique_lock lock(mutex);
+  Lock lock(mutex);
   while (true) {
     if (!jobs.empty()) {
       Job job = std::move(jobs.front());
@@ -124,7 +124,7 @@ void ThreadPool::Implementation::serve() {
       break;
     } else {
       ++idle;
-      changed.wait(lock, [&] { return closed || !jobs.empty(); });
+      changed.wait(mutex, [&]() SEGUE_REQUIRES(mutex) { return closed || !jobs.empty(); });
       --idle;
     }
   }
@@ -165,7 +165,7 @@ Result<void> ThreadPool::run(Job job, TimePoint deadline) {
   const bool begun = submit([awaited, job = std::move(job), pool = implementation_]() mutable {
     job();
     job = nullptr;
-    const std::lock_guard lock(awaited->mutex);
+    const Lock lock(awaited->mutex);
     awaited->done = true;
     if (awaited->overdue) {
       pool->add_overdue(-1);
@@ -175,8 +175,9 @@ Result<void> ThreadPool::run(Job job, TimePoint deadline) {
   if (!begun) {
     return fail(ErrorCode::Unavailable, "there is no thread for it");
   }
-  std::unique_lock lock(awaited->mutex);
-  if (!awaited->ended.wait_until(lock, deadline, [&] { return awaited->done; })) {
+  Lock lock(awaited->mutex);
+  if (!awaited->ended.wait_until(awaited->mutex, deadline,
+                                 [&]() SEGUE_REQUIRES(awaited->mutex) { return awaited->done; })) {
     awaited->overdue = true;
     add_overdue(1);
     return fail(ErrorCode::DeadlineExceeded,
@@ -191,10 +192,12 @@ void ThreadPool::add_overdue(std::ptrdiff_t threads) {
 
 void ThreadPool::close() {
   {
-    std::unique_lock lock(implementation_->mutex);
+    Lock lock(implementation_->mutex);
     implementation_->closed = true;
     implementation_->changed.notify_all();
-    implementation_->left.wait(lock, [&] { return implementation_->threads == 0; });
+    implementation_->left.wait(implementation_->mutex, [&]() SEGUE_REQUIRES(implementation_->mutex) {
+      return implementation_->threads == 0;
+    });
   }
   deadlines_.close();
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/detail/services.hpp>
@@ -7,7 +8,6 @@
 #include <segue/rpc/detail/rpc_channel.hpp>
 #include <segue/rpc_codecs/deployment_wire.hpp>
 
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -97,7 +97,7 @@ class ProcessesClient final : public process_server::ProcessService {
   void set_listener(Listener listener) override {
     const bool wanted = listener != nullptr;
     listener_->set(std::move(listener));
-    const std::lock_guard lock(listening_mutex_);
+    const Lock lock(listening_mutex_);
     if (!wanted || listening_) return;
     const auto done = ask<void>(kLookTimeout, [this](wire::Processes::Client processes) {
       auto request = processes.listenRequest();
@@ -118,8 +118,8 @@ class ProcessesClient final : public process_server::ProcessService {
   std::shared_ptr<RpcChannel> channel_;
   std::shared_ptr<detail::CallbackSlot<ProcessInfo>> listener_ =
       std::make_shared<detail::CallbackSlot<ProcessInfo>>();
-  std::mutex listening_mutex_;
-  bool listening_ = false;
+  Mutex listening_mutex_;
+  bool listening_ SEGUE_GUARDED_BY(listening_mutex_) = false;
 };
 
 }  // namespace

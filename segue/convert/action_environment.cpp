@@ -93,7 +93,7 @@ struct ActionEnvironment::Reporter {
 };
 
 void ActionEnvironment::EndReceiver::deliver(NodeId node, std::uint32_t attempt, ReportPtr report) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (completions != nullptr) completions->finish(node, attempt, std::move(report));
 }
 
@@ -205,7 +205,7 @@ ActionEnvironment::~ActionEnvironment() {
 }
 
 void ActionEnvironment::stop() {
-  const std::lock_guard lock(stopping_);
+  const Lock lock(stopping_);
   stopped_ = true;
   if (subtree_ != nullptr) subtree_->stop();
 }
@@ -239,7 +239,7 @@ mission::Globals ActionEnvironment::globals_of(NodeId node) const {
 }
 
 void ActionEnvironment::close() {
-  const std::lock_guard lock(receiver_->mutex);
+  const Lock lock(receiver_->mutex);
   receiver_->completions = nullptr;
 }
 
@@ -302,7 +302,7 @@ ReportPtr ActionEnvironment::refuse(NodeContext& context, std::string why) {
 
 void ActionEnvironment::start(NodeContext& context, Completions& completions) {
   if (receiver_->completions == nullptr) {
-    const std::lock_guard lock(receiver_->mutex);
+    const Lock lock(receiver_->mutex);
     receiver_->completions = &completions;
   }
   if (journal_ != nullptr && replay(context, completions)) return;
@@ -465,7 +465,7 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
 
 /// Registers the subtree that occupies this thread, so that another thread can stop it.
 void ActionEnvironment::occupy(mission::Engine* opaque_subtree) {
-  const std::lock_guard lock(stopping_);
+  const Lock lock(stopping_);
   subtree_ = opaque_subtree;
   if (subtree_ != nullptr && stopped_) subtree_->stop();
 }

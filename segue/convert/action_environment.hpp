@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/convert/concurrent_run.hpp>
 #include <segue/convert/mission_plan.hpp>
 #include <segue/convert/node_journal.hpp>
@@ -9,7 +10,6 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <unordered_map>
 #include <vector>
@@ -50,7 +50,7 @@ class ActionEnvironment final : public task_network::Environment {
   struct Reporter;
   /// Delivers ends to the engine as long as it runs. Shared with completers, which may outlive this.
   struct EndReceiver {
-    std::mutex mutex;  ///< guards `completions`, which is null before the first start and after close()
+    Mutex mutex;  ///< guards `completions`, which is null before the first start and after close()
     task_network::Completions* completions = nullptr;
     void deliver(task_network::NodeId node, std::uint32_t attempt, task_network::ReportPtr report);
   };
@@ -93,10 +93,10 @@ class ActionEnvironment final : public task_network::Environment {
   std::shared_ptr<EndReceiver> receiver_ = std::make_shared<EndReceiver>();
   std::unordered_map<std::uint32_t, Running> running_;  ///< by node: what can be preempted
   std::unordered_map<std::uint32_t, std::shared_ptr<const PendingChanges>>
-      unsure_;           ///< by node: what runs have used so far that may be discarded
-  std::mutex stopping_;  ///< guards the next two
-  bool stopped_ = false;
-  mission::Engine* subtree_ = nullptr;  ///< runs on the engine's thread
+      unsure_;      ///< by node: what runs have used so far that may be discarded
+  Mutex stopping_;  ///< guards the next two
+  bool stopped_ SEGUE_GUARDED_BY(stopping_) = false;
+  mission::Engine* subtree_ SEGUE_GUARDED_BY(stopping_) = nullptr;  ///< runs on the engine's thread
   std::vector<std::jthread> subtrees_;
 };
 

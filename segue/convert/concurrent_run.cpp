@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/concurrent_run.hpp>
 #include <segue/convert/run_events.hpp>
@@ -8,7 +9,6 @@
 #include <segue/mission_script/scripted_data.hpp>
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 
 namespace segue::convert {
@@ -50,9 +50,8 @@ class ObservedPlan final : public task_network::Expansion {
 /// Opaque subtrees report from threads of their own.
 mission::StateObserver one_at_a_time(mission::StateObserver observe) {
   if (!observe) return {};
-  return [observe = std::move(observe),
-          mutex = std::make_shared<std::mutex>()](const mission::StateEvent& event) {
-    const std::lock_guard lock(*mutex);
+  return [observe = std::move(observe), mutex = std::make_shared<Mutex>()](const mission::StateEvent& event) {
+    const Lock lock(*mutex);
     observe(event);
   };
 }

@@ -12,7 +12,7 @@ bool EndpointTable::ByIdentity::operator()(const Key& a, const Key& b) const {
 
 std::optional<Endpoint> EndpointTable::find(const model::Connection& connection, Side side,
                                             sample_link::Incarnation peer) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   auto [begin, end] = endpoints_.equal_range({connection, side, peer});
   for (; begin != end; ++begin) {
     if (begin->second.connected()) {
@@ -23,7 +23,7 @@ std::optional<Endpoint> EndpointTable::find(const model::Connection& connection,
 }
 
 Result<void> EndpointTable::add(Endpoint endpoint) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   Key key{endpoint.connection, endpoint.side, endpoint.peer};
   const bool is_connected = endpoint.connected();
   auto [begin, end] = endpoints_.equal_range(key);
@@ -39,7 +39,7 @@ Result<void> EndpointTable::add(Endpoint endpoint) {
 
 std::vector<Endpoint> EndpointTable::take(const model::Connection& connection, Side side,
                                           sample_link::Incarnation peer) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::vector<Endpoint> taken;
   const auto [begin, end] = endpoints_.equal_range({connection, side, peer});
   for (auto place = begin; place != end; ++place) {
@@ -50,7 +50,7 @@ std::vector<Endpoint> EndpointTable::take(const model::Connection& connection, S
 }
 
 std::vector<Endpoint> EndpointTable::take_of_peer(sample_link::Incarnation peer) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::vector<Endpoint> taken;
   for (auto place = endpoints_.begin(); place != endpoints_.end();) {
     if (place->second.peer != peer) {
@@ -64,7 +64,7 @@ std::vector<Endpoint> EndpointTable::take_of_peer(sample_link::Incarnation peer)
 }
 
 std::vector<Endpoint> EndpointTable::take_all() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::vector<Endpoint> taken;
   for (auto& [key, endpoint] : endpoints_) {
     taken.push_back(std::move(endpoint));
@@ -74,7 +74,7 @@ std::vector<Endpoint> EndpointTable::take_all() {
 }
 
 std::vector<Endpoint> EndpointTable::connected() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::vector<Endpoint> endpoints;
   for (auto place = endpoints_.begin(); place != endpoints_.end();) {
     const Endpoint& endpoint = place->second;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/sample_link/shared_connection.hpp>
 
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -54,8 +54,8 @@ class EndpointTable {
     bool operator()(const Key& a, const Key& b) const;
   };
 
-  mutable std::mutex mutex_;
-  std::multimap<Key, Endpoint, ByIdentity> endpoints_;
+  mutable Mutex mutex_;
+  std::multimap<Key, Endpoint, ByIdentity> endpoints_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::deploy::detail

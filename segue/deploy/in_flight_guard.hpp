@@ -2,10 +2,10 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 
-#include <condition_variable>
 #include <cstddef>
-#include <mutex>
 
 namespace segue::deploy::detail {
 
@@ -30,25 +30,25 @@ class InFlightGuard {
 
   /// Lets nothing more begin, and waits for what is in flight; false where some of it still is at `deadline`.
   bool close(TimePoint deadline) {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     closed_ = true;
-    return left_.wait_until(lock, deadline, [&] { return inside_ == 0; });
+    return left_.wait_until(mutex_, deadline, [&]() SEGUE_REQUIRES(mutex_) { return inside_ == 0; });
   }
 
  private:
   bool enter() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!closed_) ++inside_;
     return !closed_;
   }
   void leave() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (--inside_ == 0) left_.notify_all();
   }
 
-  std::mutex mutex_;  ///< protects both below
-  std::condition_variable left_;
-  std::size_t inside_ = 0;
+  Mutex mutex_;  ///< protects both below
+  ConditionVariable left_;
+  std::size_t inside_ SEGUE_GUARDED_BY(mutex_) = 0;
   bool closed_ = false;
 };
 

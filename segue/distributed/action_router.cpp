@@ -92,8 +92,8 @@ void let_receivers_wait(std::vector<model::Action>& actions) {
 }  // namespace
 
 void ActionRouter::close() {
-  std::unique_lock lock(mutex_);
-  idle_.wait(lock, [this] { return in_progress_ == 0; });
+  Lock lock(mutex_);
+  idle_.wait(mutex_, [this]() SEGUE_REQUIRES(mutex_) { return in_progress_ == 0; });
 }
 
 void ActionRouter::begin_transition(const model::Network& before, const model::Network& target) {
@@ -104,19 +104,19 @@ void ActionRouter::begin_transition(const model::Network& before, const model::N
       connections.emplace(site.get(), reached->number);
     }
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   connections_ = std::move(connections);
   kept_ = std::move(kept);
 }
 
 void ActionRouter::end_transition() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   connections_.reset();
   kept_.clear();
 }
 
 bool ActionRouter::at_once(const model::Connection& connection) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return is_link_task(connection.from.task) && !kept_.contains(connection.from.task);
 }
 
@@ -132,7 +132,7 @@ Result<HostLink::Reached> ActionRouter::reach(const Site& site) const {
   if (!reached) {
     return reached;
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (connections_) {
     const auto number = connections_->find(&site);
     if (number == connections_->end() || number->second != reached->number) {
@@ -226,7 +226,7 @@ void ActionRouter::begin(std::vector<model::Action> actions, Duration action_dea
   const auto batch =
       std::make_shared<Batch>(Batch{std::move(actions), action_deadline, std::move(completed), {}});
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     in_progress_ += batch->actions.size();
   }
   Indices hand_overs;
@@ -260,7 +260,7 @@ void ActionRouter::report(const BatchPtr& batch, std::vector<task_host::Complete
     }
   }
   batch->completed(std::move(ended));
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   in_progress_ -= count;
   if (in_progress_ == 0) {
     idle_.notify_all();

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/sites.hpp>
 #include <segue/model/transition.hpp>
 
-#include <condition_variable>
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <stop_token>
@@ -71,11 +71,13 @@ class ActionRouter {
   void begin_no_more() const;
 
   Sites& sites_;
-  mutable std::mutex mutex_;  ///< protects everything below
-  std::condition_variable idle_;
-  std::size_t in_progress_ = 0;                                      ///< actions that are not reported yet
-  std::optional<std::map<const Site*, std::uint64_t>> connections_;  ///< of the transition in progress
-  std::set<model::TaskId> kept_;  ///< receivers that the transition in progress leaves as they are
+  mutable Mutex mutex_;  ///< protects everything below
+  ConditionVariable idle_;
+  std::size_t in_progress_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< actions that are not reported yet
+  /// Of the transition in progress.
+  std::optional<std::map<const Site*, std::uint64_t>> connections_ SEGUE_GUARDED_BY(mutex_);
+  /// Receivers that the transition in progress leaves as they are.
+  std::set<model::TaskId> kept_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::distributed::detail

@@ -51,7 +51,7 @@ void CommitParticipant::begin_in_order(std::vector<model::Action> actions, Durat
                                                              std::move(performer), completed);
   std::stop_token stop;
   {
-    const std::lock_guard lock(stop_mutex_);
+    const Lock lock(stop_mutex_);
     stop = stop_.get_token();
   }
   if (!pool_.submit([ordered = std::move(ordered), stop] { ordered->run({stop}); })) {
@@ -66,7 +66,7 @@ void CommitParticipant::begin_in_order(std::vector<model::Action> actions, Durat
 void CommitParticipant::begin_no_more() {
   std::stop_source stopped;
   {
-    const std::lock_guard lock(stop_mutex_);
+    const Lock lock(stop_mutex_);
     std::swap(stopped, stop_);
   }
   stopped.request_stop();
@@ -115,14 +115,14 @@ Result<void> CommitParticipant::arm_commit(const model::Transition& transition, 
   if (auto armed = tasks_.arm_commit(transition, deadline); !armed) {
     return armed;
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   armed_ = number;
   promised_ = false;
   return {};
 }
 
 Result<void> CommitParticipant::vote(std::uint64_t number, Duration validity) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (number == 0 || number != armed_) {
     return fail(ErrorCode::InvalidState, "transition " + std::to_string(number) + " is not armed here");
   }
@@ -132,7 +132,7 @@ Result<void> CommitParticipant::vote(std::uint64_t number, Duration validity) {
 }
 
 Result<void> CommitParticipant::commit(std::uint64_t number) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (number == 0 || number != armed_ || !promised_) {
     return fail(ErrorCode::InvalidState,
                 "transition " + std::to_string(number) + " is not to be committed here");
@@ -153,7 +153,7 @@ Result<void> CommitParticipant::conclude(const model::Transition& transition) {
 
 Result<void> CommitParticipant::withdraw() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     armed_ = 0;
     promised_ = false;
   }

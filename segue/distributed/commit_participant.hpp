@@ -2,13 +2,13 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/distributed/hosted_robot.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <stop_token>
 #include <vector>
 
@@ -69,12 +69,13 @@ class CommitParticipant final : public HostedRobot {
   const Clock& clock_;
   Result<void> wait_for(const LinkWait& link, TimePoint deadline);
 
-  std::mutex stop_mutex_;    ///< protects the member below
-  std::stop_source stop_;    ///< of what begin_in_order() has been given since the last begin_no_more()
-  std::mutex mutex_;         ///< protects the members below; held while a transition commits
-  std::uint64_t armed_ = 0;  ///< the transition that can commit; 0: none
-  bool promised_ = false;    ///< commit() is obeyed until `until_`
-  TimePoint until_{};
+  Mutex stop_mutex_;  ///< protects the member below
+  /// Of what begin_in_order() has been given since the last begin_no_more().
+  std::stop_source stop_ SEGUE_GUARDED_BY(stop_mutex_);
+  Mutex mutex_;  ///< protects the members below; held while a transition commits
+  std::uint64_t armed_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< the transition that can commit; 0: none
+  bool promised_ SEGUE_GUARDED_BY(mutex_) = false;    ///< commit() is obeyed until `until_`
+  TimePoint until_ SEGUE_GUARDED_BY(mutex_){};
   concurrent::ThreadPool pool_{"segue-ordered", {64, 1}};
 };
 

@@ -85,7 +85,7 @@ Result<void> DistributedCommit::arm(const model::Transition& transition, TimePoi
     involved.insert(site);
   }
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     number = ++number_;
     armed_ = involved;
   }
@@ -101,7 +101,7 @@ Result<void> DistributedCommit::commit() {
   std::uint64_t number = 0;
   std::set<const Site*> involved;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     number = number_;
     involved = std::exchange(armed_, {});
   }
@@ -130,7 +130,7 @@ Result<void> DistributedCommit::promise(const std::set<const Site*>& sites, std:
 }
 
 void DistributedCommit::give_up() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   armed_.clear();
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/action_router.hpp>
 #include <segue/distributed/sites.hpp>
 
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <set>
 #include <string>
 
@@ -41,9 +41,9 @@ class DistributedCommit {
   ActionRouter& router_;
   const Duration promise_;
   const Clock& clock_;
-  std::mutex mutex_;             ///< protects both below
-  std::uint64_t number_ = 0;     ///< of the latest transition
-  std::set<const Site*> armed_;  ///< that take part in it
+  Mutex mutex_;                                           ///< protects both below
+  std::uint64_t number_ SEGUE_GUARDED_BY(mutex_) = 0;     ///< of the latest transition
+  std::set<const Site*> armed_ SEGUE_GUARDED_BY(mutex_);  ///< that take part in it
 };
 
 }  // namespace segue::distributed::detail

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/distributed_task_host.hpp>
 
 #include <segue/base/text.hpp>
@@ -14,7 +16,7 @@
 #include <segue/task_host/full_id.hpp>
 
 #include <algorithm>
-#include <condition_variable>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -53,7 +55,7 @@ struct DistributedTaskHost::Implementation {
   void report(const Site& site, bool reachable, const std::string& message);
   [[nodiscard]] SampleType type_of(const model::Task& writer, const std::string& port) const;
   /// What all hosts say that can be reached, with the counts of connections noted; which `lock` protects.
-  HostView look_and_note(std::unique_lock<std::mutex>& lock);
+  HostView look_and_note();
   template <class Ask>
   auto at(const model::TaskId& task, Ask ask) const -> decltype(ask(std::declval<HostedRobot&>()));
 
@@ -68,14 +70,14 @@ struct DistributedTaskHost::Implementation {
   detail::LinkMatching matching{sites, router};
   concurrent::Notifier<task_host::HostEvent> events{500};
 
-  std::mutex looking;        ///< taken before `mutex`
-  mutable std::mutex mutex;  ///< protects everything below except the thread
-  std::condition_variable changed;
-  std::map<model::NetworkName, model::Network> expected;
-  detail::LinkCounts counts;
-  std::map<const Site*, bool> is_up;  ///< as it was reported last
-  bool lost = false;
-  bool closed = false;
+  Mutex looking;        ///< one look at a time; taken before `mutex`
+  mutable Mutex mutex;  ///< protects everything below except the thread
+  ConditionVariable changed;
+  std::map<model::NetworkName, model::Network> expected SEGUE_GUARDED_BY(mutex);
+  detail::LinkCounts counts SEGUE_GUARDED_BY(mutex);
+  std::map<const Site*, bool> is_up SEGUE_GUARDED_BY(mutex);  ///< as it was reported last
+  bool lost SEGUE_GUARDED_BY(mutex) = false;
+  bool closed SEGUE_GUARDED_BY(mutex) = false;
   std::thread watcher;
 };
 
@@ -92,8 +94,11 @@ void DistributedTaskHost::Implementation::begin() {
     });
   }
   sites.pool().run_all(std::move(jobs));
-  for (const auto& site : sites.all()) {
-    is_up[site.get()] = site->reachable();
+  {
+    const Lock lock(mutex);
+    for (const auto& site : sites.all()) {
+      is_up[site.get()] = site->reachable();
+    }
   }
   (void)sites.look();
   watcher = concurrent::start_thread("segue-hosts", [this] { watch(); });
@@ -101,7 +106,7 @@ void DistributedTaskHost::Implementation::begin() {
 
 void DistributedTaskHost::Implementation::close() {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     closed = true;
   }
   changed.notify_all();
@@ -121,7 +126,7 @@ void DistributedTaskHost::Implementation::greet(const Site& site) {
   reached->robot->set_listener([this](const task_host::HostEvent& event) { events.post(event); });
   std::map<model::NetworkName, model::Network> networks;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     networks = expected;
   }
   for (const auto& [name, network] : networks) {
@@ -130,8 +135,8 @@ void DistributedTaskHost::Implementation::greet(const Site& site) {
 }
 
 void DistributedTaskHost::Implementation::watch() {
-  std::unique_lock lock(mutex);
-  while (!changed.wait_for(lock, options.watch, [this] { return closed || lost; })) {
+  Lock lock(mutex);
+  while (!changed.wait_for(mutex, options.watch, [this]() SEGUE_REQUIRES(mutex) { return closed || lost; })) {
     lock.unlock();
     std::vector<concurrent::ThreadPool::Job> jobs;
     for (const auto& site : sites.all()) {
@@ -147,7 +152,7 @@ void DistributedTaskHost::Implementation::watch() {
 
 void DistributedTaskHost::Implementation::lose(const Error& why) {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     lost = true;
   }
   changed.notify_all();
@@ -187,7 +192,7 @@ void DistributedTaskHost::Implementation::look_after(const Site& site) {
 void DistributedTaskHost::Implementation::report(const Site& site, bool reachable,
                                                  const std::string& message) {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (std::exchange(is_up[&site], reachable) == reachable) {
       return;
     }
@@ -205,12 +210,13 @@ SampleType DistributedTaskHost::Implementation::type_of(const model::Task& write
   return output == nullptr ? SampleType{} : SampleType{output->type, component->library};
 }
 
-HostView DistributedTaskHost::Implementation::look_and_note(std::unique_lock<std::mutex>& lock) {
+HostView DistributedTaskHost::Implementation::look_and_note() {
   // In turn, since counts that are less than before are those of a half that was made anew.
-  const std::lock_guard turn(looking);
+  const Lock turn(looking);
   auto [view, complete] = sites.look();
-  lock = std::unique_lock(mutex);
+  const Lock lock(mutex);
   counts.note(view.connections, complete);
+  view.connections = counts.condense(std::move(view.connections));
   return std::move(view);
 }
 
@@ -296,7 +302,7 @@ Diagnostics DistributedTaskHost::check(const model::Network& network) const {
 void DistributedTaskHost::expect(const model::Network& target) {
   const model::Network whole = expanded(target);
   {
-    const std::lock_guard lock(implementation_->mutex);
+    const Lock lock(implementation_->mutex);
     implementation_->expected[target.name] = whole;
   }
   implementation_->sites.for_all([&](const Site& site, HostedRobot& robot) {
@@ -419,8 +425,7 @@ void DistributedTaskHost::begin_all(std::vector<model::Action> actions, TimePoin
 }
 
 model::Network DistributedTaskHost::observe() const {
-  std::unique_lock<std::mutex> lock;
-  return implementation_->look_and_note(lock).network;
+  return implementation_->look_and_note().network;
 }
 
 std::vector<task_host::TaskReport> DistributedTaskHost::tasks() const {
@@ -428,18 +433,13 @@ std::vector<task_host::TaskReport> DistributedTaskHost::tasks() const {
 }
 
 task_host::TaskHost::View DistributedTaskHost::look() const {
-  std::unique_lock<std::mutex> lock;
-  HostView view = implementation_->look_and_note(lock);
-  view.connections = implementation_->counts.condense(std::move(view.connections));
-  lock.unlock();
+  HostView view = implementation_->look_and_note();
   view.tasks = implementation_->sites.with_lost(std::move(view.tasks));
   return view;
 }
 
 std::vector<task_host::ConnectionReport> DistributedTaskHost::connections() const {
-  std::unique_lock<std::mutex> lock;
-  HostView view = implementation_->look_and_note(lock);
-  return implementation_->counts.condense(std::move(view.connections));
+  return implementation_->look_and_note().connections;
 }
 
 Result<model::ComponentModel> DistributedTaskHost::describe(const model::TaskId& task) const {

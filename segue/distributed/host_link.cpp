@@ -21,7 +21,7 @@ bool is_lost(ErrorCode code) {
 }  // namespace
 
 Result<void> HostLink::connect(const RobotRequest& request, TimePoint deadline) {
-  const std::lock_guard one(connecting_);
+  const Lock one(connecting_);
   if (reachable()) {
     return {};
   }
@@ -34,7 +34,7 @@ Result<void> HostLink::connect(const RobotRequest& request, TimePoint deadline) 
   if (!info) {
     loss_.note(place_.name, info.error());
     lose(std::nullopt, to_string(info.error()));
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     refusal_.reset();
     if (info.error().code == ErrorCode::AlreadyExists) refusal_ = Refusal{info.error(), asked};
     return info.error();
@@ -46,7 +46,7 @@ Result<void> HostLink::use(std::shared_ptr<Connection> made, HostInfo info) {
   const auto robot = made->robot;
   std::optional<Error> lost;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     lost = loss_.why();  // whoever notes it later gives this connection up
     if (!lost) {
       connection_.swap(made);  // a broken one ends without the lock
@@ -72,7 +72,7 @@ Result<std::shared_ptr<HostLink::Connection>> HostLink::open(TimePoint deadline)
   });
   const std::weak_ptr<Connection> weak = made;
   auto service = place_.connect(deadline, [this, weak] {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (const auto broken = weak.lock()) {
       broken->broken = true;  // whoever asks next loses it
     }
@@ -96,7 +96,7 @@ Result<HostInfo> HostLink::acquire(Connection& connection, const RobotRequest& r
   }
   RobotRequest asked = request;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     asked.again = number_ > 0;
   }
   auto robot = connection.service->acquire(asked, deadline);
@@ -113,7 +113,7 @@ Result<void> HostLink::measure(HostService& service) {
   if (!clock) {
     return clock.error();
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!round_trip_ || clock->round_trip <= *round_trip_) {
     round_trip_ = clock->round_trip;
     offset_ = clock->offset;
@@ -132,7 +132,7 @@ Result<void> HostLink::keep_alive() {
   std::shared_ptr<Connection> connection;
   std::uint64_t number = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (connection_ == nullptr) {
       return fail(ErrorCode::Unavailable, why_, place_.name.str());
     }
@@ -152,7 +152,7 @@ Result<void> HostLink::keep_alive() {
 
 std::shared_ptr<HostLink::Connection> HostLink::take(std::optional<std::uint64_t> number,
                                                      const std::string& why) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (number && *number != number_) {
     return nullptr;
   }
@@ -189,7 +189,7 @@ Result<HostLink::Reached> HostLink::reach() const {
   if (auto lost = loss_.why()) {
     return std::move(*lost);
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (connection_ == nullptr || connection_->broken) {
     return fail(ErrorCode::Unavailable, "host " + quote(place_.name.str()) +
                                             " cannot be reached, so what it runs is unknown: " +
@@ -199,22 +199,22 @@ Result<HostLink::Reached> HostLink::reach() const {
 }
 
 bool HostLink::reachable() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return is_connected();
 }
 
 std::optional<HostLink::Refusal> HostLink::refusal() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return refusal_;
 }
 
 HostInfo HostLink::info() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return info_;
 }
 
 task_host::ComputerReport HostLink::report() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   task_host::ComputerReport report;
   report.name = place_.name;
   report.address = place_.address;
@@ -236,12 +236,12 @@ task_host::ComputerReport HostLink::report() const {
 }
 
 void HostLink::note(const HostView& view) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   seen_ = view;
 }
 
 HostView HostLink::last_seen() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return seen_;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/distributed/host_service.hpp>
 #include <segue/distributed/robot_loss.hpp>
@@ -9,7 +10,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -93,25 +93,24 @@ class HostLink {
   /// From now on it is what the host is asked over; Superseded where the robot was lost meanwhile.
   Result<void> use(std::shared_ptr<Connection> made, HostInfo info);
   Result<void> measure(HostService& service);
-  /// With the mutex held.
-  [[nodiscard]] bool is_connected() const {
+  [[nodiscard]] bool is_connected() const SEGUE_REQUIRES(mutex_) {
     return connection_ != nullptr && !connection_->broken && !loss_.why();
   }
 
   const HostPlace place_;
   concurrent::ThreadPool& pool_;
   RobotLoss& loss_;
-  std::mutex connecting_;     ///< one connect() at a time
-  mutable std::mutex mutex_;  ///< protects everything below; never held while the host is called
-  std::shared_ptr<Connection> connection_;
-  std::uint64_t number_ = 0;
-  std::string why_ = "not connected yet";
-  std::optional<Refusal> refusal_;
-  TimePoint since_ = RealClock::instance().now();
-  HostInfo info_;
-  HostView seen_;
-  std::optional<Duration> round_trip_;
-  std::optional<Duration> offset_;
+  Mutex connecting_;     ///< one connect() at a time
+  mutable Mutex mutex_;  ///< protects everything below; never held while the host is called
+  std::shared_ptr<Connection> connection_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t number_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::string why_ SEGUE_GUARDED_BY(mutex_) = "not connected yet";
+  std::optional<Refusal> refusal_ SEGUE_GUARDED_BY(mutex_);
+  TimePoint since_ SEGUE_GUARDED_BY(mutex_) = RealClock::instance().now();
+  HostInfo info_ SEGUE_GUARDED_BY(mutex_);
+  HostView seen_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<Duration> round_trip_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<Duration> offset_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace detail

@@ -109,7 +109,7 @@ std::optional<Error> Lease::refusal_of(const Claim& claim) const {
 }
 
 Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   if (closed_) {
     return closed(robot_);
   }
@@ -128,7 +128,7 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
   until_ = {};
   const Duration limit = std::max(Duration(0), deadline - RealClock::instance().now());
   ++waiting_;
-  const bool is_idle = idle_.wait_for(lock, limit, [&] { return working_ == 0; });
+  const bool is_idle = idle_.wait_for(mutex_, limit, [&]() SEGUE_REQUIRES(mutex_) { return working_ == 0; });
   --waiting_;
   if (!is_idle) {
     return fail(ErrorCode::DeadlineExceeded, "actions that the former runtime had begun have not ended",
@@ -146,7 +146,7 @@ Result<std::uint64_t> Lease::acquire(const Claim& claim, TimePoint deadline) {
 }
 
 Result<void> Lease::renew(std::uint64_t epoch) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (closed_ || epoch != last_.epoch || holder_.empty()) {
     return refusal_of_epoch(epoch);
   }
@@ -155,7 +155,7 @@ Result<void> Lease::renew(std::uint64_t epoch) {
 }
 
 Result<void> Lease::release(std::uint64_t epoch) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (closed_ || epoch != last_.epoch) {
     return refusal_of_epoch(epoch);
   }
@@ -168,24 +168,24 @@ Result<void> Lease::release(std::uint64_t epoch) {
 }
 
 void Lease::close() {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   closed_ = true;
   holder_.clear();
-  idle_.wait(lock, [&] { return working_ == 0; });
+  idle_.wait(mutex_, [&]() SEGUE_REQUIRES(mutex_) { return working_ == 0; });
 }
 
 LeaseInfo Lease::info() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return {robot_, holder_, last_.epoch, left()};
 }
 
 std::uint64_t Lease::highest_term() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return last_.highest_term;
 }
 
 Error Lease::refusal(std::uint64_t epoch) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return refusal_of_epoch(epoch);
 }
 
@@ -205,7 +205,7 @@ Error Lease::refusal_of_epoch(std::uint64_t epoch) const {
 }
 
 Lease::Work::Work(Lease& lease, std::uint64_t epoch) : lease_(nullptr) {
-  const std::lock_guard lock(lease.mutex_);
+  const Lock lock(lease.mutex_);
   if (epoch == lease.last_.epoch && !lease.holder_.empty()) {
     ++lease.working_;
     lease_ = &lease;
@@ -216,7 +216,7 @@ Lease::Work::~Work() {
   if (lease_ == nullptr) {
     return;
   }
-  const std::lock_guard lock(lease_->mutex_);
+  const Lock lock(lease_->mutex_);
   if (--lease_->working_ == 0) {
     lease_->idle_.notify_all();
   }

@@ -2,14 +2,14 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/distributed/host_service.hpp>
 
-#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -74,7 +74,7 @@ class Lease {
   [[nodiscard]] Error refusal(std::uint64_t epoch) const;
 
  private:
-  [[nodiscard]] Duration left() const;
+  [[nodiscard]] Duration left() const SEGUE_REQUIRES(mutex_);
   /// What the file has.
   struct Kept {
     std::uint64_t epoch = 0;
@@ -86,27 +86,29 @@ class Lease {
   };
   static Kept read(const std::filesystem::path& file);
   Result<void> keep(const Kept& kept) const;
-  [[nodiscard]] std::optional<Error> refusal_of(const Claim& claim) const;
-  [[nodiscard]] bool is_of_last(const Claim& claim) const;
+  [[nodiscard]] std::optional<Error> refusal_of(const Claim& claim) const SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] bool is_of_last(const Claim& claim) const SEGUE_REQUIRES(mutex_);
   /// Whether somebody has it, or is waiting for the end of what was begun before.
-  [[nodiscard]] bool is_wanted() const { return waiting_ > 0 || until_ > clock_.now(); }
-  [[nodiscard]] std::optional<Error> refusal_of_take_over(const Claim& claim) const;
-  /// As refusal(), with the mutex held.
-  [[nodiscard]] Error refusal_of_epoch(std::uint64_t epoch) const;
+  [[nodiscard]] bool is_wanted() const SEGUE_REQUIRES(mutex_) {
+    return waiting_ > 0 || until_ > clock_.now();
+  }
+  [[nodiscard]] std::optional<Error> refusal_of_take_over(const Claim& claim) const SEGUE_REQUIRES(mutex_);
+  /// As refusal().
+  [[nodiscard]] Error refusal_of_epoch(std::uint64_t epoch) const SEGUE_REQUIRES(mutex_);
 
   const std::string robot_;
   const std::filesystem::path file_;
   const Clock& clock_;
-  mutable std::mutex mutex_;  ///< protects everything below
-  std::condition_variable idle_;
-  std::string holder_;  ///< empty: nobody commands the robot
-  Kept last_;           ///< who has it, or had it last, and the present epoch
+  mutable Mutex mutex_;  ///< protects everything below
+  ConditionVariable idle_;
+  std::string holder_ SEGUE_GUARDED_BY(mutex_);  ///< empty: nobody commands the robot
+  Kept last_ SEGUE_GUARDED_BY(mutex_);           ///< who has it, or had it last, and the present epoch
   /// The epochs from this one on are all of who has it, or had it last.
-  std::uint64_t first_of_last_ = 0;
-  TimePoint until_{};  ///< nobody but that one gets it before
-  std::size_t working_ = 0;
-  std::size_t waiting_ = 0;  ///< calls of acquire() that wait for the end of work
-  bool closed_ = false;
+  std::uint64_t first_of_last_ SEGUE_GUARDED_BY(mutex_) = 0;
+  TimePoint until_ SEGUE_GUARDED_BY(mutex_){};  ///< nobody but that one gets it before
+  std::size_t working_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::size_t waiting_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< calls of acquire() that wait for the end of work
+  bool closed_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace segue::distributed

@@ -27,7 +27,7 @@ LibraryInfo read_library(const std::string& name, const std::filesystem::path& f
 
 std::vector<LibraryInfo> LibraryInventory::list() {
   std::vector<LibraryInfo> all;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (const auto& name : task_host::installed_libraries()) {
     const auto file = task_host::find_library(name);
     if (!file) {

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <segue/base/file_stamp.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/host_service.hpp>
 
 #include <filesystem>
 #include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -24,8 +24,8 @@ class LibraryInventory {
     FileStamp stamp;
     LibraryInfo info;
   };
-  std::mutex mutex_;  ///< protects the member below; held while files are read
-  std::map<std::filesystem::path, Known> known_;
+  Mutex mutex_;  ///< protects the member below; held while files are read
+  std::map<std::filesystem::path, Known> known_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::distributed

@@ -38,15 +38,15 @@ LinkMatching::Links LinkMatching::links_of(const model::Network& network) {
 
 void LinkMatching::begin_transition(const model::Network& before) {
   Links links = links_of(before);
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   before_ = std::move(links);
   unmatched_.reset();
 }
 
 LinkMatching::Links LinkMatching::new_links(const model::Network& target) const {
   Links links = links_of(target);
-  const std::lock_guard lock(mutex_);
-  std::erase_if(links, [&](const auto& link) {
+  const Lock lock(mutex_);
+  std::erase_if(links, [&](const auto& link) SEGUE_REQUIRES(mutex_) {
     const auto before = before_.find(link.first);
     return before != before_.end() && before->second >= link.second;
   });
@@ -71,14 +71,14 @@ void LinkMatching::get_ready(const model::Network& target) {
     if (ready || !waits) {
       return {};  // what a host has not got ready, actions do later
     }
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     unmatched_ = ready.error();
     return {};
   });
 }
 
 Result<void> LinkMatching::outcome() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return unmatched_ ? Result<void>(*unmatched_) : Result<void>();
 }
 

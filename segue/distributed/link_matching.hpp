@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/action_router.hpp>
 #include <segue/distributed/sites.hpp>
 
 #include <map>
-#include <mutex>
 #include <optional>
 
 namespace segue::distributed::detail {
@@ -32,9 +32,9 @@ class LinkMatching {
 
   const Sites& sites_;
   const ActionRouter& router_;
-  mutable std::mutex mutex_;  ///< protects both below
-  Links before_;
-  std::optional<Error> unmatched_;
+  mutable Mutex mutex_;  ///< protects both below
+  Links before_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<Error> unmatched_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::distributed::detail

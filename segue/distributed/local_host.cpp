@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/local_host.hpp>
 
 #include <segue/base/file.hpp>
@@ -55,8 +56,8 @@ struct LocalHost::Implementation {
       : hub(service), processes(hub.for_all()), connector(std::move(how)), options(chosen) {}
 
   Result<std::shared_ptr<detail::LeasedRobot>> leased(const std::string& robot);
-  /// Forgets robots that nobody commands and of which no process runs. With the mutex held.
-  void forget_unused();
+  /// Forgets robots that nobody commands and of which no process runs.
+  void forget_unused() SEGUE_REQUIRES(mutex);
   Result<process_server::Launch> launch_of(const RobotRequest& request) const;
   /// All robots that have ever had a lease here, as if nobody had it now.
   [[nodiscard]] std::map<std::string, LeaseInfo> kept() const;
@@ -70,15 +71,15 @@ struct LocalHost::Implementation {
   const deploy::Connector connector;
   const LocalHostOptions options;
   LibraryInventory libraries;
-  std::mutex mutex;  ///< protects the member below
-  std::map<std::string, std::shared_ptr<detail::LeasedRobot>> robots;
+  Mutex mutex;  ///< protects the member below
+  std::map<std::string, std::shared_ptr<detail::LeasedRobot>> robots SEGUE_GUARDED_BY(mutex);
 };
 
 Result<std::shared_ptr<detail::LeasedRobot>> LocalHost::Implementation::leased(const std::string& robot) {
   if (!is_identifier(robot)) {
     return not_a_robot(robot);
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (robots.size() >= kMaxRobots && !robots.contains(robot)) {
     forget_unused();
   }
@@ -148,7 +149,7 @@ LocalHost::LocalHost(std::unique_ptr<Implementation> implementation)
 
 /// Robots that were given out may outlive this, but the processes' service need not.
 LocalHost::~LocalHost() {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   for (const auto& [name, robot] : implementation_->robots) {
     const std::lock_guard one(robot->acquiring);
     robot->lease.close();
@@ -180,7 +181,7 @@ Result<std::chrono::system_clock::time_point> LocalHost::clock() {
 Result<std::vector<LeaseInfo>> LocalHost::robots() {
   std::map<std::string, LeaseInfo> known = implementation_->kept();
   {
-    const std::lock_guard lock(implementation_->mutex);
+    const Lock lock(implementation_->mutex);
     for (const auto& [name, robot] : implementation_->robots) {
       known[name] = robot->lease.info();
     }
@@ -199,7 +200,7 @@ Result<std::uint64_t> LocalHost::highest_term(const std::string& robot) {
   if (!is_identifier(robot)) {
     return not_a_robot(robot);
   }
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   const auto known = implementation_->robots.find(robot);
   return known != implementation_->robots.end()
              ? known->second->lease.highest_term()

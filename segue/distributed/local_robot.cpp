@@ -211,14 +211,14 @@ LocalRobot::LocalRobot(process_server::Launch launch,
       part_(tasks_, clock) {}
 
 void Turn::lock() {
-  std::unique_lock lock(mutex_);
-  free_.wait(lock, [this] { return !taken_; });
+  Lock lock(mutex_);
+  free_.wait(mutex_, [this]() SEGUE_REQUIRES(mutex_) { return !taken_; });
   taken_ = true;
 }
 
 bool Turn::try_lock_until(TimePoint deadline) {
-  std::unique_lock lock(mutex_);
-  if (!free_.wait_until(lock, deadline, [this] { return !taken_; })) {
+  Lock lock(mutex_);
+  if (!free_.wait_until(mutex_, deadline, [this]() SEGUE_REQUIRES(mutex_) { return !taken_; })) {
     return false;
   }
   taken_ = true;
@@ -226,7 +226,7 @@ bool Turn::try_lock_until(TimePoint deadline) {
 }
 
 void Turn::unlock() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   taken_ = false;
   free_.notify_one();
 }

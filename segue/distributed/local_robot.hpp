@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/distributed/commit_participant.hpp>
 #include <segue/distributed/host_service.hpp>
@@ -10,7 +12,6 @@
 #include <segue/task_host/component_library.hpp>
 #include <segue/task_host/local_task_host.hpp>
 
-#include <condition_variable>
 #include <memory>
 #include <mutex>
 
@@ -47,9 +48,9 @@ class Turn {
   void unlock();
 
  private:
-  std::mutex mutex_;  ///< protects the member below
-  std::condition_variable free_;
-  bool taken_ = false;
+  Mutex mutex_;
+  ConditionVariable free_;
+  bool taken_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 /// A robot with its lease, as long as the daemon lives.

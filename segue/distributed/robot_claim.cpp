@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/robot_claim.hpp>
 
 #include <algorithm>
 #include <limits>
-#include <mutex>
 
 namespace segue::distributed::detail {
 
@@ -11,7 +11,7 @@ void RobotClaim::choose_term(TimePoint deadline) {
   if (!request_.take_over) {
     return;
   }
-  std::mutex mutex;
+  Mutex mutex;
   std::uint64_t highest = 0;
   std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& site : sites_.all()) {
@@ -21,7 +21,7 @@ void RobotClaim::choose_term(TimePoint deadline) {
     jobs.emplace_back([&, &site = *site] {
       const auto term = site.link()->highest_term(request_.launch.robot, deadline);
       if (term) {
-        const std::lock_guard lock(mutex);
+        const Lock lock(mutex);
         highest = std::max(highest, *term);
         told_.insert(&site);
       }

@@ -10,7 +10,7 @@ void RobotLoss::note(const model::HostName& host, const Error& error) {
   const Error why =
       fail(ErrorCode::Superseded, "another runtime has got the robot", host.str()).because_of(error);
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (why_) {
       return;
     }
@@ -20,7 +20,7 @@ void RobotLoss::note(const model::HostName& host, const Error& error) {
 }
 
 std::optional<Error> RobotLoss::why() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return why_;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/model/network.hpp>
 
 #include <functional>
-#include <mutex>
 #include <optional>
 
 namespace segue::distributed::detail {
@@ -24,8 +24,8 @@ class RobotLoss {
 
  private:
   const std::function<void(const Error&)> lost_;
-  mutable std::mutex mutex_;  ///< protects the member below
-  std::optional<Error> why_;
+  mutable Mutex mutex_;  ///< protects the member below
+  std::optional<Error> why_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::distributed::detail

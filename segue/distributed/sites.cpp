@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/sites.hpp>
 
 #include <segue/base/text.hpp>
@@ -176,14 +177,14 @@ void Sites::for_all(const Work& work) const {
 
 Sites::Look Sites::look() const {
   const std::uint64_t poll = placements_.begin_poll();
-  std::mutex mutex;
+  Mutex mutex;
   std::vector<Seen> all;
   for_all([&](const Site& site, HostedRobot& robot) -> Result<void> {
     auto view = robot.look();
     if (!view) {
       return view.error();
     }
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     all.push_back({&site, std::move(*view)});
     return {};
   });
@@ -230,7 +231,7 @@ void Sites::learn(const Seen& seen, std::uint64_t poll) const {
     now.insert(process);
   }
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     auto& before = processes_[seen.site];
     for (const auto& process : before) {
       tasks[process];  // one that is gone holds nothing

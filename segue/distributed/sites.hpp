@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/distributed/commit_participant.hpp>
 #include <segue/distributed/host_link.hpp>
@@ -9,7 +10,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <vector>
@@ -85,8 +85,9 @@ class Sites {
   const std::vector<model::HostName> own_names_;
   std::vector<std::unique_ptr<Site>> sites_;
   mutable deploy::detail::PlacementTable placements_;
-  mutable std::mutex mutex_;                                                 ///< protects the member below
-  mutable std::map<const Site*, std::set<model::DeploymentKey>> processes_;  ///< as seen last
+  mutable Mutex mutex_;  ///< protects the member below
+  /// As seen last.
+  mutable std::map<const Site*, std::set<model::DeploymentKey>> processes_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::distributed::detail

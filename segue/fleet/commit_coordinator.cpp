@@ -33,7 +33,7 @@ std::vector<Result<void>> in_parallel(concurrent::ThreadPool& pool, const Items&
 }  // namespace
 
 void CommitCoordinator::note_waiting(std::initializer_list<RecordPtr> records) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   waiting_.insert(records);
 }
 
@@ -60,7 +60,7 @@ Result<void> CommitCoordinator::arm(const model::Transition& transition, TimePoi
       return outcome.error();
     }
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   armed_ = number;
   return {};
 }
@@ -108,7 +108,7 @@ void CommitCoordinator::add_ending(const model::Connection& connection, Parts& p
 }
 
 Result<std::shared_ptr<sample_link::CommitPage>> CommitCoordinator::page() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (page_ == nullptr) {
     auto made = sample_link::CommitPage::create();
     if (!made) {
@@ -121,7 +121,7 @@ Result<std::shared_ptr<sample_link::CommitPage>> CommitCoordinator::page() {
 
 void CommitCoordinator::commit() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (armed_ != 0) {
       page_->commit(std::exchange(armed_, 0));
     }
@@ -132,7 +132,7 @@ void CommitCoordinator::commit() {
 
 void CommitCoordinator::give_up() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     armed_ = 0;
   }
   connector_.give_up(RealClock::instance().now() + kSettling);
@@ -142,7 +142,7 @@ void CommitCoordinator::give_up() {
 void CommitCoordinator::settle() {
   std::set<RecordPtr> records;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     records.swap(waiting_);
   }
   const TimePoint deadline = RealClock::instance().now() + kSettling;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/fleet/fleet.hpp>
 #include <segue/fleet/remote_connector.hpp>
 #include <segue/model/transition.hpp>
@@ -10,7 +11,6 @@
 #include <initializer_list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 
 namespace segue::deploy::detail {
@@ -50,10 +50,10 @@ class CommitCoordinator {
 
   Fleet& fleet_;
   RemoteConnector& connector_;
-  mutable std::mutex mutex_;                       ///< protects all below
-  std::shared_ptr<sample_link::CommitPage> page_;  ///< made for the first transition
-  std::uint64_t armed_ = 0;                        ///< the number of the transition that is armed; 0: none
-  std::set<RecordPtr> waiting_;                    ///< processes that have to learn how it ended
+  mutable Mutex mutex_;                                                     ///< protects all below
+  std::shared_ptr<sample_link::CommitPage> page_ SEGUE_GUARDED_BY(mutex_);  ///< made for the first transition
+  std::uint64_t armed_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< the number of the transition that is armed; 0: none
+  std::set<RecordPtr> waiting_ SEGUE_GUARDED_BY(mutex_);  ///< processes that have to learn how it ended
 };
 
 }  // namespace segue::deploy::detail

@@ -7,10 +7,11 @@ namespace segue::deploy::detail {
 
 ConnectionClaims::Claim::Claim(ConnectionClaims& claims, std::vector<Key> keys, TimePoint deadline)
     : claims_(claims), keys_(keys.begin(), keys.end()) {
-  std::unique_lock lock(claims.mutex_);
-  granted_ = claims.released_.wait_until(lock, deadline, [&] {
-    return std::none_of(keys_.begin(), keys_.end(),
-                        [&](const Key& key) { return claims.claimed_.contains(key); });
+  Lock lock(claims.mutex_);
+  granted_ = claims.released_.wait_until(claims.mutex_, deadline, [&]() SEGUE_REQUIRES(claims.mutex_) {
+    return std::none_of(keys_.begin(), keys_.end(), [&](const Key& key) SEGUE_REQUIRES(claims.mutex_) {
+      return claims.claimed_.contains(key);
+    });
   });
   if (!granted_) {
     keys_.clear();
@@ -24,7 +25,7 @@ ConnectionClaims::Claim::Claim(ConnectionClaims& claims, std::vector<Key> keys, 
 
 ConnectionClaims::Claim::Claim(ConnectionClaims& claims, std::vector<Key> keys, const Watch& watch)
     : claims_(claims), granted_(true) {
-  const std::lock_guard lock(claims.mutex_);
+  const Lock lock(claims.mutex_);
   for (Key& key : keys) {
     if (!watch.touched_.contains(key) && claims.claimed_.insert(key).second) {
       keys_.insert(std::move(key));
@@ -34,7 +35,7 @@ ConnectionClaims::Claim::Claim(ConnectionClaims& claims, std::vector<Key> keys, 
 
 ConnectionClaims::Claim::~Claim() {
   {
-    const std::lock_guard lock(claims_.mutex_);
+    const Lock lock(claims_.mutex_);
     for (const Key& key : keys_) {
       claims_.claimed_.erase(key);
     }
@@ -43,13 +44,13 @@ ConnectionClaims::Claim::~Claim() {
 }
 
 ConnectionClaims::Claim::Watch::Watch(ConnectionClaims& claims) : claims_(claims) {
-  const std::lock_guard lock(claims.mutex_);
+  const Lock lock(claims.mutex_);
   touched_ = claims.claimed_;
   claims.watches_.insert(this);
 }
 
 ConnectionClaims::Claim::Watch::~Watch() {
-  const std::lock_guard lock(claims_.mutex_);
+  const Lock lock(claims_.mutex_);
   claims_.watches_.erase(this);
 }
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/model/network.hpp>
 
-#include <condition_variable>
-#include <mutex>
 #include <set>
 #include <span>
 #include <utility>
@@ -44,10 +44,10 @@ class ConnectionClaims {
   };
 
  private:
-  std::mutex mutex_;  ///< protects all below
-  std::condition_variable released_;
-  std::set<Key> claimed_;
-  std::set<Claim::Watch*> watches_;
+  Mutex mutex_;  ///< protects all below
+  ConditionVariable released_;
+  std::set<Key> claimed_ SEGUE_GUARDED_BY(mutex_);
+  std::set<Claim::Watch*> watches_ SEGUE_GUARDED_BY(mutex_);
 };
 
 /// Notes which connections are claimed while it lives, those that were claimed already included.

@@ -14,7 +14,7 @@ bool contains(const std::vector<Suspect>& suspects, const Suspect& one) {
 }  // namespace
 
 DamageLog::Found DamageLog::note(const MergedView& seen, TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   Found found;
   for (const auto& connection : seen.network.connections) {
     damaged_.erase({connection.from, connection.to});
@@ -64,12 +64,12 @@ bool DamageLog::is_at_fault(const Suspect& suspect) const {
 }
 
 void DamageLog::clear() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   damaged_.clear();
 }
 
 std::vector<task_host::ConnectionReport> DamageLog::reports() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::vector<task_host::ConnectionReport> reports;
   for (const auto& [key, one] : damaged_) {
     task_host::ConnectionReport report;

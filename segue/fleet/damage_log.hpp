@@ -2,11 +2,11 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/fleet/merged_view.hpp>
 
 #include <deque>
 #include <map>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,12 +46,13 @@ class DamageLog {
     std::vector<Suspect> suspects;
   };
   using Key = std::pair<model::PortRef, model::PortRef>;
-  [[nodiscard]] std::vector<Culprit> find_culprits(const std::vector<Suspect>& suspects);
-  [[nodiscard]] bool is_at_fault(const Suspect& suspect) const;
+  [[nodiscard]] std::vector<Culprit> find_culprits(const std::vector<Suspect>& suspects)
+      SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] bool is_at_fault(const Suspect& suspect) const SEGUE_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;  ///< protects all below
-  std::map<Key, DamagedConnection> damaged_;
-  std::deque<Event> events_;
+  mutable Mutex mutex_;  ///< protects all below
+  std::map<Key, DamagedConnection> damaged_ SEGUE_GUARDED_BY(mutex_);
+  std::deque<Event> events_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::deploy::detail

@@ -52,7 +52,7 @@ void Fleet::begin() {
 
 void Fleet::close() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     closed_ = true;
   }
   changed_.notify_all();
@@ -74,7 +74,7 @@ RecordPtr Fleet::find(const model::DeploymentKey& key) const {
   if (key.is_runtime()) {
     return own_;
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = records_.find(key);
   return found == records_.end() ? nullptr : found->second;
 }
@@ -90,7 +90,7 @@ RecordPtr Fleet::find(sample_link::Incarnation incarnation) const {
 
 std::vector<RecordPtr> Fleet::all() const {
   std::vector<RecordPtr> records{own_};
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (const auto& [key, record] : records_) {
     records.push_back(record);
   }
@@ -161,7 +161,7 @@ void Fleet::expect(const model::Network& network) {
     return;  // only stand-ins take their ports from the network
   }
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto known = std::find_if(expected_.begin(), expected_.end(),
                                     [&](const auto& other) { return other.name == network.name; });
     if (known != expected_.end() && *known == network) {
@@ -187,7 +187,7 @@ void Fleet::expect(const model::Network& network) {
 void Fleet::send_expectations(DeploymentService& service, const model::DeploymentKey& key) {
   std::vector<model::Network> expected;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     expected = expected_;
   }
   for (const auto& network : expected) {

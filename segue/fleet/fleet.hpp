@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/notifier.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
@@ -8,10 +10,8 @@
 #include <segue/fleet/placement_table.hpp>
 #include <segue/fleet/process_record.hpp>
 
-#include <condition_variable>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -129,13 +129,14 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   Events events_{500};
   PlacementTable placements_;
 
-  mutable std::mutex mutex_;                           ///< protects everything below except the thread
-  std::condition_variable changed_;                    ///< a process ended, or closed_ was set
-  std::map<model::DeploymentKey, RecordPtr> records_;  ///< without the runtime's own; none of them has ended
-  std::map<model::DeploymentKey, Starting> starting_;
-  std::vector<model::Network> expected_;  ///< one of each name
-  std::function<void()> housekeeping_;
-  bool closed_ = false;
+  mutable Mutex mutex_;        ///< protects everything below except the thread
+  ConditionVariable changed_;  ///< a process ended, or closed_ was set
+  /// Without the runtime's own; none of them has ended.
+  std::map<model::DeploymentKey, RecordPtr> records_ SEGUE_GUARDED_BY(mutex_);
+  std::map<model::DeploymentKey, Starting> starting_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<model::Network> expected_ SEGUE_GUARDED_BY(mutex_);  ///< one of each name
+  std::function<void()> housekeeping_ SEGUE_GUARDED_BY(mutex_);
+  bool closed_ SEGUE_GUARDED_BY(mutex_) = false;
   std::thread watcher_;
 };
 

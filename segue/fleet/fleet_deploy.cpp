@@ -51,7 +51,7 @@ Result<void> Fleet::deploy(const model::Deployment& deployment, TimePoint deadli
     return fail(ErrorCode::InvalidArgument, "a process needs a name; the runtime's own is always there");
   }
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (records_.contains(key) || !starting_.try_emplace(key).second) {
       const std::string name = to_string(key);
       return fail(ErrorCode::AlreadyExists, "process " + quote(name) + " is already deployed", name);
@@ -61,7 +61,7 @@ Result<void> Fleet::deploy(const model::Deployment& deployment, TimePoint deadli
   auto record = start(deployment, deadline);
   std::optional<process_server::ProcessInfo> exit;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     exit = record ? starting_[key].exit_of((*record)->process().pid) : std::nullopt;
     starting_.erase(key);
     if (record && !exit) {
@@ -122,8 +122,8 @@ Result<void> Fleet::connect_when_ready(const RecordPtr& record, TimePoint deadli
 std::optional<process_server::ProcessInfo> Fleet::wait_for_exit_of_starting(const ProcessRecord& record,
                                                                             Duration patience) {
   std::optional<process_server::ProcessInfo> exit;
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, patience, [&] {
+  Lock lock(mutex_);
+  changed_.wait_for(mutex_, patience, [&]() SEGUE_REQUIRES(mutex_) {
     const auto found = starting_.find(record.key());
     exit = found == starting_.end() ? std::nullopt : found->second.exit_of(record.process().pid);
     return exit.has_value();
@@ -303,7 +303,7 @@ std::string Fleet::adopt(const process_server::ProcessInfo& process) {
   if (!opened && !may_still_come(opened.error())) {
     return who + "cannot be taken over; it is ended when its name is needed: " + to_string(opened.error());
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   records_.insert_or_assign(process.key, record);
   return opened ? who + "has been taken over" : who + "does not answer; a transition replaces it";
 }

@@ -149,7 +149,7 @@ void Fleet::on_disconnected(const std::weak_ptr<ProcessRecord>& which) {
 void Fleet::on_exit(const process_server::ProcessInfo& process) {
   RecordPtr record;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (const auto starting = starting_.find(process.key); starting != starting_.end()) {
       starting->second.exits.push_back(process);
     }
@@ -194,7 +194,7 @@ void Fleet::report_defect(const ProcessRecord& record, const process_server::Exi
 
 std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record) {
   // Under the lock, so that a thread that sees ended() finds it in no table any more.
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!record->mark_ended()) {
     return std::nullopt;
   }
@@ -289,13 +289,13 @@ void Fleet::report_task(const model::TaskId& task, TaskState state, std::string 
 }
 
 void Fleet::set_housekeeping(std::function<void()> work) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   housekeeping_ = std::move(work);
 }
 
 void Fleet::watch() {
-  std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, options_.watch, [&] { return closed_; })) {
+  Lock lock(mutex_);
+  while (!changed_.wait_for(mutex_, options_.watch, [&]() SEGUE_REQUIRES(mutex_) { return closed_; })) {
     const auto work = housekeeping_;
     lock.unlock();
     if (work) {

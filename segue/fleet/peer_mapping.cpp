@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/fleet/peer_mapping.hpp>
 
 #include <segue/base/text.hpp>
 
 #include <map>
-#include <mutex>
 
 namespace segue::deploy::detail {
 
@@ -25,6 +25,7 @@ class PeerMapping {
       jobs.emplace_back([this, one = one, &others = others] { admit_peers(one, others); });
     }
     pool_.run_all(std::move(jobs));
+    const Lock lock(mutex_);
     return std::move(failed_);
   }
 
@@ -65,7 +66,7 @@ class PeerMapping {
       if (admitted) {
         one->mark_mapped(offer->incarnation);
       } else {
-        const std::lock_guard lock(mutex_);
+        const Lock lock(mutex_);
         failed_.push_back({{one, other}, admitted.error()});
       }
     }
@@ -75,8 +76,8 @@ class PeerMapping {
   const TimePoint deadline_;
   std::map<RecordPtr, std::set<RecordPtr>> missing_;  ///< peers to be mapped, by process
   std::map<RecordPtr, Result<sample_link::MemoryOffer>> offers_;
-  std::mutex mutex_;  ///< protects failed_
-  std::vector<FailedPair> failed_;
+  Mutex mutex_;  ///< protects failed_
+  std::vector<FailedPair> failed_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace

@@ -46,7 +46,7 @@ Error PlacementTable::unknown(const model::TaskId& id) const {
 
 Result<PlacementTable::Place> PlacementTable::find(const model::TaskId& id, Which which) const {
   const auto [task, process] = task_host::split_id(id);
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = table_.find(task);
   if (found == table_.end()) {
     return unknown(id);
@@ -66,7 +66,7 @@ Result<PlacementTable::Place> PlacementTable::free_place(const model::TaskId& id
                                                          const model::DeploymentKey& process) const {
   const auto [task, key] = place_of(id, process);
   const bool exactly = task != id;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = table_.find(task);
   if (found != table_.end() && !exactly) {
     const Incarnations& there = found->second;
@@ -88,13 +88,13 @@ model::TaskId PlacementTable::name_of(const Table::value_type& item, const model
 }
 
 model::TaskId PlacementTable::name(const model::TaskId& task, const model::DeploymentKey& process) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = table_.find(task);
   return found == table_.end() ? task : name_of(*found, normal(process));
 }
 
 std::map<model::TaskId, model::DeploymentKey> PlacementTable::current() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::map<model::TaskId, model::DeploymentKey> current;
   for (const auto& [task, there] : table_) {
     current.emplace_hint(current.end(), task, there.current);
@@ -110,7 +110,7 @@ model::TaskId PlacementTable::name(const std::map<model::TaskId, model::Deployme
 }
 
 void PlacementTable::put(const Place& place) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   auto [item, first] = table_.try_emplace(place.task);
   Incarnations& there = item->second;
   if (first) {
@@ -123,7 +123,7 @@ void PlacementTable::put(const Place& place) {
 }
 
 void PlacementTable::put_unconfirmed(const Place& place) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   add(place);
   note_change(place);
 }
@@ -143,7 +143,7 @@ void PlacementTable::note_change(const Place& place) {
 }
 
 std::uint64_t PlacementTable::begin_poll() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return changes_;
 }
 
@@ -162,7 +162,7 @@ std::set<model::TaskId> PlacementTable::Process::changed_since(std::uint64_t pol
 void PlacementTable::update(const model::DeploymentKey& process, const std::set<model::TaskId>& tasks,
                             std::uint64_t poll) {
   const model::DeploymentKey key = normal(process);
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   Process& there = by_process_[key];
   if (there.dropped > poll) {
     return;  // the report is of a former process of that name
@@ -202,7 +202,7 @@ PlacementTable::Table::iterator PlacementTable::remove(Table::iterator item,
 }
 
 void PlacementTable::drop(const Place& place) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   Process& process = by_process_[place.process];
   process.changed[place.task] = ++changes_;
   if (process.tasks.erase(place.task) > 0) {
@@ -212,7 +212,7 @@ void PlacementTable::drop(const Place& place) {
 
 std::vector<model::TaskId> PlacementTable::drop(const model::DeploymentKey& process) {
   const model::DeploymentKey key = normal(process);
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::vector<model::TaskId> names;
   Process& there = by_process_[key];
   for (const auto& task : there.tasks) {
@@ -226,7 +226,7 @@ std::vector<model::TaskId> PlacementTable::drop(const model::DeploymentKey& proc
 
 void PlacementTable::begin_transition(const model::Network& before, const model::Network& target) {
   const auto processes = model::task_processes(target);
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   in_transition_ = true;
   wanted_.clear();
   for (const auto& task : target.tasks) {
@@ -248,13 +248,13 @@ void PlacementTable::begin_transition(const model::Network& before, const model:
 }
 
 std::optional<model::DeploymentKey> PlacementTable::wanted(const model::TaskId& task) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = wanted_.find(task);
   return found == wanted_.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::vector<PlacementTable::Place> PlacementTable::conclude() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::vector<Place> replaced;
   in_transition_ = false;
   wanted_.clear();
@@ -272,7 +272,7 @@ std::vector<PlacementTable::Place> PlacementTable::conclude() {
 }
 
 void PlacementTable::withdraw() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   in_transition_ = false;
   wanted_.clear();
   ended_.clear();

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/model/network.hpp>
 
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <vector>
@@ -99,19 +99,21 @@ class PlacementTable {
     std::set<model::TaskId> changed_since(std::uint64_t poll);
   };
 
-  [[nodiscard]] Error unknown(const model::TaskId& id) const;
+  [[nodiscard]] Error unknown(const model::TaskId& id) const SEGUE_REQUIRES(mutex_);
   static model::TaskId name_of(const Table::value_type& item, const model::DeploymentKey& process);
-  void add(const Place& place);
-  Table::iterator remove(Table::iterator item, const model::DeploymentKey& process);
-  void note_change(const Place& place);
+  void add(const Place& place) SEGUE_REQUIRES(mutex_);
+  Table::iterator remove(Table::iterator item, const model::DeploymentKey& process) SEGUE_REQUIRES(mutex_);
+  void note_change(const Place& place) SEGUE_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;  ///< protects everything below
-  Table table_;
-  std::map<model::DeploymentKey, Process> by_process_;
-  std::uint64_t changes_ = 0;  ///< counts puts and drops
-  bool in_transition_ = false;
-  std::map<model::TaskId, model::DeploymentKey> wanted_;  ///< by the transition in progress
-  std::set<model::TaskId> ended_;  ///< their current incarnations have ended since the transition was planned
+  mutable Mutex mutex_;  ///< protects everything below
+  Table table_ SEGUE_GUARDED_BY(mutex_);
+  std::map<model::DeploymentKey, Process> by_process_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t changes_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< counts puts and drops
+  bool in_transition_ SEGUE_GUARDED_BY(mutex_) = false;
+  /// By the transition in progress.
+  std::map<model::TaskId, model::DeploymentKey> wanted_ SEGUE_GUARDED_BY(mutex_);
+  /// Their current incarnations have ended since the transition was planned.
+  std::set<model::TaskId> ended_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::deploy::detail

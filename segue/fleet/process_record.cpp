@@ -45,8 +45,10 @@ std::string last_log_lines(const process_server::ProcessInfo& process) {
 
 ConnectionTurn::ConnectionTurn(ProcessRecord& process, TimePoint deadline)
     : process_(process), given_([&] {
-        std::unique_lock lock(process.mutex_);
-        const bool free = process.changed_.wait_until(lock, deadline, [&] { return process.turns_ < kMost; });
+        Lock lock(process.mutex_);
+        const bool free = process.changed_.wait_until(
+            process.mutex_, deadline,
+            [&]() SEGUE_REQUIRES(process.mutex_) { return process.turns_ < kMost; });
         if (free) ++process.turns_;
         return free;
       }()) {}
@@ -54,7 +56,7 @@ ConnectionTurn::ConnectionTurn(ProcessRecord& process, TimePoint deadline)
 ConnectionTurn::~ConnectionTurn() {
   if (!given_) return;
   {
-    const std::lock_guard lock(process_.mutex_);
+    const Lock lock(process_.mutex_);
     --process_.turns_;
   }
   process_.changed_.notify_all();
@@ -69,12 +71,12 @@ ProcessRecord::ProcessRecord(model::Deployment deployment, process_server::Proce
     : key_(deployment.key()), process_(std::move(process)), deployment_(std::move(deployment)) {}
 
 ProcessView ProcessRecord::view() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return {deployment_, process_.pid, incarnation_, last_known(), answers_, fault_};
 }
 
 bool ProcessRecord::blame(std::string why) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!fault_.empty()) {
     return false;
   }
@@ -108,12 +110,12 @@ std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
 }
 
 void ProcessRecord::note_created(const model::ConfigAction& action) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   created_.emplace_back(requested_, action);
 }
 
 void ProcessRecord::note_removed(const model::TaskId& task) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::erase_if(created_, [&](const auto& item) { return item.second.definition.id == task; });
 }
 
@@ -122,18 +124,18 @@ Error ProcessRecord::unreachable() const {
 }
 
 sample_link::Incarnation ProcessRecord::incarnation() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return incarnation_;
 }
 
 std::shared_ptr<DeploymentService> ProcessRecord::service() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return service_;
 }
 
 std::shared_ptr<DeploymentService> ProcessRecord::set_service(std::shared_ptr<DeploymentService> service,
                                                               std::optional<DeploymentInfo> info) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (info) {
     incarnation_ = info->incarnation;
     deployment_ = std::move(info->deployment);
@@ -145,12 +147,12 @@ std::shared_ptr<DeploymentService> ProcessRecord::set_service(std::shared_ptr<De
 }
 
 ProcessRecord::PollRequest ProcessRecord::request_poll() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return {++requested_, !std::exchange(polling_, true)};
 }
 
 std::uint64_t ProcessRecord::latest_request() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return requested_;
 }
 
@@ -158,7 +160,7 @@ ProcessRecord::Finished ProcessRecord::finish_poll(std::uint64_t number,
                                                    std::shared_ptr<const Snapshot> snapshot) {
   Finished finished;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     finished_ = number;
     finished.more = requested_ > number;
     polling_ = finished.more;
@@ -176,7 +178,7 @@ ProcessRecord::Finished ProcessRecord::finish_poll(std::uint64_t number,
 }
 
 ProcessRecord::Change ProcessRecord::give_up_poll(std::uint64_t number) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return answered_ >= number ? Change{} : silent_now();
 }
 
@@ -202,7 +204,7 @@ std::vector<SilenceWatch> ProcessRecord::take_watches() {
 
 void ProcessRecord::add(const SilenceWatch& watch) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (answers_) {
       std::erase_if(watches_, [](const auto& one) { return one.expired(); });
       watches_.push_back(watch);
@@ -226,29 +228,30 @@ ProcessRecord::Change ProcessRecord::answering_now() {
 }
 
 bool ProcessRecord::wait_for_poll(std::uint64_t number, TimePoint deadline) const {
-  std::unique_lock lock(mutex_);
-  return changed_.wait_until(lock, deadline, [&] { return finished_ >= number || ended_; });
+  Lock lock(mutex_);
+  return changed_.wait_until(mutex_, deadline,
+                             [&]() SEGUE_REQUIRES(mutex_) { return finished_ >= number || ended_; });
 }
 
 bool ProcessRecord::answers() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return answers_;
 }
 
 void ProcessRecord::expect_end(bool expected) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   end_expected_ = expected;
 }
 
 bool ProcessRecord::end_expected() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return end_expected_;
 }
 
 bool ProcessRecord::mark_ended() {
   bool first = false;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     first = !std::exchange(ended_, true);
   }
   changed_.notify_all();
@@ -256,27 +259,27 @@ bool ProcessRecord::mark_ended() {
 }
 
 bool ProcessRecord::ended() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return ended_;
 }
 
 bool ProcessRecord::wait_for_end(TimePoint deadline) const {
-  std::unique_lock lock(mutex_);
-  return changed_.wait_until(lock, deadline, [&] { return ended_; });
+  Lock lock(mutex_);
+  return changed_.wait_until(mutex_, deadline, [&]() SEGUE_REQUIRES(mutex_) { return ended_; });
 }
 
 bool ProcessRecord::has_mapped(sample_link::Incarnation peer) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return peers_.contains(peer);
 }
 
 void ProcessRecord::mark_mapped(sample_link::Incarnation peer) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   peers_.insert(peer);
 }
 
 void ProcessRecord::mark_unmapped(sample_link::Incarnation peer) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   peers_.erase(peer);
 }
 

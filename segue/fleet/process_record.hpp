@@ -2,16 +2,16 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/fleet/merged_view.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/process_server/process_service.hpp>
 
-#include <condition_variable>
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -131,32 +131,34 @@ class ProcessRecord {
 
  private:
   friend class ConnectionTurn;
-  Change silent_now();
-  std::vector<SilenceWatch> take_watches();
-  Change answering_now();
-  [[nodiscard]] std::shared_ptr<const Snapshot> last_known() const;
+  Change silent_now() SEGUE_REQUIRES(mutex_);
+  std::vector<SilenceWatch> take_watches() SEGUE_REQUIRES(mutex_);
+  Change answering_now() SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] std::shared_ptr<const Snapshot> last_known() const SEGUE_REQUIRES(mutex_);
 
   const model::DeploymentKey key_;
   const process_server::ProcessInfo process_;
-  mutable std::mutex mutex_;                 ///< protects everything below
-  mutable std::condition_variable changed_;  ///< finished_, ended_ or turns_ has changed
-  std::size_t turns_ = 0;                    ///< of ConnectionTurn, given at present
-  model::Deployment deployment_;
-  sample_link::Incarnation incarnation_ = 0;
-  std::shared_ptr<DeploymentService> service_;
-  std::shared_ptr<const Snapshot> snapshot_;
-  std::uint64_t requested_ = 0;  ///< the latest poll requested
-  std::uint64_t finished_ = 0;   ///< the latest poll finished, with or without an answer
-  std::uint64_t answered_ = 0;   ///< the latest poll that gave a snapshot
-  bool polling_ = false;
-  bool answers_ = true;
-  std::string fault_;
-  bool end_expected_ = false;
-  bool ended_ = false;
-  std::vector<model::TaskId> hanging_;
-  std::vector<std::weak_ptr<const std::function<void()>>> watches_;
-  std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_;  ///< with requested_ at that time
-  std::set<sample_link::Incarnation> peers_;
+  mutable Mutex mutex_;                             ///< protects everything below
+  mutable ConditionVariable changed_;               ///< finished_, ended_ or turns_ has changed
+  std::size_t turns_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< of ConnectionTurn, given at present
+  model::Deployment deployment_ SEGUE_GUARDED_BY(mutex_);
+  sample_link::Incarnation incarnation_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::shared_ptr<DeploymentService> service_ SEGUE_GUARDED_BY(mutex_);
+  std::shared_ptr<const Snapshot> snapshot_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t requested_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< the latest poll requested
+  /// The latest poll finished, with or without an answer.
+  std::uint64_t finished_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t answered_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< the latest poll that gave a snapshot
+  bool polling_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool answers_ SEGUE_GUARDED_BY(mutex_) = true;
+  std::string fault_ SEGUE_GUARDED_BY(mutex_);
+  bool end_expected_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool ended_ SEGUE_GUARDED_BY(mutex_) = false;
+  std::vector<model::TaskId> hanging_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<std::weak_ptr<const std::function<void()>>> watches_ SEGUE_GUARDED_BY(mutex_);
+  /// With requested_ at that time.
+  std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_ SEGUE_GUARDED_BY(mutex_);
+  std::set<sample_link::Incarnation> peers_ SEGUE_GUARDED_BY(mutex_);
 };
 
 using RecordPtr = std::shared_ptr<ProcessRecord>;

@@ -100,7 +100,7 @@ std::vector<Result<void>> RemoteConnector::disconnect(std::span<const RemoteConn
 }
 
 void RemoteConnector::add_waiting(std::span<const RemoteConnection> connections) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (const auto& remote : connections) {
     if (remote.at_commit) {
       waiting_.insert_or_assign(key_of(remote.connection), remote);
@@ -109,7 +109,7 @@ void RemoteConnector::add_waiting(std::span<const RemoteConnection> connections)
 }
 
 std::set<ConnectionClaims::Key> RemoteConnector::in_transition() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::set<ConnectionClaims::Key> keys = ending_;
   for (const auto& [key, remote] : waiting_) {
     keys.insert(key);
@@ -118,7 +118,7 @@ std::set<ConnectionClaims::Key> RemoteConnector::in_transition() const {
 }
 
 void RemoteConnector::will_end(const model::Connection& connection) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   ending_.insert(key_of(connection));
 }
 
@@ -128,12 +128,12 @@ void RemoteConnector::conclude() {
 }
 
 void RemoteConnector::forget_ending() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   ending_.clear();
 }
 
 RemoteConnector::Waiting RemoteConnector::take_waiting() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return std::exchange(waiting_, {});
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/fleet/connection_batch.hpp>
 #include <segue/fleet/connection_claims.hpp>
 #include <segue/fleet/damage_log.hpp>
@@ -9,7 +10,6 @@
 #include <segue/model/network.hpp>
 
 #include <map>
-#include <mutex>
 #include <set>
 #include <span>
 #include <vector>
@@ -58,9 +58,9 @@ class RemoteConnector {
   Fleet& fleet_;
   ConnectionClaims claims_;
   DamageLog damage_;
-  mutable std::mutex mutex_;
-  Waiting waiting_;                         ///< connections that begin with the commit; protected by mutex_
-  std::set<ConnectionClaims::Key> ending_;  ///< those that end with it; likewise
+  mutable Mutex mutex_;
+  Waiting waiting_ SEGUE_GUARDED_BY(mutex_);  ///< connections that begin with the commit; protected by mutex_
+  std::set<ConnectionClaims::Key> ending_ SEGUE_GUARDED_BY(mutex_);  ///< those that end with it; likewise
 };
 
 }  // namespace segue::deploy::detail

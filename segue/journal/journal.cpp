@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/journal/damaged.hpp>
 #include <segue/journal/journal.hpp>
 #include <segue/journal/store.hpp>
 
 #include <algorithm>
-#include <condition_variable>
 #include <cstdlib>
 #include <deque>
 #include <iterator>
-#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -62,14 +62,14 @@ struct Journal::Implementation {
         options(wanted),
         on_trouble(std::move(listener)) {
     thread = std::thread([this] { work(); });
-    std::unique_lock lock(mutex);
-    changed.wait_until(lock, RealClock::instance().now() + kFirstAttempt,
-                       [this] { return ended_attempt > 0; });
+    Lock lock(mutex);
+    changed.wait_until(mutex, RealClock::instance().now() + kFirstAttempt,
+                       [this]() SEGUE_REQUIRES(mutex) { return ended_attempt > 0; });
   }
 
   ~Implementation() {
     {
-      const std::lock_guard lock(mutex);
+      const Lock lock(mutex);
       stopping = true;
     }
     changed.notify_all();
@@ -81,17 +81,19 @@ struct Journal::Implementation {
 
   // Called by the writing thread only.
   void work();
-  void attempt(std::unique_lock<std::mutex>& lock);
+  /// Writes all waiting entries, without the mutex meanwhile.
+  void attempt() SEGUE_REQUIRES(mutex);
   Result<void> write(std::vector<AnyEntry>& entries, std::uint64_t gap, const std::string& reason);
   Result<void> open();
   void report(Trouble::Kind kind, const std::string& message, std::uint64_t entries_lost = 0) const;
 
-  // Called with the mutex held.
-  void shorten_queue();
-  void put_back(std::vector<AnyEntry> entries);
+  void shorten_queue() SEGUE_REQUIRES(mutex);
+  void put_back(std::vector<AnyEntry> entries) SEGUE_REQUIRES(mutex);
   /// The number of entries, counted from the first one added, that are written or dropped.
-  [[nodiscard]] std::uint64_t settled() const { return writing ? writing_from : added - queue.size(); }
-  [[nodiscard]] bool may_try() const {
+  [[nodiscard]] std::uint64_t settled() const SEGUE_REQUIRES(mutex) {
+    return writing ? writing_from : added - queue.size();
+  }
+  [[nodiscard]] bool may_try() const SEGUE_REQUIRES(mutex) {
     return (!queue.empty() || trouble) && (flushing > 0 || not_before <= RealClock::instance().now());
   }
 
@@ -99,23 +101,25 @@ struct Journal::Implementation {
   const JournalOptions options;
   const OnTrouble on_trouble;
 
-  mutable std::mutex mutex;  ///< protects all members below except `store` and `thread`
-  std::condition_variable changed;
-  std::deque<AnyEntry> queue;
-  std::size_t weight = 0;  ///< of the queue
-  std::uint64_t added = 0;
-  std::uint64_t lost = 0;
-  std::uint64_t unreported = 0;  ///< dropped entries that are not in the file as a gap yet
-  bool writing = false;
-  std::uint64_t writing_from = 0;   ///< settled() when the current write began
-  std::uint64_t begun_attempt = 0;  ///< attempts are numbered from 1
-  std::uint64_t ended_attempt = 0;
-  std::optional<Error> trouble;  ///< error of the last attempt
-  Duration pause = kShortestPause;
-  TimePoint not_before{};
-  int flushing = 0;
-  bool stopping = false;
-  std::shared_ptr<const model::ActionTimes> times = std::make_shared<model::ActionTimes>();
+  mutable Mutex mutex;  ///< protects all members below except `store` and `thread`
+  ConditionVariable changed;
+  std::deque<AnyEntry> queue SEGUE_GUARDED_BY(mutex);
+  std::size_t weight SEGUE_GUARDED_BY(mutex) = 0;  ///< of the queue
+  std::uint64_t added SEGUE_GUARDED_BY(mutex) = 0;
+  std::uint64_t lost SEGUE_GUARDED_BY(mutex) = 0;
+  /// Dropped entries that are not in the file as a gap yet.
+  std::uint64_t unreported SEGUE_GUARDED_BY(mutex) = 0;
+  bool writing SEGUE_GUARDED_BY(mutex) = false;
+  std::uint64_t writing_from SEGUE_GUARDED_BY(mutex) = 0;   ///< settled() when the current write began
+  std::uint64_t begun_attempt SEGUE_GUARDED_BY(mutex) = 0;  ///< attempts are numbered from 1
+  std::uint64_t ended_attempt SEGUE_GUARDED_BY(mutex) = 0;
+  std::optional<Error> trouble SEGUE_GUARDED_BY(mutex);  ///< error of the last attempt
+  Duration pause SEGUE_GUARDED_BY(mutex) = kShortestPause;
+  TimePoint not_before SEGUE_GUARDED_BY(mutex){};
+  int flushing SEGUE_GUARDED_BY(mutex) = 0;
+  bool stopping SEGUE_GUARDED_BY(mutex) = false;
+  std::shared_ptr<const model::ActionTimes> times SEGUE_GUARDED_BY(mutex) =
+      std::make_shared<model::ActionTimes>();
 
   std::optional<Store> store;  ///< used by the writing thread only
   std::thread thread;
@@ -123,7 +127,7 @@ struct Journal::Implementation {
 
 void Journal::Implementation::add(AnyEntry entry) {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     weight += detail::weight_of(entry);
     ++added;
     queue.push_back(std::move(entry));
@@ -151,12 +155,12 @@ void Journal::Implementation::put_back(std::vector<AnyEntry> entries) {
 }
 
 Result<void> Journal::Implementation::flush(TimePoint deadline) {
-  std::unique_lock lock(mutex);
+  Lock lock(mutex);
   const std::uint64_t wanted = added;
   const std::uint64_t own_attempt = begun_attempt + 1;  // the present attempt may lack the latest entries
   ++flushing;
   changed.notify_all();
-  const bool ended = changed.wait_until(lock, deadline, [&] {
+  const bool ended = changed.wait_until(mutex, deadline, [&]() SEGUE_REQUIRES(mutex) {
     return (settled() >= wanted && !trouble) || (trouble && ended_attempt >= own_attempt);
   });
   --flushing;
@@ -167,22 +171,21 @@ Result<void> Journal::Implementation::flush(TimePoint deadline) {
 }
 
 void Journal::Implementation::work() {
-  std::unique_lock lock(mutex);
-  attempt(lock);
+  const Lock lock(mutex);
+  attempt();
   while (!stopping) {
     if (may_try()) {
-      attempt(lock);
+      attempt();
     } else if (queue.empty() && !trouble) {
-      changed.wait(lock);
+      changed.wait(mutex);
     } else {
-      changed.wait_until(lock, not_before);
+      changed.wait_until(mutex, not_before);
     }
   }
-  if (!queue.empty()) attempt(lock);
+  if (!queue.empty()) attempt();
 }
 
-/// Writes all waiting entries; releases the lock meanwhile.
-void Journal::Implementation::attempt(std::unique_lock<std::mutex>& lock) {
+void Journal::Implementation::attempt() {
   writing_from = settled();
   writing = true;
   const std::uint64_t number = ++begun_attempt;
@@ -191,10 +194,13 @@ void Journal::Implementation::attempt(std::unique_lock<std::mutex>& lock) {
   std::vector<AnyEntry> entries(std::make_move_iterator(queue.begin()), std::make_move_iterator(queue.end()));
   queue.clear();
   weight = 0;
-  lock.unlock();
-  auto result = write(entries, gap, reason);
-  auto statistics = result ? std::make_shared<model::ActionTimes>(store->times()) : nullptr;
-  lock.lock();
+  Result<void> result;
+  std::shared_ptr<model::ActionTimes> statistics;
+  {
+    const Unlocked unlocked(mutex);
+    result = write(entries, gap, reason);
+    if (result) statistics = std::make_shared<model::ActionTimes>(store->times());
+  }
   writing = false;
   ended_attempt = number;
   const bool was_fine = !trouble;
@@ -212,14 +218,13 @@ void Journal::Implementation::attempt(std::unique_lock<std::mutex>& lock) {
   }
   changed.notify_all();
   if (was_fine == result.has_value()) return;
-  lock.unlock();
+  const Unlocked unlocked(mutex);
   if (!result) {
     report(is_refusal(result.error()) ? Trouble::Kind::Refused : Trouble::Kind::Unwritable,
            "the journal " + quote(path.native()) + " cannot be written: " + to_string(result.error()));
   } else {
     report(Trouble::Kind::Resumed, "the journal " + quote(path.native()) + " is written again", gap);
   }
-  lock.lock();
 }
 
 /// After a failure the next attempt opens the file again, since it may have been replaced.
@@ -300,7 +305,7 @@ void Journal::add(GapEntry entry) {
 }
 
 std::shared_ptr<const model::ActionTimes> Journal::times() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return implementation_->times;
 }
 
@@ -309,7 +314,7 @@ Result<void> Journal::flush(TimePoint deadline) {
 }
 
 std::uint64_t Journal::lost() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return implementation_->lost;
 }
 

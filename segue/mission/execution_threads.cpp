@@ -8,7 +8,7 @@
 namespace segue::mission {
 
 ExecutionThreads::~ExecutionThreads() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   closes_ = true;
   for (Job& job : jobs_)
     job.stop.request_stop();
@@ -26,7 +26,7 @@ void ExecutionThreads::start(ActionCall& call, Body body) {
 }
 
 void ExecutionThreads::start(std::stop_source stop, std::function<void(const std::stop_token& stop)> work) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (closes_) throw std::system_error(std::make_error_code(std::errc::operation_canceled));
   std::erase_if(jobs_, [](const Job& job) { return job.ended.load(); });
   Job& job = jobs_.emplace_back();

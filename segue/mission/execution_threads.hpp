@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/mission/action_runner.hpp>
 
 #include <atomic>
 #include <functional>
 #include <list>
-#include <mutex>
 #include <stop_token>
 #include <thread>
 #include <vector>
@@ -38,7 +38,7 @@ class ExecutionThreads {
     std::jthread thread;
   };
 
-  std::mutex mutex_;  ///< protects the others
+  Mutex mutex_;  ///< protects the others
   bool closes_ = false;
   std::list<Job> jobs_;
 };

@@ -62,7 +62,7 @@ std::optional<type::Value> Globals::get(std::string_view name) const {
 }
 
 std::optional<GlobalContent> Globals::content(std::string_view name) const {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   const Variable variable = look(name);
   if (!variable.content) return std::nullopt;
   return GlobalContent{variable.content->shown(), variable.content->object};
@@ -81,7 +81,7 @@ Result<void> Globals::set_object(const std::string& name, std::shared_ptr<const 
 /// `kind` says what the content is, for messages, and for an object also which variables may hold it. The
 /// content has the type that a new variable gets.
 Result<void> Globals::set(const std::string& name, Content content, Key key, const std::string& kind) {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   Variable variable = look(name);
   if (variable.holder != 0 && variable.holder != key) return locked(name);
   if (variable.content)
@@ -98,7 +98,7 @@ Result<void> Globals::set(const std::string& name, Content content, Key key, con
 }
 
 Result<void> Globals::erase(const std::string& name) {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   const Variable variable = look(name);
   if (!variable.content) return {};
   if (variable.holder != 0) return locked(name);
@@ -106,9 +106,11 @@ Result<void> Globals::erase(const std::string& name) {
 }
 
 Result<Globals::Key> Globals::lock(const std::string& name, Duration timeout) {
-  std::unique_lock guard(variables_->mutex);
+  Lock guard(variables_->mutex);
   // Looked up each time: another thread may erase the variable while this one waits.
-  if (!variables_->unlocked.wait_for(guard, timeout, [&] { return look(name).holder == 0; }))
+  if (!variables_->unlocked.wait_for(variables_->mutex, timeout, [&]() SEGUE_REQUIRES(variables_->mutex) {
+        return look(name).holder == 0;
+      }))
     return fail(ErrorCode::DeadlineExceeded, "the global variable " + quote(name) + " stayed locked");
   Variable variable = look(name);
   if (!variable.content) variable.content = std::make_shared<const Content>();
@@ -118,7 +120,7 @@ Result<Globals::Key> Globals::lock(const std::string& name, Duration timeout) {
 }
 
 Result<void> Globals::unlock(const std::string& name, Key key, bool force) {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   Variable variable = look(name);
   if (!variable.content) return fail(ErrorCode::NotFound, "there is no global variable " + quote(name));
   if (!force && variable.holder != key) return locked(name);
@@ -127,7 +129,7 @@ Result<void> Globals::unlock(const std::string& name, Key key, bool force) {
 }
 
 bool Globals::is_locked(std::string_view name, Key key) const {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   const Variable variable = look(name);
   return variable.content && variable.holder != 0 && variable.holder != key;
 }
@@ -140,7 +142,7 @@ type::Value Globals::snapshot() const {
 }
 
 std::vector<std::pair<std::string, GlobalContent>> Globals::contents() const {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   std::set<std::string, std::less<>> names;
   for (const auto& [name, entry] : variables_->by_name)
     names.insert(name);

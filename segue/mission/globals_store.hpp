@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/globals.hpp>
 
-#include <condition_variable>
 #include <map>
-#include <mutex>
 
 namespace segue::mission {
 
@@ -53,14 +53,14 @@ struct Globals::Entry {
 
 /// The mutex guards everything, also the views.
 struct Globals::Variables {
-  std::mutex mutex;
-  std::condition_variable unlocked;
-  std::map<std::string, Entry, std::less<>> by_name;
-  Key last_key = 0;
-  std::uint64_t last_number = 0;
-  std::uint64_t settled = 0;
+  Mutex mutex;
+  ConditionVariable unlocked;
+  std::map<std::string, Entry, std::less<>> by_name SEGUE_GUARDED_BY(mutex);
+  Key last_key SEGUE_GUARDED_BY(mutex) = 0;
+  std::uint64_t last_number SEGUE_GUARDED_BY(mutex) = 0;
+  std::uint64_t settled SEGUE_GUARDED_BY(mutex) = 0;
 
-  void write(Entry& entry, const Place* place, Variable variable);
+  void write(Entry& entry, const Place* place, Variable variable) SEGUE_REQUIRES(mutex);
 };
 
 /// How one execution uses the variables.
@@ -77,7 +77,7 @@ struct Globals::View {
   bool all = false;  ///< it has asked which variables there are
   std::map<std::string, Use, std::less<>> uses{};
 
-  Use& use(const Variables& variables, std::string_view name);
+  Use& use(const Variables& variables, std::string_view name) SEGUE_REQUIRES(variables.mutex);
 };
 
 }  // namespace segue::mission

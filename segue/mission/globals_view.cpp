@@ -96,8 +96,7 @@ Globals::View::Use& Globals::View::use(const Variables& variables, std::string_v
   return use;
 }
 
-/// Requires the mutex, as does put().
-Globals::Variable Globals::look(std::string_view name) const {
+Globals::Variable Globals::look(std::string_view name) const SEGUE_REQUIRES(variables_->mutex) {
   if (view_ && view_->kept_aside) return view_->closed ? Variable() : view_->use(*variables_, name).own;
   const auto found = variables_->by_name.find(name);
   if (!view_) return found == variables_->by_name.end() ? Variable() : found->second.now;
@@ -109,7 +108,7 @@ Globals::Variable Globals::look(std::string_view name) const {
   return entry.now;
 }
 
-Result<void> Globals::put(const std::string& name, Variable variable) {
+Result<void> Globals::put(const std::string& name, Variable variable) SEGUE_REQUIRES(variables_->mutex) {
   if (!view_) {
     variables_->write(variables_->by_name[name], nullptr, std::move(variable));
     return {};
@@ -138,24 +137,24 @@ class Globals::Pending final : public PendingChanges {
       : variables_(std::move(variables)), view_(std::move(view)) {}
 
   [[nodiscard]] bool empty() const override {
-    const std::lock_guard guard(variables_->mutex);
+    const Lock guard(variables_->mutex);
     return view_->uses.empty() && !view_->all;
   }
 
   [[nodiscard]] bool valid() const override {
-    const std::lock_guard guard(variables_->mutex);
-    const auto changed = [&](const auto& use) {
+    const Lock guard(variables_->mutex);
+    const auto changed = [&](const auto& use) SEGUE_REQUIRES(variables_->mutex) {
       return use.second.version != version(use.first) || locked_meanwhile(use);
     };
     if (std::ranges::any_of(view_->uses, changed)) return false;
     if (!view_->all) return true;
-    return std::ranges::none_of(variables_->by_name, [&](const auto& each) {
+    return std::ranges::none_of(variables_->by_name, [&](const auto& each) SEGUE_REQUIRES(variables_->mutex) {
       return !view_->uses.contains(each.first) && version(each.first) != 0;
     });
   }
 
   Result<void> apply() override {
-    const std::lock_guard guard(variables_->mutex);
+    const Lock guard(variables_->mutex);
     for (const auto& [name, use] : view_->uses) {
       if (use.changed) {
         if (const Place* user = later_user(name)) return conflict(name, *user);
@@ -171,21 +170,22 @@ class Globals::Pending final : public PendingChanges {
  private:
   /// The number of the last version by an action before this one. What those in parallel branches write may
   /// come before or after, so it makes nothing wrong.
-  [[nodiscard]] std::uint64_t version(const std::string& name) const {
+  [[nodiscard]] std::uint64_t version(const std::string& name) const SEGUE_REQUIRES(variables_->mutex) {
     const auto found = variables_->by_name.find(name);
     const Version* last = found == variables_->by_name.end() ? nullptr : found->second.before(view_->place);
     return last == nullptr ? 0 : last->number;
   }
 
   /// By an action in a parallel branch.
-  [[nodiscard]] bool locked_meanwhile(const std::pair<const std::string, View::Use>& use) const {
+  [[nodiscard]] bool locked_meanwhile(const std::pair<const std::string, View::Use>& use) const
+      SEGUE_REQUIRES(variables_->mutex) {
     const auto found = variables_->by_name.find(use.first);
     if (!use.second.changed || found == variables_->by_name.end()) return false;
     const Key holder = found->second.now.holder;
     return holder != 0 && holder != use.second.holder;
   }
 
-  [[nodiscard]] const Place* later_user(const std::string& name) const {
+  [[nodiscard]] const Place* later_user(const std::string& name) const SEGUE_REQUIRES(variables_->mutex) {
     const auto found = variables_->by_name.find(name);
     if (found == variables_->by_name.end()) return nullptr;
     const auto& users = found->second.users;
@@ -224,7 +224,7 @@ std::shared_ptr<PendingChanges> Globals::pending_changes() const {
 }
 
 Globals::Changes Globals::changes() const {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   Changes changes;
   if (!view_) return changes;
   for (const auto& [name, use] : view_->uses) {
@@ -238,12 +238,12 @@ Globals::Changes Globals::changes() const {
 }
 
 void Globals::close() {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   if (view_) view_->closed = true;
 }
 
 void Globals::settle_before(std::uint64_t position) {
-  const std::lock_guard guard(variables_->mutex);
+  const Lock guard(variables_->mutex);
   variables_->settled = position;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <mutex>
+#include <segue/base/mutex.hpp>
 
 namespace segue::mission::detail {
 
@@ -13,17 +13,17 @@ class Reach {
 
   /// Nobody uses the object any more when it returns. For its destructor, before anything of it goes.
   void close() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     object_ = nullptr;
   }
   template <class Use>
   void with(Use use) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (object_ != nullptr) use(*object_);
   }
 
  private:
-  std::mutex mutex_;  ///< locked before those of the object
+  Mutex mutex_;  ///< locked before those of the object
   T* object_;
 };
 

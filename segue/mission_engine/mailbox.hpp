@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/action_runner.hpp>
 
 #include <atomic>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,23 +27,23 @@ struct CompletionMessage {
 class Mailbox {
  public:
   void post(CompletionMessage completion) {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     completions_.push_back(std::move(completion));
     changed();
   }
   void request_pause() {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     pause_ = true;
     changed();
   }
   void request_stop() {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     stop_ = true;
     changed();
   }
   /// To be carried out by the engine's thread, between two steps.
   void request(std::function<void()> task) {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     tasks_.push_back(std::move(task));
     changed();
   }
@@ -58,7 +58,7 @@ class Mailbox {
     bool stop = false;
   };
   Messages take() {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     Messages messages{std::move(completions_), std::move(tasks_), pause_, stop_};
     completions_.clear();
     tasks_.clear();
@@ -70,30 +70,30 @@ class Mailbox {
   /// Blocks until a message has arrived or, in real time, until `deadline`; without one, until a message
   /// arrives.
   void wait(std::optional<TimePoint> deadline) {
-    std::unique_lock guard(mutex_);
+    Lock guard(mutex_);
     const auto arrived = [this] { return has_messages(); };
     if (deadline) {
-      arrived_.wait_until(guard, *deadline, arrived);
+      arrived_.wait_until(mutex_, *deadline, arrived);
     } else {
-      arrived_.wait(guard, arrived);
+      arrived_.wait(mutex_, arrived);
     }
   }
 
  private:
-  /// Requires the lock. The store releases what was written before it to whoever sees has_messages() without
+  /// The store releases what was written before it to whoever sees has_messages() without
   /// the lock; what is then taken is read under the lock.
   void changed() {
     pending_.store(true, std::memory_order_release);
     arrived_.notify_all();
   }
 
-  std::mutex mutex_;  ///< guards all below; `pending_` is written under it and read without it
-  std::condition_variable arrived_;
+  Mutex mutex_;  ///< guards all below; `pending_` is written under it and read without it
+  ConditionVariable arrived_;
   std::atomic<bool> pending_{false};
-  std::vector<CompletionMessage> completions_;
-  std::vector<std::function<void()>> tasks_;
-  bool pause_ = false;
-  bool stop_ = false;
+  std::vector<CompletionMessage> completions_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<std::function<void()>> tasks_ SEGUE_GUARDED_BY(mutex_);
+  bool pause_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool stop_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace segue::mission::detail

@@ -165,6 +165,7 @@ Result<std::unique_ptr<RunJournalFile>> RunJournalFile::create(const std::filesy
   auto opened = open_locked(path, O_CREAT | O_EXCL);
   if (!opened) return opened.error();
   std::unique_ptr<RunJournalFile> file(new RunJournalFile(std::move(*opened), std::move(tell)));
+  const Lock lock(file->mutex_);
   ValueMap fields;
   fields.append(std::string(kVersionKey), kVersion);
   fields.append("id", hexadecimal(random_number()));  // runs that do the same have other checksums, too
@@ -189,6 +190,7 @@ Result<std::unique_ptr<RunJournalFile>> RunJournalFile::open(const std::filesyst
   const auto text = read_file(path);
   if (!text) return text.error();
   std::unique_ptr<RunJournalFile> file(new RunJournalFile(std::move(*opened), std::move(tell)));
+  const Lock lock(file->mutex_);
   if (auto done = file->read(*text); !done) return done.error();
   return file;
 }
@@ -222,7 +224,7 @@ Result<void> RunJournalFile::read(std::string_view text) {
 }
 
 void RunJournalFile::read_entries(std::string_view text) {
-  const auto refuse = [this](const std::string& why) { contents_.refusal = why; };
+  const auto refuse = [this](const std::string& why) SEGUE_REQUIRES(mutex_) { contents_.refusal = why; };
   while (!text.empty()) {
     const std::string_view rest = text;
     const auto line = next_line(text);
@@ -243,14 +245,19 @@ void RunJournalFile::read_entries(std::string_view text) {
   if (synced_ > entries_) refuse(entries_text(entries_ + 1, synced_) + " at its end");
 }
 
+RunJournalFile::Contents RunJournalFile::take_contents() {
+  const Lock lock(mutex_);
+  return std::move(contents_);
+}
+
 Result<void> RunJournalFile::continue_after_contents() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (::ftruncate(file_.get(), static_cast<off_t>(length_)) == 0) return {};
   return system_error("cannot write the journal", errno);
 }
 
 void RunJournalFile::add(const ValueMap& entry, bool durable) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!file_.valid()) return;
   ValueMap fields;
   fields.append("entry", ++entries_);
@@ -301,7 +308,7 @@ void RunJournalFile::give_up(int reason) {
 }
 
 void RunJournalFile::close() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (file_.valid()) (void)write_pending();
   file_ = Descriptor();
 }

@@ -3,6 +3,7 @@
 
 #include <segue/base/descriptor.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/type/value.hpp>
 
@@ -11,7 +12,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -53,7 +53,7 @@ class RunJournalFile {
   static Result<std::unique_ptr<RunJournalFile>> open(const std::filesystem::path& path, Tell tell);
 
   /// Of the file that was opened, once.
-  [[nodiscard]] Contents take_contents() { return std::move(contents_); }
+  [[nodiscard]] Contents take_contents();
   /// Cuts a damaged end off; entries can be added from then on.
   Result<void> continue_after_contents();
 
@@ -68,26 +68,27 @@ class RunJournalFile {
 
  private:
   RunJournalFile(Descriptor file, Tell tell) : file_(std::move(file)), tell_(std::move(tell)) {}
-  Result<void> read(std::string_view text);
-  void read_entries(std::string_view text);
-  [[nodiscard]] std::string second_line() const;
-  bool write_pending();
-  bool write_synced();
-  void fell_behind(int reason);
-  void give_up(int reason);
+  Result<void> read(std::string_view text) SEGUE_REQUIRES(mutex_);
+  void read_entries(std::string_view text) SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] std::string second_line() const SEGUE_REQUIRES(mutex_);
+  bool write_pending() SEGUE_REQUIRES(mutex_);
+  bool write_synced() SEGUE_REQUIRES(mutex_);
+  void fell_behind(int reason) SEGUE_REQUIRES(mutex_);
+  void give_up(int reason) SEGUE_REQUIRES(mutex_);
 
-  std::mutex mutex_;  ///< protects all below
-  Descriptor file_;
+  Mutex mutex_;  ///< protects all below
+  Descriptor file_ SEGUE_GUARDED_BY(mutex_);
   const Tell tell_;
-  Contents contents_;
-  std::uint64_t run_ = 0;      ///< the checksum of the first line
-  std::uint64_t last_ = 0;     ///< the checksum of the last line
-  std::uint64_t entries_ = 0;  ///< how many there have been
-  std::uint64_t synced_ = 0;   ///< of which so many had to be on disk before something was done
-  std::size_t second_at_ = 0;  ///< where the second line begins
-  std::size_t length_ = 0;     ///< up to the end of the last entry that was written
-  std::string pending_;        ///< entries that could not be written yet
-  bool is_behind_ = false;     ///< which has been told
+  Contents contents_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t run_ SEGUE_GUARDED_BY(mutex_) = 0;      ///< the checksum of the first line
+  std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;     ///< the checksum of the last line
+  std::uint64_t entries_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< how many there have been
+  /// Of which so many had to be on disk before something was done.
+  std::uint64_t synced_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::size_t second_at_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< where the second line begins
+  std::size_t length_ SEGUE_GUARDED_BY(mutex_) = 0;     ///< up to the end of the last entry that was written
+  std::string pending_ SEGUE_GUARDED_BY(mutex_);        ///< entries that could not be written yet
+  bool is_behind_ SEGUE_GUARDED_BY(mutex_) = false;     ///< which has been told
 };
 
 }  // namespace segue::mission

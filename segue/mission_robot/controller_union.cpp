@@ -14,7 +14,7 @@ ControllerUnion::ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options 
                                                  [this](const std::stop_token& end) { work(end); })) {}
 
 ControllerUnion::~ControllerUnion() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   thread_.request_stop();
   unwanted_.request_stop();
 }
@@ -31,17 +31,17 @@ Result<void> ControllerUnion::begin(const std::string& controller, std::vector<M
 }
 
 bool ControllerUnion::may_run(const std::string& controller, const std::vector<MemberValue>& properties) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return find_undisturbed(controller, properties) != members_.end();
 }
 
 /// Where it was requested with these properties, and nothing that is only kept changes what it does; end()
-/// elsewhere. Requires the lock.
+/// elsewhere.
 ControllerUnion::Members::iterator ControllerUnion::find_undisturbed(
     const std::string& controller, const std::vector<MemberValue>& properties) {
   const auto known = find(controller);
   if (!has_lease_ || known == members_.end() || known->properties != properties) return members_.end();
-  const bool is_disturbed = std::ranges::any_of(members_, [&](const Member& member) {
+  const bool is_disturbed = std::ranges::any_of(members_, [&](const Member& member) SEGUE_REQUIRES(mutex_) {
     return member.users == 0 && member.controller != controller && disturbs(member.controller, controller);
   });
   return is_disturbed ? members_.end() : known;
@@ -58,7 +58,7 @@ bool ControllerUnion::runs_well(const std::string& controller, const Wait& wait)
 /// Where it was seen to run with these properties, no earlier than then, and nothing else is about to be run.
 bool ControllerUnion::use_what_runs(const std::string& controller, const std::vector<MemberValue>& properties,
                                     TimePoint earliest) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto known = find_undisturbed(controller, properties);
   const bool runs = known != members_.end() && known->seen >= earliest && known->seen > changed_at_ &&
                     waiting_.empty() && served_.empty();
@@ -69,7 +69,7 @@ bool ControllerUnion::use_what_runs(const std::string& controller, const std::ve
 }
 
 void ControllerUnion::take_over(const std::string& controller, std::vector<MemberValue> properties) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = find(controller);
   if (found == members_.end())
     members_.push_back({controller, std::move(properties), 1});
@@ -80,7 +80,7 @@ void ControllerUnion::take_over(const std::string& controller, std::vector<Membe
 Result<void> ControllerUnion::end(const std::string& controller, bool keep,
                                   std::optional<ControllerUser> user) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto found = find(controller);
     if (found == members_.end()) return {};
     if (found->users > 0) --found->users;
@@ -90,39 +90,37 @@ Result<void> ControllerUnion::end(const std::string& controller, bool keep,
 }
 
 void ControllerUnion::note_runs(const std::string& controller, TimePoint asked) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = find(controller);
   if (found != members_.end() && asked > changed_at_) found->seen = asked;
 }
 
 void ControllerUnion::note_changed() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   changed_at_ = RealClock::instance().now();
 }
 
-/// Requires the lock.
 ControllerUnion::Members::iterator ControllerUnion::find(const std::string& controller) {
   return std::ranges::find(members_, controller, &Member::controller);
 }
 
 std::size_t ControllerUnion::waiting() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return waiting_.size();
 }
 
 Result<void> ControllerUnion::carry_out(Change change) {
   const auto mine = std::make_shared<Change>(std::move(change));
-  Lock lock(mutex_);
+  const Lock lock(mutex_);
   if (mine->wish.stop.stop_requested()) return no_longer_wanted();
   waiting_.push_back(mine);
   changed_.notify_all();
-  changed_.wait(lock, mine->wish.stop, [&] { return mine->outcome.has_value(); });
+  changed_.wait(mutex_, mine->wish.stop, [&]() SEGUE_REQUIRES(mutex_) { return mine->outcome.has_value(); });
   if (mine->outcome) return *mine->outcome;
   withdraw(mine);
   return no_longer_wanted();
 }
 
-/// Requires the lock.
 void ControllerUnion::withdraw(const std::shared_ptr<Change>& change) {
   std::erase(waiting_, change);
   const bool is_served = std::ranges::find(served_, change) != served_.end();
@@ -131,14 +129,15 @@ void ControllerUnion::withdraw(const std::shared_ptr<Change>& change) {
 }
 
 void ControllerUnion::work(const std::stop_token& end) {
-  Lock lock(mutex_);
-  while (changed_.wait(lock, end, [this] { return !waiting_.empty(); })) {
+  const Lock lock(mutex_);
+  while (changed_.wait(mutex_, end, [this]() SEGUE_REQUIRES(mutex_) { return !waiting_.empty(); })) {
     // Others may join in a transition; what runs already must not wait for it.
-    if (std::ranges::any_of(waiting_, [this](const auto& change) { return is_transition(*change); }))
-      changed_.wait_for(lock, end, options_.gather, [] { return false; });
+    if (std::ranges::any_of(
+            waiting_, [this](const auto& change) SEGUE_REQUIRES(mutex_) { return is_transition(*change); }))
+      changed_.wait_for(mutex_, end, options_.gather, []() SEGUE_REQUIRES(mutex_) { return false; });
     if (end.stop_requested()) return;
-    learn_conflicts(lock, end);
-    serve_waiting(lock);
+    learn_conflicts(end);
+    serve_waiting();
   }
 }
 
@@ -149,23 +148,23 @@ bool ControllerUnion::is_transition(const Change& change) const {
   return same == members_.end() || same->properties != change.member.properties;
 }
 
-void ControllerUnion::serve_waiting(Lock& lock) {
+void ControllerUnion::serve_waiting() {
   Changes changes = std::exchange(waiting_, {});
   std::erase_if(changes, [](const auto& change) { return !change->is_wanted(); });
   if (changes.empty()) return;
-  const auto together = serve(changes, lock);
+  const auto together = serve(changes);
   for (const auto& change : changes) {
     // One that cannot be carried out must not keep the others from what they need.
     const bool again = !together && changes.size() > 1 && change->is_wanted();
-    const auto outcome = again ? serve({change}, lock) : together;
+    const auto outcome = again ? serve({change}) : together;
     change->outcome = change->given_up ? no_longer_wanted() : outcome;
     changed_.notify_all();
   }
 }
 
-Result<void> ControllerUnion::serve(const Changes& changes, Lock& lock) {
+Result<void> ControllerUnion::serve(const Changes& changes) {
   Members wanted = with(changes);
-  auto outcome = request(wanted, changes, lock);
+  auto outcome = request(wanted, changes);
   for (const auto& change : changes)
     change->given_up = !change->is_wanted();
   if (outcome) {
@@ -217,8 +216,9 @@ ControllerUnion::Members ControllerUnion::with(const Changes& changes) const {
 
 /// Whether what is kept can run on beside these without changing what they do.
 bool ControllerUnion::fits(const std::string& controller, const Members& members) const {
-  return std::ranges::none_of(members,
-                              [&](const Member& member) { return disturbs(controller, member.controller); });
+  return std::ranges::none_of(members, [&](const Member& member) SEGUE_REQUIRES(mutex_) {
+    return disturbs(controller, member.controller);
+  });
 }
 
 /// Where it is not known what can run at once, everything does.
@@ -226,7 +226,7 @@ bool ControllerUnion::disturbs(const std::string& kept, const std::string& used)
   return !conflicts_ || conflicts_->conflict(kept, used) || conflicts_->influence(kept, used);
 }
 
-Result<void> ControllerUnion::request(const Members& members, const Changes& changes, Lock& lock) {
+Result<void> ControllerUnion::request(const Members& members, const Changes& changes) {
   ControllerRequest what;
   for (const Member& member : members) {
     what.controllers.push_back(member.controller);
@@ -241,20 +241,22 @@ Result<void> ControllerUnion::request(const Members& members, const Changes& cha
   unwanted_ = {};
   if (thread_.get_stop_token().stop_requested()) unwanted_.request_stop();
   const Wait wait(RealClock::instance().now() + options_.deadline, unwanted_.get_token());
-  lock.unlock();
-  auto outcome = robot_->request(what, wait);
-  lock.lock();
+  auto outcome = [&]() SEGUE_REQUIRES(mutex_) {
+    const Unlocked unlocked(mutex_);
+    return robot_->request(what, wait);
+  }();
   served_.clear();
   changed_at_ = RealClock::instance().now();  // what was seen meanwhile may be what ran before
   has_lease_ = has_lease_ || outcome;
   return outcome;
 }
 
-void ControllerUnion::learn_conflicts(Lock& lock, const std::stop_token& end) {
+void ControllerUnion::learn_conflicts(const std::stop_token& end) {
   if (conflicts_) return;
-  lock.unlock();
-  auto conflicts = robot_->conflicts(Wait(TimePoint::max(), end));
-  lock.lock();
+  auto conflicts = [&]() SEGUE_REQUIRES(mutex_) {
+    const Unlocked unlocked(mutex_);
+    return robot_->conflicts(Wait(TimePoint::max(), end));
+  }();
   if (conflicts) conflicts_ = std::move(*conflicts);
 }
 

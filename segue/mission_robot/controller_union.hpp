@@ -2,15 +2,15 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/mission/commanded_robot.hpp>
 
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -90,40 +90,41 @@ class ControllerUnion {
   };
   using Changes = std::vector<std::shared_ptr<Change>>;
   using Members = std::list<Member>;  ///< the latest first
-  using Lock = std::unique_lock<std::mutex>;
 
   bool may_run(const std::string& controller, const std::vector<MemberValue>& properties);
   bool runs_well(const std::string& controller, const Wait& wait);
   bool use_what_runs(const std::string& controller, const std::vector<MemberValue>& properties,
                      TimePoint earliest);
   Result<void> carry_out(Change change);
-  void withdraw(const std::shared_ptr<Change>& change);
+  void withdraw(const std::shared_ptr<Change>& change) SEGUE_REQUIRES(mutex_);
   void work(const std::stop_token& end);
-  [[nodiscard]] bool is_transition(const Change& change) const;
-  Members::iterator find(const std::string& controller);
+  [[nodiscard]] bool is_transition(const Change& change) const SEGUE_REQUIRES(mutex_);
+  Members::iterator find(const std::string& controller) SEGUE_REQUIRES(mutex_);
   Members::iterator find_undisturbed(const std::string& controller,
-                                     const std::vector<MemberValue>& properties);
-  void serve_waiting(Lock& lock);
-  Result<void> serve(const Changes& changes, Lock& lock);
-  void stop_unwanted(const Changes& changes);
-  [[nodiscard]] Members with(const Changes& changes) const;
-  [[nodiscard]] bool fits(const std::string& controller, const Members& members) const;
-  [[nodiscard]] bool disturbs(const std::string& kept, const std::string& used) const;
-  Result<void> request(const Members& members, const Changes& changes, Lock& lock);
-  void learn_conflicts(Lock& lock, const std::stop_token& end);
+                                     const std::vector<MemberValue>& properties) SEGUE_REQUIRES(mutex_);
+  void serve_waiting() SEGUE_REQUIRES(mutex_);
+  Result<void> serve(const Changes& changes) SEGUE_REQUIRES(mutex_);
+  void stop_unwanted(const Changes& changes) SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] Members with(const Changes& changes) const SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] bool fits(const std::string& controller, const Members& members) const SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] bool disturbs(const std::string& kept, const std::string& used) const SEGUE_REQUIRES(mutex_);
+  // These ask the robot, without the mutex meanwhile.
+  Result<void> request(const Members& members, const Changes& changes) SEGUE_REQUIRES(mutex_);
+  void learn_conflicts(const std::stop_token& end) SEGUE_REQUIRES(mutex_);
 
   const std::shared_ptr<CommandedRobot> robot_;
   const Options options_;
-  mutable std::mutex mutex_;  ///< protects all below; not held while the robot is asked
-  std::condition_variable_any changed_;
-  std::optional<ControllerConflicts> conflicts_;
-  Members members_;
-  Changes waiting_;
-  Changes served_;             ///< that the robot is asked for now
-  std::stop_source unwanted_;  ///< stops that request
-  bool has_lease_ = false;     ///< the robot has carried out a request of this
-  TimePoint changed_at_{};     ///< the robot was asked for another controller, or what runs was changed
-  std::jthread thread_;        ///< asks the robot
+  mutable Mutex mutex_;  ///< protects all below; not held while the robot is asked
+  StoppableConditionVariable changed_;
+  std::optional<ControllerConflicts> conflicts_ SEGUE_GUARDED_BY(mutex_);
+  Members members_ SEGUE_GUARDED_BY(mutex_);
+  Changes waiting_ SEGUE_GUARDED_BY(mutex_);
+  Changes served_ SEGUE_GUARDED_BY(mutex_);             ///< that the robot is asked for now
+  std::stop_source unwanted_ SEGUE_GUARDED_BY(mutex_);  ///< stops that request
+  bool has_lease_ SEGUE_GUARDED_BY(mutex_) = false;     ///< the robot has carried out a request of this
+  /// The robot was asked for another controller, or what runs was changed.
+  TimePoint changed_at_ SEGUE_GUARDED_BY(mutex_){};
+  std::jthread thread_;  ///< asks the robot
 };
 
 }  // namespace segue::mission

@@ -64,7 +64,7 @@ void FactObserver::work(const std::stop_token& end) {
 /// All the time, since what a sample has shown counts until the next one.
 void FactObserver::follow_ports() {
   for (auto& [name, entry] : entries_) {
-    const std::lock_guard lock(looking_);
+    const Lock lock(looking_);
     const auto* shows = std::get_if<SampleShows>(&entry.declared.when);
     if (shows == nullptr) continue;
     look(entry);
@@ -86,7 +86,7 @@ void FactObserver::follow_port(Entry& entry, const Member& port) {
 }
 
 std::optional<TimePoint> FactObserver::call_watchers() {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   auto watches = std::exchange(watches_, {});
   lock.unlock();
   std::optional<TimePoint> again;
@@ -155,14 +155,14 @@ bool FactObserver::value_now(Entry& entry) {
 }
 
 void FactObserver::begin(const World::Facts& facts) {
-  const std::lock_guard lock(looking_);
+  const Lock lock(looking_);
   for (auto& [name, entry] : entries_) {
     if (!entry.seen) entry.value = facts.contains(name);
   }
 }
 
 std::optional<GroundFact> FactObserver::first_false(std::span<const GroundFact> facts) {
-  const std::lock_guard lock(looking_);
+  const Lock lock(looking_);
   for (const GroundFact& fact : facts) {
     const auto found = entries_.find(fact.text);
     if (found != entries_.end() && value_now(found->second) != fact.holds) return fact;
@@ -171,13 +171,13 @@ std::optional<GroundFact> FactObserver::first_false(std::span<const GroundFact> 
 }
 
 std::optional<bool> FactObserver::observed(std::string_view fact) {
-  const std::lock_guard lock(looking_);
+  const Lock lock(looking_);
   const auto found = entries_.find(fact);
   return found == entries_.end() ? std::nullopt : look(found->second);
 }
 
 void FactObserver::assume(std::span<const GroundFact> effects) {
-  const std::lock_guard lock(looking_);
+  const Lock lock(looking_);
   for (const GroundFact& effect : effects) {
     if (const auto found = entries_.find(effect.text); found != entries_.end())
       found->second.value = effect.holds;
@@ -191,7 +191,7 @@ Duration FactObserver::settle(std::string_view fact) const {
 
 void FactObserver::watch(Look look) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     watches_.push_back(std::move(look));
   }
   bell_->ring();

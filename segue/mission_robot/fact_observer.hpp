@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/question.hpp>
 #include <segue/base/result.hpp>
 #include <segue/mission/commanded_robot.hpp>
@@ -16,7 +17,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -89,10 +89,12 @@ class FactObserver {
 
   const std::shared_ptr<CommandedRobot> robot_;
   const Options options_;
-  std::mutex looking_;  ///< protects `entries_`; held while the robot is asked
+  /// Protects what is known of facts, but not which ones there are and what is declared of them, which never
+  /// changes; held while the robot is asked.
+  Mutex looking_;
   std::map<std::string, Entry, std::less<>> entries_;
-  std::mutex mutex_;  ///< protects `watches_`
-  std::vector<Look> watches_;
+  Mutex mutex_;  ///< protects `watches_`
+  std::vector<Look> watches_ SEGUE_GUARDED_BY(mutex_);
 
   // Used by the thread only. Their answers ring the bell; what is so then is asked anew.
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/mission_robot/observing_runner.hpp>
 
 #include <segue/base/question.hpp>
@@ -6,7 +7,6 @@
 #include <segue/base/time_after.hpp>
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 
 namespace segue::mission {
@@ -37,14 +37,14 @@ class ObservedRun {
 
   /// The inner runner goes on, and the engine waits for `complete`.
   void goes_on(std::function<void()> preempt, Completer complete) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     preempt_ = std::move(preempt);
     complete_ = std::move(complete);
   }
 
   /// It ends by itself at that time.
   void ends_at(TimePoint when, Ending ending, std::vector<Value> outputs) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     due_ = when;
     ending_ = std::move(ending);
     outputs_ = std::move(outputs);
@@ -52,56 +52,72 @@ class ObservedRun {
 
   /// The engine preempts it.
   void preempt() {
-    std::unique_lock lock(mutex_);
-    preempted_ = true;
-    if (confirms_ || due_) return end(lock, {kPreempted, {}});
-    auto notify = std::exchange(preempt_, nullptr);
-    lock.unlock();
-    if (notify) notify();
+    Then then;
+    {
+      const Lock lock(mutex_);
+      preempted_ = true;
+      then = confirms_ || due_ ? end({kPreempted, {}}) : std::exchange(preempt_, nullptr);
+    }
+    if (then) then();
   }
 
   /// The inner runner has ended it.
   void ended(Ending ending, std::vector<Value> outputs) {
-    std::unique_lock lock(mutex_);
-    outputs_ = std::move(outputs);
-    finish(lock, std::move(ending));
+    Then then;
+    {
+      const Lock lock(mutex_);
+      outputs_ = std::move(outputs);
+      then = finish(std::move(ending));
+    }
+    if (then) then();
   }
 
   /// On the observer's thread: when it is to be called again at the latest; nothing once it has ended.
   std::optional<TimePoint> look() {
     const TimePoint now = clock_now();
-    std::unique_lock lock(mutex_);
-    if (is_over_) return std::nullopt;
-    if (due_ && now >= *due_) {
-      due_.reset();
-      finish(lock, ending_);
-      if (!lock.owns_lock()) return std::nullopt;
+    Then then;
+    bool is_guarded = false;
+    bool confirms = false;
+    {
+      const Lock lock(mutex_);
+      if (is_over_) return std::nullopt;
+      if (due_ && now >= *due_) {
+        due_.reset();
+        then = finish(ending_);
+      }
+      is_guarded = lost_.empty() && !preempted_;
+      confirms = confirms_;
     }
-    const bool is_guarded = lost_.empty() && !preempted_;
-    const bool confirms = confirms_;
-    lock.unlock();
+    if (then) {
+      then();
+      return std::nullopt;
+    }
     if (confirms) {
       confirm(now);
     } else if (is_guarded) {
       guard();
     }
-    lock.lock();
+    const Lock lock(mutex_);
     return is_over_ ? std::nullopt : std::optional(next_look(now));
   }
 
  private:
+  /// What is called once the mutex is free again: the inner runner, or who waits for the end. May be empty.
+  using Then = std::function<void()>;
+
   /// Preempts it where a fact of its `while` is not so any more.
   void guard() {
     if (during_.empty()) return;
     const auto lacking = observer_.first_false(during_);
     if (!lacking) return;
-    std::unique_lock lock(mutex_);
-    if (is_over_ || confirms_ || preempted_) return;
-    lost_ = "it was preempted, since " + signed_text(*lacking) + " does not hold any more";
-    if (due_) return end(lock, {kAborted, lost_});
-    auto notify = std::exchange(preempt_, nullptr);
-    lock.unlock();
-    if (notify) notify();
+    Then then;
+    {
+      const Lock lock(mutex_);
+      if (is_over_ || confirms_ || preempted_) return;
+      lost_ = "it was preempted, since " + signed_text(*lacking) + " does not hold any more";
+      then = due_ ? end({kAborted, lost_}) : std::exchange(preempt_, nullptr);
+    }
+    if (then) then();
   }
 
   /// Ends it once all effects show, or one has not in time, which is `now`.
@@ -113,20 +129,26 @@ class ObservedRun {
       if (!seen) unknown.push_back(effect);
       if (seen && *seen != effect.holds && !differs) differs = effect;
     }
-    std::unique_lock lock(mutex_);
-    if (is_over_) return;
-    const auto is_late = [&](const GroundFact& effect) { return now >= settled_at(effect); };
-    if (differs && !is_late(*differs)) return;
-    if (differs) return end(lock, {kAborted, difference(*differs)});
-    if (!std::ranges::all_of(unknown, is_late)) return;
-    lock.unlock();
-    observer_.assume(unknown);
-    lock.lock();
-    if (!is_over_) end(lock, ending_);
+    Then then;
+    {
+      const Lock lock(mutex_);
+      if (is_over_) return;
+      const auto is_late = [&](const GroundFact& effect)
+                               SEGUE_REQUIRES(mutex_) { return now >= settled_at(effect); };
+      if (differs && !is_late(*differs)) return;
+      if (!differs && !std::ranges::all_of(unknown, is_late)) return;
+      if (differs) then = end({kAborted, difference(*differs)});
+    }
+    if (!then) {
+      observer_.assume(unknown);
+      const Lock lock(mutex_);
+      if (!is_over_) then = end(ending_);
+    }
+    if (then) then();
   }
 
-  /// When something happens after `now` although no fact changes. With the mutex held.
-  [[nodiscard]] TimePoint next_look(TimePoint now) const {
+  /// When something happens after `now` although no fact changes.
+  [[nodiscard]] TimePoint next_look(TimePoint now) const SEGUE_REQUIRES(mutex_) {
     TimePoint next = due_.value_or(TimePoint::max());
     for (const GroundFact& effect : effects_) {
       const TimePoint settled = settled_at(effect);
@@ -134,7 +156,7 @@ class ObservedRun {
     }
     return next;
   }
-  [[nodiscard]] TimePoint settled_at(const GroundFact& effect) const {
+  [[nodiscard]] TimePoint settled_at(const GroundFact& effect) const SEGUE_REQUIRES(mutex_) {
     return time_after(confirms_since_, observer_.settle(effect.text)).value_or(TimePoint::max());
   }
 
@@ -143,21 +165,23 @@ class ObservedRun {
            format_duration(observer_.settle(effect.text));
   }
 
-  void finish(std::unique_lock<std::mutex>& lock, Ending ending) {
-    if (!lost_.empty()) return end(lock, {kAborted, lost_});
-    if (preempted_ || effects_.empty() || ending.outcome != foreseen_) return end(lock, std::move(ending));
+  Then finish(Ending ending) SEGUE_REQUIRES(mutex_) {
+    if (!lost_.empty()) return end({kAborted, lost_});
+    if (preempted_ || effects_.empty() || ending.outcome != foreseen_) return end(std::move(ending));
     ending_ = std::move(ending);
     confirms_ = true;
     confirms_since_ = clock_now();
     bell_->ring();
+    return {};
   }
 
-  void end(std::unique_lock<std::mutex>& lock, Ending ending) {
+  /// What it returns is never empty.
+  Then end(Ending ending) SEGUE_REQUIRES(mutex_) {
     is_over_ = true;
-    const auto complete = std::exchange(complete_, nullptr);
-    auto outputs = std::move(outputs_);
-    lock.unlock();
-    if (complete) complete(std::move(ending), std::move(outputs));
+    return [complete = std::exchange(complete_, nullptr), ending = std::move(ending),
+            outputs = std::move(outputs_)] {
+      if (complete) complete(ending, outputs);
+    };
   }
 
   FactObserver& observer_;
@@ -165,17 +189,17 @@ class ObservedRun {
   const std::vector<GroundFact> during_;
   const std::vector<GroundFact> effects_;
   const Outcome foreseen_;
-  std::mutex mutex_;  ///< protects all below
-  std::function<void()> preempt_;
-  Completer complete_;
-  std::optional<TimePoint> due_;
-  Ending ending_;
-  std::vector<Value> outputs_;
-  std::string lost_;  ///< why it has been preempted
-  bool preempted_ = false;
-  bool confirms_ = false;  ///< it has ended as foreseen, and its effects are awaited
-  TimePoint confirms_since_{};
-  bool is_over_ = false;
+  Mutex mutex_;  ///< protects all below
+  std::function<void()> preempt_ SEGUE_GUARDED_BY(mutex_);
+  Completer complete_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<TimePoint> due_ SEGUE_GUARDED_BY(mutex_);
+  Ending ending_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<Value> outputs_ SEGUE_GUARDED_BY(mutex_);
+  std::string lost_ SEGUE_GUARDED_BY(mutex_);  ///< why it has been preempted
+  bool preempted_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool confirms_ SEGUE_GUARDED_BY(mutex_) = false;  ///< it has ended as foreseen, and its effects are awaited
+  TimePoint confirms_since_ SEGUE_GUARDED_BY(mutex_){};
+  bool is_over_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 /// The call as the inner runner sees it: its end is that of an ObservedRun.

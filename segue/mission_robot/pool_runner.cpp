@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission_robot/pool_runner.hpp>
 
 #include <segue/base/text.hpp>
@@ -8,9 +10,7 @@
 #include <segue/mission_robot/robot_look.hpp>
 
 #include <algorithm>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -51,7 +51,7 @@ class Instances {
     while (!stop.stop_requested()) {
       const auto view = look(pool, stop);
       if (!view) return view.error();
-      std::unique_lock lock(mutex_);
+      Lock lock(mutex_);
       bool any_ready = false;
       auto instances = view->instances;
       std::stable_partition(instances.begin(), instances.end(),
@@ -65,13 +65,14 @@ class Instances {
         return fail(ErrorCode::Unavailable, why_none(*view));
       if (any_ready) give_up = RealClock::instance().now() + options_.ready_deadline;
       const std::uint64_t seen = given_back_;
-      freed_.wait_for(lock, stop, options_.period, [&] { return given_back_ != seen; });
+      freed_.wait_for(mutex_, stop, options_.period,
+                      [&]() SEGUE_REQUIRES(mutex_) { return given_back_ != seen; });
     }
     return fail(ErrorCode::Cancelled, "it was preempted");
   }
 
   void give_back(const PoolInstanceView& instance) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     busy_.erase(instance.task);
     ++given_back_;
     freed_.notify_all();
@@ -107,10 +108,10 @@ class Instances {
  private:
   const std::shared_ptr<CommandedRobot> robot_;
   const PoolOptions options_;
-  std::mutex mutex_;  ///< protects the members below; not held while the robot is asked
-  std::condition_variable_any freed_;
-  std::set<std::string> busy_;
-  std::uint64_t given_back_ = 0;  ///< how often an instance was
+  Mutex mutex_;  ///< protects the members below; not held while the robot is asked
+  StoppableConditionVariable freed_;
+  std::set<std::string> busy_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t given_back_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< how often an instance was
 };
 
 /// A call of an instance in a thread of its own, since it may outlast the action that made it: nobody else
@@ -146,20 +147,20 @@ class InstanceCall {
 
   /// Nothing where a stop is requested before it has answered.
   std::optional<Outcome> wait(const std::stop_token& stop) {
-    std::unique_lock lock(mutex_);
-    answered_.wait(lock, stop, [this] { return outcome_.has_value(); });
+    Lock lock(mutex_);
+    answered_.wait(mutex_, stop, [this]() SEGUE_REQUIRES(mutex_) { return outcome_.has_value(); });
     return outcome_;
   }
 
  private:
   void set(Outcome outcome) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     outcome_ = std::move(outcome);
     answered_.notify_all();
   }
 
-  std::mutex mutex_;  ///< protects the outcome
-  std::condition_variable_any answered_;
+  Mutex mutex_;  ///< protects the outcome
+  StoppableConditionVariable answered_;
   std::optional<Outcome> outcome_;
 };
 

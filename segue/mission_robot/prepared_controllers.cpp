@@ -19,14 +19,14 @@ PreparedControllers::~PreparedControllers() = default;
 
 void PreparedControllers::began(std::uint64_t action, std::string controller,
                                 std::vector<UpcomingController> ahead) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::erase_if(running_, [](const auto& entry) { return entry.second.has_ended; });
   running_[action] = {std::move(controller), std::move(ahead), false};
   changed_.notify_all();
 }
 
 void PreparedControllers::ended(std::uint64_t action) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = running_.find(action);
   if (found != running_.end()) found->second.has_ended = true;
 }
@@ -55,9 +55,9 @@ std::vector<std::string> PreparedControllers::likeliest() const {
 
 /// A robot that cannot prepare them runs the mission all the same.
 void PreparedControllers::work(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   while (!stop.stop_requested()) {
-    changed_.wait(lock, stop, [this] { return likeliest() != prepared_; });
+    changed_.wait(mutex_, stop, [this]() SEGUE_REQUIRES(mutex_) { return likeliest() != prepared_; });
     if (stop.stop_requested()) break;
     prepared_ = likeliest();
     lock.unlock();

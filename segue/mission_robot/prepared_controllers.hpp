@@ -2,14 +2,14 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/mission_robot/upcoming_controllers.hpp>
 
-#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -40,14 +40,14 @@ class PreparedControllers {
   };
 
   void work(const std::stop_token& stop);
-  [[nodiscard]] std::vector<std::string> likeliest() const;
+  [[nodiscard]] std::vector<std::string> likeliest() const SEGUE_REQUIRES(mutex_);
 
   const std::shared_ptr<CommandedRobot> robot_;
   const std::size_t most_;
   const Duration deadline_;
-  std::mutex mutex_;  ///< protects the next two
-  std::condition_variable_any changed_;
-  std::map<std::uint64_t, Running> running_;
+  Mutex mutex_;  ///< protects the next two
+  StoppableConditionVariable changed_;
+  std::map<std::uint64_t, Running> running_ SEGUE_GUARDED_BY(mutex_);
   std::vector<std::string> prepared_;  ///< that the robot was asked for last; used by the thread only
   std::jthread thread_;
 };

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission_robot/robot_look.hpp>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 
 namespace segue::mission {
 
@@ -65,9 +64,9 @@ std::optional<Ending> ending_by(const ControllerTrouble& trouble, const std::str
 }
 
 void wait_for_next_look(Duration period, const std::stop_token& stop) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  std::condition_variable_any().wait_for(lock, stop, period, [] { return false; });
+  Mutex mutex;
+  Lock lock(mutex);
+  StoppableConditionVariable().wait_for(mutex, stop, period, []() SEGUE_REQUIRES(mutex) { return false; });
 }
 
 }  // namespace segue::mission

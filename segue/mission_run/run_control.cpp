@@ -53,24 +53,24 @@ void RunControl::resume() {
 }
 
 bool RunControl::paused() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return pause_requested_ || position_.at.has_value();
 }
 
 void RunControl::set_paused(bool paused) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   pause_requested_ = paused;
   if (!paused) position_.at.reset();  // it comes again where it is held after all
   if (run_) follow_request();
 }
 
-/// The engine looks at the wish when it comes to it, so that the last of several counts. Requires the lock.
+/// The engine looks at the wish when it comes to it, so that the last of several counts.
 void RunControl::follow_request() {
   if (run_->engine == nullptr) return run_->set_paused(pause_requested_);
   const bool resumes = !pause_requested_;
   if (resumes) ++resuming_;
   run_->engine->post([this, engine = run_->engine, resumes] {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (resumes) --resuming_;
     if (pause_requested_) return engine->pause();
     engine->resume();
@@ -87,7 +87,7 @@ void RunControl::set_breakpoints(std::vector<std::string> paths, Done done) {
   ask(
       [this, paths = std::move(paths)](mission::Engine& engine) -> Result<type::Value> {
         if (auto set = engine.set_breakpoints(paths); !set) return std::move(set.error());
-        const std::lock_guard lock(mutex_);
+        const Lock lock(mutex_);
         position_.breakpoints = paths;
         return type::Value();
       },
@@ -105,11 +105,11 @@ void RunControl::values_of(std::string path, std::function<void(Result<type::Val
 }
 
 RunControl::Position RunControl::position() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return position_;
 }
 
-/// Requires the lock.
+///
 std::optional<Error> RunControl::refusal() const {
   if (!run_) return fail(ErrorCode::InvalidState, "the mission does not run");
   if (run_->engine != nullptr) return std::nullopt;
@@ -120,7 +120,7 @@ std::optional<Error> RunControl::refusal() const {
 
 /// `moves`: what is carried out changes where the mission is.
 void RunControl::ask(Task task, Answer answer, bool moves) {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   if (auto refused = refusal()) {
     lock.unlock();
     return answer(std::move(*refused));
@@ -137,7 +137,7 @@ void RunControl::carry_out(std::uint64_t number, mission::Engine& engine, const 
   Result<type::Value> answer = task(engine);
   Answer whom;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (moves && answer) position_.at.reset();
     if (auto found = waiting_.extract(number)) whom = std::move(found.mapped());
   }
@@ -146,7 +146,7 @@ void RunControl::carry_out(std::uint64_t number, mission::Engine& engine, const 
 
 RunControl::Attachment::Attachment(RunControl* control, Run run) : control_(control) {
   if (control_ == nullptr) return;
-  const std::lock_guard lock(control_->mutex_);
+  const Lock lock(control_->mutex_);
   control_->position_ = {run.engine != nullptr, run.back, std::nullopt, run.breakpoints};
   control_->run_ = std::move(run);
   control_->resuming_ = 0;
@@ -157,7 +157,7 @@ RunControl::Attachment::~Attachment() {
   if (control_ == nullptr) return;
   std::map<std::uint64_t, Answer> unanswered;
   {
-    const std::lock_guard lock(control_->mutex_);
+    const Lock lock(control_->mutex_);
     control_->run_.reset();
     control_->position_ = {};
     unanswered = std::exchange(control_->waiting_, {});
@@ -168,7 +168,7 @@ RunControl::Attachment::~Attachment() {
 
 bool RunControl::Attachment::held_at(std::vector<std::string> paths) {
   if (control_ == nullptr) return true;
-  const std::lock_guard lock(control_->mutex_);
+  const Lock lock(control_->mutex_);
   if (control_->resuming_ > 0) return false;  // it is about to leave that place
   if (control_->position_.at == paths) return false;
   control_->position_.at = std::move(paths);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -79,18 +79,19 @@ class RunControl {
   using Answer = std::function<void(Result<type::Value>)>;
 
   void set_paused(bool paused);
-  void follow_request();
+  void follow_request() SEGUE_REQUIRES(mutex_);
   void ask(Task task, Answer answer, bool moves);
   void carry_out(std::uint64_t number, mission::Engine& engine, const Task& task, bool moves);
-  [[nodiscard]] std::optional<Error> refusal() const;
+  [[nodiscard]] std::optional<Error> refusal() const SEGUE_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;      ///< protects all below; held while `set_paused` of a run is called
-  bool pause_requested_ = false;  ///< to be paused
-  std::optional<Run> run_;
-  Position position_;
-  int resuming_ = 0;         ///< how often the engine has been told to resume and has not done so yet
-  std::uint64_t asked_ = 0;  ///< questions so far
-  std::map<std::uint64_t, Answer> waiting_;  ///< for their answers
+  mutable Mutex mutex_;  ///< protects all below; held while `set_paused` of a run is called
+  bool pause_requested_ SEGUE_GUARDED_BY(mutex_) = false;  ///< to be paused
+  std::optional<Run> run_ SEGUE_GUARDED_BY(mutex_);
+  Position position_ SEGUE_GUARDED_BY(mutex_);
+  /// How often the engine has been told to resume and has not done so yet.
+  int resuming_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t asked_ SEGUE_GUARDED_BY(mutex_) = 0;                  ///< questions so far
+  std::map<std::uint64_t, Answer> waiting_ SEGUE_GUARDED_BY(mutex_);  ///< for their answers
 };
 
 }  // namespace segue::mission_run

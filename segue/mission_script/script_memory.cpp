@@ -14,7 +14,7 @@ class ScriptMemory::Changes final : public PendingChanges {
   [[nodiscard]] bool empty() const override { return false; }
 
   [[nodiscard]] bool valid() const override {
-    const std::lock_guard guard(memory_->mutex_);
+    const Lock guard(memory_->mutex_);
     const auto last = memory_->last_.find(path_);
     return memory_->ended_ || (last == memory_->last_.end() ? 0 : last->second) == from_;
   }
@@ -27,7 +27,7 @@ class ScriptMemory::Changes final : public PendingChanges {
 
  private:
   void decide(bool counts) const {
-    const std::lock_guard guard(memory_->mutex_);
+    const Lock guard(memory_->mutex_);
     if (memory_->ended_) return;
     if (counts) memory_->last_[path_] = execution_;
     memory_->decisions_.emplace_back(execution_, counts);
@@ -46,12 +46,12 @@ std::shared_ptr<PendingChanges> ScriptMemory::changes(std::shared_ptr<ScriptMemo
 }
 
 std::vector<std::pair<std::uint64_t, bool>> ScriptMemory::take_decisions() {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   return std::exchange(decisions_, {});
 }
 
 void ScriptMemory::end() {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   ended_ = true;
   decisions_.clear();
 }

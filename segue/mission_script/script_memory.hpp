@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/pending_changes.hpp>
 
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,10 +28,10 @@ class ScriptMemory {
  private:
   class Changes;
 
-  std::mutex mutex_;  ///< guards all
-  std::map<std::string, std::uint64_t> last_;
-  std::vector<std::pair<std::uint64_t, bool>> decisions_;
-  bool ended_ = false;
+  Mutex mutex_;  ///< guards all
+  std::map<std::string, std::uint64_t> last_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<std::pair<std::uint64_t, bool>> decisions_ SEGUE_GUARDED_BY(mutex_);
+  bool ended_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace segue::mission::detail

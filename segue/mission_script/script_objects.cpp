@@ -10,7 +10,7 @@ class ScriptObjects::Held final : public GlobalObject {
   Held(std::shared_ptr<ScriptObjects> objects, std::uint64_t number)
       : objects_(std::move(objects)), number_(number) {}
   ~Held() override {
-    const std::lock_guard guard(objects_->mutex_);
+    const Lock guard(objects_->mutex_);
     objects_->shown_.erase(number_);
     if (!objects_->ended_) objects_->released_.push_back(number_);
   }
@@ -18,7 +18,7 @@ class ScriptObjects::Held final : public GlobalObject {
   Held& operator=(const Held&) = delete;
 
   [[nodiscard]] type::Value shown() const override {
-    const std::lock_guard guard(objects_->mutex_);
+    const Lock guard(objects_->mutex_);
     const auto found = objects_->shown_.find(number_);
     return found == objects_->shown_.end() ? type::Value() : found->second;
   }
@@ -33,7 +33,7 @@ class ScriptObjects::Held final : public GlobalObject {
 std::shared_ptr<const GlobalObject> ScriptObjects::hold(const std::shared_ptr<ScriptObjects>& objects,
                                                         std::uint64_t number, type::Value shown) {
   {
-    const std::lock_guard guard(objects->mutex_);
+    const Lock guard(objects->mutex_);
     objects->shown_[number] = std::move(shown);
   }
   return std::make_shared<const Held>(objects, number);
@@ -42,22 +42,22 @@ std::shared_ptr<const GlobalObject> ScriptObjects::hold(const std::shared_ptr<Sc
 std::optional<std::uint64_t> ScriptObjects::number_of(const GlobalObject& object) const {
   const auto* held = dynamic_cast<const Held*>(&object);
   if (held == nullptr || !held->is_of(*this)) return std::nullopt;
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   return ended_ ? std::nullopt : std::optional(held->number());
 }
 
 void ScriptObjects::show(std::uint64_t number, type::Value shown) {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   if (const auto found = shown_.find(number); found != shown_.end()) found->second = std::move(shown);
 }
 
 std::vector<std::uint64_t> ScriptObjects::take_released() {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   return std::exchange(released_, {});
 }
 
 void ScriptObjects::end() {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   ended_ = true;
   released_.clear();
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/mission/globals.hpp>
 
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -31,10 +31,10 @@ class ScriptObjects {
  private:
   class Held;
 
-  mutable std::mutex mutex_;  ///< guards all
-  std::map<std::uint64_t, type::Value> shown_;
-  std::vector<std::uint64_t> released_;
-  bool ended_ = false;
+  mutable Mutex mutex_;  ///< guards all
+  std::map<std::uint64_t, type::Value> shown_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<std::uint64_t> released_ SEGUE_GUARDED_BY(mutex_);
+  bool ended_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace segue::mission::detail

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission_script/script_robot.hpp>
 
 #include <segue/base/question.hpp>
@@ -10,9 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <condition_variable>
 #include <map>
-#include <mutex>
 #include <stop_token>
 #include <system_error>
 #include <utility>
@@ -111,7 +111,7 @@ class RobotUse final : public ScriptRobot::Use {
   void preempt() override {
     std::vector<std::stop_source> asked;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       preempted_ = true;
       asked = asked_;
     }
@@ -123,7 +123,7 @@ class RobotUse final : public ScriptRobot::Use {
     preempt();
     bool has_nothing = false;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       has_ended_ = true;
       watch_.request_stop();
       has_nothing = requests_ == 0 && used_.empty() && !lost_;
@@ -146,15 +146,16 @@ class RobotUse final : public ScriptRobot::Use {
   };
   /// Several threads of a script may read the same port.
   struct Feed {
-    std::mutex mutex;
-    PortFeed port;
+    explicit Feed(PortFeed opened) : port(std::move(opened)) {}
+    Mutex mutex;
+    PortFeed port SEGUE_GUARDED_BY(mutex);
   };
 
   std::shared_ptr<RobotUse> shared() { return std::static_pointer_cast<RobotUse>(shared_from_this()); }
 
   /// Counted from here on, so that the end of the execution waits for it.
   Result<void> accept(const Value& request, const std::stop_source& stop) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (has_ended_) return fail(ErrorCode::InvalidState, "the action has ended");
     if (asked_.size() >= kMostAsked) return fail(ErrorCode::ResourceExhausted, "it asks too much at once");
     asked_.push_back(stop);
@@ -163,7 +164,7 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   void has_answered(const Value& request, const std::stop_token& stop) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     std::erase_if(asked_, [&](const std::stop_source& one) { return one.get_token() == stop; });
     if (detail::message_text(request, "call") == "request") --requests_;
     answered_.notify_all();
@@ -171,7 +172,7 @@ class RobotUse final : public ScriptRobot::Use {
 
   Result<Value> carry_out(const Value& request, const std::stop_token& stop) {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       if (lost_) return fail(ErrorCode::Unavailable, lost_->error);
     }
     auto result = serve(request, stop);
@@ -211,7 +212,7 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   bool is_preempted() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return preempted_;
   }
 
@@ -258,11 +259,11 @@ class RobotUse final : public ScriptRobot::Use {
   Result<Value> read(const Member& port, TimePoint deadline, const std::stop_token& stop) {
     const auto feed = feed_of(port, {deadline, stop});
     if (!feed) return feed.error();
-    const std::lock_guard reading((*feed)->mutex);
+    const Lock reading((*feed)->mutex);
     const auto came = (*feed)->port.next({deadline, stop});
     if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "it was preempted");
     if (!came) {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       feeds_.erase(to_string(port));  // opened anew by the next call
       return came.error();
     }
@@ -273,17 +274,14 @@ class RobotUse final : public ScriptRobot::Use {
 
   Result<std::shared_ptr<Feed>> feed_of(const Member& port, const Wait& wait) {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       if (const auto found = feeds_.find(to_string(port)); found != feeds_.end()) return found->second;
     }
     auto opened = PortFeed::open(*robot_, port, wait);
     if (!opened) return opened.error();
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     auto& feed = feeds_[to_string(port)];
-    if (!feed) {
-      feed = std::make_shared<Feed>();
-      feed->port = std::move(*opened);
-    }
+    if (!feed) feed = std::make_shared<Feed>(std::move(*opened));
     return feed;
   }
 
@@ -299,7 +297,7 @@ class RobotUse final : public ScriptRobot::Use {
     if (auto runs = controllers_->begin(controller, std::move(*properties), {rights_.user, stop, keep});
         !runs)
       return runs.error();
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto found = std::ranges::find(used_, controller, &Used::controller);
     if (found == used_.end()) {
       used_.push_back({controller, keep});
@@ -320,7 +318,7 @@ class RobotUse final : public ScriptRobot::Use {
 
   Result<Value> release(const Value& request) {
     const std::string controller = detail::message_text(request, "name");
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     const auto found = std::ranges::find(used_, controller, &Used::controller);
     if (found == used_.end())
       return fail(ErrorCode::InvalidState, "the action does not use the controller " + quote(controller));
@@ -344,7 +342,7 @@ class RobotUse final : public ScriptRobot::Use {
   bool look_after_controllers(const std::stop_token& stop) {
     std::vector<Used> used;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       if (lost_) return true;
       used = used_;
     }
@@ -362,12 +360,12 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   bool uses(const std::string& controller) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return std::ranges::find(used_, controller, &Used::controller) != used_.end();
   }
 
   void lose(Ending ending) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!lost_) lost_ = std::move(ending);
   }
 
@@ -379,8 +377,8 @@ class RobotUse final : public ScriptRobot::Use {
 
   /// Waits for requests under way.
   Ending give_back(Ending ending) {
-    std::unique_lock lock(mutex_);
-    answered_.wait(lock, [&] { return requests_ == 0; });
+    Lock lock(mutex_);
+    answered_.wait(mutex_, [&]() SEGUE_REQUIRES(mutex_) { return requests_ == 0; });
     lock.unlock();
     if (ending.outcome != kPreempted) (void)look_after_controllers({});
     lock.lock();
@@ -404,17 +402,17 @@ class RobotUse final : public ScriptRobot::Use {
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();  ///< of what watches the controllers
   std::atomic<bool> uses_more_ = false;                          ///< since it last looked at them
 
-  std::mutex mutex_;  ///< protects all below; not held while the robot is asked
-  std::condition_variable answered_;
-  std::vector<std::stop_source> asked_;
-  std::size_t requests_ = 0;  ///< for controllers, that are under way
-  std::vector<Used> used_;
-  std::map<std::string, std::shared_ptr<Feed>> feeds_;
-  std::stop_source watch_;
-  bool is_watched_ = false;
-  bool preempted_ = false;
-  bool has_ended_ = false;
-  std::optional<Ending> lost_;
+  Mutex mutex_;  ///< protects all below; not held while the robot is asked
+  ConditionVariable answered_;
+  std::vector<std::stop_source> asked_ SEGUE_GUARDED_BY(mutex_);
+  std::size_t requests_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< for controllers, that are under way
+  std::vector<Used> used_ SEGUE_GUARDED_BY(mutex_);
+  std::map<std::string, std::shared_ptr<Feed>> feeds_ SEGUE_GUARDED_BY(mutex_);
+  std::stop_source watch_ SEGUE_GUARDED_BY(mutex_);
+  bool is_watched_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool preempted_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool has_ended_ SEGUE_GUARDED_BY(mutex_) = false;
+  std::optional<Ending> lost_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/mission_script/script_robot.hpp>
 #include <segue/mission_script/script_runner.hpp>
 #include <segue/mission_script/script_worker.hpp>
@@ -6,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <mutex>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -55,7 +55,7 @@ class ScriptRunner::Impl {
   }
 
   std::pair<std::uint64_t, std::string> next_run() {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     const std::uint64_t id = ++last_id_;
     return {id, runs_ + run_number(id)};
   }
@@ -63,7 +63,7 @@ class ScriptRunner::Impl {
   /// Hands the execution to the worker of the owner that accepts more, or to a new one.
   void begin(std::uint64_t id, const std::string& owner, detail::ScriptExecution execution,
              const std::string& message) {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     std::erase_if(workers_, [](const Owned& each) { return each.worker->ended(); });
     for (const auto& [whose, worker] : workers_) {
       if (whose == owner && worker->begin(id, execution, message)) return;
@@ -80,14 +80,14 @@ class ScriptRunner::Impl {
   }
 
   void pause(bool paused) {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     paused_ = paused;
     for (const auto& [owner, worker] : workers_)
       worker->pause(paused);
   }
 
   [[nodiscard]] std::optional<pid_t> process() const {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     for (const auto& [owner, worker] : workers_) {
       if (owner.empty() && worker->takes_more()) return worker->process();
     }
@@ -104,7 +104,7 @@ class ScriptRunner::Impl {
   };
 
   void preempt(std::uint64_t id) {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     for (const auto& [owner, worker] : workers_)
       worker->preempt(id);
   }
@@ -112,10 +112,10 @@ class ScriptRunner::Impl {
   const ScriptOptions options_;
   const std::string runs_;
   const std::shared_ptr<detail::Reach<Impl>> reach_ = std::make_shared<detail::Reach<Impl>>(*this);
-  mutable std::mutex mutex_;
-  std::vector<Owned> workers_;
-  std::uint64_t last_id_ = 0;
-  bool paused_ = false;
+  mutable Mutex mutex_;
+  std::vector<Owned> workers_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t last_id_ SEGUE_GUARDED_BY(mutex_) = 0;
+  bool paused_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 ScriptRunner::ScriptRunner(ScriptOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}

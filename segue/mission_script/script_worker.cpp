@@ -56,7 +56,7 @@ ScriptWorker::ScriptWorker(ScriptOptions options)
 ScriptWorker::~ScriptWorker() {
   reach_->close();
   {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     open_ = false;
     closing_ = true;
     enqueue_text({});
@@ -65,7 +65,7 @@ ScriptWorker::~ScriptWorker() {
 }
 
 bool ScriptWorker::begin(std::uint64_t id, ScriptExecution& execution, const std::string& message) {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   if (!open_) return false;
   if (!thread_.joinable()) thread_ = concurrent::start_thread("segue-script", [this] { run(); });
   executions_.emplace(id, std::move(execution));
@@ -77,7 +77,7 @@ bool ScriptWorker::begin(std::uint64_t id, ScriptExecution& execution, const std
 }
 
 void ScriptWorker::preempt(std::uint64_t id) {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   const auto found = executions_.find(id);
   if (found == executions_.end() || found->second.overdue) return;
   found->second.overdue = monotonic_now() + options_.preemption_grace;
@@ -86,17 +86,17 @@ void ScriptWorker::preempt(std::uint64_t id) {
 }
 
 void ScriptWorker::pause(bool paused) {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   enqueue(Value::map({{"do", "pause"}, {"paused", paused}}));
 }
 
 bool ScriptWorker::takes_more() const {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   return open_;
 }
 
 std::optional<pid_t> ScriptWorker::process() const {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   return pid_ == 0 ? std::nullopt : std::optional(pid_);
 }
 
@@ -104,7 +104,7 @@ void ScriptWorker::run() {
   auto process = ScriptProcess::start(options_);
   if (process) {
     {
-      const std::lock_guard guard(mutex_);
+      const Lock guard(mutex_);
       pid_ = process->pid();
     }
     serve(*process);
@@ -121,7 +121,7 @@ void ScriptWorker::serve(ScriptProcess& process) {
   while (!events.ended) {
     bool sending = false;
     {
-      const std::lock_guard guard(mutex_);
+      const Lock guard(mutex_);
       sending = sent_ < outgoing_.size();
     }
     events = process.wait(wake_.get(), sending, next_deadline());
@@ -140,7 +140,7 @@ void ScriptWorker::serve(ScriptProcess& process) {
 }
 
 void ScriptWorker::flush(const ScriptProcess& process) {
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   while (sent_ < outgoing_.size()) {
     const std::size_t count = process.send(std::string_view(outgoing_).substr(sent_));
     if (count == 0) return;
@@ -200,7 +200,7 @@ void ScriptWorker::handle(const Value& message) {
 }
 
 void ScriptWorker::handle_end(const Value& message) {
-  std::unique_lock guard(mutex_);
+  Lock guard(mutex_);
   const auto found = executions_.find(number_of(message, "id").value_or(0));
   if (found == executions_.end()) {
     guard.unlock();
@@ -243,7 +243,7 @@ void ScriptWorker::complete(ScriptExecution execution, Ending ending) {
 }
 
 void ScriptWorker::handle_question(const Value& message) {
-  std::unique_lock guard(mutex_);
+  Lock guard(mutex_);
   const auto found = executions_.find(number_of(message, "execution").value_or(0));
   const std::string about = message_text(message, "about");
   if (about == "data" && found != executions_.end() && found->second.data) {
@@ -283,7 +283,7 @@ void ScriptWorker::ask_robot(const std::shared_ptr<ScriptRobot::Use>& robot, con
 void ScriptWorker::answer(ValueMap reply, std::uint64_t number) {
   reply.append("do", "answer");
   reply.append("number", number);
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   enqueue(std::move(reply));
   forget_released();
 }
@@ -304,7 +304,7 @@ void ScriptWorker::retire_overdue(TimePoint now) {
 void ScriptWorker::check_time(const ScriptProcess& process) {
   const TimePoint now = checked_ = monotonic_now();
   {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     retire_overdue(now);
     const bool idle = executions_.empty();
     if (!asked_to_end_ && (closing_ || (!open_ && idle))) {
@@ -321,7 +321,7 @@ void ScriptWorker::check_time(const ScriptProcess& process) {
 std::optional<TimePoint> ScriptWorker::next_deadline() const {
   if (killed_) return std::nullopt;
   std::optional<TimePoint> next = kill_at_;
-  const std::lock_guard guard(mutex_);
+  const Lock guard(mutex_);
   for (const auto& [id, execution] : executions_) {
     if (execution.overdue && *execution.overdue > checked_)
       next = std::min(next.value_or(*execution.overdue), *execution.overdue);
@@ -355,7 +355,7 @@ void ScriptWorker::abort_all(const std::string& error) {
   objects_->end();
   std::map<std::uint64_t, ScriptExecution> left;
   {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     open_ = false;
     pid_ = 0;
     left.swap(executions_);
@@ -367,7 +367,6 @@ void ScriptWorker::abort_all(const std::string& error) {
   }
 }
 
-/// Requires the mutex, as do enqueue() and enqueue_text().
 void ScriptWorker::forget_released() {
   const auto released = objects_->take_released();
   if (!released.empty())

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/descriptor.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/reach.hpp>
 #include <segue/mission_script/script_data.hpp>
 #include <segue/mission_script/script_memory.hpp>
@@ -14,7 +15,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -76,15 +76,15 @@ class ScriptWorker {
   static void complete(ScriptExecution execution, Ending ending);
   /// Ends or kills the process if it is time to.
   void check_time(const ScriptProcess& process);
-  void retire_overdue(TimePoint now);
+  void retire_overdue(TimePoint now) SEGUE_REQUIRES(mutex_);
   [[nodiscard]] std::optional<TimePoint> next_deadline() const;
   void refuse(const std::string& reason);
   void kill_at(TimePoint when, const std::string& reason);
   [[nodiscard]] std::string end_text(const std::string& how) const;
   void abort_all(const std::string& error);
-  void forget_released();
-  void enqueue(const type::Value& message);
-  void enqueue_text(std::string_view text);
+  void forget_released() SEGUE_REQUIRES(mutex_);
+  void enqueue(const type::Value& message) SEGUE_REQUIRES(mutex_);
+  void enqueue_text(std::string_view text) SEGUE_REQUIRES(mutex_);
 
   const ScriptOptions options_;
   const std::shared_ptr<Reach<ScriptWorker>> reach_ = std::make_shared<Reach<ScriptWorker>>(*this);
@@ -93,13 +93,13 @@ class ScriptWorker {
   Descriptor wake_;
   std::atomic<bool> ended_{false};
 
-  mutable std::mutex mutex_;  ///< guards the members up to the blank line
-  std::map<std::uint64_t, ScriptExecution> executions_;
-  std::string outgoing_;
-  std::size_t sent_ = 0;  ///< of `outgoing_`
-  bool open_ = true;      ///< accepts executions
-  bool closing_ = false;
-  pid_t pid_ = 0;
+  mutable Mutex mutex_;  ///< guards what names it
+  std::map<std::uint64_t, ScriptExecution> executions_ SEGUE_GUARDED_BY(mutex_);
+  std::string outgoing_ SEGUE_GUARDED_BY(mutex_);
+  std::size_t sent_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< of `outgoing_`
+  bool open_ SEGUE_GUARDED_BY(mutex_) = true;      ///< accepts executions
+  bool closing_ SEGUE_GUARDED_BY(mutex_) = false;
+  pid_t pid_ SEGUE_GUARDED_BY(mutex_) = 0;
 
   // Used only by the thread of the process, but for `thread_` itself.
   MessageReader messages_;

@@ -42,7 +42,7 @@ ScriptedData::Step::~Step() {
 
 ScriptedData::ScriptedData(std::shared_ptr<const Functions> functions)
     : functions_(std::move(functions)),
-      mutex_(std::make_shared<std::mutex>()),
+      mutex_(std::make_shared<Mutex>()),
       initial_(functions_, &functions_->declared.initial) {}
 ScriptedData::~ScriptedData() = default;
 ScriptedData::ScriptedData(const ScriptedData& other) = default;
@@ -61,7 +61,7 @@ void ScriptedData::changed(const std::string& fact, bool holds) {
 
 ScriptedData::Task ScriptedData::next(std::size_t most) const {
   Task task{initial_, {}, nullptr, true};
-  const std::lock_guard lock(*mutex_);
+  const Lock lock(*mutex_);
   std::vector<const StepPtr*> open;
   const StepPtr* step = &last_;
   for (; *step != nullptr && (*step)->value == nullptr; step = &(*step)->before)
@@ -80,7 +80,7 @@ void ScriptedData::computed(const Task& task, Value value) const {
   if (task.until == nullptr) return;
   auto known = std::make_shared<const Value>(std::move(value));
   StepPtr released;  // without the lock
-  const std::lock_guard lock(*mutex_);
+  const Lock lock(*mutex_);
   if (task.until->value != nullptr) return;
   task.until->value = std::move(known);
   released = std::move(task.until->before);

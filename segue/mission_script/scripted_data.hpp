@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/mission/declared_data.hpp>
 #include <segue/mission/world_view.hpp>
@@ -9,7 +10,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -61,7 +61,7 @@ class ScriptedData final : public WorldData {
 
  private:
   const std::shared_ptr<const Functions> functions_;
-  const std::shared_ptr<std::mutex> mutex_;  ///< of all copies; protects what steps have been computed to
+  const std::shared_ptr<Mutex> mutex_;  ///< of all copies; protects what steps have been computed to
   const std::shared_ptr<const type::Value> initial_;
   StepPtr last_;
 };

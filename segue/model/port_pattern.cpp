@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
+#include <segue/base/shared_mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/port_pattern.hpp>
 
 #include <algorithm>
 #include <memory>
-#include <mutex>
 #include <regex>
-#include <shared_mutex>
 #include <unordered_map>
 
 namespace segue::model {
@@ -53,14 +53,14 @@ Compiled compile(const std::string& pattern) {
 
 /// Cache of compiled expressions. Models are few and live long, so entries are never removed.
 const Compiled& compiled(const std::string& pattern) {
-  static std::shared_mutex mutex;
+  static SharedMutex mutex;
   static std::unordered_map<std::string, std::unique_ptr<const Compiled>> cache;
   {
-    const std::shared_lock lock(mutex);
+    const ReadLock lock(mutex);
     if (auto found = cache.find(pattern); found != cache.end()) return *found->second;
   }
   auto fresh = std::make_unique<const Compiled>(compile(pattern));
-  const std::unique_lock lock(mutex);
+  const WriteLock lock(mutex);
   return *cache.try_emplace(pattern, std::move(fresh)).first->second;
 }
 

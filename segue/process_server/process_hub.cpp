@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/process_server/process_hub.hpp>
 
-#include <mutex>
 #include <set>
 #include <utility>
 
 namespace segue::process_server {
 
 struct ProcessHub::Listeners {
-  std::mutex mutex;  ///< protects the set; held while shares are told
+  Mutex mutex;  ///< protects the set; held while shares are told
   std::set<Share*> shares;
   void tell(const ProcessInfo& ended);
 };
@@ -35,12 +35,11 @@ class ProcessHub::Share final : public ProcessService {
   }
 
   void set_listener(Listener listener) override {
-    const std::lock_guard lock(listeners_->mutex);
+    const Lock lock(listeners_->mutex);
     listener_ = std::move(listener);
     listener_ ? void(listeners_->shares.insert(this)) : void(listeners_->shares.erase(this));
   }
 
-  /// With the mutex held.
   void tell(const ProcessInfo& ended) const {
     if (robot_.empty() || robot_ == ended.robot) {
       listener_(ended);
@@ -55,7 +54,7 @@ class ProcessHub::Share final : public ProcessService {
 };
 
 void ProcessHub::Listeners::tell(const ProcessInfo& ended) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   for (const Share* share : shares) {
     share->tell(ended);
   }

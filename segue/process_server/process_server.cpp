@@ -127,7 +127,7 @@ void ProcessServer::Implementation::adopt_all(const std::string& robot, const fs
 Result<ProcessServer::Implementation::Entry> ProcessServer::Implementation::reserve(const ProcessInfo& info,
                                                                                     TimePoint deadline) {
   for (;;) {
-    std::unique_lock lock(mutex);
+    Lock lock(mutex);
     const auto known = adopt(info);
     if (!known) {
       auto entry = table.add(info);
@@ -169,7 +169,7 @@ Result<void> ProcessServer::Implementation::launch(const Launch& what, ProcessEn
 
 /// Under the lock, since start() of the same name reads it for its error message.
 void ProcessServer::Implementation::set_pid(ProcessEntry& entry, int pid) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   entry.info.pid = pid;
 }
 
@@ -196,7 +196,7 @@ Result<ProcessInfo> ProcessServer::Implementation::settle(const Entry& entry, Pr
   Descriptor pidfd(detail::open_pidfd(entry->info.pid));
   const int reason = errno;
   entry->cgroup = enter_group(*entry, memory);
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   auto watched = pidfd.valid() ? watch->add(pidfd.get(), entry->id)
                                : Result<void>(system_error("cannot watch " + named(entry->info), reason));
   if (!watched) {
@@ -225,7 +225,7 @@ Result<ProcessInfo> ProcessServer::Implementation::start(const Launch& what, Tim
     return settle(*entry, *place, what.deployment.limits.memory);
   }();
   if (!started) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     table.remove(**entry);
     changed.notify_all();
   }
@@ -249,7 +249,7 @@ void ProcessServer::Implementation::finish(std::uint64_t id) {
   ExitReason asked;
   Entry entry;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     entry = table.find(id);
     if (!entry) return;
     entry->ending = true;
@@ -270,21 +270,21 @@ void ProcessServer::Implementation::finish(std::uint64_t id) {
   ProcessInfo ended = info;
   ended.exit = reason;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     entry->info.exit = reason;
     table.remove(*entry);
     changed.notify_all();
   }
-  const std::lock_guard lock(listener_mutex);
+  const Lock lock(listener_mutex);
   if (listener) listener(ended);
 }
 
 Result<ExitReason> ProcessServer::Implementation::stop(const ProcessInfo& info, TimePoint deadline,
                                                        bool orderly) {
-  std::unique_lock lock(mutex);
+  Lock lock(mutex);
   const auto entry = adopt(info);
   if (!entry) return not_running(info.robot, info.key);
-  changed.wait_until(lock, deadline, [&] { return !entry->starting; });
+  changed.wait_until(mutex, deadline, [&]() SEGUE_REQUIRES(mutex) { return !entry->starting; });
   const bool there = table.find(entry->id) == entry;
   if (entry->starting && !there) return not_running(info.robot, info.key);
   if (entry->starting) {
@@ -295,10 +295,10 @@ Result<ExitReason> ProcessServer::Implementation::stop(const ProcessInfo& info, 
     entry->stop_requested = true;
     if (orderly) detail::signal_pidfd(entry->pidfd.get(), SIGTERM);
   }
-  if (orderly ? changed.wait_until(lock, deadline, ended) : ended()) return *entry->info.exit;
+  if (orderly ? changed.wait_until(mutex, deadline, ended) : ended()) return *entry->info.exit;
   entry->killed = true;
   if (!entry->ending) detail::kill_group(entry->info.pid);
-  if (changed.wait_until(lock, RealClock::instance().now() + kKillTime, ended)) return *entry->info.exit;
+  if (changed.wait_until(mutex, RealClock::instance().now() + kKillTime, ended)) return *entry->info.exit;
   return fail(ErrorCode::DeadlineExceeded,
               named(info) + " (pid " + std::to_string(entry->info.pid) +
                   ") did not end although it was killed; it probably waits in a device driver");
@@ -338,7 +338,7 @@ Result<ExitReason> ProcessServer::kill(const std::string& robot, const model::De
 Result<std::vector<ProcessInfo>> ProcessServer::processes(const std::string& robot) {
   const auto folder = process_folder(robot);
   if (!folder) return folder.error();
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   implementation_->adopt_all(robot, *folder);
   std::vector<ProcessInfo> processes;
   for (const auto& entry : implementation_->table.of(robot)) {
@@ -348,7 +348,7 @@ Result<std::vector<ProcessInfo>> ProcessServer::processes(const std::string& rob
 }
 
 void ProcessServer::set_listener(Listener listener) {
-  const std::lock_guard lock(implementation_->listener_mutex);
+  const Lock lock(implementation_->listener_mutex);
   implementation_->listener = std::move(listener);
 }
 

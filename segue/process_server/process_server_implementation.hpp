@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/process_server/assignment.hpp>
 #include <segue/process_server/process_log.hpp>
@@ -11,9 +13,7 @@
 #include <segue/process_server/zygote.hpp>
 
 #include <atomic>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 
 namespace segue::process_server {
 
@@ -34,11 +34,10 @@ struct ProcessServer::Implementation {
   Result<ProcessInfo> start(const Launch& what, TimePoint deadline);
   /// Ends a process. `orderly`: by SIGTERM first, and killed only at `deadline`.
   Result<ExitReason> stop(const ProcessInfo& info, TimePoint deadline, bool orderly);
-  /// The entry of that process, after it has been adopted if need be; null where it does not run. The caller
-  /// holds the mutex.
-  Entry adopt(const ProcessInfo& info);
-  /// Adopts every running process that has a socket in the folder. The caller holds the mutex.
-  void adopt_all(const std::string& robot, const std::filesystem::path& folder);
+  /// The entry of that process, after it has been adopted if need be; null where it does not run.
+  Entry adopt(const ProcessInfo& info) SEGUE_REQUIRES(mutex);
+  /// Adopts every running process that has a socket in the folder.
+  void adopt_all(const std::string& robot, const std::filesystem::path& folder) SEGUE_REQUIRES(mutex);
 
   /// Takes the name of a process that is about to start. AlreadyExists where it runs or just starts.
   Result<Entry> reserve(const ProcessInfo& info, TimePoint deadline);
@@ -59,21 +58,23 @@ struct ProcessServer::Implementation {
   const ProcessServerOptions options;
   const std::filesystem::path program;
 
-  std::mutex mutex;
-  std::condition_variable changed;  ///< an entry's `starting` or `exit` has changed, or an entry was removed
-  detail::ProcessTable table;
+  Mutex mutex;
+  ConditionVariable changed;  ///< an entry's `starting` or `exit` has changed, or an entry was removed
+  detail::ProcessTable table SEGUE_GUARDED_BY(mutex);
 
-  std::unique_ptr<detail::Zygote> zygote;  ///< null where none is wanted; set before there is another thread
+  /// Null where none is wanted; set before there is another thread.
+  std::unique_ptr<detail::Zygote> zygote;
   /// The zygote is gone. Only a hint that saves futile attempts and repeated log lines, so its order with
   /// respect to other memory does not matter: the zygote has a lock of its own.
   std::atomic<bool> zygote_failed{false};
 
-  std::mutex listener_mutex;
-  Listener listener;
+  Mutex listener_mutex;
+  Listener listener SEGUE_GUARDED_BY(listener_mutex);
 
   concurrent::ThreadPool closing{"segue-closing", {1, 0}};  ///< see retire()
 
-  std::unique_ptr<detail::ProcessWatch> watch;  ///< destroyed first, since its thread uses all of the above
+  /// Destroyed first, since its thread uses all of the above. Set before there is another thread.
+  std::unique_ptr<detail::ProcessWatch> watch;
 };
 
 }  // namespace segue::process_server

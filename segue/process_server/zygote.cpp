@@ -50,11 +50,11 @@ Result<std::unique_ptr<Zygote>> Zygote::start(const std::filesystem::path& progr
 }
 
 Zygote::~Zygote() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   end();
 }
 
-/// After this the zygote certainly forks no more. The caller holds the mutex.
+/// After this the zygote certainly forks no more.
 void Zygote::end() {
   if (!socket_.valid()) return;
   socket_ = Descriptor();
@@ -86,7 +86,7 @@ Result<pid_t> Zygote::launch(const std::string& title, const HandedOver& files) 
   const std::array<int, kHandedDescriptors> descriptors = {files.output < 0 ? null.get() : files.output,
                                                            files.assignment, files.listener, files.lock,
                                                            files.output_changes};
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto reply = ask(request, descriptors);
   if (!reply) return fail(ErrorCode::Unavailable, "the zygote is gone; its log says why");
   if (reply->pid <= 0) return system_error("the zygote cannot fork", reply->error);
@@ -97,7 +97,7 @@ ExitReason Zygote::reap(int pid) {
   Request request;
   request.kind = ZygoteRequestKind::Reap;
   request.pid = pid;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto reply = ask(request, {});
   ExitReason reason;
   reason.known = reply.has_value() && reply->pid == pid;

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <segue/base/descriptor.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/process_server/process_service.hpp>
 #include <segue/process_server/spawn.hpp>
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,7 +43,7 @@ class Zygote {
   std::optional<Reply> ask(const Request& request, std::span<const int> descriptors);
   void end();
 
-  std::mutex mutex_;   ///< held during a request, so that each answer belongs to its request
+  Mutex mutex_;        ///< held during a request, so that each answer belongs to its request
   Descriptor socket_;  ///< invalid: the zygote is gone
   int pid_;
 };

@@ -23,7 +23,7 @@ std::int64_t nanoseconds(std::chrono::system_clock::time_point time) {
 }  // namespace
 
 void MissionRecord::began(std::string_view mission) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   mission_ = mission;
   begins_[{}] = RealClock::instance().now();
   add({.kind = "began"});
@@ -31,7 +31,7 @@ void MissionRecord::began(std::string_view mission) {
 
 void MissionRecord::observe(const mission::StateEvent& event) {
   if (event.path.empty()) return;  // the mission is that action, and has entries already
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::string action(event.path);
   if (event.kind == mission::StateEvent::Kind::Began) {
     begins_[{action, event.iteration}] = RealClock::instance().now();
@@ -47,7 +47,7 @@ void MissionRecord::observe(const mission::StateEvent& event) {
 }
 
 void MissionRecord::asked(const mission::ControllerRequest::Cause& cause) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (cause.controller.empty()) return;
   add({.kind = "asked",
        .action = cause.action,
@@ -56,12 +56,12 @@ void MissionRecord::asked(const mission::ControllerRequest::Cause& cause) {
 }
 
 void MissionRecord::ended(std::string_view outcome, std::string_view error) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   add({.kind = "ended", .outcome = cut(outcome), .error = cut(error), .duration = since_begin_of({}, 0)});
 }
 
 std::string MissionRecord::mission() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return mission_;
 }
 
@@ -102,12 +102,12 @@ Value MissionRecord::to_value(const Entry& entry) {
 }
 
 bool MissionRecord::has_waiting() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return !waiting_.empty();
 }
 
 std::pair<Value, std::uint64_t> MissionRecord::waiting() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (waiting_.empty()) return {Value(), 0};
   Value::List entries;
   const std::size_t count = std::min(waiting_.size(), limits_.at_once);
@@ -120,7 +120,7 @@ std::pair<Value, std::uint64_t> MissionRecord::waiting() const {
 }
 
 void MissionRecord::taken(std::uint64_t number) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   while (!waiting_.empty() && waiting_.front().number <= number)
     waiting_.pop_front();
 }

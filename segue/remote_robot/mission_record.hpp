@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/type/value.hpp>
@@ -11,7 +12,6 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -60,16 +60,18 @@ class MissionRecord {
     Duration duration{0};
   };
   static type::Value to_value(const Entry& entry);
-  void add(Entry entry);
-  [[nodiscard]] Duration since_begin_of(const std::string& action, std::uint64_t iteration);
+  void add(Entry entry) SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] Duration since_begin_of(const std::string& action, std::uint64_t iteration)
+      SEGUE_REQUIRES(mutex_);
 
   const Limits limits_;
-  mutable std::mutex mutex_;  ///< protects all below
-  std::string mission_;
-  std::uint64_t last_number_ = 0;
-  std::uint64_t lost_ = 0;
-  std::deque<Entry> waiting_;
-  std::map<std::pair<std::string, std::uint64_t>, TimePoint> begins_;  ///< of what has not ended
+  mutable Mutex mutex_;  ///< protects all below
+  std::string mission_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t last_number_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t lost_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::deque<Entry> waiting_ SEGUE_GUARDED_BY(mutex_);
+  /// Of what has not ended.
+  std::map<std::pair<std::string, std::uint64_t>, TimePoint> begins_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::remote_robot

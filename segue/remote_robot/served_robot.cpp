@@ -110,12 +110,12 @@ class EitherStop {
 }  // namespace
 
 std::optional<Error> ServedRobot::loss() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return why_lost_;
 }
 
 std::optional<Error> ServedRobot::refusal() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (given_back_) return given_back();
   return why_lost_;
 }
@@ -124,7 +124,7 @@ template <class T>
 Result<T> ServedRobot::heard(Result<T> answer) {
   if (answer || answer.error().code != ErrorCode::DeadlineExceeded) return answer;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!why_lost_) why_lost_ = fail(ErrorCode::Unavailable, answer.error().message + ", and counts as lost");
   }
   lost_.request_stop();
@@ -158,7 +158,7 @@ auto ServedRobot::command(const Wait& wait, Ask ask) -> decltype(ask(wait)) {
 }
 
 Result<std::uint64_t> ServedRobot::lease() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (why_lost_) return *why_lost_;
   if (given_back_) return given_back();
   if (!lease_) {
@@ -170,7 +170,7 @@ Result<std::uint64_t> ServedRobot::lease() {
 }
 
 Result<std::shared_ptr<control::RobotLease>> ServedRobot::present_lease() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (why_lost_) return *why_lost_;
   return lease_;
 }
@@ -179,13 +179,15 @@ Result<std::shared_ptr<control::RobotLease>> ServedRobot::present_lease() const 
 class ServedRobot::Looking {
  public:
   Looking(ServedRobot& robot, const std::stop_token& stop) : robot_(robot) {
-    std::unique_lock lock(robot_.looking_mutex_);
-    has_lease_ = robot_.looked_.wait(lock, stop, [this] { return !robot_.is_looked_at_; });
+    Lock lock(robot_.looking_mutex_);
+    has_lease_ =
+        robot_.looked_.wait(robot_.looking_mutex_, stop,
+                            [this]() SEGUE_REQUIRES(robot_.looking_mutex_) { return !robot_.is_looked_at_; });
     if (has_lease_) robot_.is_looked_at_ = true;
   }
   ~Looking() {
     if (!has_lease_) return;
-    const std::lock_guard lock(robot_.looking_mutex_);
+    const Lock lock(robot_.looking_mutex_);
     robot_.is_looked_at_ = false;
     robot_.looked_.notify_one();
   }
@@ -245,7 +247,7 @@ Result<void> ServedRobot::report(Value doing) {
 Result<Value> ServedRobot::give_back(bool keep, TimePoint deadline) {
   std::shared_ptr<control::RobotLease> lease;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     given_back_ = true;
     lease = std::move(lease_);
     if (why_lost_) return *why_lost_;
@@ -272,13 +274,13 @@ void ServedRobot::count_saving(const Value& transition) {
   const Value* ahead = transition.find("ahead");
   const Value* saved = ahead == nullptr ? nullptr : ahead->find("saved_s");
   if (saved == nullptr || !saved->is_number()) return;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   ++saved_.transitions;
   saved_.saved += std::chrono::duration_cast<Duration>(std::chrono::duration<double>(saved->as_double()));
 }
 
 LookAheadSaving ServedRobot::saved() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return saved_;
 }
 
@@ -310,7 +312,7 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, const 
 
 /// Before the first request it commands nothing.
 control::Sender ServedRobot::sender() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return {who_, lease_ ? lease_->number() : 0};
 }
 

@@ -2,16 +2,16 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/control/robot_service.hpp>
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/remote_robot/mission_record.hpp>
 
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -99,15 +99,15 @@ class ServedRobot final : public mission::CommandedRobot {
   /// Held while the lease is looked at: whoever looks after one that was not answered knows that the robot is
   /// lost, and need not wait as long again.
   class Looking;
-  std::mutex looking_mutex_;  ///< protects the next one
-  bool is_looked_at_ = false;
-  std::condition_variable_any looked_;
-  mutable std::mutex mutex_;                    ///< protects all below
-  std::shared_ptr<control::RobotLease> lease_;  ///< taken by the first request
-  bool given_back_ = false;
-  LookAheadSaving saved_;
-  std::optional<Error> why_lost_;
-  std::stop_source lost_;  ///< stopped after that is set
+  Mutex looking_mutex_;  ///< protects the next one
+  bool is_looked_at_ SEGUE_GUARDED_BY(looking_mutex_) = false;
+  StoppableConditionVariable looked_;
+  mutable Mutex mutex_;                                                  ///< protects all below
+  std::shared_ptr<control::RobotLease> lease_ SEGUE_GUARDED_BY(mutex_);  ///< taken by the first request
+  bool given_back_ SEGUE_GUARDED_BY(mutex_) = false;
+  LookAheadSaving saved_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<Error> why_lost_ SEGUE_GUARDED_BY(mutex_);
+  std::stop_source lost_;  ///< stopped after `why_lost_` is set
 };
 
 }  // namespace segue::remote_robot

@@ -40,6 +40,7 @@ bool set_up(SSL_CTX* context, const Material& material) {
 
 Result<std::shared_ptr<Context>> Context::create(Material material) {
   std::shared_ptr<Context> context(new Context(std::move(material)));
+  const Lock lock(context->mutex_);
   if (auto stamp = stamp_of(context->material_.revoked_file)) context->stamp_ = *stamp;
   if (auto done = context->renew(); !done) return done.error();
   return context;
@@ -60,7 +61,7 @@ Result<void> Context::renew() {
 }
 
 Context::Shared Context::current() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return current_;
 }
 
@@ -75,7 +76,7 @@ kj::Own<detail::SecureStream> Context::connect(kj::Own<kj::AsyncIoStream> stream
 }
 
 void Context::refresh() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto stamp = stamp_of(material_.revoked_file);
   if (!stamp || stamp_ == *stamp) return;
   stamp_ = *stamp;  // a list that cannot be used is reported once
@@ -94,7 +95,7 @@ void Context::refresh() {
 }
 
 std::optional<Error> Context::refusal(const Identity& identity) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const std::string whose = "the certificate of " + quote(identity.name);
   if (revoked_.contains(identity.serial)) {
     return fail(ErrorCode::PermissionDenied, whose + " has been revoked");

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <segue/base/file_stamp.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/rpc/detail/encryption.hpp>
 #include <segue/rpc_tls/openssl.hpp>
 
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -42,13 +42,13 @@ class Context final : public detail::Encryption {
  private:
   explicit Context(Material material) : material_(std::move(material)) {}
   /// Makes the object from which connections are made anew, with the present list of revoked certificates.
-  Result<void> renew();
+  Result<void> renew() SEGUE_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;  ///< protects all that follows
-  Material material_;
-  Shared current_;
-  std::set<std::string> revoked_;  ///< serial numbers
-  std::optional<FileStamp> stamp_;
+  mutable Mutex mutex_;  ///< protects all that follows
+  Material material_ SEGUE_GUARDED_BY(mutex_);
+  Shared current_ SEGUE_GUARDED_BY(mutex_);
+  std::set<std::string> revoked_ SEGUE_GUARDED_BY(mutex_);  ///< serial numbers
+  std::optional<FileStamp> stamp_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::control::tls

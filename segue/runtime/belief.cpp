@@ -46,7 +46,7 @@ Observation Belief::observe() const {
   for (int attempt = 1;; ++attempt) {
     const TimePoint begin = RealClock::instance().now();
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       seen.task_events = task_events_;
       seen.adoptions = adoptions_;
     }
@@ -58,32 +58,32 @@ Observation Belief::observe() const {
 }
 
 BeliefState Belief::held() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return held_;
 }
 
 model::Network Belief::controller() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return held_.controller;
 }
 
 std::string Belief::version() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return held_.wanted ? held_.wanted->version : std::string();
 }
 
 bool Belief::is_assumed() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return assumed_;
 }
 
 void Belief::adopt(BeliefState seen, std::uint64_t task_events) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   replace(std::move(seen), task_events);
 }
 
 bool Belief::refresh(BeliefState seen, const Observation& observed) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (observed.adoptions != adoptions_) {
     return false;
   }
@@ -119,13 +119,13 @@ void Belief::set_state(const model::TaskId& id, TaskState state) {
 }
 
 void Belief::adopt_assumed(model::Network network) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   hold({std::move(network), {}, {}});
   assumed_ = true;
 }
 
 void Belief::on_event(const task_host::TaskEvent& event) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   reported_.insert_or_assign(event.task, std::pair(++task_events_, event.state));
   set_state(event.task, event.state);
 }
@@ -133,7 +133,7 @@ void Belief::on_event(const task_host::TaskEvent& event) {
 Observation Belief::starting_point() const {
   Observation start;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     start = {held_.all(), task_events_, adoptions_};
     if (assumed_) {
       return start;

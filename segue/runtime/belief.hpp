@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/model/network.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -67,22 +67,21 @@ class Belief {
   [[nodiscard]] Observation starting_point() const;
 
  private:
-  // With the mutex held.
-  void replace(BeliefState seen, std::uint64_t task_events);
-  void hold(BeliefState state);
-  void set_state(const model::TaskId& id, TaskState state);
+  void replace(BeliefState seen, std::uint64_t task_events) SEGUE_REQUIRES(mutex_);
+  void hold(BeliefState state) SEGUE_REQUIRES(mutex_);
+  void set_state(const model::TaskId& id, TaskState state) SEGUE_REQUIRES(mutex_);
 
   const task_host::TaskHost& host_;
-  mutable std::mutex mutex_;  ///< protects all members below
-  BeliefState held_;
-  std::unordered_multimap<model::TaskId, TaskState*>
-      states_;  ///< in `held_`; a task may be in both its parts
-  bool assumed_ = false;
-  std::uint64_t task_events_ = 0;
-  std::uint64_t adoptions_ = 0;
+  mutable Mutex mutex_;  ///< protects all members below
+  BeliefState held_ SEGUE_GUARDED_BY(mutex_);
+  /// In `held_`; a task may be in both its parts.
+  std::unordered_multimap<model::TaskId, TaskState*> states_ SEGUE_GUARDED_BY(mutex_);
+  bool assumed_ SEGUE_GUARDED_BY(mutex_) = false;
+  std::uint64_t task_events_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t adoptions_ SEGUE_GUARDED_BY(mutex_) = 0;
   /// For each task, the number of its last event and the state that it reported. Events numbered above a
   /// snapshot's `task_events` are newer than the snapshot and override it.
-  std::map<model::TaskId, std::pair<std::uint64_t, TaskState>> reported_;
+  std::map<model::TaskId, std::pair<std::uint64_t, TaskState>> reported_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::runtime::detail

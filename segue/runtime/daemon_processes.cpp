@@ -15,12 +15,12 @@ Result<std::unique_ptr<DaemonProcesses>> DaemonProcesses::connect(std::string ro
 }
 
 DaemonProcesses::Service DaemonProcesses::current() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return current_;
 }
 
 DaemonProcesses::Service DaemonProcesses::successor(const Service& old) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (current_ != old) {
     return current_;  // another thread has reconnected already
   }
@@ -76,7 +76,7 @@ Result<std::vector<process_server::ProcessInfo>> DaemonProcesses::processes(cons
 }
 
 void DaemonProcesses::set_listener(Listener listener) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   listener_ = std::move(listener);
   current_->set_listener(listener_);
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/process_server/process_service.hpp>
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,9 +46,9 @@ class DaemonProcesses final : public process_server::ProcessService {
 
   const std::string robot_;
   const Open open_;
-  std::mutex mutex_;  ///< protects the members below; held while a lost connection is replaced
-  Service current_;
-  Listener listener_;
+  Mutex mutex_;  ///< protects the members below; held while a lost connection is replaced
+  Service current_ SEGUE_GUARDED_BY(mutex_);
+  Listener listener_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::runtime

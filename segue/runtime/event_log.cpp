@@ -29,7 +29,7 @@ bool is_trouble(EventKind kind) {
 
 void EventLog::add(EventKind kind, std::string subject, std::string message, bool trouble) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     events_.push_back({++last_, std::chrono::system_clock::now(), kind, std::move(subject),
                        std::move(message), trouble || is_trouble(kind)});
     if (events_.size() > kKeptEvents) {
@@ -40,9 +40,10 @@ void EventLog::add(EventKind kind, std::string subject, std::string message, boo
 }
 
 std::vector<Event> EventLog::after(std::uint64_t number, Duration wait) const {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   if (!has_after(number) && wait > Duration::zero()) {
-    added_.wait_for(lock, std::min(wait, kLongestWait), [&] { return has_after(number) || closed_; });
+    added_.wait_for(mutex_, std::min(wait, kLongestWait),
+                    [&]() SEGUE_REQUIRES(mutex_) { return has_after(number) || closed_; });
   }
   const auto first = std::ranges::upper_bound(events_, number, {}, &Event::number);
   return {first, events_.end()};
@@ -50,7 +51,7 @@ std::vector<Event> EventLog::after(std::uint64_t number, Duration wait) const {
 
 void EventLog::close() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     closed_ = true;
   }
   added_.notify_all();

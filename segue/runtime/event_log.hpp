@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/runtime/runtime.hpp>
 
-#include <condition_variable>
 #include <deque>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -22,13 +22,13 @@ class EventLog {
   void close();
 
  private:
-  [[nodiscard]] bool has_after(std::uint64_t number) const { return last_ > number; }
+  [[nodiscard]] bool has_after(std::uint64_t number) const SEGUE_REQUIRES(mutex_) { return last_ > number; }
 
-  mutable std::mutex mutex_;  ///< protects all members below
-  mutable std::condition_variable added_;
-  std::deque<Event> events_;
-  std::uint64_t last_ = 0;
-  bool closed_ = false;
+  mutable Mutex mutex_;  ///< protects all members below
+  mutable ConditionVariable added_;
+  std::deque<Event> events_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;
+  bool closed_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace segue::runtime::detail

@@ -47,7 +47,7 @@ Halts::Halts(task_host::TaskHost& host, EventLog& log, Ways ways)
 
 void Halts::end() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ended_ = true;
   }
   stop_.request_stop();
@@ -57,13 +57,13 @@ void Halts::end() {
 }
 
 void Halts::use(std::shared_ptr<const model::Halt> halt) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   halt_ = std::move(halt);
   changed_.notify_all();
 }
 
 void Halts::look_at(const std::set<model::TaskId>& tasks) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::erase_if(watched_, [&](const auto& one) { return !tasks.contains(one.first); });
   for (const auto& task : tasks) {
     if (watched_.emplace(task, looks_ + 1).second) {
@@ -74,7 +74,7 @@ void Halts::look_at(const std::set<model::TaskId>& tasks) {
 }
 
 void Halts::look_away_from(const std::set<model::TaskId>& tasks) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::erase_if(watched_, [&](const auto& one) { return tasks.contains(one.first); });
   changed_.notify_all();
 }
@@ -86,7 +86,7 @@ std::shared_future<HaltResult> Halts::begin(HaltRequest request, const std::func
   std::shared_future<HaltResult> result;
   bool is_on_its_way = true;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (request.latch) {
       latch_ = request;
     }
@@ -108,7 +108,7 @@ std::shared_future<HaltResult> Halts::begin(HaltRequest request, const std::func
   DevicesStopped otherwise = how ? DevicesStopped{} : ways_.devices_stopped();
   auto switched = how ? ways_.request(by, how->controller, how->within)
                       : ways_.request(by, std::move(otherwise.network), kStopDevices);
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   under_way_->stopped = std::move(otherwise.tasks);
   under_way_->switched = std::move(switched);
   changed_.notify_all();
@@ -116,12 +116,12 @@ std::shared_future<HaltResult> Halts::begin(HaltRequest request, const std::func
 }
 
 std::shared_future<HaltResult> Halts::on_its_way() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return under_way_ ? under_way_->result : std::shared_future<HaltResult>();
 }
 
 std::shared_future<HaltResult> Halts::latest() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (under_way_ || !last_) {
     return under_way_ ? under_way_->result : std::shared_future<HaltResult>();
   }
@@ -131,7 +131,7 @@ std::shared_future<HaltResult> Halts::latest() const {
 }
 
 Result<void> Halts::release(const std::string& who) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!latch_) {
     return fail(ErrorCode::InvalidState, "the robot is not stopped");
   }
@@ -141,7 +141,7 @@ Result<void> Halts::release(const std::string& who) {
 }
 
 std::optional<Halted> Halts::halted() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   auto halted = under_way_ ? std::optional(under_way_->halted) : last_;
   if (halted && latch_) {
     halted->stopped_by = who_of(*latch_);
@@ -150,12 +150,12 @@ std::optional<Halted> Halts::halted() const {
 }
 
 void Halts::forget() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   last_.reset();
 }
 
 std::optional<Error> Halts::refusal() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (latch_) {
     return fail(ErrorCode::InvalidState, "the robot was stopped " + cause_of(*latch_) +
                                              "; 'segue stop --release' lets it be commanded again");
@@ -173,7 +173,7 @@ void Halts::work(const std::stop_token& stop) {
   std::shared_ptr<const model::Halt> halt;
   Watched tasks;
   std::vector<WhenWatch> watches;
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   while (!stop.stop_requested()) {
     if (halt_ != halt || watched_ != tasks) {
       auto kept = halt_ == halt ? std::move(watches) : std::vector<WhenWatch>();
@@ -190,10 +190,10 @@ void Halts::work(const std::stop_token& stop) {
       lock.lock();
     }
     if (under_way_ && under_way_->switched.valid()) {
-      bring_to_rest(lock, stop);
+      bring_to_rest(stop);
       continue;
     }
-    changed_.wait(lock, stop, [&] {
+    changed_.wait(mutex_, stop, [&]() SEGUE_REQUIRES(mutex_) {
       const bool is_asked = under_way_ && under_way_->switched.valid();
       return is_asked || halt_ != halt || watched_ != tasks || sentence_of_first(watches) != held_by_;
     });
@@ -228,7 +228,7 @@ bool Halts::note_conditions(const std::vector<WhenWatch>& watches) {
 }
 
 std::string Halts::sentence_of_first(const std::vector<WhenWatch>& watches) const {
-  const auto found = std::ranges::find_if(watches, [this](const WhenWatch& one) {
+  const auto found = std::ranges::find_if(watches, [this](const WhenWatch& one) SEGUE_REQUIRES(mutex_) {
     const auto task = watched_.find(model::TaskId(model::task_of(one.watch->condition())));
     return task != watched_.end() && task->second == one.look && one.watch->holds();
   });
@@ -238,45 +238,46 @@ std::string Halts::sentence_of_first(const std::vector<WhenWatch>& watches) cons
 std::unique_ptr<ConditionWatch> Halts::watch(const model::RobotCondition& condition,
                                              ConditionWatch::From from) {
   return std::make_unique<ConditionWatch>(host_, condition, from, [this] {
-    const std::lock_guard lock(mutex_);  // so that whoever waits has looked before, or looks again
+    const Lock lock(mutex_);  // so that whoever waits has looked before, or looks again
     changed_.notify_all();
   });
 }
 
-/// With the mutex held, which is released while this waits.
-void Halts::bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_token& stop) {
-  auto switched = std::move(under_way_->switched);
-  const auto how = under_way_->how;
-  const TimePoint deadline = under_way_->begin + (how ? how->within : kStopDevices);
+void Halts::bring_to_rest(const std::stop_token& stop) {
+  UnderWay& halt = *under_way_;  // nobody else replaces it while the thread brings the robot to rest
+  auto switched = std::move(halt.switched);
   HaltResult result;
-  auto devices = std::move(under_way_->stopped);
-  lock.unlock();
-  auto trouble = trouble_of(switched, deadline, how == nullptr);
-  if (!trouble && how) {
-    trouble = wait_for_rest(*how, deadline, stop);
-  } else if (!trouble) {
-    result.stopped = std::move(devices);
+  result.stopped = std::move(halt.stopped);
+  std::optional<std::string> trouble;
+  {
+    const auto how = halt.how;
+    const TimePoint deadline = halt.begin + (how ? how->within : kStopDevices);
+    const Unlocked unlocked(mutex_);
+    trouble = trouble_of(switched, deadline, how == nullptr);
+    if (!trouble && how) trouble = wait_for_rest(*how, deadline, stop);
+    if (trouble) result.stopped.clear();
+    if (trouble && how && !stop.stop_requested()) stop_devices(*trouble, result);
   }
-  if (trouble && how && !stop.stop_requested()) {
-    auto otherwise = ways_.devices_stopped();
-    auto again = ways_.request("the halt", std::move(otherwise.network), kStopDevices);
-    if (const auto more = trouble_of(again, RealClock::instance().now() + 2 * kStopDevices, true)) {
-      *trouble += "; and its devices could not be stopped: " + *more;
-    } else {
-      result.stopped = std::move(otherwise.tasks);
-    }
-  }
-  lock.lock();
   result.at_rest = !trouble;
   result.trouble = trouble.value_or("");
-  result.duration = RealClock::instance().now() - under_way_->begin;
+  result.duration = RealClock::instance().now() - halt.begin;
   log_.add(EventKind::Halt, "",
            result.at_rest ? "the robot is at rest after " + format_seconds(result.duration)
                           : "the robot was not at rest in time: " + result.trouble);
-  last_ = under_way_->halted;
+  last_ = halt.halted;
   last_->result = result;
-  under_way_->promise.set_value(std::move(result));
+  halt.promise.set_value(std::move(result));
   under_way_.reset();
+}
+
+void Halts::stop_devices(std::string& trouble, HaltResult& result) {
+  auto otherwise = ways_.devices_stopped();
+  auto again = ways_.request("the halt", std::move(otherwise.network), kStopDevices);
+  if (const auto more = trouble_of(again, RealClock::instance().now() + 2 * kStopDevices, true)) {
+    trouble += "; and its devices could not be stopped: " + *more;
+  } else {
+    result.stopped = std::move(otherwise.tasks);
+  }
 }
 
 std::optional<std::string> Halts::wait_for_rest(const model::Halt& halt, TimePoint deadline,
@@ -287,8 +288,9 @@ std::optional<std::string> Halts::wait_for_rest(const model::Halt& halt, TimePoi
   }
   const auto holds = [](const auto& one) { return one->holds(); };
   {
-    std::unique_lock lock(mutex_);
-    if (changed_.wait_until(lock, stop, deadline, [&] { return std::ranges::all_of(watches, holds); })) {
+    Lock lock(mutex_);
+    if (changed_.wait_until(mutex_, stop, deadline,
+                            [&]() SEGUE_REQUIRES(mutex_) { return std::ranges::all_of(watches, holds); })) {
       return std::nullopt;
     }
   }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/model/halt.hpp>
 #include <segue/model/network.hpp>
@@ -11,13 +13,11 @@
 #include <segue/runtime/runtime.hpp>
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <future>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <stop_token>
@@ -99,12 +99,16 @@ class Halts {
   /// same halt. May wait for a look in progress, so without the mutex.
   std::vector<WhenWatch> watch_when(const model::Halt& halt, const Watched& tasks,
                                     std::vector<WhenWatch> watches);
-  /// Notes what holds the robot; true where that is new. With the mutex held.
-  bool note_conditions(const std::vector<WhenWatch>& watches);
-  /// Empty: none holds. With the mutex held.
-  [[nodiscard]] std::string sentence_of_first(const std::vector<WhenWatch>& watches) const;
+  /// Notes what holds the robot; true where that is new.
+  bool note_conditions(const std::vector<WhenWatch>& watches) SEGUE_REQUIRES(mutex_);
+  /// Empty: none holds.
+  [[nodiscard]] std::string sentence_of_first(const std::vector<WhenWatch>& watches) const
+      SEGUE_REQUIRES(mutex_);
   std::unique_ptr<ConditionWatch> watch(const model::RobotCondition& condition, ConditionWatch::From from);
-  void bring_to_rest(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
+  /// Not locked while it waits.
+  void bring_to_rest(const std::stop_token& stop) SEGUE_REQUIRES(mutex_);
+  /// In place of the controller of the halt, which has come to `trouble`.
+  void stop_devices(std::string& trouble, HaltResult& result);
   /// Which conditions of rest do not hold by then.
   std::optional<std::string> wait_for_rest(const model::Halt& halt, TimePoint deadline,
                                            const std::stop_token& stop);
@@ -112,17 +116,16 @@ class Halts {
   task_host::TaskHost& host_;
   EventLog& log_;
   const Ways ways_;
-  mutable std::mutex
-      mutex_;  ///< protects all up to changed_; not held while the runtime or the host is asked
-  std::shared_ptr<const model::Halt> halt_;
-  Watched watched_;
-  std::uint64_t looks_ = 0;
-  std::optional<UnderWay> under_way_;
-  std::optional<Halted> last_;        ///< until the robot is commanded
-  std::optional<HaltRequest> latch_;  ///< until release()
-  std::string held_by_;               ///< the condition that holds, as a sentence; empty: none
-  bool ended_ = false;
-  mutable std::condition_variable_any changed_;
+  mutable Mutex mutex_;  ///< protects all up to changed_; not held while the runtime or the host is asked
+  std::shared_ptr<const model::Halt> halt_ SEGUE_GUARDED_BY(mutex_);
+  Watched watched_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t looks_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::optional<UnderWay> under_way_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<Halted> last_ SEGUE_GUARDED_BY(mutex_);        ///< until the robot is commanded
+  std::optional<HaltRequest> latch_ SEGUE_GUARDED_BY(mutex_);  ///< until release()
+  std::string held_by_ SEGUE_GUARDED_BY(mutex_);  ///< the condition that holds, as a sentence; empty: none
+  bool ended_ SEGUE_GUARDED_BY(mutex_) = false;
+  mutable StoppableConditionVariable changed_;
   std::stop_source stop_;
   std::thread thread_;
 };

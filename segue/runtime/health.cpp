@@ -167,7 +167,7 @@ Health health_of(const HealthView& view) {
 }
 
 void TroubleTimes::note(std::vector<Trouble>& troubles, std::chrono::system_clock::time_point now) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::map<std::string, std::chrono::system_clock::time_point> present;
   for (Trouble& trouble : troubles) {
     if (trouble.kind == Trouble::Kind::Host) continue;

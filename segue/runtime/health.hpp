@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/supervision.hpp>
@@ -9,7 +10,6 @@
 #include <array>
 #include <chrono>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -71,8 +71,9 @@ class TroubleTimes {
   void note(std::vector<Trouble>& troubles, std::chrono::system_clock::time_point now);
 
  private:
-  std::mutex mutex_;
-  std::map<std::string, std::chrono::system_clock::time_point> since_;  ///< by kind and name
+  Mutex mutex_;
+  /// By kind and name.
+  std::map<std::string, std::chrono::system_clock::time_point> since_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace detail

@@ -58,13 +58,13 @@ Result<type::Value> InstanceCalls::call(const model::TaskId& task, std::string_v
 }
 
 std::uint64_t InstanceCalls::begin(Life life) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   calls_[std::move(life)].push_back({++last_});
   return last_;
 }
 
 void InstanceCalls::no_longer_wanted(std::uint64_t call) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (auto& [life, calls] : calls_) {
     const auto found = std::ranges::find(calls, call, &Call::number);
     if (found == calls.end()) continue;
@@ -74,7 +74,7 @@ void InstanceCalls::no_longer_wanted(std::uint64_t call) {
 }
 
 void InstanceCalls::ended(std::uint64_t call, End end) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (auto& [life, calls] : calls_) {
     const auto found = std::ranges::find(calls, call, &Call::number);
     if (found == calls.end()) continue;
@@ -90,26 +90,26 @@ void InstanceCalls::ended(std::uint64_t call, End end) {
 
 void InstanceCalls::abandon_all(const std::string& why) {
   const auto seen = processes();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (const auto& [instance, process] : seen) {
     abandoned_.insert_or_assign(Life{instance, process.pid}, why);
   }
 }
 
 bool InstanceCalls::is_busy(const Life& life) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return calls_.contains(life);
 }
 
 std::string InstanceCalls::why_abandoned(const Life& life) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = abandoned_.find(life);
   return found == abandoned_.end() ? std::string() : found->second;
 }
 
 std::map<InstanceCalls::Life, std::string> InstanceCalls::abandoned() {
   const auto seen = processes();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::map<Life, std::string> present;
   std::erase_if(abandoned_, [&](const auto& one) {
     const auto found = seen.find(one.first.instance);
@@ -123,7 +123,7 @@ std::map<InstanceCalls::Life, std::string> InstanceCalls::abandoned() {
 }
 
 void InstanceCalls::forget(const Life& life) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   abandoned_.erase(life);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 #include <segue/model/ids.hpp>
@@ -12,7 +13,6 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -77,10 +77,10 @@ class InstanceCalls {
   task_host::TaskHost& host_;
   const model::Network& pools_;
   const std::function<void()> notify_;
-  mutable std::mutex mutex_;  ///< protects all below; not held while the host is asked
-  std::uint64_t last_ = 0;
-  std::map<Life, std::deque<Call>> calls_;  ///< under way, the oldest first
-  std::map<Life, std::string> abandoned_;   ///< and why
+  mutable Mutex mutex_;  ///< protects all below; not held while the host is asked
+  std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::map<Life, std::deque<Call>> calls_ SEGUE_GUARDED_BY(mutex_);  ///< under way, the oldest first
+  std::map<Life, std::string> abandoned_ SEGUE_GUARDED_BY(mutex_);   ///< and why
 };
 
 }  // namespace segue::runtime::detail

@@ -8,7 +8,7 @@
 namespace segue::runtime::detail {
 
 Result<std::uint64_t> Leases::take(std::string holder) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (held_) {
     return fail(ErrorCode::InvalidState, "the robot is commanded by " + held_->holder);
   }
@@ -19,12 +19,12 @@ Result<std::uint64_t> Leases::take(std::string holder) {
 }
 
 std::optional<Leases::Holder> Leases::holder_of(std::uint64_t number) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return is_holder(number) ? present_holder() : std::nullopt;
 }
 
 std::optional<Leases::Holder> Leases::holder() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return present_holder();
 }
 
@@ -32,7 +32,7 @@ std::optional<Leases::Holder> Leases::present_holder() const {
   if (!held_) {
     return std::nullopt;
   }
-  const auto says = [this](std::string_view key, std::string_view what) {
+  const auto says = [this](std::string_view key, std::string_view what) SEGUE_REQUIRES(mutex_) {
     const type::Value* said = held_->doing.find(key);
     return said != nullptr && *said == type::Value(what);
   };
@@ -41,7 +41,7 @@ std::optional<Leases::Holder> Leases::present_holder() const {
 }
 
 void Leases::stop(std::uint64_t number) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (is_holder(number) && !std::exchange(held_->is_stopped, true)) {
     log_.add(EventKind::Lease, "", held_->holder + " is stopped, and commands nothing any more");
     changes_.add();
@@ -49,7 +49,7 @@ void Leases::stop(std::uint64_t number) {
 }
 
 void Leases::end(std::uint64_t number) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (is_holder(number)) {
     log_.add(EventKind::Lease, "", held_->holder + " no longer commands the robot");
     missions_.end("whoever ran it gave the robot back without saying how it ended");
@@ -59,7 +59,7 @@ void Leases::end(std::uint64_t number) {
 }
 
 void Leases::take_away(const std::string& by) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!held_) {
     return;
   }
@@ -75,7 +75,7 @@ void Leases::lose(const std::string& to, const std::string& how) {
 }
 
 control::LeaseStanding Leases::standing_of(std::uint64_t number) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (is_holder(number)) {
     return {std::nullopt, held_->is_stopped};
   }
@@ -87,12 +87,12 @@ std::optional<std::string> Leases::who_took(std::uint64_t number) const {
 }
 
 std::optional<Error> Leases::refusal_of(std::uint64_t lease) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return why_refused(lease);
 }
 
 Result<void> Leases::report(std::uint64_t number, type::Value doing) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!is_holder(number)) {
     return fail(ErrorCode::InvalidState, "the robot is not commanded with that lease any more");
   }
@@ -102,19 +102,19 @@ Result<void> Leases::report(std::uint64_t number, type::Value doing) {
 }
 
 type::Value Leases::doing() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return held_ ? held_->doing : type::Value();
 }
 
 type::Value Leases::mission(std::uint64_t after, bool with_plan, bool halts, bool halts_after) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (held_ && with_plan && !missions_.recent().has_whole_plan()) held_->shall_show_plan = true;
   return missions_.recent().to_value(after, with_plan, held_ ? held_->doing : type::Value(),
                                      halts || (halts_after && held_));
 }
 
 Result<std::uint64_t> Leases::ask(std::string_view what, const type::Value& arguments) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!held_) {
     return fail(ErrorCode::NotFound, "nobody commands the robot");
   }
@@ -122,7 +122,7 @@ Result<std::uint64_t> Leases::ask(std::string_view what, const type::Value& argu
 }
 
 std::vector<control::HolderRequest> Leases::take_commands(std::uint64_t number) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!is_holder(number)) return {};
   auto asked = held_->inbox.take();
   if (std::exchange(held_->shall_show_plan, false)) asked.push_back({0, "plan", {}});
@@ -130,7 +130,7 @@ std::vector<control::HolderRequest> Leases::take_commands(std::uint64_t number) 
 }
 
 std::optional<Error> Leases::refusal_of(const RequestOptions& options) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (auto refused = why_refused(options.lease)) {
     return refused;
   }
@@ -155,7 +155,7 @@ std::optional<Error> Leases::why_refused(std::uint64_t lease) const {
 }
 
 Result<void> Leases::allow(const TaskSender& sender, const std::string& what) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (auto refused = why_refused(sender.lease)) {
     return std::move(*refused);
   }
@@ -173,12 +173,12 @@ Result<void> Leases::allow(const TaskSender& sender, const std::string& what) {
 }
 
 bool Leases::would_take_over(const RequestOptions& options) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return takes_over(options);
 }
 
 void Leases::take_over(const RequestOptions& options) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!takes_over(options)) {
     return;
   }

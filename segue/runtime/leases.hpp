@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/runtime/change_count.hpp>
 #include <segue/runtime/event_log.hpp>
@@ -9,7 +10,6 @@
 #include <segue/runtime/runtime.hpp>
 
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -73,23 +73,24 @@ class Leases {
     bool shall_show_plan = false;
     bool is_stopped = false;
   };
-  [[nodiscard]] std::optional<std::string> who_took(std::uint64_t number) const;
-  [[nodiscard]] bool is_holder(std::uint64_t lease) const { return held_ && held_->number == lease; }
-  [[nodiscard]] bool takes_over(const RequestOptions& options) const {
+  [[nodiscard]] std::optional<std::string> who_took(std::uint64_t number) const SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] bool is_holder(std::uint64_t lease) const SEGUE_REQUIRES(mutex_) {
+    return held_ && held_->number == lease;
+  }
+  [[nodiscard]] bool takes_over(const RequestOptions& options) const SEGUE_REQUIRES(mutex_) {
     return options.take_over && held_ && !is_holder(options.lease);
   }
   /// Whoever holds it holds it no longer; `how` ends the mission that it ran.
-  void lose(const std::string& to, const std::string& how);
-  /// With the mutex held, as the next one.
-  [[nodiscard]] std::optional<Error> why_refused(std::uint64_t lease) const;
-  [[nodiscard]] std::optional<Holder> present_holder() const;
+  void lose(const std::string& to, const std::string& how) SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] std::optional<Error> why_refused(std::uint64_t lease) const SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] std::optional<Holder> present_holder() const SEGUE_REQUIRES(mutex_);
 
   EventLog& log_;
   ChangeCount& changes_;
-  mutable std::mutex mutex_;  ///< protects all below
-  MissionReports missions_;
-  std::optional<Lease> held_;
-  std::optional<Lease> lost_;  ///< the last that was taken over; `holder` did so
+  mutable Mutex mutex_;  ///< protects all below
+  MissionReports missions_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<Lease> held_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<Lease> lost_ SEGUE_GUARDED_BY(mutex_);  ///< the last that was taken over; `holder` did so
 };
 
 }  // namespace segue::runtime::detail

@@ -8,38 +8,38 @@
 namespace segue::runtime::detail {
 
 void LeftActions::close() {
-  const std::lock_guard lock(changed_mutex_);
+  const Lock lock(changed_mutex_);
   changed_ = {};
 }
 
 void LeftActions::add(const model::Action& action) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   actions_.push_back(action);
 }
 
 void LeftActions::ended(const model::Action& action) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto found = std::ranges::find(actions_, action);
     if (found != actions_.end()) {
       actions_.erase(found);
     }
   }
-  const std::lock_guard lock(changed_mutex_);
+  const Lock lock(changed_mutex_);
   if (changed_) {
     changed_();
   }
 }
 
 bool LeftActions::any() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return !actions_.empty();
 }
 
 model::Network LeftActions::without_their_processes(model::Network observed) const {
   std::set<model::DeploymentKey> processes;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     for (const model::Action& action : actions_) {
       if (const auto* what = std::get_if<model::DeploymentAction>(&action.what)) {
         processes.insert(what->deployment.key());
@@ -50,7 +50,7 @@ model::Network LeftActions::without_their_processes(model::Network observed) con
 }
 
 bool LeftActions::concern(const NetworkParts& parts) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return std::ranges::any_of(actions_,
                              [&](const model::Action& action) { return !parts.are_independent_of(action); });
 }

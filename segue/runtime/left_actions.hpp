@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/runtime/network_parts.hpp>
 
 #include <functional>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -29,10 +29,10 @@ class LeftActions {
   [[nodiscard]] model::Network without_their_processes(model::Network observed) const;
 
  private:
-  mutable std::mutex mutex_;  ///< protects the next one
-  std::vector<model::Action> actions_;
-  std::mutex changed_mutex_;  ///< protects the next one, also while it is called
-  std::function<void()> changed_;
+  mutable Mutex mutex_;  ///< protects the next one
+  std::vector<model::Action> actions_ SEGUE_GUARDED_BY(mutex_);
+  Mutex changed_mutex_;  ///< protects the next one, also while it is called
+  std::function<void()> changed_ SEGUE_GUARDED_BY(changed_mutex_);
 };
 
 }  // namespace segue::runtime::detail

@@ -80,7 +80,7 @@ std::vector<ControllerChange> Runtime::compare(const ControllerSet& set, Diagnos
 }
 
 std::vector<LoadedFile> Runtime::files() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return implementation_->definitions.files;
 }
 
@@ -89,7 +89,7 @@ std::string Runtime::version() const {
 }
 
 std::vector<model::NetworkName> Runtime::controllers() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   std::vector<model::NetworkName> names;
   for (const auto& [name, network] : implementation_->definitions.controllers) {
     names.push_back(name);
@@ -187,7 +187,7 @@ Result<model::Transition> Runtime::plan(const Request& request, const RequestOpt
 }
 
 RuntimeState Runtime::state() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return implementation_->state;
 }
 
@@ -212,12 +212,12 @@ std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkN
 }
 
 std::vector<Readiness> Runtime::readiness() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return implementation_->readiness;
 }
 
 std::map<model::DeploymentKey, std::string> Runtime::ended_processes() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return implementation_->ended;
 }
 
@@ -238,17 +238,17 @@ void Runtime::watch_changes(std::uint64_t seen, const Wait& wait,
 }
 
 std::vector<UnresolvedFault> Runtime::unresolved() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return implementation_->unresolved;
 }
 
 std::vector<UnresolvedFault> Runtime::in_repair() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return implementation_->in_repair;
 }
 
 std::vector<SwitchResult> Runtime::history() const {
-  const std::lock_guard lock(implementation_->mutex);
+  const Lock lock(implementation_->mutex);
   return {implementation_->history.begin(), implementation_->history.end()};
 }
 

@@ -60,7 +60,7 @@ Diagnostics Runtime::Implementation::add(model::Network network) {
   }
   if (!findings.has_errors()) {
     journal.loaded(network);
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     definitions.loaded.erase(network.name);
     definitions.controllers.insert_or_assign(network.name, std::move(network));
   }
@@ -77,7 +77,9 @@ Diagnostics Runtime::Implementation::check(const ControllerSet& set) const {
 
 Definitions Runtime::Implementation::definitions_with(const ControllerSet& set) const {
   Definitions all{definitions.controllers, {}, set.fallback, halt_of(set, definitions.halt), set.files};
-  std::erase_if(all.controllers, [&](const auto& entry) { return definitions.loaded.contains(entry.first); });
+  std::erase_if(all.controllers, [&](const auto& entry) SEGUE_REQUIRES(mutex) {
+    return definitions.loaded.contains(entry.first);
+  });
   for (const auto& network : set.controllers) {
     all.loaded.insert(network.name);
     all.controllers.insert_or_assign(network.name, network);
@@ -87,7 +89,7 @@ Definitions Runtime::Implementation::definitions_with(const ControllerSet& set) 
 
 std::vector<ControllerChange> Runtime::Implementation::compare(const ControllerSet& set) const {
   const auto runs = belief.controller().name;
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   return runtime::compare(definitions.controllers, definitions_with(set).controllers, runs);
 }
 
@@ -99,7 +101,7 @@ Diagnostics Runtime::Implementation::load(const ControllerSet& set) {
   for (const auto& network : set.controllers) {
     journal.loaded(network);
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   definitions = definitions_with(set);
   halts.use(definitions.halt);
   return findings;
@@ -126,7 +128,7 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
   std::optional<PendingApply> older;
   std::optional<Error> refusal;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     refusal = refusal_of(job.options);
     if (!refusal) {
       leases.take_over(job.options);
@@ -208,7 +210,7 @@ std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& 
     return std::nullopt;
   }
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     served.emplace(detail::ServedRequest{job.number, controller.name, job.options.who, job.options.lease});
   }
   journal.accepted(job.number, job.options.who, controller.name);
@@ -222,7 +224,7 @@ std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& 
 }
 
 bool Runtime::Implementation::postpone(PendingApply& job) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (stopping) {
     return false;
   }
@@ -235,7 +237,7 @@ bool Runtime::Implementation::postpone(PendingApply& job) {
 }
 
 void Runtime::Implementation::take_back(PendingApply& job) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (waiting_apply) {
     waiting_apply->before = std::move(job.before);
     return;

@@ -32,7 +32,7 @@ Result<std::future<SwitchResult>> Runtime::Implementation::cancel(std::uint64_t 
   who = who.empty() ? "somebody" : std::move(who);
   std::optional<PendingRequest> withdrawn;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (waiting && (request == 0 || request == waiting->number)) {
       withdrawn.swap(waiting);
     } else if (served && (request == 0 || request == served->number)) {
@@ -82,7 +82,7 @@ Result<std::future<SwitchResult>> Runtime::Implementation::cancel_served(const s
 void Runtime::Implementation::cancel_requests_of(std::uint64_t lease, const std::string& who) {
   std::vector<std::uint64_t> open;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (served && served->lease == lease) {
       open.push_back(served->number);
     }
@@ -96,7 +96,7 @@ void Runtime::Implementation::cancel_requests_of(std::uint64_t lease, const std:
 }
 
 std::vector<OpenRequest> Runtime::Implementation::open_requests() const {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   std::vector<OpenRequest> open;
   if (served && !served->ended) {
     open.push_back({served->number, served->to, served->who,

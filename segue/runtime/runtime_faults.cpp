@@ -100,7 +100,7 @@ std::vector<UnresolvedFault> Runtime::Implementation::handle_faults(const Observ
   const auto faults = faults_in(seen.network);
   const auto decision = repairs.decide(faults, RealClock::instance().now());
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     handled = repairs.handling(faults);
   }
   report_given_up(decision.given_up);
@@ -121,7 +121,7 @@ std::vector<UnresolvedFault> Runtime::Implementation::handle_faults(const Observ
   const model::Network desired = belief.held().desired();
   const model::TaskIndex observed(seen.network);
   std::vector<UnresolvedFault> left;
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   const Owners owners(desired, definitions.controllers);
   const auto add = [&](const DetectedFault& fault, std::string sentence) {
     left.push_back(as_unresolved(fault, std::move(sentence), owners));
@@ -145,7 +145,7 @@ void Runtime::Implementation::note_in_repair(const std::vector<DetectedFault>& f
   });
   std::vector<UnresolvedFault> mended;
   const model::Network desired = repaired.empty() ? model::Network() : belief.held().desired();
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   const Owners owners(desired, definitions.controllers);
   for (const auto& fault : repaired) {
     mended.push_back(as_unresolved(fault, fault.name() + " " + fault.symptom, owners));

@@ -37,7 +37,7 @@ std::future<SwitchResult> Runtime::Implementation::request_rest(const std::strin
   std::optional<PendingRequest> dropped;
   std::optional<detail::PendingApply> dropped_files;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     dropped.swap(waiting);
     dropped_files.swap(waiting_apply);
     job.number = ++requests;
@@ -117,7 +117,7 @@ bool Runtime::Implementation::may_halt() const {
   if (belief.controller().empty() && open_requests().empty()) {
     return false;
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   return definitions.halt && !stopping;
 }
 
@@ -138,7 +138,7 @@ std::shared_future<HaltResult> Runtime::Implementation::end_lease(std::uint64_t 
     leases.end(lease);
     cancel_requests_of(lease, holder ? "the end of the lease of " + holder->name : "the end of its lease");
     {
-      const std::lock_guard lock(mutex);
+      const Lock lock(mutex);
       look_ahead_due = looks_ahead();  // what was prepared under it is not kept
       wake_requested = true;
     }

@@ -31,7 +31,7 @@ Look Runtime::Implementation::judge(task_host::TaskHost::View seen) {
   const auto faults = faults_in(look.seen.network);
   const auto loss = host.loss();
   const bool requested = !open_requests().empty();
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   std::optional<std::string> failure;
   if (state == RuntimeState::Failed) {
     const bool known = !history.empty() && history.back().error;

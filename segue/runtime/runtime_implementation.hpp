@@ -34,8 +34,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   // Requests (runtime_requests.cpp)
   AcceptedRequest accept(Request request, RequestOptions options);
   AcceptedRequest repair(RequestOptions options);
-  /// Its turn comes next; returns the one whose place it takes. With the mutex held.
-  std::optional<detail::PendingRequest> enqueue(detail::PendingRequest job);
+  /// Its turn comes next; returns the one whose place it takes.
+  std::optional<detail::PendingRequest> enqueue(detail::PendingRequest job) SEGUE_REQUIRES(mutex);
   Result<model::Network> resolve(const model::NetworkName& wanted) const;  ///< empty: the empty network
   [[nodiscard]] std::optional<detail::NetworkParts> parts_of(const Request& request) const;
   detail::Planned plan(const model::Network& current, const Request& request,
@@ -47,7 +47,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   type::Value mission(std::uint64_t after, bool with_plan);
   /// Why nothing is done any more: another runtime has got the robot. Without the mutex.
   [[nodiscard]] std::optional<Error> refusal_of_lost_robot() const;
-  /// Why a request with these options cannot be accepted. With the mutex held.
+  /// Why a request with these options cannot be accepted.
   [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options) const;
   [[nodiscard]] std::optional<detail::Refusal> refusal_of_take_over(const Request& request,
                                                                     const RequestOptions& options) const;
@@ -61,7 +61,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   // (runtime_cancel.cpp)
   Result<std::future<SwitchResult>> cancel(std::uint64_t request, std::string who);
   std::vector<OpenRequest> open_requests() const;
-  Result<std::future<SwitchResult>> cancel_served(const std::string& who);  ///< with the mutex held
+  Result<std::future<SwitchResult>> cancel_served(const std::string& who) SEGUE_REQUIRES(mutex);
   /// Where one has not ended that was made with this lease, which is lost.
   void cancel_requests_of(std::uint64_t lease, const std::string& who);
 
@@ -86,11 +86,11 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   /// The definitions are those of the set from now on; returns the files whose place `job` takes. With the
   /// mutex held. `runs` is the running controller.
   std::optional<detail::PendingApply> take_files(detail::PendingApply job, const ControllerSet& set,
-                                                 const model::NetworkName& runs);
+                                                 const model::NetworkName& runs) SEGUE_REQUIRES(mutex);
   Diagnostics check(const ControllerSet& set) const;
   std::vector<ControllerChange> compare(const ControllerSet& set) const;
-  /// The definitions with those of the set. With the mutex held.
-  [[nodiscard]] detail::Definitions definitions_with(const ControllerSet& set) const;
+  /// The definitions with those of the set.
+  [[nodiscard]] detail::Definitions definitions_with(const ControllerSet& set) const SEGUE_REQUIRES(mutex);
   /// Takes the running controller to its version in the applied files. Blocks.
   RuntimeState serve(detail::PendingApply job, RuntimeState before);
   /// The transition, or nothing where there is nothing to do.
@@ -103,7 +103,7 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
 
   // The worker and its transitions (runtime_worker.cpp)
   void work();
-  [[nodiscard]] bool may_serve() const;  ///< the request that waits; with the mutex held
+  [[nodiscard]] bool may_serve() const SEGUE_REQUIRES(mutex);  ///< the request that waits
   /// Executes the plan from `current`, fills in the result and takes a new snapshot for the belief. Blocks.
   void carry_out(const model::Network& current, const detail::SwitchPlan& plan, Duration action_deadline,
                  SwitchResult& result, std::function<void()> committed = {});
@@ -168,8 +168,8 @@ struct Runtime::Implementation : detail::SharedState, private detail::WorkerMemo
   void report_given_up(const std::vector<detail::DetectedFault>& faults);
   void fall_back(const detail::Observation& seen);
   void look_ahead();
-  /// Whether there is anything to prepare, or to answer. With the mutex held.
-  [[nodiscard]] bool looks_ahead() const;
+  /// Whether there is anything to prepare, or to answer.
+  [[nodiscard]] bool looks_ahead() const SEGUE_REQUIRES(mutex);
   /// Executes what concerns `scope` of the transition to the desired network, beside which `pools_part` runs.
   /// `force`: processes that it replaces are killed. Whether that is done.
   bool repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope,

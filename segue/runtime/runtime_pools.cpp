@@ -90,7 +90,7 @@ void Runtime::Implementation::look_after_pools() {
     return;
   }
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (std::exchange(pools_begin_again, false)) {
       pool_repairs.reset();
       pool_instances_seen.clear();
@@ -144,7 +144,7 @@ void Runtime::Implementation::start_instance(const DetectedFault& fault) {
 }
 
 void Runtime::Implementation::note_pool_faults(const std::vector<DetectedFault>& faults) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   pool_faults.clear();
   for (const auto& fault : faults) {
     std::string why = fault.symptom;
@@ -210,7 +210,7 @@ std::vector<PoolReport> Runtime::Implementation::report_pools(
   for (const auto& report : reports) {
     tasks.insert_or_assign(report.id, &report);
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   for (const auto& pool : options.pools) {
     PoolReport& report = all.emplace_back(PoolReport{pool.name, {}});
     for (int number = 1; number <= pool.size; ++number) {

@@ -61,7 +61,7 @@ AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions 
   std::optional<PendingRequest> older;
   std::uint64_t number = 0;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     number = job.number = ++requests;
     journal.accepted(job.number, job.options.who, name_of(job.request));
     if (auto refusal = refusal_of(job.options)) {
@@ -104,7 +104,7 @@ AcceptedRequest Runtime::Implementation::repair(RequestOptions request_options) 
     return refused_request;
   }
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     pools_begin_again = true;
   }
   if (held.wanted) {
@@ -160,7 +160,7 @@ Result<std::uint64_t> Runtime::Implementation::take_lease(std::string holder) {
   if (auto lost = refusal_of_lost_robot()) {
     return std::move(*lost);
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (auto refusal = halts.refusal()) {
     return std::move(*refusal);
   }
@@ -168,7 +168,7 @@ Result<std::uint64_t> Runtime::Implementation::take_lease(std::string holder) {
 }
 
 type::Value Runtime::Implementation::mission(std::uint64_t after, bool with_plan) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   return leases.mission(after, with_plan, halts.on_its_way().valid(), definitions.halt != nullptr);
 }
 
@@ -273,7 +273,7 @@ std::optional<detail::NetworkParts> Runtime::Implementation::parts_of(const Requ
 }
 
 Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName& wanted) const {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   return find_controller(definitions.controllers, wanted, catalog);
 }
 
@@ -311,7 +311,7 @@ void Runtime::Implementation::answer(PendingRequest& job, SwitchResult result) {
 }
 
 void Runtime::Implementation::remember(SwitchResult result) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (served && served->number == result.request) {
     for (auto& promise : served->cancelled) {
       promise.set_value(result);

@@ -290,7 +290,7 @@ Result<type::Value> RuntimeService::apply(const control::SwitchOptions& asked, T
   std::future<ApplyResult> future;
   let_rest(deadline);
   {
-    const std::lock_guard lock(applying_);
+    const Lock lock(applying_);
     auto set = files_->read(diagnostics);
     if (!set) {
       return refusal(diagnostics, "the files");

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/control/robot_service.hpp>
 #include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <functional>
-#include <mutex>
 
 namespace segue::runtime {
 
@@ -76,7 +76,7 @@ class RuntimeService final : public control::RobotService {
 
   Runtime& runtime_;
   const ControllerFiles* files_;
-  std::mutex applying_;  ///< files are applied in the order in which they are read
+  Mutex applying_;  ///< files are applied in the order in which they are read
   std::function<void()> on_shut_down_;
   TimePoint started_ = RealClock::instance().now();
 };

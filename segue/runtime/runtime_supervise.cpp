@@ -88,7 +88,7 @@ void Runtime::Implementation::supervise() {
   const auto lost = detail::unreachable_hosts(host);
   std::set<model::HostName> returned;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     returned = returned_hosts;  // the snapshot shows what these hold, but maybe not that of later ones
   }
   const Observation seen = belief.observe();
@@ -114,7 +114,7 @@ void Runtime::Implementation::supervise() {
   judge({seen.network, pools.empty() ? std::vector<task_host::TaskReport>() : host.tasks(), {}});
   bool due = false;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     const bool has_any = !unresolved.empty() || !left.empty();
     unresolved = std::move(left);
     if (has_any) {
@@ -150,7 +150,7 @@ void Runtime::Implementation::forget_ended(const model::Network& observed) {
   for (const auto& deployment : observed.deployments) {
     missing.erase(deployment.key());
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   std::erase_if(ended, [&](const auto& entry) { return !missing.contains(entry.first); });
 }
 
@@ -159,7 +159,7 @@ void Runtime::Implementation::forget_ended(const model::Network& observed) {
 void Runtime::Implementation::bring_back(const std::set<model::HostName>& hosts, const Observation& seen) {
   bool is_first_seen = false;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     for (const auto& returned : hosts) {
       returned_hosts.erase(returned);
       is_first_seen = unseen_hosts.erase(returned) > 0 || is_first_seen;
@@ -272,7 +272,7 @@ std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_reque
   std::vector<model::NetworkName> names;
   std::shared_ptr<const model::Halt> halt;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (!leases.refusal_of(prepare_lease)) {
       names = requests_to_prepare;
     }
@@ -349,7 +349,7 @@ std::future<std::vector<Readiness>> Runtime::Implementation::prepare(std::vector
   std::future<std::vector<Readiness>> future;
   std::vector<Readiness> last;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (leases.refusal_of(lease)) {
       std::promise<std::vector<Readiness>> nothing;
       nothing.set_value({});
@@ -374,7 +374,7 @@ std::future<std::vector<Readiness>> Runtime::Implementation::prepare(std::vector
 void Runtime::Implementation::answer_prepare(std::vector<Readiness> answer) {
   std::optional<std::promise<std::vector<Readiness>>> asked;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     readiness = answer;
     asked.swap(prepare_waiting);
   }

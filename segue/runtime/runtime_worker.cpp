@@ -51,7 +51,7 @@ Runtime::Implementation::~Implementation() {
   std::optional<PendingRequest> left;
   std::optional<detail::PendingApply> left_apply;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     stopping = true;
     left.swap(waiting);
     left_apply.swap(waiting_apply);
@@ -90,15 +90,16 @@ bool Runtime::Implementation::may_serve() const {
 }
 
 void Runtime::Implementation::work() {
-  std::unique_lock lock(mutex);
+  Lock lock(mutex);
   while (true) {
-    wake.wait_until(lock, next_supervision(),
-                    [&] { return stopping || may_serve() || waiting_apply || wake_requested; });
+    wake.wait_until(mutex, next_supervision(), [&]() SEGUE_REQUIRES(mutex) {
+      return stopping || may_serve() || waiting_apply || wake_requested;
+    });
     if (stopping) {
       return;
     }
     if (waiting && !may_serve()) {
-      wake.wait(lock, [&] { return stopping || !waiting || may_serve(); });
+      wake.wait(mutex, [&]() SEGUE_REQUIRES(mutex) { return stopping || !waiting || may_serve(); });
       continue;
     }
     if (!waiting && waiting_apply) {
@@ -137,7 +138,7 @@ void Runtime::Implementation::work() {
 void Runtime::Implementation::run_if_idle(const std::function<RuntimeState(RuntimeState)>& work) {
   RuntimeState before{};
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (stopping || waiting || waiting_apply) {
       return;
     }
@@ -172,7 +173,7 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
                                       : detail::BeforeTransition{};
   running->run(result);
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     transaction.reset();
     if (served) {
       served->ended = true;
@@ -189,7 +190,7 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
 }
 
 void Runtime::Implementation::begin(const std::shared_ptr<detail::Transaction>& begun, Cause cause) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   transaction = begun;
   transaction_yields = cause == Cause::LookAhead || cause == Cause::Collect;
   if (stopping) {
@@ -283,7 +284,7 @@ std::optional<model::Network> Runtime::Implementation::expanded(std::optional<mo
 std::optional<model::Network> Runtime::Implementation::fallback() const {
   std::optional<model::NetworkName> wanted;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     wanted = definitions.fallback;
   }
   return wanted ? known(*wanted) : std::nullopt;
@@ -299,7 +300,7 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
     }
   }
   const model::Network condensed = host.condensed(observed);
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   return detail::name_of(condensed, definitions.controllers, catalog);
 }
 
@@ -336,7 +337,7 @@ void Runtime::Implementation::note_differences(const model::Network& observed) {
 void Runtime::Implementation::settle(RuntimeState next) {
   std::optional<std::optional<model::Network>> reset_now;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     state = next;
     reset_now.swap(pending_reset);
   }
@@ -356,7 +357,7 @@ void Runtime::Implementation::on_event(const task_host::TaskEvent& event) {
 /// Makes the worker supervise as soon as it is idle.
 void Runtime::Implementation::wake_worker() {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     wake_requested = true;
   }
   wake.notify_all();
@@ -364,7 +365,7 @@ void Runtime::Implementation::wake_worker() {
 
 void Runtime::Implementation::on_event(const task_host::ProcessEvent& event) {
   if (event.gone) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     ended.insert_or_assign(event.process, event.message);
   }
   wake_worker();
@@ -373,7 +374,7 @@ void Runtime::Implementation::on_event(const task_host::ProcessEvent& event) {
 
 void Runtime::Implementation::on_event(const task_host::ComputerEvent& event) {
   if (event.reachable) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     returned_hosts.insert(event.host);
   }
   wake_worker();
@@ -389,7 +390,7 @@ void Runtime::Implementation::on_event(const task_host::LossEvent& event) {
 
 void Runtime::Implementation::reset(std::optional<model::Network> network) {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (state == RuntimeState::Executing) {
       pending_reset = std::move(network);
       return;
@@ -407,7 +408,7 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
     auto wanted = known(all.name);
     const model::Network condensed = host.condensed(all);
     if (all.name.empty()) {
-      const std::lock_guard lock(mutex);
+      const Lock lock(mutex);
       wanted = detail::running_controller(condensed, definitions.controllers, catalog);
     }
     if (wanted) {
@@ -417,7 +418,7 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
     log.add(EventKind::BeliefReset, all.name.str(), "observed: " + detail::summary(all));
     adopt(now, wanted.value_or(all), wanted);
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (state == RuntimeState::Failed) {
     state = RuntimeState::Idle;
   }

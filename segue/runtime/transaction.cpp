@@ -121,7 +121,7 @@ Transaction::Transaction(const TransitionContext& context, const model::Network&
       connections_(connections_of(context.host)) {}
 
 void Transaction::supersede() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   superseded_ = true;
   if (execution_ && (stage_ == Stage::Prepare || stage_ == Stage::Retire)) {
     execution_->cancel();
@@ -129,7 +129,7 @@ void Transaction::supersede() {
 }
 
 void Transaction::make_way(NetworkParts wanted) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   superseded_ = true;
   if (execution_ && stage_ == Stage::Prepare) {
     leave_all_but(std::move(wanted));
@@ -139,7 +139,7 @@ void Transaction::make_way(NetworkParts wanted) {
 }
 
 void Transaction::make_way_to_rest(NetworkParts rest) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   superseded_ = true;
   rests_ = true;
   if (execution_ && stage_ != Stage::Commit && stage_ != Stage::Committed) {
@@ -161,7 +161,7 @@ void Transaction::leave_all_but(NetworkParts needed) {
 }
 
 void Transaction::abandon() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   abandoned_ = true;
   if (execution_) {
     execution_->cancel();
@@ -172,7 +172,7 @@ Result<std::string> Transaction::cancel(const std::string& who) {
   const auto refused = [this](std::string why) {
     return fail(ErrorCode::InvalidState, std::move(why), plan_.transition.to.str());
   };
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (cancelled_by_) {
     return *cancelled_by_;
   }
@@ -201,12 +201,12 @@ Result<std::string> Transaction::cancel(const std::string& who) {
 }
 
 Transaction::Stage Transaction::stage() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return stage_;
 }
 
 bool Transaction::enter(Stage stage) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (abandoned_ || superseded_ || cancelled_by_) {
     return false;
   }
@@ -215,7 +215,7 @@ bool Transaction::enter(Stage stage) {
 }
 
 bool Transaction::pass_point_of_commit() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (stage_ == Stage::Undo) {
     return !abandoned_;
   }
@@ -227,7 +227,7 @@ bool Transaction::pass_point_of_commit() {
 }
 
 std::optional<std::string> Transaction::enter_undo() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   stage_ = Stage::Undo;
   return cancelled_by_;
 }
@@ -236,7 +236,7 @@ std::shared_ptr<Execution> Transaction::begin(const model::Transition& transitio
   auto created = std::make_shared<Execution>(
       context_.host, transition, options_.action_deadline, started_,
       [this](const ActionRecord& record) { on_event(record); }, options_.left);
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   execution_ = created;
   if (abandoned_ || (rests_ && stage_ == Stage::Undo) || (cancelled_by_ && stage_ != Stage::Undo)) {
     created->cancel();
@@ -249,7 +249,7 @@ void Transaction::run(SwitchResult& result) {
   context_.host.begin_transition(before_, plan_.target);
   forward(result);
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     execution_.reset();
   }
   result.duration = RealClock::instance().now() - started_;
@@ -284,7 +284,7 @@ void Transaction::forward(SwitchResult& result) {
 /// The transition failed, or was cancelled, superseded or abandoned.
 void Transaction::go_back(const std::optional<Failure>& failed, SwitchResult& result) {
   const bool ends_early = [&] {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return !failed && !cancelled_by_;
   }();
   if (ends_early) {
@@ -350,7 +350,7 @@ void Transaction::retire(Execution& execution, SwitchResult& result) {
 /// The transition was superseded or abandoned before an action failed.
 void Transaction::end_early(SwitchResult& result) {
   context_.host.withdraw();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (abandoned_) {
     result.outcome = Outcome::Failed;
     result.error = fail(ErrorCode::Cancelled, "the runtime ended", plan_.transition.to.str());
@@ -363,7 +363,7 @@ void Transaction::end_early(SwitchResult& result) {
 
 bool Transaction::replan(const Failure& failed, SwitchResult& result) {
   const bool ends = [&] {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return cancelled_by_.has_value() || rests_;
   }();
   if (!failed.took_down || ends) {
@@ -456,7 +456,7 @@ std::optional<Error> Transaction::bring_to(const model::Network& whole, std::vec
   if (const auto failed = failure_of(*execution, armed, stored)) {
     error = failed->error;
   } else if (!done) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     error = fail(ErrorCode::Cancelled, abandoned_ ? "the runtime ended" : "the robot was halted",
                  target.name.str());
   }

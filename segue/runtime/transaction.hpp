@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/runtime/event_log.hpp>
 #include <segue/runtime/network_parts.hpp>
 #include <segue/runtime/planning.hpp>
@@ -12,7 +13,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -74,8 +74,7 @@ class Transaction {
   [[nodiscard]] Stage stage() const;
 
  private:
-  /// With the mutex held.
-  void leave_all_but(NetworkParts needed);
+  void leave_all_but(NetworkParts needed) SEGUE_REQUIRES(mutex_);
   /// Begins a stage; false if the transaction was abandoned, cancelled or superseded.
   bool enter(Stage stage);
   /// From here on it cannot be cancelled; false if it was before.
@@ -122,13 +121,13 @@ class Transaction {
   const Options options_;
   const std::map<model::HostName, std::uint64_t> connections_;  ///< to computers, when it began
   TimePoint started_{};                                         ///< of run()
-  mutable std::mutex mutex_;  ///< protects all members below; actions run without it
-  std::shared_ptr<Execution> execution_;
-  Stage stage_ = Stage::Prepare;
-  bool superseded_ = false;
-  bool rests_ = false;  ///< the robot is to come to rest
-  bool abandoned_ = false;
-  std::optional<std::string> cancelled_by_;
+  mutable Mutex mutex_;  ///< protects all members below; actions run without it
+  std::shared_ptr<Execution> execution_ SEGUE_GUARDED_BY(mutex_);
+  Stage stage_ SEGUE_GUARDED_BY(mutex_) = Stage::Prepare;
+  bool superseded_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool rests_ SEGUE_GUARDED_BY(mutex_) = false;  ///< the robot is to come to rest
+  bool abandoned_ SEGUE_GUARDED_BY(mutex_) = false;
+  std::optional<std::string> cancelled_by_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::runtime::detail

@@ -21,6 +21,7 @@ Execution::Execution(task_host::TaskHost& host, const model::Transition& transit
 bool Execution::run(model::Phase phase) {
   Indices indices;
   std::vector<model::Action> actions;
+  Lock lock(mutex_);
   for (std::size_t index = 0; index < records_.size(); ++index) {
     if (records_[index].action.phase == phase) {
       indices.push_back(index);
@@ -28,15 +29,17 @@ bool Execution::run(model::Phase phase) {
     }
   }
   if (!actions.empty() && !stop_.stop_requested()) {
+    lock.unlock();
     const TimePoint begin = RealClock::instance().now();
     host_.perform_in_order(
         std::move(actions), action_deadline_,
         {stop_.get_token(), &leaving_, [left = left_](const model::Action& action) { left->ended(action); }},
         [self = shared_from_this(), indices = std::move(indices), since = begin - started_](
             std::vector<task_host::Completed> ended) { self->complete(indices, since, std::move(ended)); });
-    windows_.at(static_cast<std::size_t>(phase)) = RealClock::instance().now() - begin;
+    const Duration took = RealClock::instance().now() - begin;
+    lock.lock();
+    windows_.at(static_cast<std::size_t>(phase)) = took;
   }
-  const std::lock_guard lock(mutex_);
   return failed_ == kNobody && !stop_.stop_requested();
 }
 
@@ -52,7 +55,7 @@ void Execution::leave(const task_host::Leaving::MayBeLeft& may_be_left) {
 }
 
 void Execution::complete(const Indices& indices, Duration begin, std::vector<task_host::Completed> ended) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (auto& one : ended) {
     if (!one.begun) {
       continue;
@@ -71,11 +74,18 @@ void Execution::complete(const Indices& indices, Duration begin, std::vector<tas
   }
 }
 
+std::vector<ActionRecord> Execution::take_records() {
+  const Lock lock(mutex_);
+  return std::move(records_);
+}
+
 const ActionRecord* Execution::failure() const {
+  const Lock lock(mutex_);
   return failed_ == kNobody ? nullptr : &records_[failed_];
 }
 
 Duration Execution::window(model::Phase phase) const {
+  const Lock lock(mutex_);
   return windows_.at(static_cast<std::size_t>(phase));
 }
 

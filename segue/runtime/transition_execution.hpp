@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/runtime/left_actions.hpp>
 #include <segue/runtime/runtime.hpp>
@@ -11,7 +12,6 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <stop_token>
 #include <vector>
 
@@ -42,11 +42,9 @@ class Execution : public std::enable_shared_from_this<Execution> {
   /// how they end must be observed. From any thread, also several times.
   void leave(const task_host::Leaving::MayBeLeft& may_be_left);
 
-  /// One record for each action, in the order of the transition. None may be in progress.
-  [[nodiscard]] const std::vector<ActionRecord>& records() const { return records_; }
-  /// Moves them out.
-  [[nodiscard]] std::vector<ActionRecord> take_records() { return std::move(records_); }
-  /// The record of the action that failed first; nullptr: none did.
+  /// One record for each action, in the order of the transition; moves them out. No phase may run.
+  [[nodiscard]] std::vector<ActionRecord> take_records();
+  /// The record of the action that failed first; nullptr: none did. No phase may run.
   [[nodiscard]] const ActionRecord* failure() const;
   /// From the begin of a phase's first action until the end of its last was known; 0 where it had none.
   [[nodiscard]] Duration window(model::Phase phase) const;
@@ -66,10 +64,10 @@ class Execution : public std::enable_shared_from_this<Execution> {
   std::stop_source stop_;
   task_host::Leaving leaving_;
 
-  mutable std::mutex mutex_;  ///< protects all below while a phase runs; not held while the host is called
-  std::vector<ActionRecord> records_;
-  std::array<Duration, model::kPhaseNames.size()> windows_{};
-  std::size_t failed_ = kNobody;
+  mutable Mutex mutex_;  ///< protects all below; not held while the host is called
+  std::vector<ActionRecord> records_ SEGUE_GUARDED_BY(mutex_);
+  std::array<Duration, model::kPhaseNames.size()> windows_ SEGUE_GUARDED_BY(mutex_){};
+  std::size_t failed_ SEGUE_GUARDED_BY(mutex_) = kNobody;
 };
 
 }  // namespace segue::runtime::detail

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/sample_link/local.hpp>
 #include <segue/sample_link/sample_form.hpp>
 #include <segue/sample_link/sample_queue.hpp>
@@ -7,7 +8,6 @@
 #include <segue/type/type.hpp>
 
 #include <atomic>
-#include <mutex>
 #include <string>
 
 namespace segue::sample_link {
@@ -47,11 +47,11 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   /// The port stores the listener before (sequentially consistent, as its loads in notify() and the writer's
   /// section), so only a write that has begun already may still notify the previous one.
   void set_listener(task::SampleListener* listener) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (listener == nullptr && attached_) from_.wait_until_written();
   }
   [[nodiscard]] bool connected() const override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return attached_;
   }
   [[nodiscard]] Counters counters() const override;
@@ -60,15 +60,15 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   void end_at(task::CommitGatePtr gate) override;
   void settle() override;
   [[nodiscard]] bool dormant() const override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return gate_ && !gate_->open();
   }
   [[nodiscard]] bool carries() const override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return !(gate_ && !gate_->open()) && !(end_ && end_->open());
   }
   [[nodiscard]] bool owes_samples() const override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return policy_.kind != BufferKind::Data && attached_ && end_ && end_->open() && counters().waiting() > 0;
   }
 
@@ -87,10 +87,10 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   const Policy policy_;
   const std::uint64_t number_ = task::next_connection_number();
   SampleQueue queue_;
-  mutable std::mutex mutex_;  ///< guards the next three; held while both ports are detached
-  bool attached_ = true;
-  task::CommitGatePtr gate_;  ///< nullptr: it carries samples already
-  task::CommitGatePtr end_;   ///< the gate with which it ends
+  mutable Mutex mutex_;  ///< guards the next three; held while both ports are detached
+  bool attached_ SEGUE_GUARDED_BY(mutex_) = true;
+  task::CommitGatePtr gate_ SEGUE_GUARDED_BY(mutex_);  ///< nullptr: it carries samples already
+  task::CommitGatePtr end_;                            ///< the gate with which it ends
   Count initial_{0};
   alignas(64) Count written_{0};
   Count dropped_{0};
@@ -128,7 +128,7 @@ void LocalConnection::offer_last() {
 }
 
 void LocalConnection::end_at(task::CommitGatePtr gate) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!attached_) return;
   to_.end_at(*this, gate);
   from_.end_at(*this, gate);
@@ -136,7 +136,7 @@ void LocalConnection::end_at(task::CommitGatePtr gate) {
 }
 
 void LocalConnection::settle() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!attached_) return;
   from_.settle();
   to_.settle();
@@ -190,7 +190,7 @@ SampleRef LocalConnection::pull_object() noexcept {
 }
 
 void LocalConnection::disconnect() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!attached_) return;
   from_.detach(*this);
   to_.detach(*this);

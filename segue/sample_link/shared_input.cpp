@@ -38,7 +38,7 @@ SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<con
 
 Result<void> SharedInput::open() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     open_ = true;
   }
   // Without the mutex, since the port calls set_listener(). Registered afterwards, so that a concurrent
@@ -50,7 +50,7 @@ Result<void> SharedInput::open() {
 }
 
 Result<void> SharedInput::keep() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (open_) return state_->keep(shared_from_this());
   return fail(ErrorCode::Cancelled, port_name_ + " was disconnected while it was being connected");
 }
@@ -166,7 +166,7 @@ SampleRef SharedInput::reject_payload(std::size_t entry) noexcept {
 }
 
 void SharedInput::set_listener(task::SampleListener* listener) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!ring_) return;
   std::atomic<std::uint64_t>& announced = (*ring_)->header().doorbell;
   if (listener == nullptr) {
@@ -183,7 +183,7 @@ void SharedInput::set_listener(task::SampleListener* listener) {
   announced.store(announced_, std::memory_order_seq_cst);
 }
 
-/// Gets a line of the doorbell of `runner`, which may differ from the last one. Requires mutex_.
+/// Gets a line of the doorbell of `runner`, which may differ from the last one.
 void SharedInput::take_line(task::Executor& runner) {
   auto doorbell = runner.doorbell([this] { return state_->control()->make_doorbell(); });
   if (doorbell && *doorbell == doorbell_) return;
@@ -207,7 +207,7 @@ void SharedInput::give_line_back() {
 
 void SharedInput::disconnect() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!open_) return;
     port_.detach(*this);
     open_ = false;
@@ -221,12 +221,12 @@ void SharedInput::disconnect() {
 }
 
 bool SharedInput::connected() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return open_;
 }
 
 Counters SharedInput::counters() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return open_ ? shown_counters() : final_;
 }
 
@@ -237,7 +237,7 @@ Counters SharedInput::shown_counters() const noexcept {
 }
 
 std::uint64_t SharedInput::corrupt() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return count_corrupt();
 }
 
@@ -246,7 +246,7 @@ std::uint64_t SharedInput::count_corrupt() const noexcept {
 }
 
 Damage SharedInput::damage(TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!open_) return Damage::None;
   wake_if_forgotten();
   const bool lasts = overwritten_.is(is_overwritten(), now);
@@ -255,7 +255,7 @@ Damage SharedInput::damage(TimePoint now) {
   return invalid > 0 ? Damage::Payload : Damage::None;
 }
 
-/// Requires mutex_ and that it is open.
+/// Requires that it is open.
 bool SharedInput::header_is_ours() const noexcept {
   const RingHeader& header = (*ring_)->header();
   const auto is = [](const std::atomic<std::uint64_t>& word, std::uint64_t value) {
@@ -266,7 +266,7 @@ bool SharedInput::header_is_ours() const noexcept {
          is(header.doorbell, announced_);
 }
 
-/// Requires mutex_ and that it is open. Besides what this side has written, entries are counted: what it has
+/// Requires that it is open. Besides what this side has written, entries are counted: what it has
 /// read it holds, has returned, or the writer has taken back. Counted in this order, an entry on its way is
 /// counted twice rather than missed.
 bool SharedInput::is_overwritten() noexcept {
@@ -278,7 +278,7 @@ bool SharedInput::is_overwritten() noexcept {
   return read > held + returned + taken_back || read_.is_overwritten() || ring.words().has_hole();
 }
 
-/// Requires mutex_ and that it is open. Words of a doorbell may be overwritten as well.
+/// Requires that it is open. Words of a doorbell may be overwritten as well.
 void SharedInput::wake_if_forgotten() noexcept {
   const std::uint64_t read = read_.get();
   const bool waits = pending() && read == read_at_last_look_ && !(gate_ && !gate_->open());
@@ -288,44 +288,44 @@ void SharedInput::wake_if_forgotten() noexcept {
 
 void SharedInput::abandon() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     released_ = true;
   }
   disconnect();
 }
 
 void SharedInput::end_at(task::CommitGatePtr gate) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!open_) return;
   port_.end_at(*this, gate);
   end_ = std::move(gate);
 }
 
 void SharedInput::settle() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!open_) return;
   port_.settle();
   if (gate_ && gate_->open()) gate_.reset();
 }
 
 bool SharedInput::carries() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return !(gate_ && !gate_->open()) && !(end_ && end_->open());
 }
 
 bool SharedInput::dormant() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return gate_ && !gate_->open();
 }
 
 bool SharedInput::owes_samples() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const bool promised = policy_.kind != BufferKind::Data;
   return promised && open_ && end_ && end_->open() && (*ring_)->counters().waiting() > 0;
 }
 
 bool SharedInput::reclaim_rest() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (open_ || !released_) return false;
   ring_.reset();
   return true;
@@ -334,7 +334,7 @@ bool SharedInput::reclaim_rest() {
 void SharedInput::release(const InputPlace& place) {
   if (place.reader != state_->incarnation() || place.offset != offset_ || place.generation != generation_)
     return;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   released_ = true;
 }
 

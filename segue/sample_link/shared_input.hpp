@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/sample_link/lasting.hpp>
 #include <segue/sample_link/payload_source.hpp>
 #include <segue/sample_link/shared_samples.hpp>
@@ -11,7 +12,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 namespace segue::sample_link {
@@ -60,13 +60,13 @@ class SharedInput final : public RegisteredEndpoint,
                          task::SampleSlot& spare) noexcept;
   task::SampleRef reject(std::size_t entry) noexcept;
   task::SampleRef reject_payload(std::size_t entry) noexcept;
-  [[nodiscard]] Counters shown_counters() const noexcept;
+  [[nodiscard]] Counters shown_counters() const noexcept SEGUE_REQUIRES(mutex_);
   [[nodiscard]] std::uint64_t count_corrupt() const noexcept;
-  void take_line(task::Executor& runner);
-  void give_line_back();
-  [[nodiscard]] bool header_is_ours() const noexcept;
-  [[nodiscard]] bool is_overwritten() noexcept;
-  void wake_if_forgotten() noexcept;
+  void take_line(task::Executor& runner) SEGUE_REQUIRES(mutex_);
+  void give_line_back() SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] bool header_is_ours() const noexcept SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] bool is_overwritten() noexcept SEGUE_REQUIRES(mutex_);
+  void wake_if_forgotten() noexcept SEGUE_REQUIRES(mutex_);
 
   const std::shared_ptr<SharedState> state_;
   const std::shared_ptr<const PeerMemory> writer_;
@@ -90,18 +90,20 @@ class SharedInput final : public RegisteredEndpoint,
   std::atomic<std::uint64_t> invalid_{
       0};  ///< among them: bytes that are no sample, which only the writer can write
 
-  mutable std::mutex mutex_;         ///< guards the members below
-  std::shared_ptr<OwnedRing> ring_;  ///< reset only after detach(), so the reader's thread needs no lock
-  bool open_ = false;
-  bool released_ = false;        ///< the writer's endpoint is closed: the place may be reused
-  std::uint64_t announced_ = 0;  ///< the word `doorbell` of the header
-  Lasting overwritten_;          ///< the ring is not as this side keeps it
-  std::uint64_t read_at_last_look_ = 0;
-  std::shared_ptr<task::Doorbell> doorbell_;
-  unsigned line_ = 0;
-  task::CommitGatePtr gate_;  ///< nullptr: samples arrive already
-  task::CommitGatePtr end_;   ///< the gate with which it ends
-  Counters final_;
+  mutable Mutex mutex_;  ///< guards the members below
+  /// Reset under the mutex, and only after detach(), so the reader's thread needs none.
+  std::shared_ptr<OwnedRing> ring_;
+  bool open_ SEGUE_GUARDED_BY(mutex_) = false;
+  /// The writer's endpoint is closed: the place may be reused.
+  bool released_ SEGUE_GUARDED_BY(mutex_) = false;
+  std::uint64_t announced_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< the word `doorbell` of the header
+  Lasting overwritten_ SEGUE_GUARDED_BY(mutex_);          ///< the ring is not as this side keeps it
+  std::uint64_t read_at_last_look_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::shared_ptr<task::Doorbell> doorbell_ SEGUE_GUARDED_BY(mutex_);
+  unsigned line_ SEGUE_GUARDED_BY(mutex_) = 0;
+  task::CommitGatePtr gate_ SEGUE_GUARDED_BY(mutex_);  ///< nullptr: samples arrive already
+  task::CommitGatePtr end_ SEGUE_GUARDED_BY(mutex_);   ///< the gate with which it ends
+  Counters final_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::sample_link

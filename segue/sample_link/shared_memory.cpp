@@ -78,33 +78,33 @@ std::shared_ptr<SharedState> SharedState::of(const SharedMemory& memory) {
 }
 
 void SharedState::add_peer(std::shared_ptr<const PeerMemory> peer) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const Incarnation incarnation = peer->incarnation();
   peers_.emplace(incarnation, std::move(peer));
 }
 
 std::shared_ptr<const PeerMemory> SharedState::peer(Incarnation incarnation) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = peers_.find(incarnation);
   return found == peers_.end() ? nullptr : found->second;
 }
 
-SharedState::Endpoints SharedState::snapshot(const Endpoints& some) const {
-  const std::lock_guard lock(mutex_);
-  return some;
+SharedState::Endpoints SharedState::snapshot(Endpoints SharedState::*which) const {
+  const Lock lock(mutex_);
+  return this->*which;
 }
 
 void SharedState::forget(Incarnation incarnation) {
   std::shared_ptr<const PeerMemory> peer;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto found = peers_.find(incarnation);
     if (found == peers_.end()) return;
     peer = std::move(found->second);
     peers_.erase(found);
   }
-  for (const Endpoints* some : {&connected_, &ended_}) {
-    for (const auto& endpoint : snapshot(*some)) {
+  for (const auto some : {&SharedState::connected_, &SharedState::ended_}) {
+    for (const auto& endpoint : snapshot(some)) {
       if (endpoint->peer() == incarnation) endpoint->abandon();
     }
   }
@@ -114,7 +114,7 @@ void SharedState::forget(Incarnation incarnation) {
 void SharedState::forget_all() {
   std::vector<Incarnation> known;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     for (const auto& [incarnation, peer] : peers_)
       known.push_back(incarnation);
   }
@@ -123,7 +123,7 @@ void SharedState::forget_all() {
 }
 
 Result<void> SharedState::keep(std::shared_ptr<RegisteredEndpoint> endpoint) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!peers_.contains(endpoint->peer())) {
     return fail(ErrorCode::NotFound,
                 "the memory of the other process has not been admitted, or has been forgotten meanwhile");
@@ -134,7 +134,7 @@ Result<void> SharedState::keep(std::shared_ptr<RegisteredEndpoint> endpoint) {
 
 void SharedState::end(const RegisteredEndpoint& endpoint) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto found = std::ranges::find(connected_, &endpoint, &std::shared_ptr<RegisteredEndpoint>::get);
     if (found != connected_.end()) {
       ended_.push_back(std::move(*found));
@@ -145,18 +145,18 @@ void SharedState::end(const RegisteredEndpoint& endpoint) {
 }
 
 void SharedState::drop_ended() {
-  for (const auto& endpoint : snapshot(ended_)) {
+  for (const auto& endpoint : snapshot(&SharedState::ended_)) {
     if (!endpoint->reclaim_rest()) continue;
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     std::erase(ended_, endpoint);
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::erase_if(sources_, [](const auto& source) { return source.second.expired(); });
 }
 
 void SharedState::release(const InputPlace& place) {
-  for (const Endpoints* some : {&connected_, &ended_}) {
-    for (const auto& endpoint : snapshot(*some))
+  for (const auto some : {&SharedState::connected_, &SharedState::ended_}) {
+    for (const auto& endpoint : snapshot(some))
       endpoint->release(place);
   }
   drop_ended();
@@ -164,13 +164,13 @@ void SharedState::release(const InputPlace& place) {
 
 std::size_t SharedState::in_flight(const task::OutputPortBase& port) const {
   std::size_t count = 0;
-  for (const auto& endpoint : snapshot(ended_))
+  for (const auto& endpoint : snapshot(&SharedState::ended_))
     count += endpoint->in_flight(port);
   return count;
 }
 
 std::shared_ptr<PayloadSource> SharedState::source_of(const task::OutputPortBase& port) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::weak_ptr<PayloadSource>& known = sources_[port.number()];
   std::shared_ptr<PayloadSource> source = known.lock();
   if (source) return source;
@@ -185,7 +185,7 @@ MemoryUsage SharedState::usage() {
   usage.payload_used = payload_->blocks().used();
   usage.payload_touched = payload_->blocks().cut();
   usage.control_used = control_->blocks().used();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   usage.connections = connected_.size();
   usage.peers = peers_.size();
   return usage;

@@ -51,7 +51,7 @@ Result<void> SharedOutput::attach() {
 }
 
 Result<void> SharedOutput::attach_to_port() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (auto kept = state_->keep(shared_from_this()); !kept) return kept;
   if (auto attached = port_.attach(shared_from_this(), reader_port_, gate_); !attached) return attached;
   attached_ = true;
@@ -59,20 +59,20 @@ Result<void> SharedOutput::attach_to_port() {
   return {};
 }
 
-/// Requires mutex_ and that it is attached.
+/// Requires that it is attached.
 void SharedOutput::show_last() {
   if (policy_.init) port_.show_last([this](task::SampleSlot& last) { offer_last(last); });
 }
 
 void SharedOutput::end_at(task::CommitGatePtr gate) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!attached_) return;
   port_.end_at(*this, gate);
   end_ = std::move(gate);
 }
 
 void SharedOutput::settle() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!attached_) return;
   port_.settle();
   if (!gate_ || !gate_->open()) return;
@@ -81,12 +81,12 @@ void SharedOutput::settle() {
 }
 
 bool SharedOutput::carries() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return !(gate_ && !gate_->open()) && !(end_ && end_->open());
 }
 
 bool SharedOutput::dormant() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return gate_ && !gate_->open();
 }
 
@@ -96,7 +96,7 @@ std::size_t SharedOutput::capacity() const {
 }
 
 std::size_t SharedOutput::in_flight(const task::OutputPortBase& port) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return attached_ || port.number() != port_number_ ? 0 : count_lent();
 }
 
@@ -231,7 +231,7 @@ void SharedOutput::offer_last(task::SampleSlot& last) noexcept {
 
 void SharedOutput::disconnect() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!attached_) return;
     port_.detach(*this);
     attached_ = false;
@@ -241,12 +241,12 @@ void SharedOutput::disconnect() {
 }
 
 bool SharedOutput::connected() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return attached_;
 }
 
 Counters SharedOutput::counters() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return attached_ ? shown_counters() : final_;
 }
 
@@ -255,7 +255,7 @@ Counters SharedOutput::shown_counters() const noexcept {
 }
 
 Damage SharedOutput::damage(TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!attached_) return Damage::None;
   return wrong_.is(is_overwritten(), now) || corrupt() > 0 ? Damage::Ring : Damage::None;
 }
@@ -274,7 +274,7 @@ bool SharedOutput::is_overwritten() const noexcept {
 
 void SharedOutput::abandon() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     abandoned_ = true;
   }
   disconnect();
@@ -282,7 +282,7 @@ void SharedOutput::abandon() {
 
 /// The reader may use the samples that it holds and read those that wait until its endpoint has ended, too.
 bool SharedOutput::reclaim_rest() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (attached_) return false;
   if (abandoned_ || !ring_.current()) {
     for (std::size_t entry = 0; entry < ring_.entries().size(); ++entry)

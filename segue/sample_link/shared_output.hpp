@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/sample_link/lasting.hpp>
 #include <segue/sample_link/payload_source.hpp>
 #include <segue/sample_link/shared_ring.hpp>
@@ -11,7 +12,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -104,13 +104,13 @@ class SharedOutput final : public RegisteredEndpoint,
   std::atomic<std::uint64_t> replaced_{0};  ///< ... and those that were pushed out of them
   std::atomic<std::uint64_t> corrupt_{0};
 
-  mutable std::mutex mutex_;  ///< guards the members below
-  bool attached_ = false;
-  bool abandoned_ = false;
-  task::CommitGatePtr gate_;  ///< nullptr: it carries samples already
-  task::CommitGatePtr end_;   ///< the gate with which it ends
-  Counters final_;
-  Lasting wrong_;  ///< the ring is not as this side keeps it
+  mutable Mutex mutex_;  ///< guards the members below
+  bool attached_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool abandoned_ SEGUE_GUARDED_BY(mutex_) = false;
+  task::CommitGatePtr gate_ SEGUE_GUARDED_BY(mutex_);  ///< nullptr: it carries samples already
+  task::CommitGatePtr end_ SEGUE_GUARDED_BY(mutex_);   ///< the gate with which it ends
+  Counters final_ SEGUE_GUARDED_BY(mutex_);
+  Lasting wrong_ SEGUE_GUARDED_BY(mutex_);  ///< the ring is not as this side keeps it
 };
 
 }  // namespace segue::sample_link

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/sample_link/shared_connection.hpp>
 #include <segue/sample_link/shared_memory.hpp>
 #include <segue/sample_link/shared_pools.hpp>
@@ -8,7 +9,6 @@
 #include <atomic>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 namespace segue::sample_link {
@@ -65,19 +65,19 @@ class SharedState final {
 
  private:
   using Endpoints = std::vector<std::shared_ptr<RegisteredEndpoint>>;
-  [[nodiscard]] Endpoints snapshot(const Endpoints& some) const;
+  [[nodiscard]] Endpoints snapshot(Endpoints SharedState::*which) const;
 
   const Incarnation incarnation_;
   const std::shared_ptr<PayloadPool> payload_;
   const std::shared_ptr<ControlPool> control_;
   std::atomic<std::uint64_t> generation_{0};
-  mutable std::mutex mutex_;  ///< guards the members below
-  std::map<Incarnation, std::shared_ptr<const PeerMemory>> peers_;
-  Endpoints connected_;
-  Endpoints ended_;
+  mutable Mutex mutex_;  ///< guards the members below
+  std::map<Incarnation, std::shared_ptr<const PeerMemory>> peers_ SEGUE_GUARDED_BY(mutex_);
+  Endpoints connected_ SEGUE_GUARDED_BY(mutex_);
+  Endpoints ended_ SEGUE_GUARDED_BY(mutex_);
   /// By port number: a source outlives its port until all readers have returned its samples, and another port
   /// may have got the address meanwhile.
-  std::map<std::uint64_t, std::weak_ptr<PayloadSource>> sources_;
+  std::map<std::uint64_t, std::weak_ptr<PayloadSource>> sources_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::sample_link

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <mutex>
 
 namespace segue::task {
 
@@ -23,22 +24,22 @@ Component::Component() = default;
 Component::~Component() = default;
 
 std::vector<InputPortBase*> Component::inputs() const {
-  const std::lock_guard lock(ports_mutex_);
+  const Lock lock(ports_mutex_);
   return inputs_;
 }
 
 std::vector<OutputPortBase*> Component::outputs() const {
-  const std::lock_guard lock(ports_mutex_);
+  const Lock lock(ports_mutex_);
   return outputs_;
 }
 
 InputPortBase* Component::find_input(std::string_view name) const {
-  const std::lock_guard lock(ports_mutex_);
+  const Lock lock(ports_mutex_);
   return find_named(inputs_, name);
 }
 
 OutputPortBase* Component::find_output(std::string_view name) const {
-  const std::lock_guard lock(ports_mutex_);
+  const Lock lock(ports_mutex_);
   return find_named(outputs_, name);
 }
 

@@ -4,6 +4,7 @@
 #include <segue/base/activity.hpp>
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/task/component_registry.hpp>
 #include <segue/task/operation.hpp>
@@ -13,7 +14,6 @@
 #include <segue/task/typed_port.hpp>
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -160,8 +160,7 @@ class Component {
 
   void add_family(PortFamily family);
 
-  mutable std::mutex
-      ports_mutex_;  ///< guards inputs_ and outputs_; ports leave them before they are destroyed
+  mutable Mutex ports_mutex_;  ///< guards inputs_ and outputs_; ports leave them before they are destroyed
   std::vector<InputPortBase*> inputs_;
   std::vector<OutputPortBase*> outputs_;
   std::vector<PortFamily> families_;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/component_registry.hpp>
 
 #include <exception>
 #include <map>
-#include <mutex>
 
 namespace segue::task {
 
@@ -13,9 +13,9 @@ namespace {
 
 /// Created at first use, since registrations run before main.
 struct Registry {
-  std::mutex mutex;
-  std::map<std::string, ComponentEntry, std::less<>> entries;
-  std::vector<ComponentEntry> rejected;
+  Mutex mutex;
+  std::map<std::string, ComponentEntry, std::less<>> entries SEGUE_GUARDED_BY(mutex);
+  std::vector<ComponentEntry> rejected SEGUE_GUARDED_BY(mutex);
 
   static Registry& instance() {
     static auto* registry = new Registry;  // never destroyed: libraries unregister nothing at exit
@@ -50,7 +50,7 @@ Result<std::unique_ptr<Component>> ComponentEntry::create() const {
 
 std::optional<ComponentEntry> find_component(std::string_view name) {
   Registry& registry = Registry::instance();
-  const std::lock_guard lock(registry.mutex);
+  const Lock lock(registry.mutex);
   const auto found = registry.entries.find(name);
   if (found == registry.entries.end()) return std::nullopt;
   return found->second;
@@ -58,7 +58,7 @@ std::optional<ComponentEntry> find_component(std::string_view name) {
 
 std::vector<ComponentEntry> registered_components() {
   Registry& registry = Registry::instance();
-  const std::lock_guard lock(registry.mutex);
+  const Lock lock(registry.mutex);
   std::vector<ComponentEntry> entries;
   for (const auto& [name, entry] : registry.entries)
     entries.push_back(entry);
@@ -68,7 +68,7 @@ std::vector<ComponentEntry> registered_components() {
 bool register_component(ComponentEntry entry) {
   if (entry.name.starts_with("::")) entry.name.erase(0, 2);
   Registry& registry = Registry::instance();
-  const std::lock_guard lock(registry.mutex);
+  const Lock lock(registry.mutex);
   const auto [place, is_new] = registry.entries.try_emplace(entry.name, entry);
   if (!is_new) registry.rejected.push_back(std::move(entry));
   return is_new;
@@ -76,7 +76,7 @@ bool register_component(ComponentEntry entry) {
 
 std::vector<ComponentEntry> take_rejected_components() {
   Registry& registry = Registry::instance();
-  const std::lock_guard lock(registry.mutex);
+  const Lock lock(registry.mutex);
   return std::exchange(registry.rejected, {});
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task/channel.hpp>
 #include <segue/task/commit_gate.hpp>
 
@@ -9,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -90,7 +90,7 @@ class ConnectionList {
 
   /// With a gate, the connection begins when that opens.
   void add(std::shared_ptr<End> end, const CommitGatePtr& gate = nullptr) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     List next = copy(1);
     const Lifetime lifetime = gate ? Lifetime::FromCommit : Lifetime::Always;
     if (gate) use_gate(next, gate);
@@ -100,7 +100,7 @@ class ConnectionList {
 
   /// The connection ends when the gate opens. Does nothing where it does not carry samples now.
   void end_at(const End* end, const CommitGatePtr& gate) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     List next = copy(0);
     use_gate(next, gate);
     for (Entry& entry : next.entries) {
@@ -112,7 +112,7 @@ class ConnectionList {
 
   /// The transition has committed or was given up: the gate is not needed any more.
   void settle() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     List next = copy(0);
     if (!next.gate) return;
     use_gate(next, nullptr);
@@ -121,7 +121,7 @@ class ConnectionList {
 
   /// False if `end` is not in the list.
   bool remove(const End* end) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     List next = copy(0);
     const auto is_it = [end](const Entry& entry) { return entry.end.get() == end; };
     if (std::erase_if(next.entries, is_it) == 0) return false;
@@ -131,7 +131,7 @@ class ConnectionList {
 
   /// A copy of the list, for any thread but the real-time reader.
   [[nodiscard]] std::vector<std::shared_ptr<End>> snapshot() const {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     std::vector<std::shared_ptr<End>> ends;
     const List* now = list_.load(std::memory_order_relaxed);
     for (std::size_t i = 0; now != nullptr && i < now->entries.size(); ++i)
@@ -179,7 +179,7 @@ class ConnectionList {
 
   alignas(64) std::atomic<std::uint64_t> section_{0};  ///< odd: the reader is inside
   std::atomic<const List*> list_{nullptr};             ///< nullptr: no connections
-  mutable std::mutex mutex_;                           ///< serializes changes of list_
+  mutable Mutex mutex_;                                ///< serializes changes of list_
 };
 
 }  // namespace segue::task

@@ -74,7 +74,7 @@ Doorbell::Doorbell(std::shared_ptr<DoorbellWords> words)
       ports_(std::make_unique<std::atomic<InputPortBase*>[]>(DoorbellWords::kLines)) {}
 
 std::optional<unsigned> Doorbell::add(InputPortBase& port) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (free_.empty() && next_ == DoorbellWords::kLines) return std::nullopt;
   unsigned line = next_;
   if (free_.empty()) {
@@ -89,7 +89,7 @@ std::optional<unsigned> Doorbell::add(InputPortBase& port) {
 }
 
 void Doorbell::remove(unsigned line) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   ports_[line].store(nullptr, std::memory_order_seq_cst);
   wait_until_answered();
   free_.push_back(line);

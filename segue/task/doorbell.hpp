@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 
 #include <array>
@@ -9,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -87,9 +87,9 @@ class Doorbell {
   std::atomic<std::uint64_t> section_{0};  ///< odd: inside answer(); as in ConnectionList
   std::uint32_t announced_ = 0;
   std::uint32_t sleeps_ = 0;
-  std::mutex mutex_;            ///< guards the members below and changes of ports_
-  std::vector<unsigned> free_;  ///< lines that were freed
-  unsigned next_ = 0;           ///< the first line that was never taken
+  Mutex mutex_;                                          ///< guards the members below and changes of ports_
+  std::vector<unsigned> free_ SEGUE_GUARDED_BY(mutex_);  ///< lines that were freed
+  unsigned next_ SEGUE_GUARDED_BY(mutex_) = 0;           ///< the first line that was never taken
 };
 
 /// For executors: `made`, or ResourceExhausted where it is nullptr.

@@ -25,7 +25,7 @@ Result<std::shared_ptr<Executor>> ExecutorSet::executor_for(const std::string& t
     if (!own) return std::move(own.error());
     return std::shared_ptr<Executor>(std::move(*own));
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   Group& group = groups_[activity.thread];
   if (std::shared_ptr<ThreadExecutor> running = group.executor.lock()) {
     if (thread_settings(activity) == thread_settings(group.activity))

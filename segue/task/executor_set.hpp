@@ -2,11 +2,11 @@
 #pragma once
 
 #include <segue/base/activity.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task/thread_executor.hpp>
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 
 namespace segue::task {
@@ -29,8 +29,8 @@ class ExecutorSet {
     Activity activity;
     std::string first_task;
   };
-  std::mutex mutex_;  ///< guards groups_
-  std::map<std::string, Group> groups_;
+  Mutex mutex_;  ///< guards groups_
+  std::map<std::string, Group> groups_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task

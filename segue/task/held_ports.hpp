@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task/component.hpp>
 
 #include <mutex>
@@ -30,8 +31,8 @@ class HeldPorts {
   [[nodiscard]] OutputPortBase* find_output(const Component& component, std::string_view name) const;
 
  private:
-  std::unique_lock<std::mutex> one_;
-  std::unique_lock<std::mutex> other_;
+  std::unique_lock<Mutex> one_;
+  std::unique_lock<Mutex> other_;
 };
 
 }  // namespace segue::task

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/base/virtual_clock.hpp>
 #include <segue/task/doorbell.hpp>
 #include <segue/task/manual_executor.hpp>
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
 #include <vector>
 
 namespace segue::task {
@@ -26,7 +26,7 @@ struct ManualExecutor::Implementation {
   std::thread::id owner = std::this_thread::get_id();
   detail::RunQueue queue;
   std::vector<Watched> watched;
-  std::mutex doorbell_mutex;           ///< guards doorbell
+  Mutex doorbell_mutex;                ///< guards doorbell
   std::shared_ptr<Doorbell> doorbell;  ///< set once
   std::atomic<Doorbell*> rung{nullptr};
 };
@@ -97,7 +97,7 @@ void ManualExecutor::unwatch(int descriptor) noexcept {
 }
 
 Result<std::shared_ptr<Doorbell>> ManualExecutor::doorbell(const DoorbellMaker& make) {
-  const std::lock_guard lock(implementation_->doorbell_mutex);
+  const Lock lock(implementation_->doorbell_mutex);
   if (!implementation_->doorbell) {
     auto made = check_doorbell(make());
     if (!made) return made;

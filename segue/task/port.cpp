@@ -91,14 +91,14 @@ OutputPortBase::OutputPortBase(Component& component, std::string name, const typ
     : PortBase(component, Direction::Output, std::move(name), type, std::move(type_name), std::move(options)),
       pool_(SamplePool::create(type, is_flat() ? SamplePool::Holds::Flat : SamplePool::Holds::Objects)) {
   pool_->reserve(kWriterSlots);
-  const std::lock_guard lock(component_.ports_mutex_);
+  const Lock lock(component_.ports_mutex_);
   component_.outputs_.push_back(this);
 }
 
 OutputPortBase::~OutputPortBase() {
   {
     // First: waits for HeldPorts, and makes sure that nobody finds this port any more.
-    const std::lock_guard lock(component_.ports_mutex_);
+    const Lock lock(component_.ports_mutex_);
     std::erase(component_.outputs_, this);
   }
   disconnect_all();
@@ -190,7 +190,7 @@ Result<WriteResult> OutputPortBase::write_value(const type::Value& value) {
 
 Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const std::string& reader,
                                     const CommitGatePtr& gate) {
-  const std::lock_guard lock(attach_mutex_);
+  const Lock lock(attach_mutex_);
   std::size_t slots = kWriterSlots + end->capacity();
   for (const auto& other : ends_.snapshot()) {
     if (other->same_as(*end)) {
@@ -216,7 +216,7 @@ Error OutputPortBase::out_of_memory() const {
 }
 
 void OutputPortBase::wait_until_written() {
-  const std::lock_guard lock(attach_mutex_);
+  const Lock lock(attach_mutex_);
   ends_.wait_for_reader();
 }
 
@@ -227,14 +227,14 @@ void OutputPortBase::detach(const WriterEnd& end) {
 InputPortBase::InputPortBase(Component& component, std::string name, const type::TypeInfo* type,
                              std::string type_name, PortOptions options)
     : PortBase(component, Direction::Input, std::move(name), type, std::move(type_name), std::move(options)) {
-  const std::lock_guard lock(component_.ports_mutex_);
+  const Lock lock(component_.ports_mutex_);
   component_.inputs_.push_back(this);
 }
 
 InputPortBase::~InputPortBase() {
   {
     // First, as for outputs.
-    const std::lock_guard lock(component_.ports_mutex_);
+    const Lock lock(component_.ports_mutex_);
     std::erase(component_.inputs_, this);
   }
   disconnect_all();
@@ -246,13 +246,13 @@ void InputPortBase::disconnect_all() {
 }
 
 void InputPortBase::attach(std::shared_ptr<ReaderEnd> end) {
-  const std::lock_guard lock(listener_mutex_);
+  const Lock lock(listener_mutex_);
   end->set_listener(listener_.load(std::memory_order_relaxed));
   ends_.add(std::move(end));
 }
 
 void InputPortBase::set_listener(SampleListener* listener) {
-  const std::lock_guard lock(listener_mutex_);
+  const Lock lock(listener_mutex_);
   listener_.store(listener, std::memory_order_seq_cst);
   for (const auto& end : ends_.snapshot())
     end->set_listener(listener);

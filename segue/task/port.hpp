@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/task/connection_list.hpp>
 #include <segue/task/port_options.hpp>
@@ -11,7 +12,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -109,7 +109,7 @@ class OutputPortBase : public PortBase {
   /// meanwhile, so that it cannot be released; it is put back unless the writer has published a newer one.
   template <class Accept>
   void show_last(Accept accept) {
-    const std::lock_guard lock(attach_mutex_);
+    const Lock lock(attach_mutex_);
     SampleSlot* last = last_.exchange(nullptr, std::memory_order_acq_rel);
     if (last == nullptr) return;
     accept(*last);
@@ -138,7 +138,7 @@ class OutputPortBase : public PortBase {
   detail::SampleStamps stamps_;
   /// Owns a reference. Whoever takes a slot out by an exchange (acquire-release) owns that reference.
   std::atomic<SampleSlot*> last_{nullptr};
-  std::mutex attach_mutex_;  ///< serializes attach() and show_last()
+  Mutex attach_mutex_;  ///< serializes attach() and show_last()
   void* default_value_ = nullptr;
 };
 
@@ -185,7 +185,7 @@ class InputPortBase : public PortBase {
 
  private:
   ConnectionList<ReaderEnd> ends_;
-  std::mutex listener_mutex_;  ///< serializes changes of listener_, so that all ends get the same one
+  Mutex listener_mutex_;  ///< serializes changes of listener_, so that all ends get the same one
   std::atomic<SampleListener*> listener_{nullptr};
   std::atomic<std::uint64_t> read_{0};
   SampleRef last_;

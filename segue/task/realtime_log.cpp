@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task/realtime_log.hpp>
 
 #include <algorithm>
-#include <condition_variable>
 #include <cstring>
-#include <mutex>
 #include <string>
 #include <thread>
 
@@ -70,7 +70,7 @@ bool RealtimeLog::pop(Line& copy) noexcept {
 }
 
 std::size_t RealtimeLog::drain() {
-  const std::lock_guard lock(draining_);
+  const Lock lock(draining_);
   std::size_t count = 0;
   Line line;
   while (pop(line)) {
@@ -87,18 +87,18 @@ std::size_t RealtimeLog::drain() {
 }
 
 struct RealtimeLogDrain::Implementation {
-  std::mutex mutex;  ///< guards stop
-  std::condition_variable stopped;
-  bool stop = false;
+  Mutex mutex;
+  ConditionVariable stopped;
+  bool stop SEGUE_GUARDED_BY(mutex) = false;
   std::thread thread;
 };
 
 RealtimeLogDrain::RealtimeLogDrain(std::chrono::milliseconds period)
     : implementation_(std::make_unique<Implementation>()) {
   implementation_->thread = std::thread([this, period] {
-    std::unique_lock lock(implementation_->mutex);
+    const Lock lock(implementation_->mutex);
     while (!implementation_->stop) {
-      implementation_->stopped.wait_for(lock, period);
+      implementation_->stopped.wait_until(implementation_->mutex, monotonic_now() + period);
       RealtimeLog::instance().drain();
     }
   });
@@ -106,7 +106,7 @@ RealtimeLogDrain::RealtimeLogDrain(std::chrono::milliseconds period)
 
 RealtimeLogDrain::~RealtimeLogDrain() {
   {
-    const std::lock_guard lock(implementation_->mutex);
+    const Lock lock(implementation_->mutex);
     implementation_->stop = true;
   }
   implementation_->stopped.notify_all();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 
 #include <array>
 #include <atomic>
@@ -9,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string_view>
 
 namespace segue::task {
@@ -46,8 +46,7 @@ class RealtimeLog {
   std::unique_ptr<std::array<Line, kLines>> lines_;
   alignas(64) std::atomic<std::size_t> head_{0};
   alignas(64) std::atomic<std::size_t> tail_{0};
-  std::mutex
-      draining_;  ///< so that lines are passed on in their order, and all have been where drain() returns
+  Mutex draining_;  ///< so that lines are passed on in their order, and all have been where drain() returns
   std::atomic<std::uint64_t> lost_{0};
   std::atomic<std::uint64_t> lost_reported_{0};
 };

@@ -49,12 +49,12 @@ SamplePool::~SamplePool() {
 }
 
 bool SamplePool::reserve(std::size_t slots) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return reserve_usable(slots);
 }
 
 bool SamplePool::share(const std::shared_ptr<SampleMemory>& memory) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (info() == nullptr) return true;
   if (!memory_) {
     memory_ = memory;
@@ -70,7 +70,7 @@ bool SamplePool::reserve_usable(std::size_t slots) {
   return slots <= usable || add_slots(slots - usable);
 }
 
-/// Requires mutex_. Adds fewer slots where the memory is full.
+/// Adds fewer slots where the memory is full.
 bool SamplePool::add_slots(std::size_t count) {
   chunks_.reserve(chunks_.size() + 1);
   const bool separate = info() == nullptr || holds_ == Holds::Flat || memory_ != nullptr;
@@ -116,7 +116,7 @@ SampleSlot* SamplePool::make_slot(std::byte* memory) {
 void SamplePool::prime(const void* example) {
   {
     // First, so that slots that are added meanwhile are filled either here or by reserve().
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (example_ == nullptr) {
       example_ = ::operator new(info()->size, std::align_val_t(alignment_of(info())));
       info()->construct(example_);
@@ -137,7 +137,7 @@ void SamplePool::forget_example() noexcept {
 }
 
 std::size_t SamplePool::size() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return size_;
 }
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/type/type_info.hpp>
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <utility>
 #include <vector>
@@ -167,11 +167,11 @@ class SamplePool final : public SampleOwner {
   void retire() noexcept;
   void account(std::int64_t outstanding) noexcept;
   void push_chain(SampleSlot* first, SampleSlot* last) noexcept;
-  bool reserve_usable(std::size_t slots);
-  bool add_slots(std::size_t count);
-  SampleSlot* make_slot(std::byte* memory);
+  bool reserve_usable(std::size_t slots) SEGUE_REQUIRES(mutex_);
+  bool add_slots(std::size_t count) SEGUE_REQUIRES(mutex_);
+  SampleSlot* make_slot(std::byte* memory) SEGUE_REQUIRES(mutex_);
   SampleSlot* pop() noexcept;
-  void forget_example() noexcept;
+  void forget_example() noexcept SEGUE_UNCHECKED_LOCKS;  ///< at the end, when nobody else has the pool
   void free_flat(SampleSlot& slot) noexcept;
 
   const Holds holds_;
@@ -181,12 +181,13 @@ class SamplePool final : public SampleOwner {
   /// Whether values lie in memory_. Relaxed for the writer: if it misses the change, it uses an old slot once
   /// more.
   std::atomic<bool> shares_{false};
-  mutable std::mutex mutex_;              ///< guards the members down to example_
-  std::shared_ptr<SampleMemory> memory_;  ///< never changes once shares_ is set
-  std::vector<Chunk> chunks_;
-  std::size_t size_ = 0;
-  std::size_t outside_ = 0;  ///< slots outside memory_
-  void* example_ = nullptr;  ///< set by prime(), for later slots
+  mutable Mutex mutex_;  ///< guards the members down to example_
+  /// Set under the mutex; never changes once shares_ is set, so who has seen that needs no mutex.
+  std::shared_ptr<SampleMemory> memory_;
+  std::vector<Chunk> chunks_ SEGUE_GUARDED_BY(mutex_);
+  std::size_t size_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::size_t outside_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< slots outside memory_
+  void* example_ SEGUE_GUARDED_BY(mutex_) = nullptr;  ///< set by prime(), for later slots
   alignas(64) std::atomic<SampleSlot*> free_{nullptr};
   /// After retirement: slots that are still out. Negative while slots came back before they were counted.
   std::atomic<std::int64_t> outstanding_{0};

@@ -54,7 +54,7 @@ Task::Implementation::Implementation(std::string task_id, std::unique_ptr<Compon
       activity(std::move(wanted)),
       update_deadline(deadline_of(activity)),
       name(std::move(task_id)),
-      properties_mutex(std::make_shared<std::mutex>()) {
+      properties_mutex(std::make_shared<Mutex>()) {
   RealtimeLog::instance();
   ComponentAccess::set_context(*component, this);
 }
@@ -265,7 +265,7 @@ Result<void> Task::set_properties(const type::Value& values, TimePoint deadline)
     return fail(ErrorCode::InvalidArgument, "properties must be a map, not " + type::describe(values),
                 self.name);
   }
-  const std::lock_guard lock(*self.properties_mutex);
+  const Lock lock(*self.properties_mutex);
   // Staged before the task is locked and freed afterwards, so that updates wait for the swap only.
   std::vector<std::unique_ptr<PropertyBase::Staged>> staged;
   std::vector<std::string> not_live;
@@ -303,7 +303,7 @@ Result<void> Task::set_properties(const type::Value& values, TimePoint deadline)
 
 Result<void> Task::extend(const std::function<void(Component&)>& add, TimePoint deadline) {
   Implementation& self = *implementation_;
-  const std::lock_guard lock(*self.properties_mutex);
+  const Lock lock(*self.properties_mutex);
   return self.exclusive("extend", deadline, [&]() -> Result<void> {
     if (self.state() != TaskState::PreOperational) return self.illegal("extend", "pre_operational");
     add(*self.component);
@@ -312,7 +312,7 @@ Result<void> Task::extend(const std::function<void(Component&)>& add, TimePoint 
 }
 
 type::Value Task::properties() const {
-  const std::lock_guard lock(*implementation_->properties_mutex);
+  const Lock lock(*implementation_->properties_mutex);
   type::ValueMap map;
   for (const PropertyBase* property : implementation_->component->properties()) {
     map.set(property->name(), property->value());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task/call_queue.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/executor.hpp>
@@ -12,7 +13,6 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -145,7 +145,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   Task* task = nullptr;
   /// Guards the properties against concurrent setting and reading from outside; shared along with the
   /// component.
-  const std::shared_ptr<std::mutex> properties_mutex;
+  const std::shared_ptr<Mutex> properties_mutex;
   Task::StateListener listener;
   std::uint32_t error_at_start = 0;  ///< sub-state's index + 2; 0: none
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/descriptor.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/time_slice.hpp>
 #include <segue/task/doorbell.hpp>
 #include <segue/task/run_queue.hpp>
@@ -17,7 +18,6 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
-#include <mutex>
 #include <optional>
 
 namespace segue::task {
@@ -88,12 +88,12 @@ struct ThreadExecutor::State {
   std::atomic<std::int64_t> busy_before{0};  ///< nanoseconds awake up to the last sleep
   std::atomic<std::int64_t> awake_since{0};  ///< 0 while asleep
   std::atomic<Doorbell*> doorbell{nullptr};  ///< set once
-  std::mutex descriptors_mutex;              ///< guards the members below, which are set once each
+  Mutex descriptors_mutex;  ///< for setting the members below, once each; then the thread is told
   int poll_descriptor = -1;
   int wake_descriptor = -1;
   std::shared_ptr<Doorbell> owned_doorbell;
-  std::optional<pthread_t>
-      bridge;  ///< helper thread that passes rings on while this one waits for descriptors
+  /// Helper thread that passes rings on while this one waits for descriptors.
+  std::optional<pthread_t> bridge;
   std::string name;
   Activity activity;
   pthread_t thread{};
@@ -305,7 +305,7 @@ Result<void> ThreadExecutor::State::open_poll() {
 }
 
 Result<void> ThreadExecutor::State::prepare_poll(const std::shared_ptr<State>& self) {
-  const std::lock_guard lock(descriptors_mutex);
+  const Lock lock(descriptors_mutex);
   if (polls.load(std::memory_order_relaxed)) return {};
   if (poll_descriptor < 0) {
     if (auto opened = open_poll(); !opened) return opened;
@@ -344,7 +344,7 @@ void* ThreadExecutor::State::bridge_main(void* argument) {
 
 Result<std::shared_ptr<Doorbell>> ThreadExecutor::doorbell(const DoorbellMaker& make) {
   State& state = *state_;
-  const std::lock_guard lock(state.descriptors_mutex);
+  const Lock lock(state.descriptors_mutex);
   if (state.owned_doorbell) return state.owned_doorbell;
   auto made = check_doorbell(make());
   if (!made) return made;

@@ -27,7 +27,7 @@ void AbandonedTasks::destroy(std::shared_ptr<task::Task> task) {
   }
   log(LogLevel::Warning, task->id(),
       "is removed although it is still at work; it is destroyed when that ends");
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   forget_ended();
   Removed& removed = waiting_.emplace_back();
   removed.task = std::move(task);
@@ -40,12 +40,11 @@ void AbandonedTasks::destroy(std::shared_ptr<task::Task> task) {
 }
 
 bool AbandonedTasks::empty() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   forget_ended();
   return waiting_.empty();
 }
 
-/// With the mutex held.
 void AbandonedTasks::forget_ended() {
   for (auto removed = waiting_.begin(); removed != waiting_.end();) {
     if (!removed->ended.load(std::memory_order_acquire)) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task/task.hpp>
 
 #include <atomic>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <thread>
 
 namespace segue::task_host::detail {
@@ -34,10 +34,10 @@ class AbandonedTasks {
     std::atomic<bool> ended{false};
     std::thread thread;
   };
-  void forget_ended();
+  void forget_ended() SEGUE_REQUIRES(mutex_);
 
-  std::mutex mutex_;
-  std::list<Removed> waiting_;
+  Mutex mutex_;
+  std::list<Removed> waiting_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task_host::detail

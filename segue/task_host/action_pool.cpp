@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/action_pool.hpp>
 
 #include <segue/task_host/batch_outcomes.hpp>
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <exception>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -64,10 +64,10 @@ struct ActionPool::Implementation : std::enable_shared_from_this<Implementation>
   concurrent::ThreadPool& threads;
   const Work work;
   const Duration patience;
-  std::mutex mutex;  ///< protects all below, and the workers of all batches
-  std::condition_variable left;
-  std::size_t workers = 0;  ///< of all batches
-  bool is_closed = false;
+  Mutex mutex;  ///< protects all below, and the workers of all batches
+  ConditionVariable left;
+  std::size_t workers SEGUE_GUARDED_BY(mutex) = 0;  ///< of all batches
+  bool is_closed SEGUE_GUARDED_BY(mutex) = false;
 };
 
 thread_local ActionPool::Implementation::FollowUps* ActionPool::Implementation::follow_ups = nullptr;
@@ -169,7 +169,7 @@ TimePoint ActionPool::Implementation::Batch::on_due(TimePoint time) {
 void ActionPool::Implementation::Batch::give_up() {
   const std::size_t begun = next_.exchange(actions_.size());
   {
-    const std::lock_guard lock(pool_->mutex);
+    const Lock lock(pool_->mutex);
     is_overdue = true;
     pool_->threads.add_overdue(static_cast<std::ptrdiff_t>(workers));
   }
@@ -180,7 +180,7 @@ void ActionPool::Implementation::Batch::give_up() {
 }
 
 bool ActionPool::Implementation::enter(Batch& batch, bool called) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (is_closed) {
     return false;
   }
@@ -221,7 +221,7 @@ void ActionPool::Implementation::begin_here(const BatchPtr& batch) {
 
 void ActionPool::Implementation::call_worker(const BatchPtr& batch) {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (batch->is_called || batch->is_overdue) {
       return;
     }
@@ -238,7 +238,7 @@ void ActionPool::Implementation::work_on(BatchPtr batch) {
   FollowUps next{this, {}};
   while (batch != nullptr) {
     {
-      const std::lock_guard lock(mutex);
+      const Lock lock(mutex);
       batch->is_called = false;
     }
     batch->take_part(&next);
@@ -260,7 +260,7 @@ void ActionPool::Implementation::leave(const BatchPtr& batch) {
   if (batch->has_ended()) {
     threads.deadlines().remove(batch);
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   --batch->workers;
   if (batch->is_overdue) {
     threads.add_overdue(-1);
@@ -272,7 +272,7 @@ void ActionPool::Implementation::leave(const BatchPtr& batch) {
 
 void ActionPool::Implementation::report(std::function<void()> how) {
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (is_closed && workers == 0) {
       return;  // all has ended, and has been reported
     }
@@ -280,7 +280,7 @@ void ActionPool::Implementation::report(std::function<void()> how) {
   }
   const auto job = [self = shared_from_this(), how = std::move(how)] {
     how();
-    const std::lock_guard lock(self->mutex);
+    const Lock lock(self->mutex);
     if (--self->workers == 0) {
       self->left.notify_all();
     }
@@ -291,9 +291,9 @@ void ActionPool::Implementation::report(std::function<void()> how) {
 }
 
 void ActionPool::Implementation::close() {
-  std::unique_lock lock(mutex);
+  Lock lock(mutex);
   is_closed = true;
-  left.wait(lock, [&] { return workers == 0; });
+  left.wait(mutex, [&]() SEGUE_REQUIRES(mutex) { return workers == 0; });
 }
 
 ActionPool::ActionPool(concurrent::ThreadPool& threads, Work work, Duration patience)

@@ -23,63 +23,61 @@ bool BatchOutcomes::note_now(Completed one) {
 }
 
 void BatchOutcomes::note(Completed one) {
-  std::unique_lock lock(mutex_);
+  Completion released;
+  const Lock lock(mutex_);
   if (note_now(std::move(one)) && ended_ == known_.size()) {
-    report_now(lock);
+    released = report_now();
   }
 }
 
 void BatchOutcomes::report() {
-  std::unique_lock lock(mutex_);
-  report_now(lock);
+  Completion released;
+  const Lock lock(mutex_);
+  released = report_now();
 }
 
 void BatchOutcomes::add(std::vector<Completed> ended) {
-  std::unique_lock lock(mutex_);
+  Completion released;
+  const Lock lock(mutex_);
   for (auto& one : ended) {
     note_now(std::move(one));
   }
-  report_now(lock);
+  released = report_now();
 }
 
 void BatchOutcomes::fail_rest(const std::function<Error(std::size_t index)>& why) {
-  std::unique_lock lock(mutex_);
+  Completion released;
+  const Lock lock(mutex_);
   for (std::size_t index = 0; index < known_.size(); ++index) {
     if (!known_[index]) {
       note_now({index, why(index)});
     }
   }
-  report_now(lock);
+  released = report_now();
 }
 
 std::size_t BatchOutcomes::ended() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return ended_;
 }
 
-void BatchOutcomes::report_now(std::unique_lock<std::mutex>& lock) {
+Completion BatchOutcomes::report_now() {
   if (reporting_ || waiting_.empty()) {
-    return;
+    return {};
   }
   reporting_ = true;
   while (!waiting_.empty()) {
     auto ended = std::exchange(waiting_, {});
     reported_ += ended.size();
-    lock.unlock();
+    const Unlocked unlocked(mutex_);
     try {
       completed_(std::move(ended));
     } catch (const std::exception& exception) {
       log(LogLevel::Error, "host", std::string("the receiver of outcomes threw: ") + exception.what());
     }
-    lock.lock();
   }
   reporting_ = false;
-  if (reported_ < known_.size()) {
-    return;
-  }
-  // Released here, since a hook that hangs may keep this alive for ever.
-  const Completion done = std::exchange(completed_, nullptr);
-  lock.unlock();
+  return reported_ < known_.size() ? Completion() : std::exchange(completed_, nullptr);
 }
 
 }  // namespace segue::task_host

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <cstddef>
 #include <functional>
-#include <mutex>
 #include <vector>
 
 namespace segue::task_host {
@@ -33,17 +33,18 @@ class BatchOutcomes {
   [[nodiscard]] std::size_t ended() const;
 
  private:
-  /// Gives the lock back where all are reported.
-  void report_now(std::unique_lock<std::mutex>& lock);
-  bool note_now(Completed one);
+  /// Returns the Completion where all are reported, to be released without the mutex: a hook that hangs may
+  /// keep this alive for ever.
+  [[nodiscard]] Completion report_now() SEGUE_REQUIRES(mutex_);
+  bool note_now(Completed one) SEGUE_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;  ///< protects all below; not held while the Completion is called
-  Completion completed_;      ///< released once all are reported
-  std::vector<bool> known_;
-  std::vector<Completed> waiting_;  ///< noted and not reported
-  std::size_t ended_ = 0;
-  std::size_t reported_ = 0;
-  bool reporting_ = false;
+  mutable Mutex mutex_;   ///< protects all below; not held while the Completion is called
+  Completion completed_;  ///< used by the thread that reports; released once all are reported
+  std::vector<bool> known_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<Completed> waiting_ SEGUE_GUARDED_BY(mutex_);  ///< noted and not reported
+  std::size_t ended_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::size_t reported_ SEGUE_GUARDED_BY(mutex_) = 0;
+  bool reporting_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace segue::task_host

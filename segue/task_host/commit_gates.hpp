@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task/commit_gate.hpp>
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 
 namespace segue::task_host::detail {
 
@@ -22,8 +22,8 @@ class CommitGates {
   void drop();
 
  private:
-  std::mutex mutex_;
-  std::shared_ptr<task::CommitGate> gate_;
+  Mutex mutex_;
+  std::shared_ptr<task::CommitGate> gate_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task_host::detail

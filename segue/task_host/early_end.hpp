@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/model/transition.hpp>
 
 #include <functional>
-#include <mutex>
 #include <stop_token>
 #include <utility>
 
@@ -18,7 +18,7 @@ class Leaving {
 
   /// Leaves those in progress, once or several times. Does not block.
   void leave(const MayBeLeft& may_be_left) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (leave_) leave_(may_be_left);
   }
 
@@ -36,15 +36,15 @@ class Leaving {
    private:
     void set(std::function<void(const MayBeLeft&)> leave) {
       if (leaving_ == nullptr) return;
-      const std::lock_guard lock(leaving_->mutex_);
+      const Lock lock(leaving_->mutex_);
       leaving_->leave_ = std::move(leave);
     }
     Leaving* leaving_;
   };
 
  private:
-  std::mutex mutex_;  ///< protects the next one, also while it is called
-  std::function<void(const MayBeLeft&)> leave_;
+  Mutex mutex_;  ///< protects the next one, also while it is called
+  std::function<void(const MayBeLeft&)> leave_ SEGUE_GUARDED_BY(mutex_);
 };
 
 /// How actions that are carried out in their order are ended before all are done.

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
+#include <shared_mutex>
 
 namespace segue::task_host {
 

@@ -64,41 +64,39 @@ OrderedActions::OrderedActions(std::vector<model::Action> actions, Duration acti
 
 void OrderedActions::run(const EarlyEnd& early_end) {
   const std::stop_callback cancelling(early_end.stop, [this] { cancel(); });
-  {
-    const std::lock_guard lock(mutex_);
-    left_ended_ = early_end.left_ended;
-  }
+  left_ended_ = early_end.left_ended;
   const Leaving::Handler leaving(early_end.leaving, [this](const auto& may_be_left) { leave(may_be_left); });
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   while (true) {
     if (!timed_out_.empty()) {
-      settle_doubtful(lock);
+      settle_doubtful();
     } else if (may_begin()) {
-      begin_ready(lock);
+      begin_ready();
     } else if (!is_idle()) {
-      wait(lock);
+      wait();
     } else {
-      return report_unbegun(lock);
+      return report_unbegun();
     }
   }
 }
 
-void OrderedActions::wait(std::unique_lock<std::mutex>& lock) {
+void OrderedActions::wait() {
   TimePoint last = RealClock::instance().now();
   for (const auto& batch : batches_) {
     last = std::max(last, batch->deadline);
   }
-  const bool in_time = changed_.wait_until(
-      lock, last + kHostGrace, [this] { return !timed_out_.empty() || may_begin() || is_idle(); });
+  const bool in_time = changed_.wait_until(mutex_, last + kHostGrace, [this]() SEGUE_REQUIRES(mutex_) {
+    return !timed_out_.empty() || may_begin() || is_idle();
+  });
   if (!in_time && RealClock::instance().now() > last + kHostGrace) {
     for (const auto& batch : batches_) {
       fail_batch(*batch, "the host did not report how it ended");
     }
-    deliver(lock);
+    deliver();
   }
 }
 
-void OrderedActions::begin_ready(std::unique_lock<std::mutex>& lock) {
+void OrderedActions::begin_ready() {
   const auto me = std::this_thread::get_id();
   if (!beginning_.insert(me).second) {
     return;  // the performer reports while this thread calls it, which goes on below afterwards
@@ -107,9 +105,9 @@ void OrderedActions::begin_ready(std::unique_lock<std::mutex>& lock) {
     const auto batch = take_ready();
     std::vector<model::Action> actions = actions_of(*batch);
     batch->deadline = batch->begin + action_deadline_ * std::min(longest_chain(actions), kMostSteps);
-    lock.unlock();
     std::string thrown;
     try {
+      const Unlocked unlocked(mutex_);
       performer_.begin(std::move(actions), batch->deadline,
                        [self = shared_from_this(), batch](std::vector<Completed> ended) {
                          self->complete(*batch, std::move(ended));
@@ -117,14 +115,13 @@ void OrderedActions::begin_ready(std::unique_lock<std::mutex>& lock) {
     } catch (const std::exception& exception) {
       thrown = std::string("the host threw: ") + exception.what();
     }
-    lock.lock();
     if (!thrown.empty()) {
       fail_batch(*batch, thrown);
     }
   }
   beginning_.erase(me);
-  begin_no_more(lock);
-  deliver(lock);
+  begin_no_more();
+  deliver();
   if (is_idle()) {
     changed_.notify_all();
   }
@@ -176,7 +173,7 @@ std::vector<model::Action> OrderedActions::actions_of(const Batch& batch) const 
 void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
   // What a failure kept from beginning is not the failure.
   std::stable_partition(ended.begin(), ended.end(), [](const Completed& one) { return one.begun; });
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   Indices late;
   for (auto& one : ended) {
     if (one.index >= batch.indices.size()) {
@@ -191,35 +188,33 @@ void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
       finish(batch, index, std::move(one));
     }
   }
-  begin_no_more(lock);
-  begin_ready(lock);
-  deliver(lock);
+  begin_no_more();
+  begin_ready();
+  deliver();
   if (is_idle() || !timed_out_.empty()) {
     changed_.notify_all();
   }
-  tell_left_ended(late, lock);
+  lock.unlock();
+  tell_left_ended(late);
 }
 
-void OrderedActions::tell_left_ended(const Indices& indices, std::unique_lock<std::mutex>& lock) {
-  lock.unlock();
+void OrderedActions::tell_left_ended(const Indices& indices) {
   for (const std::size_t index : indices) {
     if (left_ended_) {
       left_ended_(actions_[index]);
     }
   }
-  lock.lock();
 }
 
-void OrderedActions::deliver(std::unique_lock<std::mutex>& lock) {
+void OrderedActions::deliver() {
   if (delivering_) {
     return;
   }
   delivering_ = true;
   while (!undelivered_.empty()) {
     auto ended = std::exchange(undelivered_, {});
-    lock.unlock();
+    const Unlocked unlocked(mutex_);
     completed_(std::move(ended));
-    lock.lock();
   }
   delivering_ = false;
 }
@@ -280,11 +275,12 @@ void OrderedActions::release_successors(std::size_t index) {
   }
 }
 
-void OrderedActions::settle_doubtful(std::unique_lock<std::mutex>& lock) {
+void OrderedActions::settle_doubtful() {
   auto doubtful = std::exchange(timed_out_, {});
-  lock.unlock();
-  const model::Network observed = performer_.observe();
-  lock.lock();
+  const model::Network observed = [&]() SEGUE_REQUIRES(mutex_) {
+    const Unlocked unlocked(mutex_);
+    return performer_.observe();
+  }();
   for (auto& [index, ended] : doubtful) {
     if (took_effect(actions_[index], observed)) {
       ended.outcome = {};
@@ -292,21 +288,21 @@ void OrderedActions::settle_doubtful(std::unique_lock<std::mutex>& lock) {
     }
     report(index, std::move(ended));
   }
-  begin_no_more(lock);
-  deliver(lock);
+  begin_no_more();
+  deliver();
 }
 
 void OrderedActions::cancel() {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   cancelled_ = true;
-  report_unbegun(lock);  // whoever waits for one of them need not wait for others that are in progress
-  begin_no_more(lock);
+  report_unbegun();  // whoever waits for one of them need not wait for others that are in progress
+  begin_no_more();
   changed_.notify_all();
 }
 
 void OrderedActions::leave(const Leaving::MayBeLeft& may_be_left) {
   cancel();
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   for (const auto& batch : batches_) {
     for (std::size_t i = 0; i < batch->indices.size(); ++i) {
       const std::size_t index = batch->indices[i];
@@ -320,21 +316,20 @@ void OrderedActions::leave(const Leaving::MayBeLeft& may_be_left) {
       report(index, std::move(left));
     }
   }
-  deliver(lock);
+  deliver();
   changed_.notify_all();
 }
 
-void OrderedActions::begin_no_more(std::unique_lock<std::mutex>& lock) {
+void OrderedActions::begin_no_more() {
   if (told_ || !performer_.begin_no_more || in_progress_ == 0 || (!failed_ && !cancelled_)) {
     return;
   }
   told_ = true;
-  lock.unlock();
+  const Unlocked unlocked(mutex_);
   performer_.begin_no_more();
-  lock.lock();
 }
 
-void OrderedActions::report_unbegun(std::unique_lock<std::mutex>& lock) {
+void OrderedActions::report_unbegun() {
   for (std::size_t index = 0; index < actions_.size(); ++index) {
     if (progress_[index] == Progress::Waiting) {
       progress_[index] = Progress::Reported;
@@ -348,7 +343,7 @@ void OrderedActions::report_unbegun(std::unique_lock<std::mutex>& lock) {
       undelivered_.push_back(std::move(one));
     }
   }
-  deliver(lock);
+  deliver();
 }
 
 }  // namespace segue::task_host

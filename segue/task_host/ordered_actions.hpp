@@ -2,14 +2,14 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/task_host/task_host.hpp>
 
-#include <condition_variable>
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <stop_token>
@@ -71,32 +71,35 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   };
   using BatchPtr = std::shared_ptr<Batch>;
 
-  // With the lock held; some let go of it in between.
+  // Some give the mutex back in between.
   /// Begins what is ready, until there is nothing left.
-  void begin_ready(std::unique_lock<std::mutex>& lock);
-  BatchPtr take_ready();
+  void begin_ready() SEGUE_REQUIRES(mutex_);
+  BatchPtr take_ready() SEGUE_REQUIRES(mutex_);
   /// Adds what waits only for actions of the batch at its own place.
-  void add_dependent(Indices& indices) const;
+  void add_dependent(Indices& indices) const SEGUE_REQUIRES(mutex_);
   [[nodiscard]] std::vector<model::Action> actions_of(const Batch& batch) const;
   /// Actions that did not end in time count by what is seen of them.
-  void settle_doubtful(std::unique_lock<std::mutex>& lock);
+  void settle_doubtful() SEGUE_REQUIRES(mutex_);
   /// Waits until there is something to do in run().
-  void wait(std::unique_lock<std::mutex>& lock);
-  void fail_batch(Batch& batch, const std::string& why);
-  void finish(const Batch& batch, std::size_t index, Completed ended);
-  void report(std::size_t index, Completed ended);
-  void release_successors(std::size_t index);
+  void wait() SEGUE_REQUIRES(mutex_);
+  void fail_batch(Batch& batch, const std::string& why) SEGUE_REQUIRES(mutex_);
+  void finish(const Batch& batch, std::size_t index, Completed ended) SEGUE_REQUIRES(mutex_);
+  void report(std::size_t index, Completed ended) SEGUE_REQUIRES(mutex_);
+  void release_successors(std::size_t index) SEGUE_REQUIRES(mutex_);
   /// Tells the performer, once, that nothing new may begin.
-  void begin_no_more(std::unique_lock<std::mutex>& lock);
+  void begin_no_more() SEGUE_REQUIRES(mutex_);
   /// Tells the caller what is known, in one thread at a time.
-  void deliver(std::unique_lock<std::mutex>& lock);
-  void report_unbegun(std::unique_lock<std::mutex>& lock);
+  void deliver() SEGUE_REQUIRES(mutex_);
+  void report_unbegun() SEGUE_REQUIRES(mutex_);
   /// Nothing goes on by itself any more.
-  [[nodiscard]] bool is_idle() const { return in_progress_ == 0 && beginning_.empty() && !delivering_; }
-  [[nodiscard]] bool may_begin() const { return !cancelled_ && !failed_ && !ready_.empty(); }
+  [[nodiscard]] bool is_idle() const SEGUE_REQUIRES(mutex_) {
+    return in_progress_ == 0 && beginning_.empty() && !delivering_;
+  }
+  [[nodiscard]] bool may_begin() const SEGUE_REQUIRES(mutex_) {
+    return !cancelled_ && !failed_ && !ready_.empty();
+  }
 
-  /// Lets go of the lock.
-  void tell_left_ended(const Indices& indices, std::unique_lock<std::mutex>& lock);
+  void tell_left_ended(const Indices& indices);
   /// The performer reports how actions of a batch ended.
   void complete(Batch& batch, std::vector<Completed> ended);
   void cancel();
@@ -111,22 +114,24 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   const Completion completed_;
   const TimePoint started_;
 
-  std::mutex mutex_;  ///< protects all below; not held while others are called, but for `place`
-  std::condition_variable changed_;
-  std::vector<Indices> successors_;
-  std::vector<int> waits_for_;  ///< how many actions that are not done
-  std::vector<Progress> progress_;
-  Indices ready_;
-  std::vector<std::pair<std::size_t, Completed>> timed_out_;  ///< their deadlines have passed
-  std::vector<BatchPtr> batches_;
-  std::size_t in_progress_ = 0;  ///< actions; the doubtful ones too
-  bool failed_ = false;
-  bool cancelled_ = false;
-  bool told_ = false;
-  std::vector<Completed> undelivered_;
-  std::function<void(const model::Action&)> left_ended_;  ///< of EarlyEnd; set once, before anything begins
-  bool delivering_ = false;
-  std::set<std::thread::id> beginning_;  ///< threads in begin_ready(), where the performer may report at once
+  Mutex mutex_;  ///< protects all below; not held while others are called, but for `place`
+  ConditionVariable changed_;
+  std::vector<Indices> successors_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<int> waits_for_ SEGUE_GUARDED_BY(mutex_);  ///< how many actions that are not done
+  std::vector<Progress> progress_ SEGUE_GUARDED_BY(mutex_);
+  Indices ready_ SEGUE_GUARDED_BY(mutex_);
+  /// Their deadlines have passed.
+  std::vector<std::pair<std::size_t, Completed>> timed_out_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<BatchPtr> batches_ SEGUE_GUARDED_BY(mutex_);
+  std::size_t in_progress_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< actions; the doubtful ones too
+  bool failed_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool cancelled_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool told_ SEGUE_GUARDED_BY(mutex_) = false;
+  std::vector<Completed> undelivered_ SEGUE_GUARDED_BY(mutex_);
+  std::function<void(const model::Action&)> left_ended_;  ///< of EarlyEnd; set before anything begins
+  bool delivering_ SEGUE_GUARDED_BY(mutex_) = false;
+  /// Threads in begin_ready(), where the performer may report at once.
+  std::set<std::thread::id> beginning_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task_host

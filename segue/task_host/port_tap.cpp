@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/port_tap.hpp>
 
 #include <segue/base/text.hpp>
@@ -6,7 +7,6 @@
 #include <segue/task/component.hpp>
 
 #include <atomic>
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -33,7 +33,7 @@ class Tap {
   task::InputPortBase& input() { return probe_.input; }
 
   std::vector<type::Value> read(std::size_t limit) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     std::vector<type::Value> samples;
     type::Value value;
     while (samples.size() < limit && probe_.input.read_value(value) == task::ReadStatus::NewData) {
@@ -57,7 +57,7 @@ class Tap {
 
  private:
   const std::weak_ptr<task::Task> task_;
-  std::mutex mutex_;  ///< a port has one reader at a time
+  Mutex mutex_;  ///< a port has one reader at a time
   Probe probe_;
   const std::string full_name_;
   std::atomic<bool> is_closed_ = false;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/stand_in.hpp>
 
 #include <segue/base/text.hpp>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <mutex>
 #include <new>
 #include <set>
 #include <stdexcept>
@@ -116,7 +116,7 @@ class StandIn final : public task::Component {
   StandInBehaviour now_;
   std::optional<model::ComponentModel> model_;
   const type::TypeRegistry* types_;
-  std::mutex ports_mutex_;  ///< protects the ports below: connections may add more at any time
+  Mutex ports_mutex_;  ///< protects the ports below: connections may add more at any time
   std::vector<ExpectedPort> expected_;
   std::vector<std::unique_ptr<task::InputPortBase>> static_inputs_, dynamic_inputs_;
   std::vector<std::unique_ptr<task::OutputPortBase>> static_outputs_, dynamic_outputs_;
@@ -230,7 +230,7 @@ void StandIn::add_operation(const model::OperationModel& operation, const type::
 }
 
 Result<void> StandIn::grow(const ExpectedPort& port, bool configured) {
-  const std::lock_guard lock(ports_mutex_);
+  const Lock lock(ports_mutex_);
   if (has_port(*this, port)) {
     return {};
   }
@@ -272,7 +272,7 @@ Result<void> StandIn::on_configure() {
   if (auto passed = pass(&StandInBehaviour::configure, "configure"); !passed) {
     return passed;
   }
-  const std::lock_guard lock(ports_mutex_);
+  const Lock lock(ports_mutex_);
   static const std::vector<model::PortModel> kNone;
   for (const auto& port : model_ ? model_->ports : kNone) {
     if (port.dynamic && !port.pattern) add_port(port);
@@ -321,7 +321,7 @@ void StandIn::on_stop() {
 void StandIn::on_cleanup() {
   const auto passed = pass(&StandInBehaviour::cleanup, "cleanup");
   {
-    const std::lock_guard lock(ports_mutex_);
+    const Lock lock(ports_mutex_);
     dynamic_inputs_.clear();
     dynamic_outputs_.clear();
   }

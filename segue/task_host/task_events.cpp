@@ -34,7 +34,7 @@ void TaskEvents::note(const std::shared_ptr<Source>& source, TaskState state) no
 }
 
 void TaskEvents::set_listener(Listener listener) {
-  const std::lock_guard setting(setting_);
+  const Lock setting(setting_);
   if (thread_.joinable()) {
     stop_.store(true, std::memory_order_relaxed);
     rings_.fetch_add(1, std::memory_order_release);

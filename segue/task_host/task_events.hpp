@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -58,8 +58,8 @@ class TaskEvents {
   void take(const std::function<void(const Source&, std::uint64_t states)>& handle);
   void tell(const Source& source, std::uint64_t states) const;
 
-  std::mutex setting_;  ///< protects thread_ and listener_: one set_listener() at a time
-  Listener listener_;   ///< only changed while there is no thread
+  Mutex setting_;      ///< protects thread_ and listener_: one set_listener() at a time
+  Listener listener_;  ///< only changed while there is no thread
   std::thread thread_;
   std::atomic<bool> stop_{false};
   /// A stack. Whoever sets Source::queued_ pushes (release) and then raises rings_; the thread reads rings_

@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/ordered_actions.hpp>
 #include <segue/task_host/task_host.hpp>
 
-#include <condition_variable>
-#include <mutex>
 #include <utility>
 
 namespace segue::task_host {
 
 std::vector<Result<void>> wait_for_outcomes(std::size_t count, const std::function<void(Completion)>& begin) {
   struct Waiting {
-    std::mutex mutex;  ///< protects both
-    std::condition_variable all_known;
-    std::vector<Result<void>> outcomes;
-    std::size_t left = 0;
+    explicit Waiting(std::size_t count) : outcomes(count), left(count) {}
+    Mutex mutex;
+    ConditionVariable all_known;
+    std::vector<Result<void>> outcomes SEGUE_GUARDED_BY(mutex);
+    std::size_t left SEGUE_GUARDED_BY(mutex);
   };
   // Shared, since the waiter may be gone before the last call of the completion has returned.
-  const auto waiting = std::make_shared<Waiting>();
-  waiting->outcomes.resize(count);
-  waiting->left = count;
+  const auto waiting = std::make_shared<Waiting>(count);
   begin([waiting](std::vector<Completed> ended) {
-    const std::lock_guard lock(waiting->mutex);
+    const Lock lock(waiting->mutex);
     for (auto& one : ended) {
       waiting->outcomes[one.index] = std::move(one.outcome);
     }
@@ -29,8 +28,9 @@ std::vector<Result<void>> wait_for_outcomes(std::size_t count, const std::functi
       waiting->all_known.notify_all();
     }
   });
-  std::unique_lock lock(waiting->mutex);
-  waiting->all_known.wait(lock, [&] { return waiting->left == 0; });
+  Lock lock(waiting->mutex);
+  waiting->all_known.wait(waiting->mutex,
+                          [&]() SEGUE_REQUIRES(waiting->mutex) { return waiting->left == 0; });
   return std::move(waiting->outcomes);
 }
 

@@ -2,6 +2,7 @@
 #include <segue/task_host/task_maker.hpp>
 
 #include <algorithm>
+#include <mutex>
 
 namespace segue::task_host::detail {
 
@@ -51,7 +52,7 @@ Result<void> TaskMaker::can_make(const model::ComponentName& component) const {
 
 void TaskMaker::expect(const model::Network& network) {
   auto ports = expected_ports(network);
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (auto& [task, named] : ports) {
     auto& known = expected_[task];
     for (auto& port : named) {
@@ -101,7 +102,7 @@ std::unique_ptr<task::Component> TaskMaker::make_stand_in_for(const model::Task&
   plan.properties = property_names(definition);
   plan.behaviour = options_.stand_ins.of(definition.component, definition.id);
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (const auto found = expected_.find(definition.id); found != expected_.end()) {
       plan.ports = found->second;
     }

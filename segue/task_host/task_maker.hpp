@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/component_library.hpp>
 #include <segue/task_host/local_task_host.hpp>
 #include <segue/task_host/stand_in.hpp>
 #include <segue/task_host/task_table.hpp>
 
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,8 +56,8 @@ class TaskMaker {
   const LibrarySet& libraries_;
   const model::ComponentCatalog& catalog_;
   const LocalOptions options_;
-  mutable std::mutex mutex_;  ///< protects expected_
-  std::map<model::TaskId, std::vector<ExpectedPort>> expected_;
+  mutable Mutex mutex_;  ///< protects expected_
+  std::map<model::TaskId, std::vector<ExpectedPort>> expected_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task_host::detail

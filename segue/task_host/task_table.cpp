@@ -4,6 +4,7 @@
 #include <segue/base/text.hpp>
 
 #include <iterator>
+#include <shared_mutex>
 #include <utility>
 
 namespace segue::task_host::detail {
@@ -29,7 +30,7 @@ Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoin
 }
 
 std::optional<TaskEntry> TaskTable::look_up(const model::TaskId& id) const {
-  const std::shared_lock lock(mutex_);
+  const ReadLock lock(mutex_);
   const auto found = tasks_.find(id);
   return found == tasks_.end() ? std::nullopt : std::optional(found->second);
 }
@@ -38,7 +39,7 @@ Result<TaskEntry> TaskTable::find(const model::TaskId& id) const {
   if (auto entry = look_up(id)) {
     return std::move(*entry);
   }
-  const std::shared_lock lock(mutex_);
+  const ReadLock lock(mutex_);
   std::vector<std::string> known;
   for (const auto& [name, entry] : tasks_) {
     known.push_back(name.str());
@@ -48,7 +49,7 @@ Result<TaskEntry> TaskTable::find(const model::TaskId& id) const {
 }
 
 std::vector<TaskEntry> TaskTable::all() const {
-  const std::shared_lock lock(mutex_);
+  const ReadLock lock(mutex_);
   std::vector<TaskEntry> entries;
   entries.reserve(tasks_.size());
   for (const auto& [id, entry] : tasks_) {
@@ -58,7 +59,7 @@ std::vector<TaskEntry> TaskTable::all() const {
 }
 
 std::vector<TaskEntry> TaskTable::in_process(const model::DeploymentKey& process) const {
-  const std::shared_lock lock(mutex_);
+  const ReadLock lock(mutex_);
   std::vector<TaskEntry> entries;
   for (const auto& [id, entry] : tasks_) {
     if (entry.process == process) {
@@ -69,7 +70,7 @@ std::vector<TaskEntry> TaskTable::in_process(const model::DeploymentKey& process
 }
 
 Result<std::shared_ptr<task::Task>> TaskTable::put(TaskEntry entry) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   if (!entry.process.is_runtime() && !processes_.contains(entry.process)) {
     const std::string process = quote(to_string(entry.process));
     return fail(ErrorCode::NotFound, "process " + process + " has ended meanwhile",
@@ -82,7 +83,7 @@ Result<std::shared_ptr<task::Task>> TaskTable::put(TaskEntry entry) {
 }
 
 Result<void> TaskTable::update(const task::Task* present, TaskEntry entry) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   const model::TaskId id = entry.definition.id;
   if (!holds(id, present)) {
     return removed_meanwhile(id);
@@ -97,7 +98,7 @@ bool TaskTable::holds(const model::TaskId& id, const task::Task* task) const {
 }
 
 std::shared_ptr<task::Task> TaskTable::take(const model::TaskId& id) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   const auto found = tasks_.find(id);
   if (found == tasks_.end()) {
     return nullptr;
@@ -108,14 +109,14 @@ std::shared_ptr<task::Task> TaskTable::take(const model::TaskId& id) {
 }
 
 void TaskTable::redefine(const model::TaskId& id, const std::function<void(model::Task&)>& change) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   if (const auto found = tasks_.find(id); found != tasks_.end()) {
     change(found->second.definition);
   }
 }
 
 Result<void> TaskTable::add_process(const model::Deployment& deployment) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   ProcessEntry entry{deployment, std::make_shared<task::ExecutorSet>()};
   entry.deployment.tasks.clear();
   if (!processes_.try_emplace(deployment.key(), std::move(entry)).second) {
@@ -126,13 +127,13 @@ Result<void> TaskTable::add_process(const model::Deployment& deployment) {
 }
 
 std::optional<ProcessEntry> TaskTable::find_process(const model::DeploymentKey& key) const {
-  const std::shared_lock lock(mutex_);
+  const ReadLock lock(mutex_);
   const auto found = processes_.find(key);
   return found == processes_.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::vector<std::shared_ptr<task::Task>> TaskTable::take_process(const model::DeploymentKey& key) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   std::vector<std::shared_ptr<task::Task>> taken;
   processes_.erase(key);
   for (auto place = tasks_.begin(); place != tasks_.end();) {
@@ -148,7 +149,7 @@ std::vector<std::shared_ptr<task::Task>> TaskTable::take_process(const model::De
 }
 
 std::vector<model::Deployment> TaskTable::processes() const {
-  const std::shared_lock lock(mutex_);
+  const ReadLock lock(mutex_);
   std::vector<model::Deployment> deployments;
   for (const auto& [key, entry] : processes_) {
     deployments.push_back(entry.deployment);
@@ -157,7 +158,7 @@ std::vector<model::Deployment> TaskTable::processes() const {
 }
 
 Result<void> TaskTable::add_connection(ConnectionEntry entry, const task::Task* from, const task::Task* to) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   const model::Connection connection = entry.connection;
   for (const auto& [id, task] : {std::pair(connection.from.task, from), std::pair(connection.to.task, to)}) {
     if (!holds(id, task)) {
@@ -174,7 +175,7 @@ Result<void> TaskTable::add_connection(ConnectionEntry entry, const task::Task* 
 }
 
 Result<ConnectionEntry> TaskTable::take_connection(const model::Connection& connection) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   const auto found = connections_.find(connection);
   if (found == connections_.end() || !found->second.handle.is_connected()) {
     const std::string name = to_string(connection);
@@ -184,7 +185,7 @@ Result<ConnectionEntry> TaskTable::take_connection(const model::Connection& conn
 }
 
 void TaskTable::drop_ended_connections() {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   for (auto place = connections_.begin(); place != connections_.end();) {
     const auto next = std::next(place);
     if (!place->second.handle.is_connected()) {
@@ -195,7 +196,7 @@ void TaskTable::drop_ended_connections() {
 }
 
 void TaskTable::drop_ended_connections_of(const model::TaskId& id) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   for (const auto& place : connections_of(id)) {
     if (!place->second.handle.is_connected()) {
       take(place);
@@ -204,7 +205,7 @@ void TaskTable::drop_ended_connections_of(const model::TaskId& id) {
 }
 
 std::vector<ConnectionEntry> TaskTable::take_connections_of(const model::TaskId& id) {
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   return erase_connections_of(id);
 }
 
@@ -240,14 +241,14 @@ std::vector<ConnectionEntry> TaskTable::erase_connections_of(const model::TaskId
 }
 
 std::optional<ConnectionHandle> TaskTable::find_connection(const model::Connection& connection) const {
-  const std::shared_lock lock(mutex_);
+  const ReadLock lock(mutex_);
   const auto found = connections_.find(connection);
   const bool there = found != connections_.end() && found->second.handle.is_connected();
   return there ? std::optional(found->second.handle) : std::nullopt;
 }
 
 std::vector<ConnectionEntry> TaskTable::all_connections() const {
-  const std::shared_lock lock(mutex_);
+  const ReadLock lock(mutex_);
   std::vector<ConnectionEntry> all;
   for (const auto& [connection, entry] : connections_) {
     if (entry.handle.is_connected()) {
@@ -260,7 +261,7 @@ std::vector<ConnectionEntry> TaskTable::all_connections() const {
 void TaskTable::clear() {
   std::map<model::TaskId, TaskEntry> tasks;
   Connections connections;
-  const std::unique_lock lock(mutex_);
+  const WriteLock lock(mutex_);
   readers_.clear();
   tasks.swap(tasks_);
   connections.swap(connections_);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
+#include <segue/base/shared_mutex.hpp>
 #include <segue/model/network.hpp>
 #include <segue/task/executor_set.hpp>
 #include <segue/task/task.hpp>
@@ -10,7 +12,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <shared_mutex>
@@ -124,18 +125,20 @@ class TaskTable {
   void clear();
 
  private:
-  [[nodiscard]] bool holds(const model::TaskId& id, const task::Task* task) const;
+  [[nodiscard]] bool holds(const model::TaskId& id, const task::Task* task) const
+      SEGUE_REQUIRES_SHARED(mutex_);
   using Connections = std::map<model::Connection, ConnectionEntry, ByWriter>;
-  /// With the lock held, as the following.
-  [[nodiscard]] std::vector<Connections::iterator> connections_of(const model::TaskId& id);
-  ConnectionEntry take(Connections::iterator place);
-  std::vector<ConnectionEntry> erase_connections_of(const model::TaskId& id);
+  [[nodiscard]] std::vector<Connections::iterator> connections_of(const model::TaskId& id)
+      SEGUE_REQUIRES(mutex_);
+  ConnectionEntry take(Connections::iterator place) SEGUE_REQUIRES(mutex_);
+  std::vector<ConnectionEntry> erase_connections_of(const model::TaskId& id) SEGUE_REQUIRES(mutex_);
 
-  mutable std::shared_mutex mutex_;  ///< protects all below; no task is called while it is held
-  std::map<model::TaskId, TaskEntry> tasks_;
-  std::map<model::DeploymentKey, ProcessEntry> processes_;
-  Connections connections_;
-  std::set<const model::Connection*, ByReader> readers_;  ///< the keys of connections_
+  mutable SharedMutex mutex_;  ///< protects all below; no task is called while it is held
+  std::map<model::TaskId, TaskEntry> tasks_ SEGUE_GUARDED_BY(mutex_);
+  std::map<model::DeploymentKey, ProcessEntry> processes_ SEGUE_GUARDED_BY(mutex_);
+  Connections connections_ SEGUE_GUARDED_BY(mutex_);
+  /// The keys of connections_.
+  std::set<const model::Connection*, ByReader> readers_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task_host::detail

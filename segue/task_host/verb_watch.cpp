@@ -15,17 +15,17 @@ constexpr Duration kPatience = std::chrono::milliseconds(20);
 VerbWatch::Verb::Verb(VerbWatch& watch, model::TaskId id, const task::Task* task, std::string_view name,
                       TimePoint deadline)
     : watch_(watch), id_(std::move(id)), task_(task), name_(name), deadline_(deadline) {
-  const std::lock_guard lock(watch_.mutex_);
+  const Lock lock(watch_.mutex_);
   place_ = watch_.verbs_.insert(watch_.verbs_.end(), this);
 }
 
 VerbWatch::Verb::~Verb() {
-  const std::lock_guard lock(watch_.mutex_);
+  const Lock lock(watch_.mutex_);
   watch_.verbs_.erase(place_);
 }
 
 void VerbWatch::blocked(const model::TaskId& id, const std::shared_ptr<task::Task>& task) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   blocked_.insert_or_assign(id, task);
 }
 
@@ -34,7 +34,7 @@ std::vector<VerbWatch::Overdue> VerbWatch::overdue() {
   std::vector<Overdue> late;
   std::map<model::TaskId, std::weak_ptr<task::Task>> blocked;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     for (const Verb* verb : verbs_) {
       if (verb->deadline_ < now) {
         late.push_back({verb->id_, verb->task_, verb->name_ + " has not returned by its deadline"});
@@ -48,7 +48,7 @@ std::vector<VerbWatch::Overdue> VerbWatch::overdue() {
       late.push_back({id, task.get(), "a hook or an update has not returned"});
       continue;
     }
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     blocked_.erase(id);
   }
   return late;

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/task/task.hpp>
 
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,9 +51,9 @@ class VerbWatch {
   [[nodiscard]] std::vector<Overdue> overdue();
 
  private:
-  std::mutex mutex_;
-  std::list<const Verb*> verbs_;
-  std::map<model::TaskId, std::weak_ptr<task::Task>> blocked_;
+  Mutex mutex_;
+  std::list<const Verb*> verbs_ SEGUE_GUARDED_BY(mutex_);
+  std::map<model::TaskId, std::weak_ptr<task::Task>> blocked_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task_host::detail

@@ -14,7 +14,7 @@ Watches::Open::Open(Wait until, Look how, Watches& owner)
 
 void Watches::add(Wait wait, Look look) {
   if (look(End::No)) return;
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   if (closed_) {
     lock.unlock();
     look(End::Closed);
@@ -40,7 +40,7 @@ void Watches::wake() noexcept {
 void Watches::close() {
   std::optional<std::thread> thread;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     closed_ = true;
     thread = std::exchange(thread_, std::nullopt);
   }
@@ -53,7 +53,7 @@ void Watches::run() {
     const std::uint32_t seen = rings_.load(std::memory_order_seq_cst);
     bool is_last = false;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       open_.splice(open_.end(), added_);
       is_last = closed_;
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/wait.hpp>
 
 #include <atomic>
@@ -10,7 +11,6 @@
 #include <functional>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <thread>
@@ -65,8 +65,8 @@ class Watches {
   std::atomic<std::uint32_t> open_count_{0};
   std::atomic<std::uint32_t> rings_{0};
   std::atomic<bool> closed_{false};
-  std::mutex mutex_;  ///< protects the next two
-  std::list<std::unique_ptr<Open>> added_;
+  Mutex mutex_;  ///< protects the next two
+  std::list<std::unique_ptr<Open>> added_ SEGUE_GUARDED_BY(mutex_);
   std::optional<std::thread> thread_;
   std::list<std::unique_ptr<Open>> open_;  ///< used by the thread
 };

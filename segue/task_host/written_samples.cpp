@@ -65,7 +65,7 @@ Result<std::shared_ptr<sample_link::PortConnection>> WrittenSamples::write(task:
   auto written = std::make_unique<Written>(port);
   auto connection = written->write(port, value);
   if (!connection) return connection;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   on_their_way_.emplace(connection->get(), std::move(written));
   return connection;
 }
@@ -79,7 +79,7 @@ Result<void> WrittenSamples::wait_until_taken(const model::PortRef& name,
     taken = connection.counters().read > 0;
   }
   std::unique_ptr<Written> withdrawn;  // or the one before; disconnected without the mutex
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   auto entry = on_their_way_.extract(&connection);
   if (entry.empty()) return fail(ErrorCode::Internal, "the sample is not on its way", name.task.str());
   withdrawn = std::move(entry.mapped());
@@ -95,7 +95,7 @@ Result<void> WrittenSamples::wait_until_taken(const model::PortRef& name,
 }
 
 void WrittenSamples::forget(const std::function<bool(const model::TaskId&)>& runs) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::erase_if(taken_, [&](const auto& entry) { return !runs(entry.first.task); });
 }
 

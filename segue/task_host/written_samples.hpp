@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/sample_link/port_connection.hpp>
@@ -11,7 +12,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 
 namespace segue::task_host::detail {
 
@@ -38,9 +38,10 @@ class WrittenSamples {
 
  private:
   class Written;
-  std::mutex mutex_;  ///< protects both
-  std::map<const sample_link::PortConnection*, std::unique_ptr<Written>> on_their_way_;
-  std::map<model::PortRef, std::unique_ptr<Written>> taken_;
+  Mutex mutex_;  ///< protects both
+  std::map<const sample_link::PortConnection*, std::unique_ptr<Written>> on_their_way_
+      SEGUE_GUARDED_BY(mutex_);
+  std::map<model::PortRef, std::unique_ptr<Written>> taken_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task_host::detail

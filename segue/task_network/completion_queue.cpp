@@ -8,7 +8,7 @@ namespace segue::task_network {
 CompletionQueue::CompletionQueue(ClockKind clock) : clock_(clock) {}
 
 void CompletionQueue::begin() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   began_ = RealClock::instance().now();
 }
 
@@ -36,7 +36,7 @@ void CompletionQueue::await(NodeId node, std::uint32_t attempt) {
 
 /// In real time the end is now, not when the engine gets to know of it.
 void CompletionQueue::finish(NodeId node, std::uint32_t attempt, ReportPtr report) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   posted_.push_back({clock_ == ClockKind::Real ? elapsed() : TimePoint{}, node, attempt, std::move(report)});
   arrived_.notify_one();
 }
@@ -67,7 +67,7 @@ bool CompletionQueue::stands_still() const {
 std::optional<CompletionQueue::End> CompletionQueue::take_due() {
   if (clock_ == ClockKind::Real) now_ = std::max(now_, elapsed());
   if (!due()) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     fetch_posted();
   }
   if (due()) return take_first_due();
@@ -79,15 +79,15 @@ std::optional<CompletionQueue::End> CompletionQueue::take_due() {
 
 /// Blocks until an end may be due; false once the deadline has passed.
 bool CompletionQueue::wait(TimePoint deadline) {
-  std::unique_lock lock(mutex_);
-  const auto arrived = [&] { return !posted_.empty(); };
+  Lock lock(mutex_);
+  const auto arrived = [&]() SEGUE_REQUIRES(mutex_) { return !posted_.empty(); };
   const bool timed = clock_ == ClockKind::Real && !later_.empty();
   const TimePoint limit = timed ? std::min(deadline, later_.front().when) : deadline;
   bool there = true;
   if (limit == TimePoint::max())
-    arrived_.wait(lock, arrived);
+    arrived_.wait(mutex_, arrived);
   else
-    there = arrived_.wait_until(lock, began_ + limit.time_since_epoch(), arrived);
+    there = arrived_.wait_until(mutex_, began_ + limit.time_since_epoch(), arrived);
   fetch_posted();
   return there || limit != deadline;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task_network/environment.hpp>
 
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <utility>
@@ -96,7 +96,7 @@ class CompletionQueue final : public Completions {
   std::optional<End> take_due();
   [[nodiscard]] bool stands_still() const;
   bool wait(TimePoint deadline);
-  void fetch_posted();
+  void fetch_posted() SEGUE_REQUIRES(mutex_);
 
   const ClockKind clock_;
   TimePoint began_ = RealClock::instance().now();  ///< written by the engine's thread, with the mutex
@@ -106,9 +106,9 @@ class CompletionQueue final : public Completions {
   std::size_t taken_ = 0;                                      ///< of due_; all are taken before time goes on
   std::vector<Scheduled> later_;                               ///< a heap
   std::set<std::pair<std::uint32_t, std::uint32_t>> awaited_;  ///< node and attempt; only in virtual time
-  std::mutex mutex_;  ///< protects began_ and posted_, through which other threads hand over ends
-  std::condition_variable arrived_;
-  std::vector<End> posted_;
+  Mutex mutex_;  ///< protects began_ and posted_, through which other threads hand over ends
+  ConditionVariable arrived_;
+  std::vector<End> posted_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::task_network

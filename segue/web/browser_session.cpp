@@ -38,7 +38,7 @@ void Session::receive(std::string_view text) {
   auto command = Command::parse(text);
   if (command) return execute(std::move(*command));
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     answers_.push_back(
         type::to_json(Value::map({{"id", Value()}, {"error", error_value(command.error())}}), -1));
   }
@@ -48,7 +48,7 @@ void Session::receive(std::string_view text) {
 void Session::execute(Command command) {
   const std::uint64_t id = command.id();
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ++in_progress_;
   }
   if (command.verb() == "look" || command.verb() == "look_away") return answer(id, look(command));
@@ -64,7 +64,7 @@ Result<Value> Session::look(const Command& command) {
   if (auto known = command.only({"document"}); !known) return known.error();
   const bool away = command.verb() == "look_away";
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (away) {
       sent_.erase(*name);
       changed_.erase(*name);
@@ -77,7 +77,7 @@ Result<Value> Session::look(const Command& command) {
     return Value();
   }
   if (auto done = hub_.look(shared_from_this(), *name); !done) return done.error();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   sent_.emplace(*name, nullptr);
   changed_.insert(*name);
   return Value();
@@ -93,7 +93,7 @@ void Session::answer(std::uint64_t id, const Result<Value>& result) {
     text = type::to_json(Value::map({{"id", id}, {"error", error_value(error)}}), -1);
   }
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!result && result.error().code == ErrorCode::PermissionDenied)
       refusals_.tell("a request of " + identity_.who, result.error().message);
     --in_progress_;
@@ -104,7 +104,7 @@ void Session::answer(std::uint64_t id, const Result<Value>& result) {
 
 void Session::on_change(const std::string& document) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!sent_.contains(document)) return;
     changed_.insert(document);
   }
@@ -112,14 +112,14 @@ void Session::on_change(const std::string& document) {
 }
 
 bool Session::is_full() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return answers_.size() + in_progress_ >= kMostAnswers;
 }
 
 std::optional<std::string> Session::next() {
   std::string name;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!answers_.empty()) {
       std::string text = std::move(answers_.front());
       answers_.pop_front();
@@ -141,7 +141,7 @@ std::optional<std::string> Session::next() {
 std::string Session::update(const std::string& name, const std::shared_ptr<const Document>& newest) {
   std::shared_ptr<const Document> before;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto known = sent_.find(name);
     if (known == sent_.end() || (known->second && known->second->version >= newest->version)) return {};
     before = std::exchange(known->second, newest);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/refusal_log.hpp>
 #include <segue/rpc/peer.hpp>
 #include <segue/web/hub.hpp>
@@ -11,7 +12,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -62,14 +62,14 @@ class Session final : public Viewer, public std::enable_shared_from_this<Session
   Verbs& verbs_;
   const Identity identity_;
   const std::function<void()> ready_;
-  mutable std::mutex mutex_;  ///< protects all below
-  std::deque<std::string> answers_;
-  std::size_t in_progress_ = 0;  ///< calls
-  std::map<std::string, std::shared_ptr<const Document>>
-      sent_;  ///< of each document looked at; null: none yet
-  std::set<std::string> changed_;
-  RefusalLog refusals_{"studio"};
-  std::string last_update_;  ///< the document that was sent last: others come first
+  mutable Mutex mutex_;  ///< protects all below
+  std::deque<std::string> answers_ SEGUE_GUARDED_BY(mutex_);
+  std::size_t in_progress_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< calls
+  /// Of each document looked at; null: none yet.
+  std::map<std::string, std::shared_ptr<const Document>> sent_ SEGUE_GUARDED_BY(mutex_);
+  std::set<std::string> changed_ SEGUE_GUARDED_BY(mutex_);
+  RefusalLog refusals_ SEGUE_GUARDED_BY(mutex_){"studio"};
+  std::string last_update_ SEGUE_GUARDED_BY(mutex_);  ///< the document that was sent last: others come first
 };
 
 }  // namespace segue::web

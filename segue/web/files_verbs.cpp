@@ -166,7 +166,7 @@ Result<fs::path> FileVerbs::robot_file() {
   const auto link = link_.get();
   const auto status = link ? link->robot->status() : Result<Value>(link.error());
   if (link && !status) link_.failed(link->generation, status.error());
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!status) return last_file_.empty() ? Result<fs::path>(status.error()) : Result<fs::path>(last_file_);
   const Value* file = status->find("file");
   if (file == nullptr || !file->is_string())
@@ -178,12 +178,12 @@ Result<fs::path> FileVerbs::robot_file() {
 std::shared_ptr<const model::ComponentCatalog> FileVerbs::catalog(const model::Robot& robot, bool anew,
                                                                   Diagnostics& diagnostics) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (catalog_ && !anew) return catalog_;
   }
   auto found = std::make_shared<const model::ComponentCatalog>(models_of_ ? models_of_(robot, diagnostics)
                                                                           : model::ComponentCatalog());
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   catalog_ = found;
   return found;
 }
@@ -238,7 +238,7 @@ Result<Value> FileVerbs::save(const Command& command) {
   if (!folder) return folder.error();
   if (const auto may = may_change(*file); !may) return may.error();
   if (const auto stays = stays_file(*file, texts->at(1)); !stays) return stays.error();
-  const std::lock_guard lock(saving_);
+  const Lock lock(saving_);
   const auto version = folder->replace(file->path, texts->at(1), texts->at(2));
   if (!version) return version.error();
   return Value::map({{"version", *version}});
@@ -258,7 +258,7 @@ Result<Value> FileVerbs::create(const Command& command) {
   if (!change) return change.error();
   const auto folder = FileFolder::open(robot->parent_path());
   if (!folder) return folder.error();
-  const std::lock_guard lock(saving_);
+  const Lock lock(saving_);
   const auto version = folder->create(path, texts->at(1));
   if (!version) return version.error();
   const auto done = follow(*folder, *change, robot->parent_path() / path, kind == model::FileKind::Network,
@@ -290,7 +290,7 @@ Result<Value> FileVerbs::rename(const Command& command) {
   if (const auto named = check_new_path(*to); !named) return named.error();
   const auto change = RobotChange::of(command, changed->robot);
   if (!change) return change.error();
-  const std::lock_guard lock(saving_);
+  const Lock lock(saving_);
   if (auto done = changed->folder.rename(changed->file.path, *to, changed->version); !done)
     return done.error();
   const auto done = follow(changed->folder, *change, changed->robot.parent_path() / *to,
@@ -305,7 +305,7 @@ Result<Value> FileVerbs::remove(const Command& command) {
   if (!changed) return changed.error();
   const auto change = RobotChange::of(command, changed->robot);
   if (!change) return change.error();
-  const std::lock_guard lock(saving_);
+  const Lock lock(saving_);
   const auto content = changed->folder.read(changed->file.path);
   if (auto done = changed->folder.remove(changed->file.path, changed->version); !done) return done.error();
   const auto done = follow(changed->folder, *change, changed->file.place, false,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/model/component_model.hpp>
@@ -15,7 +16,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 
 namespace segue::web {
@@ -74,10 +74,10 @@ class FileVerbs {
 
   RobotLink& link_;
   const ModelsOf models_of_;
-  std::mutex mutex_;  ///< protects the next two
-  std::filesystem::path last_file_;
-  std::shared_ptr<const model::ComponentCatalog> catalog_;
-  std::mutex saving_;
+  Mutex mutex_;  ///< protects the next two
+  std::filesystem::path last_file_ SEGUE_GUARDED_BY(mutex_);
+  std::shared_ptr<const model::ComponentCatalog> catalog_ SEGUE_GUARDED_BY(mutex_);
+  Mutex saving_;
 };
 
 }  // namespace segue::web

@@ -58,7 +58,7 @@ Gate::Gate(Place place, Role role)
       token_(random_secret()) {}
 
 std::string Gate::token() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return token_;
 }
 
@@ -122,7 +122,7 @@ Gate::Admission Gate::add_browser() {
 Result<Gate::Admission> Gate::admit(const Entrance& entrance) {
   if (auto named = check_names(entrance); !named) return named.error();
   if (entrance.certified) return Admission{std::min(role_, *entrance.certified)};
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const std::string_view target = entrance.target;
   const bool brings_token =
       target.starts_with(kTokenQuery) && equal_secrets(target.substr(kTokenQuery.size()), token_);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/rpc/peer.hpp>
 
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -79,17 +79,17 @@ class Gate {
 
   [[nodiscard]] bool is_meant(const std::string& host, const std::string& address) const;
   [[nodiscard]] Result<void> check_names(const Entrance& entrance) const;
-  [[nodiscard]] Result<Admission> admit_known(const Entrance& entrance) const;
-  [[nodiscard]] const Browser* browser_with(std::string_view cookies) const;
-  Admission add_browser();
+  [[nodiscard]] Result<Admission> admit_known(const Entrance& entrance) const SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] const Browser* browser_with(std::string_view cookies) const SEGUE_REQUIRES(mutex_);
+  Admission add_browser() SEGUE_REQUIRES(mutex_);
 
   const Place place_;
   const Role role_;
   const std::string cookie_name_;
-  mutable std::mutex mutex_;  ///< protects all below
-  std::string token_;
-  std::vector<Browser> browsers_;
-  std::uint64_t last_number_ = 0;
+  mutable Mutex mutex_;  ///< protects all below
+  std::string token_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<Browser> browsers_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t last_number_ SEGUE_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace segue::web

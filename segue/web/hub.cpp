@@ -128,7 +128,7 @@ Hub::Hub(RobotLink& link, Periods periods) : link_(link), periods_(periods) {
 
 Hub::~Hub() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ends_ = true;
   }
   changed_.notify_all();
@@ -141,7 +141,7 @@ Result<void> Hub::look(const std::shared_ptr<Viewer>& viewer, const std::string&
   const auto task = task_of(document);
   if (!port && !task && document != "status" && document != "events" && document != "mission")
     return fail(ErrorCode::NotFound, "there is no document " + quote(document));
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   auto& entry = documents_[document];
   if (!entry) {
     if (documents_.size() > kMostDocuments) {
@@ -165,7 +165,7 @@ Result<void> Hub::look(const std::shared_ptr<Viewer>& viewer, const std::string&
 
 void Hub::look_away(const Viewer& viewer, const std::string& document) {
   std::shared_ptr<Watched> dropped;  // ends after the mutex is free, since a stream may have to be closed
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = documents_.find(document);
   if (found == documents_.end()) return;
   std::erase_if(found->second->viewers, [&](const auto& one) { return one.who == &viewer; });
@@ -177,7 +177,7 @@ void Hub::look_away(const Viewer& viewer, const std::string& document) {
 void Hub::leave(const Viewer& viewer) {
   std::vector<std::string> names;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     for (const auto& [name, entry] : documents_)
       names.push_back(name);
   }
@@ -186,7 +186,7 @@ void Hub::leave(const Viewer& viewer) {
 }
 
 std::shared_ptr<const Document> Hub::newest(const std::string& document) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = documents_.find(document);
   return found == documents_.end() ? nullptr : found->second->newest;
 }
@@ -203,11 +203,11 @@ void Hub::run(Kind kind) {
   const Duration period = kind == kPorts    ? periods_.ports
                           : kind == kEvents ? kShortestPause
                                             : periods_.snapshots;
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   while (!ends_) {
     auto due = watched(kind);
     if (due.empty()) {
-      changed_.wait(lock);
+      changed_.wait(mutex_);
       continue;
     }
     const std::uint64_t seen = nudges_;
@@ -216,9 +216,9 @@ void Hub::run(Kind kind) {
       refresh(*document);
     due.clear();  // what nobody looks at any more ends here
     lock.lock();
-    changed_.wait_for(lock, kShortestPause, [this] { return ends_; });
-    changed_.wait_for(lock, period - std::min(period, kShortestPause),
-                      [&] { return ends_ || (kind != kEvents && nudges_ != seen); });
+    changed_.wait_for(mutex_, kShortestPause, [this]() SEGUE_REQUIRES(mutex_) { return ends_; });
+    changed_.wait_for(mutex_, period - std::min(period, kShortestPause),
+                      [&]() SEGUE_REQUIRES(mutex_) { return ends_ || (kind != kEvents && nudges_ != seen); });
   }
 }
 
@@ -328,7 +328,7 @@ Hub::Answer Hub::follow_events(Watched& document, const RobotLink::Connected& li
   const bool has_news = !fresh.empty();
   add_numbered(document.events, fresh, document.last_event, kMostEvents);
   if (has_news) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ++nudges_;
     changed_.notify_all();
   }
@@ -351,7 +351,7 @@ void Hub::publish(Watched& document, Value value, std::string error) {
     next->change = type::to_json(change_between(before->value, next->value), -1);
   std::vector<std::shared_ptr<Viewer>> told;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     document.newest = std::move(next);
     for (const auto& looking : document.viewers) {
       if (auto alive = looking.viewer.lock()) told.push_back(std::move(alive));

@@ -2,15 +2,15 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/robot_link.hpp>
 
 #include <array>
-#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -76,7 +76,7 @@ class Hub {
   struct Watched;
 
   void run(Kind kind);
-  std::vector<std::shared_ptr<Watched>> watched(Kind kind) const;
+  std::vector<std::shared_ptr<Watched>> watched(Kind kind) const SEGUE_REQUIRES(mutex_);
   void refresh(Watched& document);
   /// What the robot answers; nothing: as is known already.
   using Answer = Result<std::optional<type::Value>>;
@@ -89,12 +89,13 @@ class Hub {
 
   RobotLink& link_;
   const Periods periods_;
-  mutable std::mutex mutex_;  ///< protects all below but the threads
-  std::condition_variable changed_;
-  bool ends_ = false;
-  std::uint64_t nudges_ = 0;  ///< what is known may be outdated before the period is over
-  std::map<std::string, std::shared_ptr<Watched>> documents_;
-  std::array<std::thread, 3> threads_;
+  mutable Mutex mutex_;  ///< protects all below but the threads
+  ConditionVariable changed_;
+  bool ends_ SEGUE_GUARDED_BY(mutex_) = false;
+  /// What is known may be outdated before the period is over.
+  std::uint64_t nudges_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::map<std::string, std::shared_ptr<Watched>> documents_ SEGUE_GUARDED_BY(mutex_);
+  std::array<std::thread, 3> threads_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::web

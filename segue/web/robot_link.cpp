@@ -8,7 +8,7 @@ namespace segue::web {
 RobotLink::RobotLink(Connect connect, Duration pause) : connect_(std::move(connect)), pause_(pause) {}
 
 Result<RobotLink::Connected> RobotLink::get() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (connected_.robot) return connected_;
   const TimePoint now = monotonic_now();
   if (now < next_try_) return last_error_;
@@ -24,7 +24,7 @@ Result<RobotLink::Connected> RobotLink::get() {
 
 void RobotLink::failed(std::uint64_t generation, const Error& error) {
   if (error.code != ErrorCode::Unavailable) return;
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (connected_.generation == generation) connected_ = {};
 }
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/control/robot_service.hpp>
 
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 
 namespace segue::web {
 
@@ -34,11 +34,11 @@ class RobotLink {
  private:
   const Connect connect_;
   const Duration pause_;
-  std::mutex mutex_;  ///< protects all below
-  Connected connected_;
-  std::uint64_t generations_ = 0;
-  Error last_error_;
-  TimePoint next_try_{};
+  Mutex mutex_;  ///< protects all below
+  Connected connected_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t generations_ SEGUE_GUARDED_BY(mutex_) = 0;
+  Error last_error_ SEGUE_GUARDED_BY(mutex_);
+  TimePoint next_try_ SEGUE_GUARDED_BY(mutex_){};
 };
 
 }  // namespace segue::web

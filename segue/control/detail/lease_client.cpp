@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/rpc_codecs/robot.capnp.h>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/control/detail/lease_client.hpp>
 #include <segue/control/detail/stream_client.hpp>
 
 #include <algorithm>
 #include <charconv>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,7 +33,7 @@ class LeaseNews {
   /// Calls `ask` where no question is under way, and waits for the answer.
   template <class Ask>
   Result<void> wait_for(const Wait& wait, const Ask& ask) {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     if (wait.is_stopped()) return no_longer_wanted();
     const std::uint64_t next = answers_ + 1;
     if (!std::exchange(is_asked_, true)) {
@@ -41,16 +41,16 @@ class LeaseNews {
       ask();
       lock.lock();
     }
-    const auto has_come = [&] { return answers_ >= next; };
+    const auto has_come = [&]() SEGUE_REQUIRES(mutex_) { return answers_ >= next; };
     const bool came = wait.deadline == TimePoint::max()
-                          ? answered_.wait(lock, wait.stop, has_come)
-                          : answered_.wait_until(lock, wait.stop, wait.deadline, has_come);
+                          ? answered_.wait(mutex_, wait.stop, has_come)
+                          : answered_.wait_until(mutex_, wait.stop, wait.deadline, has_come);
     if (came) return last_;
     if (wait.is_stopped()) return no_longer_wanted();
     return fail(ErrorCode::DeadlineExceeded, "the robot has not said in time what became of the lease");
   }
   void answer(const Result<Value>& news) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     last_ = news ? Result<void>() : news.error();
     if (news && news->is_list()) {
       for (const Value& one : news->as_list())
@@ -61,16 +61,16 @@ class LeaseNews {
     answered_.notify_all();
   }
   [[nodiscard]] LeaseStanding standing() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return standing_;
   }
   std::vector<HolderRequest> take_commands() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return std::exchange(asked_, {});
   }
 
  private:
-  void take_in(const Value& one) {
+  void take_in(const Value& one) SEGUE_REQUIRES(mutex_) {
     const Value* who = one.find("lost_to");
     const Value* what = one.find("asked");
     const Value* arguments = one.find("arguments");
@@ -82,13 +82,13 @@ class LeaseNews {
         {request_number(one.find("number")), what->as_string(), arguments == nullptr ? Value() : *arguments});
   }
 
-  std::mutex mutex_;  ///< protects all below; not held while the robot is asked
-  std::condition_variable_any answered_;
-  bool is_asked_ = false;
-  std::uint64_t answers_ = 0;
-  Result<void> last_;
-  LeaseStanding standing_;
-  std::vector<HolderRequest> asked_;
+  Mutex mutex_;  ///< protects all below; not held while the robot is asked
+  StoppableConditionVariable answered_;
+  bool is_asked_ SEGUE_GUARDED_BY(mutex_) = false;
+  std::uint64_t answers_ SEGUE_GUARDED_BY(mutex_) = 0;
+  Result<void> last_ SEGUE_GUARDED_BY(mutex_);
+  LeaseStanding standing_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<HolderRequest> asked_ SEGUE_GUARDED_BY(mutex_);
 };
 
 class ClientLease final : public RobotLease {

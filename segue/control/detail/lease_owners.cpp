@@ -4,17 +4,17 @@
 namespace segue::control::detail {
 
 void LeaseOwners::add(std::uint64_t lease, const Peer& owner) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   owner_.insert_or_assign(lease, identity_of(owner));
 }
 
 void LeaseOwners::remove(std::uint64_t lease) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   owner_.erase(lease);
 }
 
 std::optional<Error> LeaseOwners::refusal(std::uint64_t lease, const Peer& who) const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   const auto found = owner_.find(lease);
   if (found == owner_.end() || found->second == identity_of(who)) return std::nullopt;
   return fail(ErrorCode::PermissionDenied, "that lease was given to somebody else");

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/rpc/peer.hpp>
 
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -23,8 +23,8 @@ class LeaseOwners {
   [[nodiscard]] std::optional<Error> refusal(std::uint64_t lease, const Peer& who) const;
 
  private:
-  mutable std::mutex mutex_;                    ///< protects the member below
-  std::map<std::uint64_t, std::string> owner_;  ///< as identity_of() names it
+  mutable Mutex mutex_;                                                  ///< protects the member below
+  std::map<std::uint64_t, std::string> owner_ SEGUE_GUARDED_BY(mutex_);  ///< as identity_of() names it
 };
 
 }  // namespace segue::control::detail

@@ -55,7 +55,7 @@ class StreamServer final : public wire::SampleStream::Server {
 }  // namespace
 
 Result<type::Value> HeldStream::read(std::size_t limit) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (stream == nullptr) return fail(ErrorCode::InvalidState, "the stream is closed");
   auto samples = stream->read(limit);
   if (!samples) return samples.error();
@@ -63,13 +63,13 @@ Result<type::Value> HeldStream::read(std::size_t limit) {
 }
 
 void HeldStream::next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (stream == nullptr) return answered(fail(ErrorCode::InvalidState, "the stream is closed"));
   stream->next(limit, wait, std::move(answered));
 }
 
 void HeldStream::close() {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   stream.reset();
 }
 

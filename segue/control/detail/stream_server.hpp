@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/rpc/detail/caller.hpp>
 
 #include <algorithm>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 namespace segue::control::detail {
@@ -15,8 +15,8 @@ constexpr std::size_t kMaxBuffer = 1 << 16;
 
 /// A service's stream: read by one thread at a time.
 struct HeldStream {
-  std::mutex mutex;
-  std::unique_ptr<SampleStream> stream;  ///< null after close()
+  Mutex mutex;
+  std::unique_ptr<SampleStream> stream SEGUE_GUARDED_BY(mutex);  ///< null after close()
 
   Result<type::Value> read(std::size_t limit);
   void next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered);
@@ -39,6 +39,7 @@ kj::Promise<void> answer_stream(Caller& caller, Role needed, Context context, Op
   auto job = [held, open = std::move(open)]() -> Result<type::Value> {
     auto stream = open();
     if (!stream) return stream.error();
+    const Lock lock(held->mutex);
     held->stream = std::move(*stream);
     return type::Value(held->stream->type_name());
   };

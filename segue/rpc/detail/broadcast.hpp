@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/rpc/detail/event_loop.hpp>
 
 #include <kj/async.h>
@@ -10,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <mutex>
 #include <set>
 #include <utility>
 #include <vector>
@@ -76,7 +76,7 @@ class Broadcast {
 
   /// From any thread; returns at once.
   void tell(const Event& event, EventLoop& loop) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (waiting_.size() >= kMaxWaiting) {
       waiting_.pop_front();
       ++lost_;
@@ -90,7 +90,7 @@ class Broadcast {
     std::deque<Event> events;
     std::uint64_t lost = 0;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       posted_ = false;
       events.swap(waiting_);
       lost = std::exchange(lost_, 0);
@@ -103,10 +103,10 @@ class Broadcast {
     }
   }
 
-  std::mutex mutex_;
-  std::deque<Event> waiting_;
-  std::uint64_t lost_ = 0;
-  bool posted_ = false;
+  Mutex mutex_;
+  std::deque<Event> waiting_ SEGUE_GUARDED_BY(mutex_);
+  std::uint64_t lost_ SEGUE_GUARDED_BY(mutex_) = 0;
+  bool posted_ SEGUE_GUARDED_BY(mutex_) = false;
   std::set<Listener*> listeners_;  ///< used in the loop's thread only
 };
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
+
 #include <functional>
-#include <mutex>
 #include <utility>
 
 namespace segue::control::detail {
@@ -15,17 +16,17 @@ class CallbackSlot {
 
   /// No call of the previous listener is in progress when this returns.
   void set(Listener listener) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     listener_ = std::move(listener);
   }
   void call(const Event& event) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (listener_) listener_(event);
   }
 
  private:
-  std::mutex mutex_;  ///< protects the listener; held while it is called
-  Listener listener_;
+  Mutex mutex_;  ///< protects the listener; held while it is called
+  Listener listener_ SEGUE_GUARDED_BY(mutex_);
 };
 
 }  // namespace segue::control::detail

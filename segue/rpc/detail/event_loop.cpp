@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/concurrent/thread.hpp>
 #include <segue/rpc/detail/event_loop.hpp>
 
@@ -41,8 +42,8 @@ void settle(kj::AsyncIoContext& io) {
 
 /// One thread at a time: at its first use in a program, kj fills global tables.
 kj::AsyncIoContext set_up() {
-  static std::mutex one_at_a_time;
-  const std::lock_guard lock(one_at_a_time);
+  static Mutex one_at_a_time;
+  const Lock lock(one_at_a_time);
   return kj::setupAsyncIo();
 }
 
@@ -70,7 +71,7 @@ EventLoop::~EventLoop() {
 
 bool EventLoop::post(Work work) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (stopped_) return false;
     queue_.push_back(std::move(work));
   }
@@ -92,7 +93,7 @@ bool EventLoop::run(const Work& work) {
 
 void EventLoop::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     stopped_ = true;
   }
   wake();
@@ -135,7 +136,7 @@ bool EventLoop::drain(kj::AsyncIoContext& io) {
   for (;;) {
     std::vector<Work> batch;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       if (queue_.empty()) return !stopped_;
       batch.swap(queue_);
     }

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/mutex.hpp>
 
 #include <kj/async-io.h>
 
 #include <functional>
 #include <future>
-#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -18,7 +18,7 @@ kj::Duration to_kj(Duration duration);
 
 /// A thread with a KJ event loop. All objects of KJ and Cap'n Proto are created, used and destroyed in it;
 /// other threads only post() work. (A queue of our own instead of KJ's cross-thread promises, so that every
-/// hand-over between threads uses a std::mutex, which the thread sanitizer understands.)
+/// hand-over between threads uses a Mutex, which the thread sanitizer understands.)
 class EventLoop {
  public:
   using Work = std::function<void(kj::AsyncIoContext& io)>;
@@ -47,10 +47,10 @@ class EventLoop {
   void wake() const;
 
   int event_ = -1;
-  std::mutex mutex_;
-  std::vector<Work> queue_;
-  bool stopped_ = false;
-  kj::Timer* timer_ = nullptr;
+  Mutex mutex_;
+  std::vector<Work> queue_ SEGUE_GUARDED_BY(mutex_);
+  bool stopped_ SEGUE_GUARDED_BY(mutex_) = false;
+  kj::Timer* timer_ = nullptr;  ///< set before the constructor returns
   std::thread thread_;
 };
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
+
 #include <cstddef>
-#include <mutex>
 
 namespace segue::control::detail {
 
@@ -11,22 +12,22 @@ namespace segue::control::detail {
 class Tally {
  public:
   void add() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ++count_;
   }
   void remove() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (--count_ == 0) none_.notify_all();
   }
   void wait_for_none() {
-    std::unique_lock lock(mutex_);
-    none_.wait(lock, [this] { return count_ == 0; });
+    Lock lock(mutex_);
+    none_.wait(mutex_, [this]() SEGUE_REQUIRES(mutex_) { return count_ == 0; });
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable none_;
-  std::size_t count_ = 0;
+  Mutex mutex_;
+  ConditionVariable none_;
+  std::size_t count_ SEGUE_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace segue::control::detail
