@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/fnv1a.hpp>
 #include <segue/base/varied_duration.hpp>
 
 #include <cmath>
@@ -27,10 +28,7 @@ Duration varied(Duration expected, std::uint64_t seed, std::uint64_t what, std::
 }
 
 Duration varied(Duration expected, std::uint64_t seed, std::string_view what, std::uint64_t turn) {
-  std::uint64_t number = 0xcbf29ce484222325U;  // FNV-1a
-  for (const char c : what)
-    number = (number ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return varied(expected, seed, number, turn);
+  return varied(expected, seed, fnv1a(what), turn);
 }
 
 }  // namespace segue

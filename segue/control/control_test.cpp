@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <support/fake_robot.hpp>
+#include <support/fake_robot_service.hpp>
 #include <support/random_values.hpp>
 
 #include <rapidcheck.h>

@@ -2,7 +2,7 @@
 #include <segue/base/lock_file.hpp>
 #include <segue/rpc/detail/socket.hpp>
 #include <support/ending_process.hpp>
-#include <support/fake_robot.hpp>
+#include <support/fake_robot_service.hpp>
 
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -96,7 +96,7 @@ TEST_F(ControlTest, AFolderThatIsALinkIsRefused) {
 
 TEST_F(ControlTest, ASecondServerOnTheSameSocketIsRefused) {
   serve();
-  FakeRobot other;
+  FakeRobotService other;
   const auto second = Server::listen(socket_, &other);
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::AlreadyExists);
@@ -132,7 +132,7 @@ TEST_F(ControlTest, RunningRobotsAreThoseThatAnswer) {
   EXPECT_TRUE(running_robots().empty());
   leave_stale_socket(socket_path("dead").value());
   serve();
-  FakeRobot other;
+  FakeRobotService other;
   const auto second = Server::listen(socket_path("a_second").value(), &other);
   ASSERT_TRUE(second);
   EXPECT_EQ(running_robots(), (std::vector<std::string>{"a_second", "fake"}));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/fnv1a.hpp>
 #include <segue/mission_engine/run_journal_file.hpp>
 
 #include <cinttypes>
@@ -38,7 +39,7 @@ inline std::string interrupted_journal(std::string_view journal, std::size_t byt
     if (has("\"irreversible\":true") || has("\"progressed\":") || has("\"finished\":")) synced = number;
   }
   std::string second = "{\"synced\":\"" + hexadecimal(synced) + '"';
-  second += ",\"checksum\":\"" + hexadecimal(checksum_of(second, number_at(first_end - 18))) + "\"}\n";
+  second += ",\"checksum\":\"" + hexadecimal(fnv1a(second, number_at(first_end - 18))) + "\"}\n";
   return std::string(journal.substr(0, first_end + 1)) + second + std::string(entries);
 }
 

@@ -2,7 +2,7 @@
 // An action that has lost commands nothing any more, whatever it was doing when it was preempted.
 #include <segue/mission_engine/engine_test_support.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
-#include <segue/mission_robot/fake_robot.hpp>
+#include <segue/mission_robot/fake_commanded_robot.hpp>
 #include <segue/mission_robot/pool_runner.hpp>
 
 #include <gmock/gmock.h>
@@ -34,7 +34,7 @@ using type::Value;
 class HeldRobot final : public testing::ForwardingCommandedRobot {
  public:
   explicit HeldRobot(std::size_t held)
-      : ForwardingCommandedRobot(std::make_shared<FakeRobot>()), held_(held) {}
+      : ForwardingCommandedRobot(std::make_shared<FakeCommandedRobot>()), held_(held) {}
 
   Result<void> request(const ControllerRequest& what, const Wait& wait) override {
     if (!command("request", wait)) return no_longer_wanted();

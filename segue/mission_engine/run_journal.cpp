@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/fnv1a.hpp>
 #include <segue/mission_engine/run_journal.hpp>
 
 #include <segue/base/error.hpp>
@@ -18,7 +19,7 @@ using type::ValueMap;
 
 /// Of the mission with its libraries; script files are not included, so that they can be corrected.
 std::string digest(const Mission& mission) {
-  return std::to_string(checksum_of(write_mission(mission)));
+  return std::to_string(fnv1a(write_mission(mission)));
 }
 
 const Value& part(const Value& line, std::string_view key) {

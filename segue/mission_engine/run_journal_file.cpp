@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/fnv1a.hpp>
 #include <segue/mission_engine/run_journal_file.hpp>
 
 #include <segue/base/file.hpp>
@@ -46,7 +47,7 @@ std::string hexadecimal(std::uint64_t number) {
 std::string with_checksum(const ValueMap& fields, std::uint64_t before, std::uint64_t& checksum) {
   std::string text = type::to_json(fields, -1);
   text.pop_back();
-  checksum = checksum_of(text, before);
+  checksum = fnv1a(text, before);
   return text.append(kChecksumKey).append(hexadecimal(checksum)).append(kChecksumEnd) += '\n';
 }
 
@@ -73,11 +74,11 @@ struct GoodLine {
   }
 };
 
-std::optional<GoodLine> good_line(std::string_view line, std::uint64_t before = checksum_of({})) {
+std::optional<GoodLine> good_line(std::string_view line, std::uint64_t before = kFnvBasis) {
   const auto stated = stated_checksum(line);
   if (!stated) return std::nullopt;
   const std::size_t tail = kChecksumKey.size() + kDigits + kChecksumEnd.size();
-  const std::uint64_t checksum = checksum_of(line.substr(0, line.size() - tail), before);
+  const std::uint64_t checksum = fnv1a(line.substr(0, line.size() - tail), before);
   if (hexadecimal(checksum) != *stated) return std::nullopt;
   auto fields = type::parse_json(line);
   if (!fields || !fields->is_map()) return std::nullopt;
@@ -146,12 +147,6 @@ bool write_at(const Descriptor& file, std::size_t place, std::string_view text) 
 
 }  // namespace
 
-std::uint64_t checksum_of(std::string_view text, std::uint64_t before) {
-  for (const char c : text)
-    before = (before ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return before;
-}
-
 /// Of the same length whatever it says.
 std::string RunJournalFile::second_line() const {
   std::uint64_t checksum = 0;
@@ -171,7 +166,7 @@ Result<std::unique_ptr<RunJournalFile>> RunJournalFile::create(const std::filesy
   fields.append("id", hexadecimal(random_number()));  // runs that do the same have other checksums, too
   for (const auto& [key, value] : first)
     fields.append(key, value);
-  std::string text = with_checksum(fields, checksum_of({}), file->run_);
+  std::string text = with_checksum(fields, kFnvBasis, file->run_);
   file->last_ = file->run_;
   file->second_at_ = text.size();
   text += file->second_line();
@@ -264,7 +259,7 @@ void RunJournalFile::add(const ValueMap& entry, bool durable) {
   fields.append("after", hexadecimal(last_));
   for (const auto& [key, value] : entry)
     fields.append(key, value);
-  pending_ += with_checksum(fields, checksum_of({}), last_);
+  pending_ += with_checksum(fields, kFnvBasis, last_);
   const bool is_written = write_pending();
   if (!is_written) fell_behind(errno);
   if (durable) {

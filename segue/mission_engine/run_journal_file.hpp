@@ -19,9 +19,6 @@
 
 namespace segue::mission {
 
-/// FNV-1a with 64 bits. Where `before` is the checksum of a text, that of this text behind it.
-[[nodiscard]] std::uint64_t checksum_of(std::string_view text, std::uint64_t before = 0xcbf29ce484222325U);
-
 /// The file of a RunJournal. Its first line says which run it is, its second one up to which entry it had
 /// been synced to disk, and each further line is an entry. All are JSON and end with their checksums; entries
 /// have numbers and the checksum of the line before, so that it is seen where some were changed, lost,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission_robot/change_watch.hpp>
-#include <segue/mission_robot/fake_robot.hpp>
+#include <segue/mission_robot/fake_commanded_robot.hpp>
 
 #include <memory>
 
@@ -9,7 +9,7 @@ namespace {
 
 class ChangeWatchTest : public ::testing::Test {
  protected:
-  FakeRobot robot_;
+  FakeCommandedRobot robot_;
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   ChangeWatch changes_{robot_, bell_};
 
@@ -57,7 +57,7 @@ TEST_F(ChangeWatchTest, AsksOneQuestionAtATime) {
 }
 
 /// Cannot be asked.
-class LostRobot final : public FakeRobot {
+class LostRobot final : public FakeCommandedRobot {
   void changes(std::uint64_t /*seen*/, const Wait& /*wait*/, ChangesAnswer answered) override {
     answered(fail(ErrorCode::Unavailable, "it is lost"));
   }

@@ -2,7 +2,7 @@
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_engine/engine_test_support.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
-#include <segue/mission_robot/fake_robot.hpp>
+#include <segue/mission_robot/fake_commanded_robot.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 using type::Value;
 
 /// May lose its task, and mends it when the test says so.
-class MendingRobot final : public FakeRobot {
+class MendingRobot final : public FakeCommandedRobot {
  public:
   void watch(const TaskQuestion& question, const Wait& wait, TaskAnswer answered) override {
     const auto once = std::make_shared<Once>(std::move(answered));
@@ -33,10 +33,11 @@ class MendingRobot final : public FakeRobot {
       open_.push_back(once);
     }
     if (is_gone()) return once->answer(gone());
-    FakeRobot::watch(question, wait, [once](Result<TaskView> view) { once->answer(std::move(view)); });
+    FakeCommandedRobot::watch(question, wait,
+                              [once](Result<TaskView> view) { once->answer(std::move(view)); });
   }
   Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override {
-    auto trouble = FakeRobot::trouble(controller, wait);
+    auto trouble = FakeCommandedRobot::trouble(controller, wait);
     const std::lock_guard lock(mutex_);
     if (trouble) trouble->repair = repair_;
     if (!repair_.empty()) ++waits_;
@@ -48,7 +49,7 @@ class MendingRobot final : public FakeRobot {
     if (is_losing(operation.name)) lose_task();
     if (is_refused(operation.name)) return fail(ErrorCode::HookFailed, "refused by the test");
     if (is_gone()) return gone();
-    return FakeRobot::call(operation, arguments, wait);
+    return FakeCommandedRobot::call(operation, arguments, wait);
   }
 
   /// The task is lost when that operation is called next, which does nothing then.
@@ -139,7 +140,7 @@ class ControllerActions : public RunningMission {
     begin_mission(text, runners);
   }
 
-  std::shared_ptr<FakeRobot> robot_ = std::make_shared<FakeRobot>();
+  std::shared_ptr<FakeCommandedRobot> robot_ = std::make_shared<FakeCommandedRobot>();
 };
 
 constexpr const char* kArrived = "until: [{task: planner, state: arrived, outcome: arrived}]";

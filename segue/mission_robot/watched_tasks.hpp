@@ -37,7 +37,7 @@ class WatchedTasks {
   /// `patience`: how long a question waits. One that was gone is seen again when it runs. That it cannot be
   /// seen is an error of look().
   void follow(const std::string& task, std::uint64_t after, Duration patience = kPatience);
-  /// As follow(), but that the task cannot be seen is no error.
+  /// As follow(), but that the task cannot be seen is not an error.
   void follow_if_seen(const std::string& task, std::uint64_t after = 0, Duration patience = kPatience);
   /// Takes in the answers that have come. The error of a task that cannot be seen: where one is gone, the
   /// robot may have it anew, so only a question for its present level can fail.

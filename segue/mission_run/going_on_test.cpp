@@ -5,7 +5,7 @@
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_engine/interrupted_journal.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
-#include <segue/mission_robot/fake_robot.hpp>
+#include <segue/mission_robot/fake_commanded_robot.hpp>
 #include <segue/mission_run/session.hpp>
 
 #include <support/eventually.hpp>
@@ -25,7 +25,7 @@ namespace segue::mission_run {
 namespace {
 
 using namespace std::chrono_literals;
-using mission::FakeRobot;
+using mission::FakeCommandedRobot;
 using segue::testing::eventually;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -82,7 +82,7 @@ class GoingOn : public ::testing::TestWithParam<RunMode> {
 
   const std::filesystem::path folder_;
   std::optional<Session> session_;
-  std::shared_ptr<FakeRobot> robot_ = std::make_shared<FakeRobot>();
+  std::shared_ptr<FakeCommandedRobot> robot_ = std::make_shared<FakeCommandedRobot>();
 };
 
 TEST_P(GoingOn, WatchesWhatHasBeenToldAndTellsItNothing) {

@@ -4,7 +4,7 @@
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_robot/fact_observer.hpp>
-#include <segue/mission_robot/fake_robot.hpp>
+#include <segue/mission_robot/fake_commanded_robot.hpp>
 #include <segue/mission_run/session.hpp>
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ namespace segue::mission_run {
 namespace {
 
 using namespace std::chrono_literals;
-using mission::FakeRobot;
+using mission::FakeCommandedRobot;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -66,7 +66,7 @@ class ObservedFacts : public ::testing::TestWithParam<RunMode> {
     return overview.outcome + (tells ? ": " + overview.error->message : "");
   }
 
-  std::shared_ptr<FakeRobot> robot_ = std::make_shared<FakeRobot>();
+  std::shared_ptr<FakeCommandedRobot> robot_ = std::make_shared<FakeCommandedRobot>();
   Result<std::unique_ptr<FinishedRun>> run_ = fail(ErrorCode::Internal, "it has not ended");
   std::jthread thread_;
 };
@@ -117,7 +117,7 @@ TEST_P(ObservedFacts, PreemptAnActionThatNeedsThemAllAlong) {
 
 TEST_P(ObservedFacts, OfATaskOrAnOperationPreemptAnAction) {
   for (const std::string fact : {"arrived()", "failed()"}) {
-    robot_ = std::make_shared<FakeRobot>();
+    robot_ = std::make_shared<FakeCommandedRobot>();
     begin("  go:\n    while: ['!" + fact +
               "']\n    run: {controller: go_home, until: [{port: planner.status, where: 'charge > 1'}]}\n",
           "start: go\nstates: {go: {on: {success: return done}}}\n");

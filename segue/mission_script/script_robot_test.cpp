@@ -4,7 +4,7 @@
 #include <segue/mission/controllers.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_engine/engine_test_support.hpp>
-#include <segue/mission_robot/fake_robot.hpp>
+#include <segue/mission_robot/fake_commanded_robot.hpp>
 #include <segue/mission_script/script_robot.hpp>
 #include <segue/mission_script/script_runner.hpp>
 
@@ -51,7 +51,7 @@ class RobotScripts : public RunningMission {
     return ended();
   }
 
-  std::shared_ptr<FakeRobot> robot_ = std::make_shared<FakeRobot>();
+  std::shared_ptr<FakeCommandedRobot> robot_ = std::make_shared<FakeCommandedRobot>();
 };
 
 TEST_F(RobotScripts, CommandTheRobot) {
@@ -130,7 +130,7 @@ TEST_F(RobotScripts, ArePreemptedAtOnceWhereTheyWait) {
   for (const std::string wait :
        {"read('planner.status', timeout=3600)", "wait_for_state('planner', 'arrived')"}) {
     SCOPED_TRACE(wait);
-    robot_ = std::make_shared<FakeRobot>();
+    robot_ = std::make_shared<FakeCommandedRobot>();
     begin("self.robot.request('go_home', afterwards='stop')\nself.robot.call('planner.wait')\nself.robot." +
           wait + "\nreturn 0");
     robot_->wait_until_asked("call planner.wait");
@@ -144,7 +144,7 @@ TEST_F(RobotScripts, CommandNothingOnceTheyArePreempted) {
   for (const std::string command : {"call('planner.halt')", "set('planner.speed', 1)",
                                     "write('planner.goal', 'x')", "request('go_home')"}) {
     SCOPED_TRACE(command);
-    robot_ = std::make_shared<FakeRobot>();
+    robot_ = std::make_shared<FakeCommandedRobot>();
     begin(
         "try:\n"
         "  self.robot.read('planner.status', timeout=3600)\n"

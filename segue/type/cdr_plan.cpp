@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/type/cdr_parts.hpp>
 #include <segue/type/described_type.hpp>
+#include <segue/type/possible_types.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -23,8 +24,7 @@ bool has_cdr(const DescribedType& described) {
     case TypeKind::Array:
       return described.conversion.to_value == nullptr;
     case TypeKind::Container:
-      return described.shape->type.is_string() || described.sequence.reuse != nullptr ||
-             described.conversion.to_value == &bits_to_value;
+      return has_items(described);
     default:
       return false;
   }
@@ -36,22 +36,6 @@ bool parts_have_cdr(const DescribedType& described) {
   if (shape.element != nullptr) return shape.element->shape->cdr.possible;
   return std::ranges::all_of(shape.fields,
                              [](const DescribedField& field) { return field.type->shape->cdr.possible; });
-}
-
-/// As in plan_flat().
-void find_encodable(std::span<DescribedType* const> fresh) {
-  for (DescribedType* described : fresh)
-    described->shape->cdr.possible = has_cdr(*described);
-  bool changed = true;
-  while (changed) {
-    changed = false;
-    for (DescribedType* described : fresh) {
-      CdrPlan& plan = described->shape->cdr;
-      if (!plan.possible || parts_have_cdr(*described)) continue;
-      plan.possible = false;
-      changed = true;
-    }
-  }
 }
 
 /// The run that begins with the member `begin`.
@@ -131,7 +115,8 @@ std::size_t least_in_cdr(const DescribedType& described) {
 }  // namespace
 
 void plan_cdr(std::span<DescribedType* const> fresh) {
-  find_encodable(fresh);
+  find_possible(
+      fresh, [](DescribedType& type) -> bool& { return type.shape->cdr.possible; }, has_cdr, parts_have_cdr);
   for (DescribedType* described : fresh)
     plan_layout(*described);
   for (DescribedType* described : fresh)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/type/described_type.hpp>
+#include <segue/type/possible_types.hpp>
 
 #include <algorithm>
 #include <ranges>
@@ -15,8 +16,7 @@ bool is_known(const DescribedType& described) {
     case TypeKind::Array:
       return described.conversion.to_value == nullptr;
     case TypeKind::Container:
-      return described.shape->type.is_string() || described.sequence.reuse != nullptr ||
-             described.conversion.to_value == &bits_to_value;
+      return has_items(described);
     default:
       return false;
   }
@@ -27,21 +27,6 @@ bool parts_are_possible(const DescribedType& described) {
   const Shape& shape = *described.shape;
   if (shape.element != nullptr) return shape.element->flat.possible;
   return std::ranges::all_of(shape.fields, [](const DescribedField& f) { return f.type->flat.possible; });
-}
-
-/// Types may contain themselves, so all are assumed possible until one of their parts is not.
-void find_possible(std::span<DescribedType* const> fresh) {
-  for (DescribedType* described : fresh)
-    described->flat.possible = is_known(*described);
-  bool changed = true;
-  while (changed) {
-    changed = false;
-    for (DescribedType* described : fresh) {
-      if (!described->flat.possible || parts_are_possible(*described)) continue;
-      described->flat.possible = false;
-      changed = true;
-    }
-  }
 }
 
 /// Requires a type that is copied as bytes, which cannot contain itself.
@@ -70,7 +55,8 @@ std::size_t least_size(const DescribedType& described) {
 }  // namespace
 
 void plan_flat(std::span<DescribedType* const> fresh) {
-  find_possible(fresh);
+  find_possible(
+      fresh, [](DescribedType& type) -> bool& { return type.flat.possible; }, is_known, parts_are_possible);
   for (DescribedType* described : fresh) {
     described->flat.checked = described->info.trivially_copyable && has_enum_or_boolean(*described);
     described->flat.least = least_size(*described);

@@ -4,6 +4,7 @@
 // one that uses two types of equal structure. Types without recursion are hashed from their leaves upward.
 // Types that reach themselves get a hash of their own shape, which is then refined by their parts' hashes
 // until no refinement tells more types apart; the number of rounds, too, follows from the structure alone.
+#include <segue/base/fnv1a.hpp>
 #include <segue/type/type.hpp>
 #include <segue/type/type_graph.hpp>
 
@@ -35,8 +36,8 @@ class Hasher {
   }
 
  private:
-  void add_byte(unsigned char byte) { state_ = (state_ ^ byte) * 0x100000001b3U; }
-  std::uint64_t state_ = 0xcbf29ce484222325U;
+  void add_byte(unsigned char byte) { state_ = fnv1a(byte, state_); }
+  std::uint64_t state_ = kFnvBasis;
 };
 
 /// The type behind names that carry no structure: aliases, and opaques with a marshalling type.

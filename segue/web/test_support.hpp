@@ -4,7 +4,7 @@
 #include <segue/type/json.hpp>
 #include <segue/web/hub.hpp>
 #include <support/eventually.hpp>
-#include <support/fake_robot.hpp>
+#include <support/fake_robot_service.hpp>
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ namespace segue::web {
 using segue::testing::eventually;
 
 /// A robot whose status tests set, and which counts how often it is asked.
-class ShownRobot final : public control::FakeRobot {
+class ShownRobot final : public control::FakeRobotService {
  public:
   std::atomic<int> questions{0};
   std::atomic<int> task_questions{0};  ///< among them
@@ -68,14 +68,14 @@ class ShownRobot final : public control::FakeRobot {
   }
   Result<type::Value> events(std::uint64_t after, Duration wait) override {
     ++questions;
-    return control::FakeRobot::events(after, std::min(wait, Duration(std::chrono::milliseconds(20))));
+    return control::FakeRobotService::events(after, std::min(wait, Duration(std::chrono::milliseconds(20))));
   }
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
                                                            std::size_t buffer, const Wait& wait) override {
     ++opened;
     if (is_gone) return fail(ErrorCode::NotFound, "no such task runs");
     if (is_silent) return std::make_unique<Silent>();
-    return control::FakeRobot::open_port(task, port, buffer, wait);
+    return control::FakeRobotService::open_port(task, port, buffer, wait);
   }
 
  private:

@@ -8,7 +8,7 @@
 
 #include <set>
 
-/// Checks that a mission run concurrently is equivalent to the run as written. For tests only.
+/// Checks that a mission run concurrently is equivalent to the sequential run. For tests only.
 namespace segue::convert {
 
 class MissionCheck {
@@ -49,7 +49,7 @@ class MissionCheck {
     return {};
   }
 
-  /// Reports if it took longer than the run as written. Where states run side by side, they may get units in
+  /// Reports if it took longer than the sequential run. Where states run side by side, they may get units in
   /// another order, so there it need not be true.
   std::string slower_than_written() {
     if ((failed() && !strict_) || ran_.makespan <= written_.makespan) return {};
@@ -298,7 +298,7 @@ class MissionCheck {
     return "outcome " + ran_.result.outcome_name + " after a stop";
   }
 
-  /// The executed actions are those of the run as written, and none begins after the stop.
+  /// The executed actions are those of the sequential run, and none begins after the stop.
   std::string begun() {
     std::map<std::string, std::size_t> seen;
     std::string text;

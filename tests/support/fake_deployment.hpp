@@ -6,7 +6,7 @@
 #include <segue/task_host/action_pool.hpp>
 #include <segue/task_host/watches.hpp>
 #include <support/eventually.hpp>
-#include <support/fake_robot.hpp>
+#include <support/fake_robot_service.hpp>
 
 #include <sys/mman.h>
 #include <unistd.h>

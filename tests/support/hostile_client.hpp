@@ -5,7 +5,7 @@
 #include <segue/rpc/detail/socket.hpp>
 #include <segue/rpc/detail/tcp_socket.hpp>
 #include <segue/rpc/detail/wire.hpp>
-#include <support/fake_robot.hpp>
+#include <support/fake_robot_service.hpp>
 
 #include <capnp/message.h>
 #include <capnp/rpc-twoparty.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/fnv1a.hpp>
 #include <segue/base/virtual_clock.hpp>
 #include <segue/convert/concurrent_run.hpp>
 
@@ -22,9 +23,7 @@
 namespace segue::convert {
 
 inline std::uint64_t digest(std::string_view text, std::uint64_t number) {
-  std::uint64_t hash = 1469598103934665603ULL ^ number;
-  for (const char c : text)
-    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  const std::uint64_t hash = fnv1a(text, kFnvBasis ^ number);
   return hash ^ (hash >> 29);
 }
 
@@ -171,7 +170,7 @@ struct Ran {
   Duration makespan{};
   bool tie = false;                 ///< states of a preemptive container ended at the same time, or at once
   std::vector<std::string> firsts;  ///< the paths of states that have ended their preemptive containers
-  std::vector<std::string> losers;  ///< run as written: the paths of those that were preempted by them
+  std::vector<std::string> losers;  ///< run sequentially: the paths of those that were preempted by them
 };
 
 /// Notes which state ended the execution of a preemptive container first, and which ones it preempted.
@@ -299,7 +298,7 @@ class ConcurrentRun {
     return when;
   }
 
-  /// Whether events at that path are not reported, since it runs as written.
+  /// Whether events at that path are not reported, since it runs sequentially.
   [[nodiscard]] bool in_opaque_subtree(const std::string& path) const {
     for (std::uint32_t i = 0; i < plan().network().size(); ++i) {
       const PlannedNode& node = plan()[task_network::NodeId{i}];

@@ -20,7 +20,7 @@
 namespace segue::mission {
 
 /// Notes what it is asked, and is as the test says.
-class FakeRobot : public CommandedRobot {
+class FakeCommandedRobot : public CommandedRobot {
  public:
   Result<void> request(const ControllerRequest& what, const Wait& /*wait*/) override {
     std::string text = "request";

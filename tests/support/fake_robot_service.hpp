@@ -45,7 +45,7 @@ class Gate {
 };
 
 /// Echoes its arguments, so that tests see what was transferred.
-class FakeRobot : public RobotService {
+class FakeRobotService : public RobotService {
  public:
   Gate entered;  ///< a blocking call has begun
   Gate release;  ///< releases blocking calls
@@ -268,7 +268,7 @@ class FakeRobot : public RobotService {
 
   class Lease final : public RobotLease {
    public:
-    explicit Lease(FakeRobot& robot) : robot_(robot) { ++robot_.leases; }
+    explicit Lease(FakeRobotService& robot) : robot_(robot) { ++robot_.leases; }
     ~Lease() override { --robot_.leases; }
     [[nodiscard]] std::uint64_t number() const override { return 7; }
     Result<LeaseStanding> standing(const Wait& /*wait*/) override {
@@ -286,7 +286,7 @@ class FakeRobot : public RobotService {
     }
 
    private:
-    FakeRobot& robot_;
+    FakeRobotService& robot_;
   };
 
   std::mutex mutex_;
@@ -327,7 +327,7 @@ class ControlTest : public ::testing::Test {
 
   std::filesystem::path folder_;
   std::filesystem::path socket_;
-  FakeRobot robot_;
+  FakeRobotService robot_;
   std::unique_ptr<Server> server_;
 };
 
