@@ -73,7 +73,7 @@ Result<void> measure_mission_cell(const MissionExperiment& experiment, MissionCe
   for (std::uint64_t seed = 1; seed <= experiment.runs; ++seed) {
     // By turns, so that a load that changes slowly disturbs both modes alike.
     for (const bool concurrent : {seed % 2 == 0, seed % 2 != 0}) {
-      progress.show(fmt::format("{}, run {} {}", where, seed, concurrent ? "concurrently" : "as written"));
+      progress.show(fmt::format("{}, run {} {}", where, seed, concurrent ? "concurrently" : "sequential"));
       auto run = run_mission_afresh(experiment, cell.setting, concurrent, seed, stop.token());
       if (!run) return run.error();
       if (stop.requested()) return {};
@@ -174,8 +174,9 @@ std::vector<MissionSetting> settings_of(const MissionExperiment& experiment) {
 void add_bench_mission(Verb& bench, Context& context) {
   const auto options = std::make_shared<MissionBenchOptions>();
   MissionExperiment& experiment = options->experiment;
-  Verb& verb = add_verb(bench, context, "mission", "compare a mission as written with its concurrent run",
-                        kMissionBenchHelp, [options, &context] { return bench_mission(*options, context); });
+  Verb& verb =
+      add_verb(bench, context, "mission", "compare the sequential run of a mission with its concurrent run",
+               kMissionBenchHelp, [options, &context] { return bench_mission(*options, context); });
   verb.option("ROBOT", options->robot, "the robot file").required();
   verb.option("MISSION", options->mission, "the mission file").required();
   verb.option("--runs N", experiment.runs, "runs in each mode, of each combination (default 5)")

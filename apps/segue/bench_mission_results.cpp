@@ -117,7 +117,7 @@ std::string mission_table(const MissionExperiment& experiment, const std::vector
   for (const MissionFactor& factor : experiment.factors)
     columns.push_back({factor.name, Align::Right});
   for (const char* title :
-       {"ended well", "as written", "concurrent", "saved (95 %)", "ideal saves", "over ideal", "deciding"})
+       {"ended well", "sequential", "concurrent", "saved (95 %)", "ideal saves", "over ideal", "deciding"})
     columns.push_back({title, Align::Right});
   if (!experiment.published.empty()) columns.push_back({"published", Align::Right});
   Table table(std::move(columns));
@@ -145,7 +145,7 @@ std::string mission_table(const MissionExperiment& experiment, const std::vector
 
 /// For people.
 std::string mode_name(bool concurrent) {
-  return concurrent ? "concurrent" : "as written";
+  return concurrent ? "concurrent" : "sequential";
 }
 /// As `segue mission run --mode` has it.
 std::string mode_key(bool concurrent) {
@@ -180,10 +180,10 @@ constexpr std::string_view kMissionFootnotes =
     "written\n"
     "over runs with the same seed, with Student's 95 % confidence interval for pairs. Ideal saves: "
     "likewise,\n"
-    "if the durations of the run as written are scheduled concurrently in virtual time, where deciding "
+    "if the durations of the sequential run are scheduled concurrently in virtual time, where deciding "
     "takes\n"
     "no time. Over ideal: how much longer a concurrent run took than its own durations in virtual time.\n"
-    "Deciding: share of the wall time in which no action was under way, as written and concurrently.\n";
+    "Deciding: share of the wall time in which no action was under way, sequentially and concurrently.\n";
 
 type::Value figures_value(const MissionCell& cell, BenchClock clock) {
   const CellFigures figures = mission_figures(cell, clock);
@@ -258,7 +258,7 @@ std::vector<double> makespans_of(const MissionCell& cell, bool concurrent, Bench
   return makespans;
 }
 
-/// By the first factor, whose values count as 1, 2, ... where one is no number; a line for each mode and
+/// By the first factor, whose values count as 1, 2, ... where one is not a number; a line for each mode and
 /// setting of the others.
 draw::Chart chart_of_missions(const MissionExperiment& experiment, const std::vector<MissionCell>& cells) {
   const MissionFactor& first = experiment.factors.front();

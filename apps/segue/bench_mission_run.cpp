@@ -77,7 +77,7 @@ class FreshRobot {
 
   [[nodiscard]] const std::shared_ptr<remote_robot::ServedRobot>& served() const { return served_; }
 
-  /// Blocks until every instance of its pools is ready, so that their start is no part of a makespan.
+  /// Blocks until every instance of its pools is ready, so that their start is not part of a makespan.
   Result<void> wait_for_pools(const std::stop_token& stop) {
     const TimePoint deadline = deadline_in(std::chrono::seconds(60));
     while (true) {

@@ -51,7 +51,7 @@ void RobotClock::take() {
   if (taken->back().is_number()) {
     times_.emplace_back(now, taken->back().as_double());
   } else {
-    error_ = "its samples are no numbers";
+    error_ = "its samples are not numbers";
   }
 }
 

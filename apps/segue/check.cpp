@@ -124,7 +124,7 @@ class Checker {
     if (broken) return diagnostics_.append(parsing);
     diagnostics_.error(
         "unknown-kind",
-        "this is no network, robot, mission, task network, transition, component model, stand-in, PDDL or "
+        "this is not a network, robot, mission, task network, transition, component model, stand-in, PDDL or "
         ".tlb file; a network has `tasks:`, a robot file `robot:`, a mission `mission:` at its top",
         {file, 0, 0});
   }

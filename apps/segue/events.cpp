@@ -29,7 +29,7 @@ int list_events(control::RobotService& robot, const EventsOptions& options, cons
       return kDone;
     }
     if (!found->is_list())
-      return failed(context, fail(ErrorCode::Internal, "the robot sent events that are no list"));
+      return failed(context, fail(ErrorCode::Internal, "the robot sent events that are not a list"));
     for (const Value& event : found->as_list()) {
       last = static_cast<std::uint64_t>(number_at(event, "number"));
       context.json() ? print_json_line(event) : print_line(event_line(event));

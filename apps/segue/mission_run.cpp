@@ -40,7 +40,7 @@ using mission_run::RunRequest;
 
 /// A robot that is not at rest by its own limit stops its devices, which takes seconds.
 constexpr Duration kRestTimeout = std::chrono::minutes(2);
-/// More are no help to a reader; --format json has all.
+/// More do not help a reader; --format json has all.
 constexpr std::size_t kMostRows = 1000;
 
 /// "NAME=COUNT"

@@ -29,7 +29,7 @@ struct NetworkOptions {
 
 struct MissionOptions {
   std::string file;
-  std::string mode;  ///< "": task networks concurrently, missions as written
+  std::string mode;  ///< "": task networks concurrently, missions sequentially
   std::string clock = "real";
   bool simulate = false;
   std::vector<std::string> inputs;

@@ -49,7 +49,7 @@ Result<Value> mission_of(control::RobotService& robot) {
   const std::string who = text_at(*status, "commanded_by");
   return fail(ErrorCode::NotFound, who.empty()
                                        ? std::string("no mission commands the robot")
-                                       : "the robot is commanded by " + who + ", which is no mission");
+                                       : "the robot is commanded by " + who + ", which is not a mission");
 }
 
 Value control_of(const Value& doing) {
@@ -181,7 +181,7 @@ int stop_mission(control::RobotService& robot, const SteeringOptions& options, c
   return is_at_rest(*rest) ? kDone : kFailed;
 }
 
-/// Where the mission is once it is held again; that it has ended is no failure of a step.
+/// Where the mission is once it is held again; that it has ended is not a failure of a step.
 int show_place(const Result<Value>& doing, const Context& context) {
   const bool has_ended = !doing && doing.error().code == ErrorCode::NotFound;
   if (!doing && !has_ended) return failed(context, doing.error());
@@ -307,7 +307,7 @@ void add_request(Verb& mission, Context& context, const char* what, const char* 
 void add_steps(Verb& mission, Context& context) {
   const auto stepping = std::make_shared<SteeringOptions>();
   add_steering(mission, context, stepping, "step",
-               "carry out one step of a held mission that runs as written, and say where it is then",
+               "carry out one step of a held mission that runs sequentially, and say where it is then",
                "  segue mission step            # the next state with everything in it\n"
                "  segue mission step into       # the next state; if it has states, only enter it\n"
                "  segue mission step out        # to the end of the state around\n"

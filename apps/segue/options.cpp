@@ -54,7 +54,7 @@ std::string problem_of_number(const std::string& text) {
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);
   if (error == std::errc() && stop == end) return {};
-  return "must be a whole number from 0 to " + std::to_string(std::numeric_limits<Number>::max()) + ", got " +
+  return "must be an integer from 0 to " + std::to_string(std::numeric_limits<Number>::max()) + ", got " +
          quote(text);
 }
 

@@ -67,7 +67,7 @@ std::string safe(std::string_view text, bool to_terminal) {
     const std::size_t own = own_sequence(text);
     result += text.substr(0, own);
     text.remove_prefix(own);
-    // At least one byte, which is no sequence of our own.
+    // At least one byte, which is not a sequence of our own.
     const auto end = std::min(text.size(), text.find('\x1b', own == 0 ? 1 : 0));
     result += printable(text.substr(0, end));
     text.remove_prefix(end);
@@ -191,7 +191,7 @@ bool reader_leaves_within(Duration limit) {
 
 namespace {
 
-/// The content of a file as a value; of what is no YAML or JSON, such as drawings, {"text": ...}.
+/// The content of a file as a value; of what is not YAML or JSON, such as drawings, {"text": ...}.
 Value document(std::string_view text) {
   if (auto json = type::parse_json(text)) return std::move(*json);
   auto yaml = type::parse_yaml(text);

@@ -10,7 +10,7 @@ using draw::Diagram;
 
 namespace {
 
-/// More blockers of one node are no help to a reader.
+/// More blockers of one node do not help a reader.
 constexpr std::size_t kMostBlockers = 3;
 
 void add(std::vector<std::uint32_t>& blockers, std::uint32_t node) {

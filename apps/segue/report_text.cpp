@@ -17,7 +17,7 @@ namespace {
 using type::Value;
 
 std::string name_or_empty(const std::string& name) {
-  return name.empty() ? std::string("(empty)") : name;
+  return name.empty() ? std::string(kEmptyNetwork) : name;
 }
 
 /// "stop slam" from an action's JSON.

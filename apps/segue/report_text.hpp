@@ -6,11 +6,15 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 #include "command.hpp"
 
 /// What a robot reports, as text: transitions, their outcomes, and events.
 namespace segue::cli {
+
+/// The empty network where a name is expected, as for `segue switch` and `segue diff`.
+inline constexpr std::string_view kEmptyNetwork = "empty";
 
 /// A transition as text: a summary, the actions of each phase, the counts.
 std::string describe(const model::Transition& transition);

@@ -26,7 +26,7 @@ void add_run_files(Verb& verb, RunFiles& files);
 void add_page_and_trace(Verb& verb, RunFiles& files);
 
 /// Whether the file can be written as far as that can be known. NotFound, PermissionDenied, InvalidArgument
-/// where it is no file.
+/// where it is not a file.
 Result<void> check_writable(const std::string& file);
 /// Likewise all of a run, before it. InvalidArgument also where two are the same.
 Result<void> check(const RunFiles& files);

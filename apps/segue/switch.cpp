@@ -155,6 +155,16 @@ void suggest_controllers(control::RobotService& robot, const std::string& contro
     print_note(names.empty() ? "the robot has no controllers" : "the robot's controllers: " + listed(names));
 }
 
+/// As the robot is asked for it: "empty", where the robot has no controller of that name, and "-" are the
+/// empty network, as for `segue diff`.
+std::string name_for(control::RobotService& robot, const std::string& said) {
+  if (said == "-") return {};
+  if (said != kEmptyNetwork) return said;
+  const auto status = robot.status();
+  const bool is_controller = status && std::ranges::count(controller_names(*status), said) > 0;
+  return is_controller ? said : std::string();
+}
+
 /// "TASK.PROPERTY=VALUE"
 Result<control::PropertyOf> parse_property(const std::string& text) {
   const auto equals = text.find('=');
@@ -179,7 +189,7 @@ Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptio
     asked.properties.push_back(std::move(*property));
   }
   const bool by_name = options.transition.empty() && options.network.empty();
-  if (by_name) return robot.switch_to(options.controller, asked, deadline);
+  if (by_name) return robot.switch_to(name_for(robot, options.controller), asked, deadline);
   const std::string& file = options.network.empty() ? options.transition : options.network;
   const auto text = read_input_file(file);
   if (!text) return text.error();
@@ -210,7 +220,7 @@ int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options,
 void add_what(Verb& verb, SwitchVerbOptions& options) {
   const Option name =
       verb.option("NAME", options.controller,
-                  "the controller, or several at once (drive+arm); \"\" is the empty network");
+                  "the controller, or several at once (drive+arm); `empty` is the empty network");
   const Option file = verb.option("--transition FILE", options.transition,
                                   "execute this transition file instead of a switch to NAME")
                           .excludes(name);

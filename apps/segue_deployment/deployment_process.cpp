@@ -120,7 +120,7 @@ Result<void> Workshop::load(const Launch& launch) {
   } catch (const std::exception& exception) {
     what = exception.what();
   } catch (...) {
-    what = "an exception that is no std::exception";
+    what = "an exception that is not a std::exception";
   }
   log(LogLevel::Error, kLogSource, "a component library failed while it was loaded: " + what);
   std::_Exit(process_server::kNoLibrary);

@@ -34,7 +34,7 @@ inline constexpr int kLeaseSeconds = 4;
 std::string configuration(const Settings& settings);
 
 /// The participant, which the first call creates and the end of the process deletes. InvalidArgument for
-/// settings that are no settings, InvalidState where the first call had other settings, Unavailable with
+/// settings that are not settings, InvalidState where the first call had other settings, Unavailable with
 /// Cyclone's own words where it cannot be created; a later call tries again. Any thread; may block for
 /// seconds where names of peers must be resolved.
 segue::Result<dds_entity_t> participant(const Settings& settings);

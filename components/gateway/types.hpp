@@ -25,7 +25,7 @@ struct ReceiverStatistics {
   std::uint64_t received = 0;    ///< samples that arrived whole
   std::uint64_t refused = 0;     ///< of those received: a connection of `out` had no room
   std::uint64_t lost = 0;        ///< samples that were overwritten before they arrived, or before start
-  std::uint64_t corrupt = 0;     ///< messages that are no samples of the type
+  std::uint64_t corrupt = 0;     ///< messages that are not samples of the type
   std::uint64_t bytes = 0;       ///< of those received, as CDR
   std::uint64_t matched = 0;     ///< Senders and other writers now
   std::uint64_t mismatched = 0;  ///< writers now that have the topic but another type

@@ -94,7 +94,7 @@ TEST(FrontierSearch, DoesNotOfferWhatWasGivenUp) {
 TEST(FrontierSearch, IsOverWhereTheMapIsKnownOrTheVehicleIsOutside) {
   FrontierSearch search(100);
   const ClearanceMap known = map_of({"....", "....", "...."});
-  EXPECT_FALSE(search.next(known, place(1, 1), kFine)) << "the edge of the map is no frontier";
+  EXPECT_FALSE(search.next(known, place(1, 1), kFine)) << "the edge of the map is not a frontier";
   EXPECT_FALSE(search.worth_while(known, place(1, 1), kFine));
   EXPECT_FALSE(search.next(map_of({"..??"}), place(-3, 0), kFine));
 }

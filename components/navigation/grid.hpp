@@ -50,7 +50,7 @@ struct GridFrame {
   }
 
  private:
-  /// Coordinates that are no numbers, or too far away for an int, lie outside of every grid.
+  /// Coordinates that are not numbers, or too far away for an int, lie outside of every grid.
   static int bounded(double coordinate) {
     constexpr double kFar = 1e8;
     const double cell = std::floor(coordinate);

@@ -40,7 +40,7 @@ void OccupancyMap::for_each_beam(const messages::LaserScan& scan, const Pose2D& 
   const double longest = std::min(longest_beam_, scan.maximum_range);
   double angle = sensor.theta + scan.first_angle;
   for (const float range : scan.ranges) {
-    if (range >= scan.minimum_range) {  // false for what is no number
+    if (range >= scan.minimum_range) {  // false for what is not a number
       const double length = std::min<double>(range, longest);
       visit(Point{sensor.x + length * std::cos(angle), sensor.y + length * std::sin(angle)},
             range <= longest);

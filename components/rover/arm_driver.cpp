@@ -73,7 +73,7 @@ class ArmDriver final : public Component {
     if (!told_) std::copy(measured.positions.begin(), measured.positions.end(), target_.begin());
   }
 
-  /// Commands that are not for six joints, or are no numbers, are none.
+  /// Commands that are not for six joints, or are not numbers, are none.
   void follow(const messages::JointCommand& command) {
     const auto& positions = command.positions;
     const auto finite = [](double position) { return std::isfinite(position); };

@@ -87,7 +87,7 @@ class RoverDrive final : public Component {
     set_state(standing && wanted_.linear == 0 && wanted_.angular == 0 ? "idle" : "driving");
   }
 
-  /// A command that is no number may mean anything, so the rover stops.
+  /// A command that is not a number may mean anything, so the rover stops.
   void accept(const messages::Twist2D& command) {
     const bool is_velocity = std::isfinite(command.linear) && std::isfinite(command.angular);
     wanted_ = is_velocity ? messages::Twist2D{std::clamp(command.linear, -*max_speed_, *max_speed_),

@@ -48,7 +48,7 @@ class SimulatedRover {
   /// Advances time by this many steps of kStep.
   void step(int steps);
   [[nodiscard]] double time() const { return time_; }
-  /// MuJoCo found numbers that are no numbers, or too large ones, and began anew: what is measured since is
+  /// MuJoCo found numbers that are not numbers, or too large ones, and began anew: what is measured since is
   /// meaningless. Has not happened unless set points are such numbers.
   [[nodiscard]] bool failed() const;
 

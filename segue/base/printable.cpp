@@ -34,7 +34,7 @@ std::size_t printable_length(std::string_view text) {
     if ((byte & 0xC0U) != 0x80U) return 0;
     code = code << 6U | (byte & 0x3FU);
   }
-  // Forms that are longer than needed, halves of pairs, and numbers without a character are no UTF-8.
+  // Forms that are longer than needed, halves of pairs, and numbers without a character are not UTF-8.
   constexpr char32_t kLeast[] = {0, 0, kEndOfControls, 0x800, 0x10000};
   const bool half = code >= 0xD800 && code <= 0xDFFF;
   return code >= kLeast[length] && code <= 0x10FFFF && !half && !moves_text(code) ? length : 0;

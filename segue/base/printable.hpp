@@ -7,7 +7,7 @@
 namespace segue {
 
 /// Text of unknown origin, safe for a terminal: control characters other than line feeds and tabs (of one or
-/// two bytes), those that change the order in which text is shown (U+202E), and bytes that are no UTF-8, are
+/// two bytes), those that change the order in which text is shown (U+202E), and bytes that are not UTF-8, are
 /// escaped as in "\x1b".
 std::string printable(std::string_view text);
 

@@ -67,7 +67,7 @@ TEST(Beginning, CutsNoCharacter) {
   EXPECT_EQ(beginning_of("abc", 2), "ab");
   EXPECT_EQ(beginning_of("aé", 2), "a");
   EXPECT_EQ(beginning_of("\xe2\x82\xac", 2), "");
-  EXPECT_EQ(beginning_of("\x80\x80", 1), "") << "what is no UTF-8";
+  EXPECT_EQ(beginning_of("\x80\x80", 1), "") << "what is not UTF-8";
   EXPECT_EQ(beginning_of("", 0), "");
 }
 

@@ -63,7 +63,7 @@ class Server {
   static Result<std::unique_ptr<Server>> listen(const std::filesystem::path& socket, Served service);
   /// The same at several places. Also AlreadyExists where the port is taken; Unsupported for a deployment
   /// process on TCP, since it needs descriptors; InvalidArgument where there is no place, the address is not
-  /// numeric or the credentials are no host's.
+  /// numeric or the credentials are not those of a host.
   static Result<std::unique_ptr<Server>> listen(const Places& places, Served service);
   /// Serves on a socket that is bound and listens already; its file is not removed at the end.
   /// InvalidArgument where it is no such socket.

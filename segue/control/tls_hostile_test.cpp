@@ -76,7 +76,7 @@ TEST_F(SecureTest, GarbageAfterTheHandshakeEndsThatConnectionOnly) {
   EXPECT_TRUE(inside.is_closed());
   EXPECT_TRUE(
       log_->has({"refused 'ann' (operate) at 127.0.0.1:", "the TLS connection with the client failed"}));
-  EXPECT_TRUE(log_->has({"refused 'ann' (operate) at 127.0.0.1:", "no message, or too large a one"}));
+  EXPECT_TRUE(log_->has({"refused 'ann' (operate) at 127.0.0.1:", "not a message, or too large a one"}));
   EXPECT_TRUE(good->status());
 }
 

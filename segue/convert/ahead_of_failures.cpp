@@ -18,7 +18,7 @@ using task_network::ActsAhead;
 /// Nodes in the parts that are examined more closely; what would take more stays in the list.
 constexpr std::size_t kMostCompared = 2'000'000;
 
-/// The source of a value to which the input belongs; null for inputs that are no part of values.
+/// The source of a value to which the input belongs; null for inputs that are not part of values.
 const ValueSource* source_of(const PlannedNode& node, std::uint32_t input) {
   const auto feeds = [&](const ValueSource& source) {
     return std::ranges::find(source.feeds, input, &ValueSource::Feed::input) != source.feeds.end();

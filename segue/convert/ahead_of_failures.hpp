@@ -20,7 +20,7 @@ struct AheadOfFailures {
 };
 
 /// Whether `fails` is in a preemptive container, and `acts` in another of its states or after it. Then no
-/// failure of the one can come after the other without coming so in the run as written.
+/// failure of the one can come after the other without coming so in the sequential run.
 [[nodiscard]] bool beside_or_after_race(const MissionPlan& plan, task_network::NodeId acts,
                                         task_network::NodeId fails);
 

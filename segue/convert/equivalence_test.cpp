@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The guarantee: a mission that runs concurrently does what it does as written, under every disturbance:
+// The guarantee: a mission that runs concurrently does what it does sequentially, under every disturbance:
 // actions that end otherwise or take longer than expected, that abort, throw or lose their worker; loops,
 // preemptions and their handlers; a stop at any moment, a crash after any line of the journal.
 // SEGUE_MISSION_CASES tries more, SEGUE_MISSION_SEED begins elsewhere, SEGUE_MISSION_SHOW shows what
@@ -56,7 +56,7 @@ RunOptions options_of(std::uint64_t seed) {
 void show(const Ran& written, const ConcurrentRun& run) {
   for (const auto& [path, outcomes] : written.happened)
     fmt::print("{}: {}\n", path, fmt::join(outcomes, ", "));
-  fmt::print("as written: {} {}, {}\n", written.result.outcome_name, written.result.error,
+  fmt::print("sequential: {} {}, {}\n", written.result.outcome_name, written.result.error,
              written.makespan / std::chrono::seconds(1));
   const task_network::TaskNetwork& network = run.plan().network();
   const auto at = [](TimePoint time) { return time.time_since_epoch() / std::chrono::seconds(1); };
@@ -117,7 +117,7 @@ std::string forgotten(const ConcurrentRun& resumed, const mission::RunJournal& j
 }
 
 /// Runs the mission with a journal, and once more with what is left of that journal after a crash; the second
-/// run must do what the mission does as written. Returns the difference, or "".
+/// run must do what the mission does sequentially. Returns the difference, or "".
 std::string difference_after_crash(const std::shared_ptr<const mission::Program>& program, const Ran& written,
                                    RunOptions options, std::uint64_t seed) {
   const auto file = std::filesystem::path(testing::TempDir()) / ("segue_crash_" + std::to_string(::getpid()));
@@ -173,7 +173,7 @@ std::string wrongly_foreseen(const std::vector<mission::StateIndex>& states, con
   return {};
 }
 
-/// Runs the mission of that number as written, by itself, in some cases again after a crash, and once more
+/// Runs the mission of that number sequentially, by itself, in some cases again after a crash, and once more
 /// until it is stopped.
 Trial attempt(std::uint64_t seed) {
   Trial trial;

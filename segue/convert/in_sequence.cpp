@@ -84,7 +84,7 @@ class Causes {
   [[nodiscard]] std::string as_written(const PlannedNode& planned) const {
     const std::string name =
         planned.path.empty() ? plan_.program().mission().name : std::string(planned.path);
-    return name + " runs as written, " + text_of(plan_.subtree_reason(planned.state), plan_.program());
+    return name + " runs sequentially, " + text_of(plan_.subtree_reason(planned.state), plan_.program());
   }
 
   [[nodiscard]] static std::string alone(std::vector<std::string> names, std::size_t cause) {

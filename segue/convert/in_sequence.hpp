@@ -11,7 +11,8 @@
 namespace segue::convert {
 
 /// What kept a run that has ended from doing more at the same time, one sentence for each cause: actions that
-/// may touch anything, and states that ran as written. Nothing where facts, data and resources alone decided.
+/// may touch anything, and states that ran sequentially. Nothing where facts, data and resources alone
+/// decided.
 [[nodiscard]] std::vector<std::string> why_in_sequence(const MissionPlan& plan,
                                                        const task_network::Order& order,
                                                        const task_network::RunResult& result);

@@ -54,7 +54,7 @@ states:
       watch: {on: {success: return success}}
     on: {success: return success}
 )x"),
-              ElementsAre("guarded runs as written, since watch in it, concurrent with others, reads the "
+              ElementsAre("guarded runs sequentially, since watch in it, concurrent with others, reads the "
                           "whole world"));
 }
 

@@ -71,7 +71,7 @@ TEST(LoopsInABarrier, AreNamedWhereThePlanWaitsForThem) {
   EXPECT_EQ(made->waits_for(), "whether the loop at search/to_right/right goes on, which is not expected");
 }
 
-/// A loop whose rounds take no time behind an action that takes a second. In the run as written, `slow`
+/// A loop whose rounds take no time behind an action that takes a second. In the sequential run, `slow`
 /// aborts first, and nobody gets to the loop.
 std::string endless_loop(const std::string& round) {
   return R"x(

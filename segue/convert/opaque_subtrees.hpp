@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-/// Which states of a mission a concurrent run executes as written, as one node each.
+/// Which states of a mission a concurrent run executes sequentially, as one node each.
 namespace segue::convert {
 
 /// Why a state is an opaque subtree.

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kOutlinedRounds = 3;
 /// Iterations of a loop that are planned, at least, while something before them is under way. Twice as many
 /// are never reached: iterations that end without beginning anything, or that take no time, would go on for
-/// ever where the run as written never gets to them.
+/// ever where the sequential run never gets to them.
 constexpr std::size_t kIterationsAhead = 1000;
 
 }  // namespace

@@ -55,7 +55,7 @@ class DistributedTaskHost final : public task_host::TaskHost {
   ~DistributedTaskHost() override;
 
   /// AlreadyExists where another runtime has the robot on a host; Superseded where it is lost. Other hosts
-  /// that cannot be reached are no error.
+  /// that cannot be reached are not an error.
   [[nodiscard]] Result<void> commands_all() const;
   /// When the hosts that refuse were asked last: the earliest of these times. Nothing where none refuses.
   [[nodiscard]] std::optional<TimePoint> refused_at() const;

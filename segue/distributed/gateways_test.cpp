@@ -285,7 +285,7 @@ TEST(Gateways, SamplesAreCountedFromWriterToReader) {
   const auto whole = counts.condense({counted("a", "a.out>", 100, 98, 2), counted("a.out>>r", "b", 90, 80, 5),
                                       counted("a.out>>r", "c", 99, 99, 0), counted("b", "c", 7, 6, 1),
                                       counted("x.out>>r", "b", 3, 3, 0), counted("y", "y.out>", 3, 3, 0)});
-  ASSERT_EQ(whole.size(), 3U) << "halves without the other one are no connections";
+  ASSERT_EQ(whole.size(), 3U) << "halves without the other one are not connections";
   EXPECT_EQ(to_string(whole[0].connection), "a.out -> b.in");
   EXPECT_EQ(whole[0].written, 100U);
   EXPECT_EQ(whole[0].read, 80U);

@@ -29,7 +29,7 @@ constexpr std::size_t kMaxRobots = 64;
 constexpr std::size_t kMostLog = std::size_t{1} << 20;
 constexpr std::string_view kEpochSuffix = ".epoch";
 
-/// "arm.yaml" as "000_arm.yaml": whatever a runtime names its file, it is no path here.
+/// "arm.yaml" as "000_arm.yaml": whatever a runtime names its file, it is not a path here.
 std::string file_name(std::size_t number, const std::string& name) {
   std::string safe;
   for (const char c : name) {
@@ -40,7 +40,7 @@ std::string file_name(std::size_t number, const std::string& name) {
 }
 
 Error not_a_robot(const std::string& name) {
-  return fail(ErrorCode::InvalidArgument, quote(name.substr(0, 64)) + " is no name of a robot");
+  return fail(ErrorCode::InvalidArgument, quote(name.substr(0, 64)) + " is not a valid robot name");
 }
 
 std::string architecture() {

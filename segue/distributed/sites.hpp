@@ -68,7 +68,7 @@ class Sites {
     bool complete = false;  ///< all sites have answered
   };
   Look look() const;
-  /// Reports of tasks that are no link tasks, with those on sites that cannot be reached as they were seen
+  /// Reports of tasks that are not link tasks, with those on sites that cannot be reached as they were seen
   /// last.
   [[nodiscard]] std::vector<task_host::TaskReport> with_lost(
       std::vector<task_host::TaskReport> reports) const;

@@ -178,7 +178,7 @@ class Picture {
 
   void draw_title() {
     const auto name = [](const model::NetworkName& network) {
-      return network.empty() ? std::string("(empty)") : network.str();
+      return network.empty() ? std::string("empty") : network.str();
     };
     const std::size_t count = transition_.actions.size();
     svg::text(out_, kMargin, 26, "start", name(transition_.from) + " \u2192 " + name(transition_.to),

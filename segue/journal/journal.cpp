@@ -41,7 +41,8 @@ std::filesystem::path folder_in(const char* variable) {
 }  // namespace
 
 Result<std::filesystem::path> default_path(std::string_view robot) {
-  if (!is_identifier(robot)) return fail(ErrorCode::InvalidArgument, quote(robot) + " is no robot's name");
+  if (!is_identifier(robot))
+    return fail(ErrorCode::InvalidArgument, quote(robot) + " is not a valid robot name");
   std::filesystem::path state = folder_in("XDG_STATE_HOME");
   if (state.empty()) {
     const auto home = folder_in("HOME");

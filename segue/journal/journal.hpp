@@ -17,7 +17,7 @@
 namespace segue::journal {
 
 /// `$XDG_STATE_HOME/segue/ROBOT/journal.sqlite`, else `~/.local/state/segue/...`. InvalidArgument if the name
-/// is no identifier, NotFound if neither variable is set. Does not create anything.
+/// is not a valid identifier, NotFound if neither variable is set. Does not create anything.
 Result<std::filesystem::path> default_path(std::string_view robot);
 
 struct JournalOptions {

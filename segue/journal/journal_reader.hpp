@@ -17,7 +17,7 @@ namespace segue::journal {
 /// program) are skipped and counted. Not thread safe; functions block.
 class JournalReader {
  public:
-  /// NotFound if there is no file, InvalidArgument if it is no journal, Unsupported if a newer Segue wrote
+  /// NotFound if there is no file, InvalidArgument if it is not a journal, Unsupported if a newer Segue wrote
   /// it, ParseError if it is damaged.
   static Result<JournalReader> open(const std::filesystem::path& path);
   JournalReader(JournalReader&&) noexcept;

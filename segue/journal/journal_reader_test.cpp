@@ -162,7 +162,7 @@ TEST(JournalReader, AFileWithoutWhoCancelledIsBroughtUpToDate) {
 
 TEST(JournalReader, RefusesOtherFiles) {
   const Folder folder;
-  std::ofstream(folder / "text") << "this is no database, though it is long enough to be looked at: "
+  std::ofstream(folder / "text") << "this is not a database, though it is long enough to be looked at: "
                                  << std::string(5000, 'x');
   EXPECT_EQ(code_of(folder / "text"), ErrorCode::ParseError);
   change(folder / "other", "CREATE TABLE t (x); PRAGMA user_version = 1");

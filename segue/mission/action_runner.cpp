@@ -22,7 +22,8 @@ const Value& ActionCall::progress() const {
 }
 
 Result<void> ActionRunner::go_on(const Action& /*action*/, const Value& /*progress*/) {
-  return fail(ErrorCode::Unsupported, "nobody can see how far it got, since it is no controller of a robot");
+  return fail(ErrorCode::Unsupported,
+              "nobody can see how far it got, since it is not a controller of a robot");
 }
 
 const Action& ActionCall::action() const {
@@ -61,7 +62,7 @@ Result<std::string> ActionCall::controller(std::string name) const {
     return model::detail::scalar_text(input(one)).value_or("");
   });
   if (is_identifier(name)) return name;
-  return fail(ErrorCode::InvalidArgument, quote(name) + " is no name of a controller");
+  return fail(ErrorCode::InvalidArgument, quote(name) + " is not a valid controller name");
 }
 
 std::optional<Outcome> ActionCall::outcome(std::string_view name) const {

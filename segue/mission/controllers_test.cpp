@@ -68,7 +68,7 @@ TEST(ControllerFile, ExplainsMistakes) {
   EXPECT_THAT(problems_of("controller: go, until: [{task: a, state: b, after: 1s}]"),
               HasSubstr("expected exactly one of"));
   EXPECT_THAT(problems_of("controller: go, until: [{port: a.b, where: 'code = 3'}]"),
-              HasSubstr("'code = 3' is no condition"));
+              HasSubstr("'code = 3' is not a valid condition"));
   EXPECT_THAT(problems_of("controller: go, until: [{after: 1s, outcome: arived}]"),
               HasSubstr("it has no outcome 'arived', did you mean 'arrived'?"));
   EXPECT_THAT(problems_of("controller: go, outputs: {pos: a.b}"),

@@ -55,7 +55,7 @@ class Globals {
   /// Likewise; the object is one of type `kind`.
   Result<void> set_object(const std::string& name, std::shared_ptr<const GlobalObject> object,
                           std::string_view kind, Key key = 0, std::string_view type = {});
-  /// PermissionDenied if it is locked. Erasing a missing variable is no error.
+  /// PermissionDenied if it is locked. Erasing a missing variable is not an error.
   Result<void> erase(const std::string& name);
 
   /// Blocks until the lock is free, for at most `timeout` of real time; then DeadlineExceeded. A missing

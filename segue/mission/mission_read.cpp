@@ -122,8 +122,8 @@ class Reader {
     const auto chosen = static_cast<StateKind>(*kind);
     if ((container && !is_container(chosen)) || (library && chosen != StateKind::Library)) {
       source_.error("bad-kind",
-                    fields.what() + ": what has " + (container ? "'states'" : "'library'") + " is no " +
-                        std::string(kStateKindNames[*kind]),
+                    fields.what() + ": what has " + (container ? "'states'" : "'library'") +
+                        " cannot be of kind " + quote(kStateKindNames[*kind]),
                     *fields.find("kind"));
     }
     return chosen;

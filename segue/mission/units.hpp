@@ -30,11 +30,11 @@ using UnitCounts = std::vector<std::pair<std::string, std::uint32_t>>;
 /// How many more units of some resources there are than before, or fewer.
 using UnitChanges = std::vector<std::pair<std::string, std::int64_t>>;
 
-/// As in a journal: the change by the resource; entries that are no numbers are left out.
+/// As in a journal: the change by the resource; entries that are not numbers are left out.
 type::Value to_value(const UnitChanges& changes);
 UnitChanges unit_changes(const type::ValueMap& map);
 
-/// How many units of each resource there are while a mission runs as written, and which of them executions
+/// How many units of each resource there are while a mission runs sequentially, and which of them executions
 /// hold. A resource that is not counted has one unit. An execution gets all that it asks for or nothing. The
 /// same rules as those of task_network::ResourcePool. Not thread safe.
 class Units {

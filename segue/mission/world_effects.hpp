@@ -27,8 +27,8 @@ struct FactParts {
 /// into the gripper with "+holding(box)". Functions are called on the engine's thread, in both modes, also
 /// ahead of time for what is predicted, each time with a copy of its own; so they depend on nothing but the
 /// data and the arguments, change nothing else, do not block and do not throw. Changes come in the order of
-/// the mission, but for those of states side by side that run as written, which come as these end: functions
-/// must come to the same data then, as where each fact has a part of the data for itself.
+/// the mission, but for those of states side by side that run sequentially, which come as these end:
+/// functions must come to the same data then, as where each fact has a part of the data for itself.
 template <class T>
 class WorldEffects {
  public:

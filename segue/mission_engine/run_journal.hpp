@@ -22,7 +22,7 @@
 
 namespace segue::mission {
 
-/// As in a journal: a count by the number of the state; entries that are no numbers are left out.
+/// As in a journal: a count by the number of the state; entries that are not numbers are left out.
 type::Value to_value(const std::map<StateIndex, std::uint32_t>& counts);
 std::map<StateIndex, std::uint32_t> counts_by_state(const type::ValueMap& map);
 

@@ -312,7 +312,7 @@ TEST_F(ControllerActions, ArePreemptedAndStopTheRobotIfTheySaySo) {
 TEST_F(ControllerActions, NameAController) {
   begin("controller: '{where}/..', until: []");
   EXPECT_EQ(ended().outcome_name, "aborted");
-  EXPECT_THAT(engine_->result().error, HasSubstr("'home/..' is no name of a controller"));
+  EXPECT_THAT(engine_->result().error, HasSubstr("'home/..' is not a valid controller name"));
 }
 
 class ActionsWhoseTaskIsLost : public ControllerActions {

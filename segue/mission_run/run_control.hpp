@@ -18,7 +18,7 @@ class Engine;
 
 namespace segue::mission_run {
 
-/// Steers a run: pauses it and, where it runs as written, steps it, sets breakpoints, goes on elsewhere and
+/// Steers a run: pauses it and, where it runs sequentially, steps it, sets breakpoints, goes on elsewhere and
 /// looks at values (see mission::Engine). All functions may be called from any thread, before, during and
 /// after the run.
 class RunControl {
@@ -43,7 +43,7 @@ class RunControl {
   void values_of(std::string path, std::function<void(Result<type::Value>)> done);
 
   struct Position {
-    bool steps = false;                            ///< it can be stepped: it runs as written
+    bool steps = false;                            ///< it can be stepped: it runs sequentially
     bool back = false;                             ///< and be stepped back
     std::optional<std::vector<std::string>> at{};  ///< it is held before these states
     std::vector<std::string> breakpoints{};
@@ -54,7 +54,7 @@ class RunControl {
   /// What a run is steered by.
   struct Run {
     std::function<void(bool paused)> set_paused{};  ///< of a concurrent run; from any thread
-    mission::Engine* engine = nullptr;              ///< of one as written
+    mission::Engine* engine = nullptr;              ///< of a sequential one
     bool back = false;                              ///< it can be stepped back
     std::vector<std::string> breakpoints{};         ///< with which it begins
   };

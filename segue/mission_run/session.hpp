@@ -69,13 +69,13 @@ struct RunRequest {
 
   /// Steers the run of a mission; must outlive it. Null: it cannot be paused.
   RunControl* control = nullptr;
-  /// Before these states a mission that runs as written is held, until `control` lets it go on.
+  /// Before these states a mission that runs sequentially is held, until `control` lets it go on.
   std::vector<std::string> breakpoints;
   /// It is held before these states, and what may run beside goes on; called on the thread of run(), each
   /// time.
   std::function<void(const std::vector<std::string>& paths)> on_held;
   bool steps_back = false;  ///< keeps what is needed to step back; sequential only, not with a journal
-  /// Receives warnings, which are no failures. Called on the thread of run(), or on that of an opaque
+  /// Receives warnings, which are not failures. Called on the thread of run(), or on that of an opaque
   /// subtree.
   std::function<void(const std::string&)> note;
   /// Progress: of a mission see convert::RunOptions::observe. Of a task network: every run of a node that
@@ -126,11 +126,11 @@ class Session {
   /// do. Nothing if strict. Errors as of convert().
   [[nodiscard]] Result<convert::AheadOfFailures> ahead_of_failures(const ConvertRequest& request = {}) const;
 
-  /// Runs the plan to its end, on this thread; blocks. That an action or the mission fails is no error here
-  /// but in the overview. `stop`, requested on any thread, preempts what is under way and ends the run soon;
-  /// what the mission does to handle preemption still runs. Errors come before anything has been executed:
-  /// those of convert(), NotFound where an action has no runner, those of the journal, and Unsupported where
-  /// the mode or the kind of plan does not have what is requested.
+  /// Runs the plan to its end, on this thread; blocks. That an action or the mission fails is not an error
+  /// here but in the overview. `stop`, requested on any thread, preempts what is under way and ends the run
+  /// soon; what the mission does to handle preemption still runs. Errors come before anything has been
+  /// executed: those of convert(), NotFound where an action has no runner, those of the journal, and
+  /// Unsupported where the mode or the kind of plan does not have what is requested.
   [[nodiscard]] Result<std::unique_ptr<FinishedRun>> run(const RunRequest& request,
                                                          const std::stop_token& stop = {}) const;
 

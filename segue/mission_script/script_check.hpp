@@ -18,7 +18,7 @@ class ScriptCompiler {
   ScriptCompiler(const ScriptCompiler&) = delete;
   ScriptCompiler& operator=(const ScriptCompiler&) = delete;
 
-  /// Reports each text that is no Python (`bad-script`) with file, line and column. The warning `no-python`,
+  /// Reports each text that is not Python (`bad-script`) with file, line and column. The warning `no-python`,
   /// once, where there is no interpreter or where it does not answer within ten seconds. Files that cannot be
   /// read are left out. Blocks.
   void check(const Mission& mission, Diagnostics& diagnostics);

@@ -429,7 +429,7 @@ class Worker:
             self._end(message["id"], error=f"no thread for the script: {error}")
 
     def _compile(self, message):
-        """Says which texts are no Python, without executing any. Files that cannot be read are left out."""
+        """Says which texts are not Python, without executing any. Files that cannot be read are left out."""
         errors = []
         for number, script in enumerate(message["scripts"]):
             try:

@@ -102,7 +102,7 @@ def shown(value):
 
 
 class Objects:
-    """What global variables hold that is no value of a mission: objects that were given by reference, and copies of
+    """What global variables hold that is not a value of a mission: objects that were given by reference, and copies of
     those that JSON does not represent. The engine says which ones no variable holds any more."""
 
     def __init__(self):

@@ -20,7 +20,7 @@ constexpr std::string_view kWholeSample = "value";
 Error malformed(std::string_view text) {
   return fail(ErrorCode::ParseError,
               quote(text) +
-                  " is no condition: expected comparisons of fields of a sample such as "
+                  " is not a valid condition: expected comparisons of fields of a sample such as "
                   "'code == 3 and pose.x < 1.5', or of 'value', the sample itself");
 }
 

@@ -23,7 +23,7 @@ namespace segue::model {
 std::optional<Network> read_network(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 std::optional<Network> load_network(const std::filesystem::path& file, Diagnostics& diagnostics);
 /// The parts of a network file that could be read, also where it has errors; nothing only where it cannot be
-/// parsed or is no network. To look for further problems with validate_references(), never to run.
+/// parsed or is not a network. To look for further problems with validate_references(), never to run.
 std::optional<Network> read_network_parts(std::string_view text, const std::string& file,
                                           Diagnostics& diagnostics);
 std::string write_network(const Network& network);

@@ -117,7 +117,7 @@ Network read_own_network(const Value& root, const Source& source) {
   return network;
 }
 
-/// What a file is that is no network, and what to do about it; "" for networks.
+/// What a file is that is not a network, and what to do about it; "" for networks.
 std::string other_kind(const Value& root) {
   constexpr std::pair<std::string_view, std::string_view> kKinds[] = {
       {"robot", "this is a robot file, not a network; name a network, such as one of its controllers"},
@@ -138,7 +138,7 @@ std::string missing_network(const Value& root) {
   if (root.is_null()) return "this file is empty; a network without tasks says `tasks: {}`";
   const bool says = std::ranges::any_of(kKeys, [&](auto key) { return root.find(key) != nullptr; });
   if (says || !root.is_map()) return {};
-  return "this is no network: it has none of 'network', 'tasks', 'deployments' and 'connections'; one "
+  return "this is not a network: it has none of 'network', 'tasks', 'deployments' and 'connections'; one "
          "without "
          "tasks says `tasks: {}`";
 }

@@ -133,7 +133,7 @@ std::optional<std::int64_t> Fields::integer(std::string_view key, std::int64_t l
     return value->as_int();
   }
   source_.error(std::string(code),
-                what_ + ": " + quote(key) + " must be a whole number from " + std::to_string(least) + " to " +
+                what_ + ": " + quote(key) + " must be an integer from " + std::to_string(least) + " to " +
                     std::to_string(most) + ", got " + type::describe(*value),
                 *value);
   return std::nullopt;

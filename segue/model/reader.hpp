@@ -105,7 +105,7 @@ class Fields {
   std::vector<std::string_view> known_;
 };
 
-/// Reports an error and returns false if `name` is no identifier.
+/// Reports an error and returns false if `name` is not a valid identifier.
 bool check_name(std::string_view name, std::string_view what, const type::Value& at, const Source& source);
 
 }  // namespace segue::model::detail

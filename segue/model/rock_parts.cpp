@@ -68,7 +68,7 @@ Value rock_default(const Value& written, const PropertyModel& property, const So
   if (boolean ? written.is_bool() : written.is_number()) return written;
   source.warning("unreadable-default",
                  "property " + quote(property.name) + ": the default " + type::describe(written) +
-                     " is no value of " + quote(property.type) + " and ignored",
+                     " is not a value of " + quote(property.type) + " and ignored",
                  written);
   return {};
 }

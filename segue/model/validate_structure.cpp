@@ -54,7 +54,7 @@ class StructureCheck {
     if (is_error(task.state)) {
       error("error-state-target",
             what + ": " + std::string(to_string(task.state)) +
-                " is no target; ask for pre_operational, stopped or running",
+                " is not a valid target; ask for pre_operational, stopped or running",
             task.where);
     }
     const auto problem = task.activity ? problem_of(*task.activity) : std::nullopt;

@@ -15,7 +15,7 @@ namespace {
 /// What FF prints before the steps of its plan.
 constexpr std::string_view kFfBegin = "found legal plan as follows";
 
-/// Without signs, infinity and what is no number.
+/// Without signs, infinity and what is not a number.
 std::optional<double> number(std::string_view text) {
   if (text.empty() || text.front() < '0' || text.front() > '9') return std::nullopt;
   double value = 0;
@@ -130,11 +130,12 @@ class PlanParser {
     const bool read =
         read_lists(line) || read_calls(line) || ((timed || lists_calls_) && read_words(line, timed));
     time_.reset();
-    return read || refuse(
-                       "this is no step of a plan such as '(move a b)', '0: (move a b) [1]' or 'move(a, b)'; "
-                       "give the "
-                       "plan alone, without what the planner prints beside it",
-                       where);
+    return read ||
+           refuse(
+               "this is not a step of a plan such as '(move a b)', '0: (move a b) [1]' or 'move(a, b)'; "
+               "give the "
+               "plan alone, without what the planner prints beside it",
+               where);
   }
 
   /// "(move a b)"

@@ -293,7 +293,8 @@ bool PddlTask::bind(const Action& action, const PddlTerm& term, Binding& binding
   for (std::size_t i = 0; i < action.parameters.size(); ++i) {
     const PddlTerm& argument = term.list[i + 1];
     if (!network_.facts.is_a(argument.word, action.parameters[i].types)) {
-      error("bad-step", quote(argument.word) + " is no object of type " + listed(action.parameters[i].types),
+      error("bad-step",
+            quote(argument.word) + " is not an object of type " + listed(action.parameters[i].types),
             argument.where);
       return false;
     }

@@ -302,7 +302,7 @@ TEST(PddlPlan, IsRefusedWithOneCauseWhereItIsNone) {
   using testing::HasSubstr;
   using testing::Not;
   const auto one = [](const std::string& place) {
-    return AllOf(HasSubstr(place + ": error: this is no step of a plan such as"), Not(HasSubstr("\n")));
+    return AllOf(HasSubstr(place + ": error: this is not a step of a plan such as"), Not(HasSubstr("\n")));
   };
   EXPECT_THAT(
       steps_of("INFO Running search.\n[t=0.01s] Solution found!\ngo a b (1)\nwait (1)\nPlan length: 2\n"),

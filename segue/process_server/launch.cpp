@@ -47,7 +47,7 @@ class Reader {
     const Value* found = find(key, "a whole number", &Value::is_integer);
     if (found == nullptr) return;
     if (found->kind() == Value::Kind::Int && found->as_int() < 0) {
-      return refuse(key, "a whole number from 0", *found);
+      return refuse(key, "a non-negative integer", *found);
     }
     target = found->as_uint();
   }

@@ -35,8 +35,8 @@ type::Value to_value(const Launch& launch);
 Result<Launch> launch_from(const type::Value& value);
 
 /// The folder for the sockets, logs and locks of a robot's processes: `<control folder>/<robot>/`. Creates it
-/// with mode 0700. InvalidArgument where the name is no identifier (it might be a path), PermissionDenied
-/// where the folder belongs to another user.
+/// with mode 0700. InvalidArgument where the name is not a valid identifier (it might be a path),
+/// PermissionDenied where the folder belongs to another user.
 Result<std::filesystem::path> process_folder(const std::string& robot);
 /// The socket of a process: `<process folder>/<process>.sock`, or `<process>@<host>.sock` for a host with
 /// another name than localhost. Fails as process_folder().

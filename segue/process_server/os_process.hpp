@@ -17,7 +17,7 @@ int signal_pidfd(int pidfd, int signal);
 void kill_group(int pid);
 
 /// Takes the exit status of a child that has ended, which frees its pid. `known` is false where the process
-/// is no child of this one. Does not block.
+/// is not a child of this one. Does not block.
 ExitReason reap(int pidfd);
 /// Blocks until a child that was killed has ended, and reaps it.
 void reap_child(int pid);

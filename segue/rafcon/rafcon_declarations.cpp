@@ -14,8 +14,8 @@ namespace {
 using type::Value;
 
 /// RAFCON's editor knows only texts and maps in semantic data: a text is taken as the YAML that it is, but
-/// for facts, whose sign is no tag, and for the values of inputs, which are no maps. A map without entries is
-/// how the editor leaves an entry without a value.
+/// for facts, whose sign is not a tag, and for the values of inputs, which are not maps. A map without
+/// entries is how the editor leaves an entry without a value.
 Value from_texts(const Value& given) {
   if (given.is_string() && (given.as_string().starts_with('!') || parameter_input(given))) return given;
   if (given.is_string()) return type::parse_yaml(given.as_string()).value_or(given);

@@ -22,7 +22,7 @@ Result<Role> role_from(std::string_view text) {
     if (kRoles.at(i) == text) return static_cast<Role>(i);
   }
   return fail(ErrorCode::InvalidArgument,
-              quote(text) + " is no role; there are observe, operate and administer");
+              quote(text) + " is not a valid role; there are observe, operate and administer");
 }
 
 std::string identity_of(const Peer& peer) {

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kLongestHost = 253;  ///< RFC 1035
 
 Error no_address(std::string_view text, const std::string& why) {
-  return fail(ErrorCode::InvalidArgument, quote(text) + " is no address: " + why +
+  return fail(ErrorCode::InvalidArgument, quote(text) + " is not a valid address: " + why +
                                               "; write it as 10.0.0.3:7000, [fe80::1]:7000 or name:7000");
 }
 
@@ -57,12 +57,13 @@ Result<TcpAddress> parse_tcp_address(std::string_view text, std::uint16_t defaul
     if (end == std::string_view::npos) return no_address(text, "']' is missing");
     address.host = text.substr(1, end - 1);
     rest = text.substr(end + 1);
-    if (!is_ipv6(address.host)) return no_address(text, "what stands in brackets is no IPv6 address");
+    if (!is_ipv6(address.host))
+      return no_address(text, "what stands in brackets is not a valid IPv6 address");
   } else {
     const std::size_t colon = text.find(':');
     address.host = text.substr(0, colon);
     rest = colon == std::string_view::npos ? std::string_view() : text.substr(colon);
-    if (!is_host(address.host)) return no_address(text, "that is no name of a computer");
+    if (!is_host(address.host)) return no_address(text, "that is not a valid host name");
   }
   if (rest.empty()) {
     if (default_port == 0) return no_address(text, "the port is missing");

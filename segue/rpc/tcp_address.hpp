@@ -17,7 +17,7 @@ struct TcpAddress {
 };
 
 /// "10.0.0.3:7000", "[fe80::1%eth0]:7000", "left.local:7000". Without a port it is `default_port`;
-/// InvalidArgument where that is 0, too, or where the text is no address.
+/// InvalidArgument where that is 0, too, or where the text is not an address.
 Result<TcpAddress> parse_tcp_address(std::string_view text, std::uint16_t default_port = 0);
 
 /// As parse_tcp_address() reads it.

@@ -43,8 +43,8 @@ class Authority {
   static Result<Authority> open(const std::filesystem::path& folder);
 
   /// Issues a certificate and writes NAME.key (0600), NAME.crt, ca.crt and ca.crl into `out`, ready to be
-  /// copied. InvalidArgument where the name is no identifier; AlreadyExists where a key for it is there,
-  /// unless `replace`.
+  /// copied. InvalidArgument where the name is not a valid identifier; AlreadyExists where a key for it is
+  /// there, unless `replace`.
   Result<Identity> enrol(const Enrolment& enrolment, const std::filesystem::path& out, bool replace = false);
   /// Revokes the certificates of that name or serial which are not yet, and renews ca.crl. NotFound where
   /// there are none.

@@ -39,7 +39,7 @@ Result<T> from_pem(std::string_view pem, const std::filesystem::path& file, cons
   const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(std::min(pem.size(), kLargestFile))));
   T object(bio ? read(bio.get(), nullptr, no_password, nullptr) : nullptr);
   if (object) return object;
-  return openssl_error(ErrorCode::ParseError, quote(file.string()) + " is no " + what + " in PEM");
+  return openssl_error(ErrorCode::ParseError, quote(file.string()) + " is not a valid " + what + " in PEM");
 }
 
 template <class Write>

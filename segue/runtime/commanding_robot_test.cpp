@@ -113,7 +113,7 @@ TEST_F(CommandedRuntime, RunsAVariantUntilTheNextRequest) {
   const auto variant = switch_to("drive", options);
   EXPECT_EQ(variant.outcome, Outcome::Done) << why(variant);
   EXPECT_EQ(*runtime_.belief().find_task(model::TaskId("base"))->properties.find("gain"), type::Value(2));
-  EXPECT_THAT(runtime_.observed_differences(), IsEmpty()) << "a variant is no drift";
+  EXPECT_THAT(runtime_.observed_differences(), IsEmpty()) << "a variant is not drift";
   EXPECT_EQ(switch_to("drive", options).actions.size(), 0U);
   EXPECT_EQ(switch_to("drive").outcome, Outcome::Done);
   EXPECT_EQ(*runtime_.belief().find_task(model::TaskId("base"))->properties.find("gain"), type::Value(1));

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <utility>
 
-/// Pools are no part of what is requested. Whatever of them is there stays as it is in each transition
+/// Pools are not part of what is requested. Whatever of them is there stays as it is in each transition
 /// (KeptNetworks::pools), so no switch waits for an instance, or fails with one; starting them is the
 /// business of supervision alone.
 namespace segue::runtime {

@@ -317,7 +317,7 @@ TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one
   EXPECT_EQ(ready[0].prepared, 3U);
   EXPECT_EQ(runtime_.belief().name, drive_.name);
   EXPECT_THAT(differences(drive_, runtime_.belief()), ::testing::IsEmpty());
-  EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty()) << "standby tasks are no drift";
+  EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty()) << "standby tasks are not drift";
   EXPECT_EQ(robot_.host.observe().tasks.size(), 4U);
 
   const auto docked = runtime_.switch_to(dock_.name);

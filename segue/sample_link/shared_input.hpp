@@ -88,7 +88,7 @@ class SharedInput final : public RegisteredEndpoint,
   KeptCount read_;                         ///< samples taken out of the ring and delivered, or too old
   std::atomic<std::uint64_t> corrupt_{0};  ///< invalid words and entries
   std::atomic<std::uint64_t> invalid_{
-      0};  ///< among them: bytes that are no sample, which only the writer can write
+      0};  ///< among them: bytes that are not a sample, which only the writer can write
 
   mutable Mutex mutex_;  ///< guards the members below
   /// Reset under the mutex, and only after detach(), so the reader's thread needs none.

@@ -16,7 +16,7 @@ namespace segue::task::detail {
 /// A short text that one real-time thread at a time sets, without waiting, and any thread reads.
 ///
 /// A sequence lock: version_ is odd while the text changes, and a reader starts over if it has changed. The
-/// text itself is atomic, so there is no data race; all is sequentially consistent, since this is no hot
+/// text itself is atomic, so there is no data race; all is sequentially consistent, since this is not a hot
 /// path. A reader that starts over often sleeps in between, so that it cannot keep a writer of lower priority
 /// from finishing.
 class RealtimeText {

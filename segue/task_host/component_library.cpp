@@ -187,9 +187,10 @@ std::vector<fs::path> library_folders() {
 
 Result<fs::path> find_library(std::string_view name) {
   if (!is_identifier(name)) {
-    return fail(ErrorCode::InvalidArgument,
-                quote(name) +
-                    " is no name of a component library: letters, digits, '_', '-', '.' only, never a path");
+    return fail(
+        ErrorCode::InvalidArgument,
+        quote(name) +
+            " is not a valid name of a component library: letters, digits, '_', '-', '.' only, never a path");
   }
   const auto folders = library_folders();
   for (const auto& folder : folders) {
@@ -243,7 +244,7 @@ Result<std::string> LibrarySet::load_path(const fs::path& file) {
   std::string name = library_name(file);
   if (!is_identifier(name)) {
     return fail(ErrorCode::InvalidArgument,
-                quote(file.string()) + " is no component library; its name must be lib<name>.so");
+                quote(file.string()) + " is not a component library; its name must be lib<name>.so");
   }
   std::error_code error;
   const fs::path whole = fs::absolute(file, error);

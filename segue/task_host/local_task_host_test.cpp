@@ -377,7 +377,7 @@ TEST_F(LocalHost, reads_the_samples_of_a_port) {
   const auto samples = (*reader)->read(10);
   EXPECT_EQ(samples, (std::vector<type::Value>{2, 1}));
   EXPECT_TRUE((*reader)->read(10).empty());
-  EXPECT_TRUE(host_.connections().empty()) << "a reader is no connection of the network";
+  EXPECT_TRUE(host_.connections().empty()) << "a reader is not a connection of the network";
 }
 
 TEST_F(LocalHost, tells_of_a_task_that_fails_by_itself_but_not_of_actions) {

@@ -199,7 +199,7 @@ bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
   return true;
 }
 
-/// What is no step takes no time, so it needs no worker.
+/// What is not a step takes no time, so it needs no worker.
 bool ConcurrentEngine::Implementation::needs_worker(NodeId node) const {
   return options_.workers != 0 && !network_[node].structural;
 }

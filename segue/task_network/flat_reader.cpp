@@ -124,8 +124,8 @@ void FlatReader::read_resources(const Value& root) {
     if (kind.empty()) continue;
     const auto known = std::ranges::find(kResourceClasses, kind);
     if (known == kResourceClasses.end())
-      error("unknown-class", quote(kind) + " is no class; one of system, process, module, world, task",
-            value);
+      error("unknown-class",
+            quote(kind) + " is not a valid class; one of system, process, module, world, task", value);
     else
       resource.kind = static_cast<ResourceClass>(known - kResourceClasses.begin());
   }
@@ -241,7 +241,8 @@ void FlatReader::read_claims(Entry& entry) {
     const auto known = std::ranges::find(kResourceOps, op);
     if (known == kResourceOps.end()) {
       error("unknown-operation",
-            quote(op) + " is no operation; one of " + "create, consume, delete, block, release, exists",
+            quote(op) + " is not a valid operation; one of " +
+                "create, consume, delete, block, release, exists",
             value);
       continue;
     }

@@ -57,7 +57,7 @@ struct NodeState {
   bool speculative : 1 = false;  ///< the last run began before it was certain that it counts
   bool failed : 1 = false;
   bool asked_world : 1 = false;
-  bool lost : 1 = false;  ///< a race: however it ends, that is no failure
+  bool lost : 1 = false;  ///< a race: however it ends, that is not a failure
 };
 static_assert(sizeof(NodeState) <= 32, "half a cache line");
 

@@ -49,7 +49,7 @@ struct NodeSpec {
   bool cannot_fail = false;   ///< neither by itself nor because of a precondition or resource
   bool strict = false;        ///< it acts once no node before it can fail any more
   std::uint32_t parallel_branch = kNone;  ///< of TaskNetwork::add_parallel_branch(); none: in no such branch
-  bool structural = false;  ///< only part of the plan's form: takes no time and no worker, and is no step
+  bool structural = false;  ///< only part of the plan's form: takes no time and no worker, and is not a step
   std::vector<Literal> preconditions;
   std::vector<Literal> effects;  ///< of contradicting ones, the positive one counts
   std::vector<Claim> claims;

@@ -113,9 +113,9 @@ TEST_F(Conform, ANamelessRootNeedsNoPrefix) {
 TEST_F(Conform, IntegersHaveARangeBySizeAndSign) {
   EXPECT_THAT(messages("255", types_.byte), IsEmpty());
   EXPECT_THAT(messages("1e2", types_.byte), IsEmpty());
-  EXPECT_THAT(messages("256", types_.byte), ElementsAre("p: expected a whole number from 0 to 255, got 256"));
-  EXPECT_THAT(messages("-1", types_.byte), ElementsAre("p: expected a whole number from 0 to 255, got -1"));
-  EXPECT_THAT(messages("1.5", types_.byte), ElementsAre("p: expected a whole number from 0 to 255, got 1.5"));
+  EXPECT_THAT(messages("256", types_.byte), ElementsAre("p: expected an integer from 0 to 255, got 256"));
+  EXPECT_THAT(messages("-1", types_.byte), ElementsAre("p: expected an integer from 0 to 255, got -1"));
+  EXPECT_THAT(messages("1.5", types_.byte), ElementsAre("p: expected an integer from 0 to 255, got 1.5"));
   EXPECT_THAT(messages("-9223372036854775808", types_.int64), IsEmpty());
   EXPECT_EQ(messages("9223372036854775808", types_.int64).size(), 1U);
   EXPECT_EQ(messages(".nan", types_.int64).size(), 1U);

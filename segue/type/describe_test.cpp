@@ -299,9 +299,9 @@ TEST(Describe, says_what_was_expected_and_where) {
 }
 
 TEST(Describe, refuses_integers_out_of_range) {
-  EXPECT_EQ(refusal<std::uint8_t>(300), "properties: expected a whole number from 0 to 255, got 300");
-  EXPECT_EQ(refusal<std::uint8_t>(-1), "properties: expected a whole number from 0 to 255, got -1");
-  EXPECT_EQ(refusal<std::int8_t>(-129), "properties: expected a whole number from -128 to 127, got -129");
+  EXPECT_EQ(refusal<std::uint8_t>(300), "properties: expected an integer from 0 to 255, got 300");
+  EXPECT_EQ(refusal<std::uint8_t>(-1), "properties: expected an integer from 0 to 255, got -1");
+  EXPECT_EQ(refusal<std::int8_t>(-129), "properties: expected an integer from -128 to 127, got -129");
   EXPECT_EQ(refusal<std::int8_t>(-128), "accepted");
   EXPECT_EQ(refusal<std::int64_t>(std::numeric_limits<std::int64_t>::min()), "accepted");
   EXPECT_EQ(refusal<std::uint64_t>(std::numeric_limits<std::uint64_t>::max()), "accepted");
@@ -309,7 +309,7 @@ TEST(Describe, refuses_integers_out_of_range) {
   EXPECT_THAT(refusal<std::int64_t>(1e19), HasSubstr("expected a"));
   EXPECT_THAT(refusal<std::int64_t>(std::numeric_limits<double>::quiet_NaN()), HasSubstr("expected a"));
   EXPECT_THAT(refusal<std::int32_t>(1.5),
-              HasSubstr("expected a whole number from -2147483648 to 2147483647, got 1.5"));
+              HasSubstr("expected an integer from -2147483648 to 2147483647, got 1.5"));
   EXPECT_EQ(refusal<std::int32_t>(10.0), "accepted");
   EXPECT_THAT(refusal<float>(1e300), HasSubstr("expected a"));
   EXPECT_EQ(refusal<float>(std::numeric_limits<double>::infinity()), "accepted");

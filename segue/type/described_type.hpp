@@ -63,7 +63,7 @@ struct SequenceAccess {
   void* (*reuse)(void* object, std::size_t size) = nullptr;
 };
 
-/// A matrix that is no vector. Its numbers are contiguous, by rows or by columns as the name of the type
+/// A matrix that is not a vector. Its numbers are contiguous, by rows or by columns as the name of the type
 /// says. The functions are those of a matrix of variable size; one of fixed size is an Array of its rows and
 /// lies in the object itself.
 struct MatrixAccess {

@@ -28,7 +28,7 @@ struct Range {
     return integer.as_uint() <= highest;
   }
   [[nodiscard]] std::string text() const {
-    return "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest);
+    return "an integer from " + std::to_string(lowest) + " to " + std::to_string(highest);
   }
 };
 

@@ -190,7 +190,7 @@ class TypelibReader {
       const auto [end, status] = std::from_chars(text->data(), text->data() + text->size(), value);
       if (status != std::errc{} || end != text->data() + text->size()) {
         error(child, "invalid-attribute",
-              "the value of " + quote(*symbol) + " is no whole number: " + quote(*text));
+              "the value of " + quote(*symbol) + " is not an integer: " + quote(*text));
       } else if (!names.insert(*symbol).second) {
         error(child, "duplicate-symbol", "enum " + quote(type.name) + " has " + quote(*symbol) + " twice");
       } else {
@@ -420,7 +420,8 @@ class TypelibReader {
     std::size_t number = 0;
     const auto [end, status] = std::from_chars(text->data(), text->data() + text->size(), number);
     if (status == std::errc{} && end == text->data() + text->size() && number <= kMost) return number;
-    error(node, "invalid-attribute", "attribute " + quote(key) + " is no number of bytes: " + quote(*text));
+    error(node, "invalid-attribute",
+          "attribute " + quote(key) + " is not a number of bytes: " + quote(*text));
     return std::nullopt;
   }
 

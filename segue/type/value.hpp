@@ -75,7 +75,7 @@ class Value {
   [[nodiscard]] const ValueMap& as_map() const;
   [[nodiscard]] ValueMap& as_map();
 
-  /// The entry of a map, or nullptr when there is none or this is no map.
+  /// The entry of a map, or nullptr when there is none or this is not a map.
   [[nodiscard]] const Value* find(std::string_view key) const;
 
   /// Equal content: numbers by numeric value (10 == 10.0), NaN equals NaN, maps whatever the order of their

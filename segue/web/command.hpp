@@ -18,7 +18,7 @@ inline constexpr std::size_t kLongestCommand = std::size_t{1} << 20;
 /// answer InvalidArgument where it is of another kind or missing.
 class Command {
  public:
-  /// ParseError or InvalidArgument where the text is no command or longer than kLongestCommand.
+  /// ParseError or InvalidArgument where the text is not a command or longer than kLongestCommand.
   static Result<Command> parse(std::string_view text);
 
   [[nodiscard]] std::uint64_t id() const { return id_; }

@@ -23,7 +23,7 @@ constexpr std::string_view kTemporary = ".segue-studio.tmp";
 /// The parts of a path, or InvalidArgument.
 Result<std::vector<std::string>> parts_of(std::string_view path) {
   const Error wrong = fail(ErrorCode::InvalidArgument,
-                           quote(std::string(path)) + " is no path of a file within the robot's folder");
+                           quote(std::string(path)) + " is not a path of a file within the robot's folder");
   if (path.find('\0') != std::string_view::npos || path.size() > 4096) return wrong;
   std::vector<std::string> parts;
   for (std::size_t begin = 0, end = 0; end != std::string_view::npos; begin = end + 1) {
@@ -50,7 +50,7 @@ Result<Descriptor> open_file(const Descriptor& parent, const std::string& name, 
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) return failure(path, "read");
   if (!S_ISREG(status.st_mode))
-    return fail(ErrorCode::PermissionDenied, quote(std::string(path)) + " is no regular file");
+    return fail(ErrorCode::PermissionDenied, quote(std::string(path)) + " is not a regular file");
   return file;
 }
 
@@ -139,7 +139,7 @@ Result<std::pair<Descriptor, std::string>> FileFolder::parent_of(std::string_vie
     struct stat status {};
     const bool is_link =
         ::fstatat(parent.get(), part.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISLNK(status.st_mode);
-    if (is_link) {  // openat() would say that it is no folder
+    if (is_link) {  // openat() would say that it is not a folder
       errno = ELOOP;
       return failure(path, "open");
     }

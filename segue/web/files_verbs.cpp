@@ -220,7 +220,7 @@ Result<Value> FileVerbs::read(const Command& command) {
   const auto content = folder->read(file->path);
   if (!content) return content.error();
   if (type::detail::valid_utf8(content->text) != content->text)  // JSON could not carry it unchanged
-    return fail(ErrorCode::Unsupported, quote(file->path) + " is no text in UTF-8");
+    return fail(ErrorCode::Unsupported, quote(file->path) + " is not UTF-8 text");
   return Value::map({{"path", file->path},
                      {"text", content->text},
                      {"version", content->version},

@@ -323,7 +323,7 @@ Hub::Answer Hub::follow_mission(Watched& document, const RobotLink::Connected& l
 Hub::Answer Hub::follow_events(Watched& document, const RobotLink::Connected& link) {
   auto events = link.robot->events(document.last_event, document.last_event == 0 ? Duration(0) : kEventWait);
   if (!events) return events.error();
-  if (!events->is_list()) return fail(ErrorCode::Internal, "the robot sent events that are no list");
+  if (!events->is_list()) return fail(ErrorCode::Internal, "the robot sent events that are not a list");
   auto& fresh = events->as_list();
   const bool has_news = !fresh.empty();
   add_numbered(document.events, fresh, document.last_event, kMostEvents);

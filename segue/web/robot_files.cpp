@@ -168,7 +168,7 @@ Result<RobotFile> find_file(const fs::path& robot_file, const std::string& path)
   if (is_machine(*folder, path)) return RobotFile{path, root / path, RobotFileKind::Machine, false};
   return fail(ErrorCode::NotFound,
               quote(path) +
-                  " is no file of the robot: neither its robot file, nor one of its controllers, "
+                  " is not a file of the robot: neither its robot file, nor one of its controllers, "
                   "nor a mission in its folder");
 }
 

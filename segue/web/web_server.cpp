@@ -400,7 +400,7 @@ Result<void> Server::Implementation::listen() {
   error_code problem;
   const auto own = asio::ip::make_address(options.listen, problem);
   if (problem)
-    return fail(ErrorCode::InvalidArgument, quote(options.listen) + " is no IP address of this computer");
+    return fail(ErrorCode::InvalidArgument, quote(options.listen) + " is not an IP address of this computer");
   if (!options.credentials && !own.is_loopback())
     return fail(ErrorCode::InvalidArgument,
                 "other computers reach the studio only with certificates: give it those of a host");

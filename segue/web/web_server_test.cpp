@@ -289,7 +289,7 @@ TEST_F(ServerTest, OversizedAndBrokenFramesEndOnlyTheirConnection) {
   raw.send(std::string("\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff", 16));
   EXPECT_FALSE(contains(raw.receive(), "TIMEOUT"));
   good.stream().binary(true);
-  EXPECT_NE(good.ask("\x01\x02").find("error"), nullptr) << "binary messages are no commands";
+  EXPECT_NE(good.ask("\x01\x02").find("error"), nullptr) << "binary messages are not commands";
   good.stream().binary(false);
   EXPECT_NE(good.ask(R"({"id": 1, "verb": "status"})").find("result"), nullptr);
 }
@@ -355,7 +355,7 @@ TEST_F(ServerTest, AThousandConnectionsDisturbNobodyWhoIsIn) {
   {
     std::vector<std::unique_ptr<RawSocket>> many;
     for (int count = 0; count < 1000; ++count) {
-      // More descriptors than a process may have are no part of this test.
+      // More descriptors than a process may have are not part of this test.
       if (count % 250 == 0) many.clear();
       many.push_back(std::make_unique<RawSocket>(server_->port()));
       many.back()->send("GET ");

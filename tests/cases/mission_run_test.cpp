@@ -357,7 +357,7 @@ TEST_P(MissionRunCase, goesSoConcurrently) {
   ASSERT_TRUE(root) << to_string(root.error());
   for (const char* sequential_only : {"steps", "start_at", "backward"}) {
     if (root->find(sequential_only) != nullptr)
-      GTEST_SKIP() << "only a run as written has " << sequential_only;
+      GTEST_SKIP() << "only a sequential run has " << sequential_only;
   }
   Trial(*root).execute_concurrently();
 }
@@ -367,7 +367,7 @@ std::string led_by_hand(const Value& test, bool concurrent) {
   for (const char* hand : {"steps", "start_at", "inputs"}) {
     if (test.find(hand) != nullptr) return "it is led by hand";
   }
-  if (concurrent && test.find("backward") != nullptr) return "only a run as written has steps back";
+  if (concurrent && test.find("backward") != nullptr) return "only a sequential run has steps back";
   const std::string& mission = test.find("mission")->as_string();
   for (const char* hand : {"callback: stop", "callback: pause", "callback: deaf"}) {
     if (mission.find(hand) != std::string::npos)

@@ -12,8 +12,8 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// Paths and patterns out of the robot's folder, what is no file, and what a reader could take for something
-/// else than text.
+/// Paths and patterns out of the robot's folder, what is not a file, and what a reader could take for
+/// something else than text.
 constexpr std::array kTexts = {""sv,
                                "."sv,
                                ".."sv,

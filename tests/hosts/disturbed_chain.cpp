@@ -96,7 +96,7 @@ void DisturbedChainTest::disturb_switches(const std::vector<double>& moments, bo
     SCOPED_TRACE("after " + std::to_string(at) + " of " + std::to_string(actions) + " actions");
     const bool is_amid = at > 0 && 4 * at <= 3 * actions;  // a disturbance of the last actions may come late
     any_amid |= is_amid;
-    // On a busy computer any one may; what it disturbs then is no switch, so another one is.
+    // On a busy computer any one may; what it disturbs then is not a switch, so another one is.
     for (int round = 0; round == 0 || (is_amid && !any_in_time && round < kMostRounds); ++round) {
       ASSERT_NO_FATAL_FAILURE(disturb_one_switch(at, is_lost, disturb, restore));
       any_in_time |= is_amid && was_in_time_;

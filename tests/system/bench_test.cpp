@@ -60,7 +60,7 @@ class Bench : public SystemTest {
 /// The rows of the only experiment of a run in JSON.
 const type::Value::List& rows_of(const type::Value& report) {
   const type::Value* experiments = report.find("experiments");
-  if (experiments == nullptr) throw std::runtime_error("this is no report: " + type::to_json(report));
+  if (experiments == nullptr) throw std::runtime_error("this is not a report: " + type::to_json(report));
   return experiments->as_list().at(0).find("rows")->as_list();
 }
 

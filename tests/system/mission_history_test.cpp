@@ -144,7 +144,7 @@ TEST_F(MissionHistory, ShowsInOneOrderWhatTheRobotDid) {
                   "transition ->  by mission tour/look", "ended tour/look aborted", "ended tour done"));
   const auto text = segue({"history", "--missions", "-n", "3"});
   EXPECT_EQ(std::ranges::count(text.output, '\n'), 3) << text.output;
-  EXPECT_THAT(text.output, HasSubstr("explore -> (empty): done"));
+  EXPECT_THAT(text.output, HasSubstr("explore -> empty: done"));
   EXPECT_THAT(text.output, HasSubstr("; requested by mission tour/look"));
   EXPECT_THAT(text.output, HasSubstr("tour/look ended: aborted after "));
   EXPECT_THAT(text.output, HasSubstr("; it had not ended after 50ms"));

@@ -51,7 +51,7 @@ TEST_F(RunningRobot, ItSwitchesAndStopsCleanly) {
 TEST_F(RunningRobot, ItSwitchesToTheEmptyNetwork) {
   start({"--controller", "explore"});
   EXPECT_EQ(json({"switch", "manual"}).find("outcome")->as_string(), "done");
-  EXPECT_EQ(json({"switch", ""}).find("outcome")->as_string(), "done");
+  EXPECT_EQ(json({"switch", "empty"}).find("outcome")->as_string(), "done");
   EXPECT_TRUE(json({"status"}).find("tasks")->as_list().empty());
 }
 

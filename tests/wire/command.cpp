@@ -20,14 +20,14 @@ std::pair<double, std::string_view> quantity(std::string_view word) {
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || !(value >= 0 && value < 1e9)) {
-    throw Wrong("'" + std::string(word) + "' is no quantity");
+    throw Wrong("'" + std::string(word) + "' is not a quantity");
   }
   return {value, word.substr(static_cast<std::size_t>(end - word.data()))};
 }
 
 double share(std::string_view word) {
   const auto [value, unit] = quantity(word);
-  if (unit != "%" || value > 100) throw Wrong("'" + std::string(word) + "' is no share such as 5%");
+  if (unit != "%" || value > 100) throw Wrong("'" + std::string(word) + "' is not a share such as 5%");
   return value / 100;
 }
 
@@ -35,7 +35,7 @@ Time time(std::string_view word) {
   const auto [value, unit] = quantity(word);
   const double factor = unit == "us" ? 1e3 : unit == "ms" ? 1e6 : unit == "s" ? 1e9 : 0;
   if (factor == 0 && !(value == 0 && unit.empty())) {
-    throw Wrong("'" + std::string(word) + "' is no time such as 20ms");
+    throw Wrong("'" + std::string(word) + "' is not a time such as 20ms");
   }
   return Time(static_cast<Time::rep>(value * factor));
 }

@@ -60,10 +60,10 @@ TEST_F(WireCommand, refusesWhatItDoesNotUnderstandAndChangesNothing) {
   EXPECT_EQ(say("loss 5% a>d"), "error: there is no station 'd'");
   EXPECT_EQ(say("loss 5%  slow"), "error: there is no setting 'slow'");
   EXPECT_EQ(say("loss 5%  delay"), "error: 'delay' has no value");
-  EXPECT_EQ(say("delay 5"), "error: '5' is no time such as 20ms");
-  EXPECT_EQ(say("loss 101%"), "error: '101%' is no share such as 5%");
-  EXPECT_EQ(say("loss -1%"), "error: '-1%' is no quantity");
-  EXPECT_EQ(say("loss nan%"), "error: 'nan%' is no quantity");
+  EXPECT_EQ(say("delay 5"), "error: '5' is not a time such as 20ms");
+  EXPECT_EQ(say("loss 101%"), "error: '101%' is not a share such as 5%");
+  EXPECT_EQ(say("loss -1%"), "error: '-1%' is not a quantity");
+  EXPECT_EQ(say("loss nan%"), "error: 'nan%' is not a quantity");
   EXPECT_EQ(say("loss 5% a>b delay 1ms"), "error: 'delay' follows the directions, which come last");
   EXPECT_EQ(say(""), "error: nothing is said");
   EXPECT_EQ(at(0, 1), Impairment{});

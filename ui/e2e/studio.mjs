@@ -81,7 +81,7 @@ async function drive(page) {
   // Switch and watch.
   await page.getByRole('link', { name: 'Switch' }).click();
   await page.getByRole('button', { name: 'go_to', exact: true }).click();
-  await seen(page.locator('.task-box.fate-comes').first());
+  await seen(page.locator('.task-box.fate-added').first());
   await look(page, 'switch_before');
   await page.getByRole('button', { name: 'Switch', exact: true }).click();
   await seen(page.locator('.outcome.good', { hasText: 'done' }));
@@ -177,7 +177,7 @@ async function driveMission(page) {
   await seen(badge('recorded'));
   await seen(page.getByText('4 nodes', { exact: true }));
   await page.getByLabel('Open a recorded run').setInputFiles(join(folder, 'tour.yaml'));
-  await seen(page.getByRole('alert').filter({ hasText: 'tour.yaml: this is no JSON' }));
+  await seen(page.getByRole('alert').filter({ hasText: 'tour.yaml: this is not JSON' }));
   await look(page, 'missions_recorded');
   await page.getByRole('button', { name: 'Back to the robot' }).click();
   await seen(badge('ended: preempted'));

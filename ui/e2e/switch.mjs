@@ -13,7 +13,7 @@ const status = () => JSON.parse(stage.run(['status', '--format', 'json']));
 async function cancelASwitch(page) {
   await page.getByRole('link', { name: 'Switch' }).click();
   await page.getByRole('button', { name: 'go_to', exact: true }).click();
-  await page.locator('.task-box.fate-comes').first().waitFor();
+  await page.locator('.task-box.fate-added').first().waitFor();
   await page.getByText('Force kills the processes').waitFor();
   await page.getByRole('button', { name: 'Switch', exact: true }).click();
   // What is done quickly is done; the slow task lets the transition wait.

@@ -74,7 +74,7 @@ class Session {
         });
     auto whole = secure_ == nullptr ? rpc_->network.onDisconnect() : enter();
     return whole
-        .then([this] { note_fault("it has sent what is no message, or too large a one"); },
+        .then([this] { note_fault("it has sent what is not a message, or too large a one"); },
               [this](kj::Exception&& exception) { note_fault(exception.getDescription().cStr()); })
         .exclusiveJoin(kj::mv(late))
         .exclusiveJoin(kj::mv(cut_off_.promise));

@@ -85,7 +85,7 @@ Result<ListeningSocket> ListeningSocket::adopt(Descriptor socket) {
   if (::getsockopt(socket.get(), SOL_SOCKET, SO_DOMAIN, &family, &size) != 0 || family != AF_UNIX ||
       ::getsockopt(socket.get(), SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) != 0 || listens == 0) {
     return fail(ErrorCode::InvalidArgument,
-                "descriptor " + std::to_string(socket.get()) + " is no Unix socket that listens");
+                "descriptor " + std::to_string(socket.get()) + " is not a Unix socket that listens");
   }
   const int flags = ::fcntl(socket.get(), F_GETFL);
   if (flags < 0 || ::fcntl(socket.get(), F_SETFL, flags | O_NONBLOCK) != 0 ||

@@ -13,7 +13,7 @@
 /// Proto.
 namespace segue::control::detail {
 
-/// Listens. AlreadyExists where the port is taken; InvalidArgument where the host is no numeric address.
+/// Listens. AlreadyExists where the port is taken; InvalidArgument where the host is not a numeric address.
 Result<Descriptor> listen_tcp(const TcpAddress& address);
 
 /// Connects to the first address of the host that answers; a name is looked up by a thread of its own, which

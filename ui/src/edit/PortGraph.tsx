@@ -201,7 +201,7 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
         nodes={placed}
         edges={edges.filter((edge) => known.has(edge.source) && known.has(edge.target)).map((edge) => ({
           id: edge.id, type: 'routed', data: { route: routeOf(edge) }, source: edge.source, target: edge.target, sourceHandle: edge.sourcePort, targetHandle: edge.targetPort, selected: edge.id === selectedEdge,
-          className: 'edge ' + (edge.look ?? '') + (edge.id === selectedEdge ? ' fate-comes' : ''), zIndex: layers.edge, focusable: false, markerEnd: { type: MarkerType.ArrowClosed, width: 16, height: 16 },
+          className: 'edge ' + (edge.look ?? '') + (edge.id === selectedEdge ? ' fate-added' : ''), zIndex: layers.edge, focusable: false, markerEnd: { type: MarkerType.ArrowClosed, width: 16, height: 16 },
         }))}
         nodeTypes={nodeTypes}
         edgeTypes={edgeTypes}

@@ -15,7 +15,7 @@ const network = networkIn('network: a\ntasks:\n  s: {component: t::Source}\n  b:
 it('only ports of one type are connected', () => {
   expect(refusal(network, models, 's.out', 'b.text')).toContain('type');
   expect(refusal(network, models, 's.out', 'b.in')).toContain('already');
-  expect(refusal(network, models, 'b.in', 's.out')).toContain('no output port');
+  expect(refusal(network, models, 'b.in', 's.out')).toContain('not an output port');
   expect(refusal(network, models, 's.out', 'b.in_2')).toBeNull();
   expect(refusal(network, models, 'u.z', 'b.text')).toBeNull();
   expect(partners(network, models, 's.out', 'output')).toEqual(['b.in_1', 'u.x']);

@@ -71,8 +71,8 @@ export function portsOf(network: NetworkText, models: Models, id: string): Edite
 export function refusal(network: NetworkText, models: Models, from: string, to: string): string | null {
   const output = portIn(network, models, from);
   const input = portIn(network, models, to);
-  if (output && output.direction !== 'output') return from + ' is no output port';
-  if (input && input.direction !== 'input') return to + ' is no input port';
+  if (output && output.direction !== 'output') return from + ' is not an output port';
+  if (input && input.direction !== 'input') return to + ' is not an input port';
   if (output?.type && input?.type && output.type !== input.type) return from + ' has the type ' + output.type + ', ' + to + ' the type ' + input.type;
   if (network.connections.some((one) => one?.from === from && one.to === to)) return from + ' and ' + to + ' are connected already';
   return null;

@@ -115,7 +115,7 @@ export function removeTask(text: string, id: string): string {
   return remove(left, ['tasks', id]);
 }
 
-/** With its connections and its place in a process. Throws where there is a task of that name, or it is no name. */
+/** With its connections and its place in a process. Throws where there is a task of that name, or it is not a name. */
 export function renameTask(text: string, id: string, name: string): string {
   if (name === id) return text;
   if (!/^[A-Za-z0-9_][A-Za-z0-9_:-]*$/.test(name)) throw new Error('a task is named by letters, digits, _, - and :');

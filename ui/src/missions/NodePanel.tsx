@@ -47,7 +47,7 @@ export function NodeFacts({ run, row, index, onSelect }: Props) {
   );
 }
 
-/** A node of the chart that is no state of a plan. */
+/** A node of the chart that is not a state of a plan. */
 export function NodePanel(props: Props) {
   return (
     <aside className="panel" aria-label={'Node ' + props.row.label}>

@@ -35,7 +35,7 @@ interface Props {
 function Unsteppable() {
   return (
     <span className="quiet" title="segue mission run FILE --mode sequential">
-      A concurrent run can only be paused. To step it, and for breakpoints and values, run the mission as written: --mode sequential.
+      A concurrent run can only be paused. To step it, and for breakpoints and values, run it with --mode sequential.
     </span>
   );
 }

@@ -80,7 +80,7 @@ function isPlan(plan: Json): boolean {
 
 const checked = new WeakMap<object, boolean>();
 
-/** What the mission says of itself; it is another program, so what is not as it should be is no plan. */
+/** What the mission says of itself; it is another program, so what is not as it should be is not a plan. */
 export function planOf(mission: Mission): Plan | null {
   const { plan } = mission;
   if (typeof plan !== 'object' || plan === null) return null;

@@ -48,7 +48,7 @@ describe('a mission that runs', () => {
       expect(planProblem(strange)).not.toBe('');
     }
   });
-  it('looks through what is no action', () => {
+  it('looks through what is not an action', () => {
     const joined = [node('a'), node('b'), node('join', [[0, 'condition', 'success'], [1, 'condition', 'success']], 'join'), node('c', [[2, 'condition', 'success']])];
     const run = runOfMission(mission('running', [entry(0, 'began', ''), entry(0, 'began', 'a')], joined));
     expect(run.rows.map((row) => row.label)).toEqual(['a', 'b', 'c']);
@@ -103,7 +103,7 @@ describe('a recorded run', () => {
     expect(run.rows[1]?.waits).toEqual([{ row: 0, kind: 'data', because: 'data pose', from: 0, until: 1 }]);
   });
   it('is refused where it is none', () => {
-    expect(() => runOfFile('{')).toThrow(/no JSON/);
-    expect(() => runOfFile('[]')).toThrow(/no run/);
+    expect(() => runOfFile('{')).toThrow(/not JSON/);
+    expect(() => runOfFile('[]')).toThrow(/not a run/);
   });
 });

@@ -182,7 +182,7 @@ function explain(rows: Row[], nodes: PlanNode[], rowOfNode: number[], order: num
       row.ahead = row.status === 'done' && reasons.some((reason) => reason.kind !== 'resource' && endOf(rows[reason.row] ?? row) > startOf(row) && reason.row !== rowOfNode[index]);
     }
   });
-  // Nothing is known of those that are not planned: as written, each comes after the one that ended last.
+  // Nothing is known of those that are not planned: sequentially, each comes after the one that ended last.
   const planned = new Set(rowOfNode);
   order.forEach((index, at) => {
     const row = rows[index] as Row;
@@ -192,7 +192,7 @@ function explain(rows: Row[], nodes: PlanNode[], rowOfNode: number[], order: num
   });
 }
 
-/** What a node comes after, through what is no action. */
+/** What a node comes after, through what is not an action. */
 function reasonsOf(node: PlanNode, nodes: PlanNode[], rowOfNode: number[]): { row: number; kind: string; because: string }[] {
   const found: { row: number; kind: string; because: string }[] = [];
   const seen = new Set<number>();
@@ -242,10 +242,10 @@ export function runOfFile(content: string): Run {
   try {
     document = JSON.parse(content) as Json;
   } catch (error) {
-    throw new Error('this is no JSON: ' + (error instanceof Error ? error.message : String(error)));
+    throw new Error('this is not JSON: ' + (error instanceof Error ? error.message : String(error)));
   }
   if (!isMap(document) || !Array.isArray(document['nodes']))
-    throw new Error('this is no run; segue mission run FILE --format json prints one');
+    throw new Error('this is not a run; segue mission run FILE --format json prints one');
   const nodes = document['nodes'].filter(isMap);
   const labels = nodes.map((node) => text(node['name']) + (number(node['iteration']) > 0 ? '#' + number(node['iteration']) : ''));
   const positions = new Map<string, number>();

@@ -105,7 +105,7 @@ export function FilmView({ transition, onClose }: { transition: PastTransition; 
         )}
       </section>
       <aside className="panel" aria-label="Past transition">
-        <h2>{transition.from || 'nothing'} → {transition.to || 'nothing'}</h2>
+        <h2>{transition.from || 'empty'} → {transition.to || 'empty'}</h2>
         <p className={transition.outcome === 'done' ? 'good' : 'bad'}>
           {transition.outcome}
           {transition.undone && <>, {transition.undone}</>}

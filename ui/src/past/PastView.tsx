@@ -14,7 +14,7 @@ function RequestLine({ request, chosen, onChoose }: { request: PastRequest; chos
     <li>
       <button type="button" className="line" aria-pressed={chosen} onClick={onChoose} data-request={request.id}>
         <span>
-          {request.from || 'nothing'} → {request.to || 'nothing'}
+          {request.from || 'empty'} → {request.to || 'empty'}
           {request.cause !== 'request' && <span className="quiet"> ({request.cause})</span>}
           <br />
           <span className="quiet">{timeText(request.ended_s).slice(0, 19)}</span>

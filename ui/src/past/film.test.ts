@@ -27,16 +27,16 @@ const edgeAt = (at: number, id: string) => frameOf(filmOf(transition), at).edges
 describe('a film', () => {
   it('shows actions coming true at their times', () => {
     expect(filmOf(transition).length).toBe(6);
-    expect(taskAt(0.5, 'c')).toMatchObject({ fate: 'comes', presence: 'not yet' });
+    expect(taskAt(0.5, 'c')).toMatchObject({ fate: 'added', presence: 'not yet' });
     expect(taskAt(1, 'c')).toMatchObject({ presence: 'there', state: 'stopped' });
     expect(taskAt(4, 'c')).toMatchObject({ state: 'running' });
-    expect(taskAt(4, 'a')).toMatchObject({ fate: 'goes', presence: 'there', state: 'running', place: 'onboard / p' });
+    expect(taskAt(4, 'a')).toMatchObject({ fate: 'removed', presence: 'there', state: 'running', place: 'onboard / p' });
     expect(taskAt(5, 'a')).toMatchObject({ presence: 'gone' });
-    expect(taskAt(5, 'b')).toMatchObject({ fate: 'stays', presence: 'there', state: 'running' });
-    expect(edgeAt(1.5, 'a -> b')).toMatchObject({ fate: 'goes', presence: 'there' });
+    expect(taskAt(5, 'b')).toMatchObject({ fate: 'unchanged', presence: 'there', state: 'running' });
+    expect(edgeAt(1.5, 'a -> b')).toMatchObject({ fate: 'removed', presence: 'there' });
     expect(edgeAt(2, 'a -> b')?.presence).toBe('gone');
     expect(edgeAt(2.5, 'c -> b')?.presence).toBe('not yet');
-    expect(edgeAt(3, 'c -> b')).toMatchObject({ fate: 'comes', presence: 'there' });
+    expect(edgeAt(3, 'c -> b')).toMatchObject({ fate: 'added', presence: 'there' });
     expect(frameOf(filmOf(transition), 6).tasks.filter((one) => one.presence === 'there').map((one) => one.id)).toEqual(['b', 'c']);
   });
 
@@ -48,7 +48,7 @@ describe('a film', () => {
     };
     const film = filmOf(undone);
     expect(film.steps.length).toBe(4);
-    expect(frameOf(film, 2).edges.find((one) => one.id === 'a -> b')).toMatchObject({ fate: 'changes', presence: 'gone' });
+    expect(frameOf(film, 2).edges.find((one) => one.id === 'a -> b')).toMatchObject({ fate: 'changed', presence: 'gone' });
     expect(frameOf(film, 4).edges.find((one) => one.id === 'a -> b')?.presence).toBe('there');
     expect(frameOf(film, 2).tasks.find((one) => one.id === 'c')?.presence).toBe('there');
     expect(frameOf(film, 5).tasks.find((one) => one.id === 'c')?.presence).toBe('gone');
@@ -69,7 +69,7 @@ describe('a film', () => {
     expect(networkOf(null)).toBeNull();
     expect(networkOf('{')).toBeNull();
     expect(networkOf('[]')).toBeNull();
-    expect(frameOfNetwork(before).edges).toEqual([{ id: 'a -> b', source: 'a', target: 'b', fate: 'stays', presence: 'there' }]);
+    expect(frameOfNetwork(before).edges).toEqual([{ id: 'a -> b', source: 'a', target: 'b', fate: 'unchanged', presence: 'there' }]);
   });
 
   it('knows when an action ran', () => {

@@ -56,7 +56,7 @@ export interface PastRequest {
   actions: number;
 }
 
-/** Null where it was not recorded, or is no network. */
+/** Null where it was not recorded, or is not a network. */
 export function networkOf(text: string | null): PastNetwork | null {
   if (text === null) return null;
   try {
@@ -114,7 +114,7 @@ export type Presence = 'there' | 'not yet' | 'gone';
 export interface FrameTask {
   id: string;
   place: string;
-  fate: 'stays' | 'goes' | 'comes' | 'changes';
+  fate: 'unchanged' | 'removed' | 'added' | 'changed';
   presence: Presence;
   state: string;
 }
@@ -123,7 +123,7 @@ export interface FrameEdge {
   id: string;
   source: string;
   target: string;
-  fate: 'stays' | 'goes' | 'comes' | 'changes';
+  fate: 'unchanged' | 'removed' | 'added' | 'changed';
   presence: Presence;
 }
 
@@ -144,10 +144,10 @@ export function frameOfNetwork(network: PastNetwork): Frame {
   const edges = new Map<string, FrameEdge>();
   for (const { from, to } of network.connections) {
     const [source, target] = [taskOf(from), taskOf(to)];
-    edges.set(source + ' -> ' + target, { id: source + ' -> ' + target, source, target, fate: 'stays', presence: 'there' });
+    edges.set(source + ' -> ' + target, { id: source + ' -> ' + target, source, target, fate: 'unchanged', presence: 'there' });
   }
   return {
-    tasks: network.tasks.map((task) => ({ id: task.id, place: placeOf(network, task.id) ?? '', fate: 'stays', presence: 'there', state: task.state })),
+    tasks: network.tasks.map((task) => ({ id: task.id, place: placeOf(network, task.id) ?? '', fate: 'unchanged', presence: 'there', state: task.state })),
     edges: [...edges.values()],
   };
 }
@@ -178,7 +178,7 @@ export function frameOf(film: Film, at: number): Frame {
     tasks.push({
       id,
       place: placeOf(film.before, id) ?? placeOf(film.after, id) ?? '',
-      fate: goes ? 'goes' : comes ? 'comes' : touched.has(id) ? 'changes' : 'stays',
+      fate: goes ? 'removed' : comes ? 'added' : touched.has(id) ? 'changed' : 'unchanged',
       presence: there ? 'there' : comes && done.length === 0 && !isOver ? 'not yet' : 'gone',
       state: state ?? 'not known',
     });
@@ -207,12 +207,12 @@ function edgesOf(film: Film, ended: PastAction[], isOver: boolean): FrameEdge[] 
   for (const [one, { first, acts }] of all) {
     const [from, to] = one.split(' -> ') as [string, string];
     const id = taskOf(from) + ' -> ' + taskOf(to);
-    const fate = !first ? 'comes' : !acts ? 'stays' : (atEnd?.has(one) ?? false) ? 'changes' : 'goes';
+    const fate = !first ? 'added' : !acts ? 'unchanged' : (atEnd?.has(one) ?? false) ? 'changed' : 'removed';
     const presence: Presence = there.has(one) ? 'there' : first ? 'gone' : 'not yet';
     const known = edges.get(id);
     edges.set(id, {
       id, source: taskOf(from), target: taskOf(to),
-      fate: !known || known.fate === fate ? fate : 'changes',
+      fate: !known || known.fate === fate ? fate : 'changed',
       presence: known?.presence === 'there' ? 'there' : presence,
     });
   }

@@ -66,7 +66,7 @@ export function ChartPanel({ panel, paused, onPause }: { panel: Panel; paused: b
   const sources = JSON.stringify(panel.sources);
   const recorder = useMemo(
     () => (profile ? new ProfileRecorder(panel.sources) : new TimeRecorder(panel.sources, panel.seconds)),
-    [profile, sources], // eslint-disable-line: a new list of the same sources is no change
+    [profile, sources], // eslint-disable-line: a new list of the same sources is not a change
   );
   if (recorder instanceof TimeRecorder) recorder.seconds = panel.seconds;
 

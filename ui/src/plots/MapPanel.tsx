@@ -13,7 +13,7 @@ interface Past {
   pose: Pose;
 }
 
-/** A pose that moved less than this is no new point of its trail. */
+/** A pose that moved less than this is not a new point of its trail. */
 const leastStep = 0.005;
 
 function emptyScene(): Scene {

@@ -60,7 +60,7 @@ export function isNumber(value: Json | undefined): value is number {
   return typeof value === 'number';
 }
 
-/** Infinities and what is no number arrive as null. */
+/** Infinities and what is not a number arrive as null. */
 function isListOfNumbers(value: Json | undefined): value is (number | null)[] {
   return Array.isArray(value) && value.length > 0 && value.every((item) => item === null || typeof item === 'number');
 }

@@ -70,19 +70,19 @@ function fail(where: string, what: string): never {
 }
 
 function mapAt(value: unknown, where: string, keys: string[]): Unknown {
-  if (typeof value !== 'object' || value === null || Array.isArray(value)) fail(where, 'is no map');
+  if (typeof value !== 'object' || value === null || Array.isArray(value)) fail(where, 'is not a map');
   for (const key of Object.keys(value)) if (!keys.includes(key)) fail(where, 'has an unknown key ' + JSON.stringify(key.slice(0, 40)));
   return value as Unknown;
 }
 
 function listAt(value: unknown, where: string, most: number): unknown[] {
-  if (!Array.isArray(value)) fail(where, 'is no list');
+  if (!Array.isArray(value)) fail(where, 'is not a list');
   if (value.length > most) fail(where, 'has ' + value.length + ' entries; ' + most + ' are the most');
   return value;
 }
 
 function textAt(value: unknown, where: string): string {
-  if (typeof value !== 'string') fail(where, 'is no text');
+  if (typeof value !== 'string') fail(where, 'is not text');
   if (value.length > longestText) fail(where, 'is longer than ' + longestText + ' characters');
   return value;
 }
@@ -96,7 +96,7 @@ function nameAt(value: unknown, where: string): string {
 
 function wholeAt(value: unknown, where: string, least: number, most: number): number {
   if (typeof value !== 'number' || !Number.isInteger(value) || value < least || value > most)
-    fail(where, 'is no whole number from ' + least + ' to ' + most);
+    fail(where, 'is not an integer from ' + least + ' to ' + most);
   return value;
 }
 
@@ -126,7 +126,7 @@ function panelAt(value: unknown, where: string): Panel {
   };
 }
 
-/** Throws a LayoutError that says where the text is no layout. */
+/** Throws a LayoutError that says where the text is not a layout. */
 export function parseLayout(text: string): Panel[] {
   if (text.length > longestFile) throw new LayoutError('it is longer than ' + (longestFile >> 10) + ' KiB');
   let value: unknown;

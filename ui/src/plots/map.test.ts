@@ -29,7 +29,7 @@ describe('maps', () => {
     expect(imagePixels({ width: 2, height: 2, rgb: [1] })).toContain('has 12 bytes, not 1');
     expect(imagePixels({ width: 1e6, height: 1e6, rgb: [] })).toContain('1000000');
     expect(imagePixels({ width: 0, height: 0, rgb: [] })).toContain('empty');
-    expect(imagePixels(7)).toContain('no image');
+    expect(imagePixels(7)).toContain('not an image');
   });
   it('keep the point under the cursor when zoomed', () => {
     const view = { x: 1, y: 2, scale: 50 };

@@ -78,9 +78,9 @@ export function gridPixels(grid: Grid, free: number[], occupied: number[]): Uint
 
 /** RGBA of an image of three bytes a pixel, or what is wrong with it. */
 export function imagePixels(value: Json | undefined): { width: number; height: number; pixels: Uint8ClampedArray } | string {
-  if (!isMap(value)) return 'the sample is no image';
+  if (!isMap(value)) return 'the sample is not an image';
   const { width, height, rgb } = value as { width?: Json; height?: Json; rgb?: Json };
-  if (!isNumber(width) || !isNumber(height) || !Array.isArray(rgb)) return 'the sample is no image: it has no width, height and rgb';
+  if (!isNumber(width) || !isNumber(height) || !Array.isArray(rgb)) return 'the sample is not an image: it has no width, height and rgb';
   if (width === 0 || height === 0) return 'the image is empty';
   if (!Number.isInteger(width) || !Number.isInteger(height) || width < 0 || height < 0 || width * height > mostPixels)
     return 'the image is said to have ' + width + ' × ' + height + ' pixels';

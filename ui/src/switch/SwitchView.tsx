@@ -11,7 +11,6 @@ import './switch.css';
 import { differenceOf, estimateOf, progressOf, subjectOf, type Difference, type Progress } from './difference';
 
 const phases = ['prepare', 'commit', 'retire'];
-const words = { stays: 'stays', goes: 'goes', comes: 'comes', changes: 'changes' };
 
 function seconds(value: number): string {
   return value < 0.001 ? (value * 1e6).toFixed(0) + ' µs' : value < 1 ? (value * 1e3).toFixed(1) + ' ms' : value.toFixed(1) + ' s';
@@ -184,13 +183,13 @@ export function SwitchView({ status }: { status: Status }) {
       <section className="main" aria-label="Difference">
         <div className="bar">
           <span>
-            {chosen === null ? 'Choose a controller' : (transition?.from || 'nothing') + ' → ' + (transition?.to ?? chosen)}
+            {chosen === null ? 'Choose a controller' : (transition?.from || 'empty') + ' → ' + ((transition?.to ?? chosen) || 'empty')}
           </span>
           {difference && (
             <span className="legend">
-              {(['stays', 'comes', 'changes', 'goes'] as const).map((fate) => (
+              {(['unchanged', 'added', 'changed', 'removed'] as const).map((fate) => (
                 <span key={fate} className={'badge fate-' + fate}>
-                  {words[fate]}: {difference.tasks.filter((task) => task.fate === fate).length}
+                  {fate}: {difference.tasks.filter((task) => task.fate === fate).length}
                 </span>
               ))}
             </span>
@@ -201,7 +200,7 @@ export function SwitchView({ status }: { status: Status }) {
             label="Difference of the controllers"
             groups={groups}
             nodes={difference.tasks.map((task) => ({
-              id: task.id, group: 'group:' + task.place, title: task.id, detail: words[task.fate], look: 'fate-' + task.fate,
+              id: task.id, group: 'group:' + task.place, title: task.id, detail: task.fate, look: 'fate-' + task.fate,
             }))}
             edges={difference.edges.map((edge) => ({ ...edge, look: 'fate-' + edge.fate }))}
           />

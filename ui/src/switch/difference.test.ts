@@ -25,11 +25,11 @@ const transition: Transition = {
 describe('the difference', () => {
   it('says of each task what becomes of it', () => {
     const fates = Object.fromEntries(differenceOf(status, transition).tasks.map((one) => [one.id, one.fate]));
-    expect(fates).toEqual({ drive: 'changes', laser: 'stays', wanderer: 'goes', guard: 'comes' });
+    expect(fates).toEqual({ drive: 'changed', laser: 'unchanged', wanderer: 'removed', guard: 'added' });
   });
   it('says of each edge what becomes of it', () => {
     const fates = Object.fromEntries(differenceOf(status, transition).edges.map((one) => [one.id, one.fate]));
-    expect(fates).toEqual({ 'laser -> wanderer': 'stays', 'wanderer -> drive': 'goes', 'guard -> drive': 'comes' });
+    expect(fates).toEqual({ 'laser -> wanderer': 'unchanged', 'wanderer -> drive': 'removed', 'guard -> drive': 'added' });
   });
   it('follows events', () => {
     const event = (number: number, kind: string, subject: string) => ({ number, kind, subject, time: '', message: '' });

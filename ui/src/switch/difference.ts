@@ -2,7 +2,7 @@
 import { placeOf } from '../network/graph';
 import { taskOf, type Action, type RobotEvent, type Status, type Transition } from '../robot/types';
 
-export type Fate = 'stays' | 'goes' | 'comes' | 'changes';
+export type Fate = 'unchanged' | 'removed' | 'added' | 'changed';
 
 export interface Difference {
   tasks: { id: string; fate: Fate; place: string }[];
@@ -16,17 +16,17 @@ export function differenceOf(status: Status, transition: Transition): Difference
   const tasks: Difference['tasks'] = Object.values(status.tasks).map((task) => ({
     id: task.id,
     place: placeOf(task),
-    fate: removed.has(task.id) ? 'goes' : touched.has(task.id) ? 'changes' : 'stays',
+    fate: removed.has(task.id) ? 'removed' : touched.has(task.id) ? 'changed' : 'unchanged',
   }));
   for (const id of touched) {
-    if (!status.tasks[id]) tasks.push({ id, place: '', fate: 'comes' });
+    if (!status.tasks[id]) tasks.push({ id, place: '', fate: 'added' });
   }
 
   const edges = new Map<string, Difference['edges'][number]>();
   for (const connection of Object.values(status.connections)) {
     const [source, target] = [taskOf(connection.from), taskOf(connection.to)];
     const id = source + ' -> ' + target;
-    edges.set(id, { id, source, target, fate: 'stays' });
+    edges.set(id, { id, source, target, fate: 'unchanged' });
   }
   const ends = (action: Action) => [taskOf(action.from ?? ''), taskOf(action.to ?? '')] as const;
   for (const action of transition.actions) {
@@ -34,9 +34,9 @@ export function differenceOf(status: Status, transition: Transition): Difference
     const [source, target] = ends(action);
     const id = source + ' -> ' + target;
     const known = edges.get(id);
-    const fate: Fate = action.kind === 'connect' ? 'comes' : 'goes';
+    const fate: Fate = action.kind === 'connect' ? 'added' : 'removed';
     // Several connections between two tasks are one edge: one that comes and one that goes is a change.
-    edges.set(id, { id, source, target, fate: !known || (known.fate === 'stays' && fate === 'goes') ? fate : known.fate === fate ? fate : 'changes' });
+    edges.set(id, { id, source, target, fate: !known || (known.fate === 'unchanged' && fate === 'removed') ? fate : known.fate === fate ? fate : 'changed' });
   }
   return { tasks, edges: [...edges.values()] };
 }
