@@ -30,7 +30,8 @@ std::map<model::TaskId, InstanceCalls::Seen> InstanceCalls::processes() const {
   }
   for (const auto& report : host_.tasks()) {
     if (pools_.find_task(report.id) != nullptr) {
-      seen.emplace(report.id, Seen{report.pid, !report.unknown});
+      const bool answers = !report.unknown && report.state != TaskState::Fatal;
+      seen.emplace(report.id, Seen{report.pid, answers});
     }
   }
   return seen;

@@ -66,12 +66,14 @@ TEST_F(CallsOfInstances, AbandonNoneThatHasNotBegunWithThem) {
 class SeenHost final : public segue::testing::ForwardingHost {
  public:
   using segue::testing::ForwardingHost::ForwardingHost;
-  bool answers = true;
+  bool is_reachable = true;
+  TaskState state = TaskState::Running;
   [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override {
     task_host::TaskReport report;
     report.id = kPlanner.instance;
     report.pid = kPlanner.pid;
-    report.unknown = !answers;
+    report.state = state;
+    report.unknown = !is_reachable;
     return {report};
   }
 };
@@ -83,9 +85,12 @@ TEST_F(CallsOfInstances, AreToBeEndedOnlyWhereTheirProcessesAnswer) {
   InstanceCalls at_host(host, pools, [] {});
   at_host.no_longer_wanted(at_host.begin(kPlanner));
   EXPECT_THAT(at_host.abandoned(), ElementsAre(Key(kPlanner)));
-  host.answers = false;
+  host.is_reachable = false;
   EXPECT_THAT(at_host.abandoned(), IsEmpty()) << "what comes of it is for the policy of the pool";
-  host.answers = true;
+  host.is_reachable = true;
+  host.state = TaskState::Fatal;
+  EXPECT_THAT(at_host.abandoned(), IsEmpty()) << "its process does not answer, or has ended";
+  host.state = TaskState::Running;
   EXPECT_THAT(at_host.abandoned(), ElementsAre(Key(kPlanner))) << "it has not ended";
 }
 

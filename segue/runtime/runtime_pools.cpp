@@ -178,7 +178,7 @@ PoolInstance report_instance(model::TaskId id, const task_host::TaskReport* task
     const std::string abandoned = calls.why_abandoned({one.task, one.pid});
     one.busy = calls.is_busy({one.task, one.pid});
     one.ready = task->state == TaskState::Running && !task->unknown && abandoned.empty();
-    if (!abandoned.empty() && !task->unknown) {
+    if (!abandoned.empty() && !task->unknown && task->state != TaskState::Fatal) {
       one.reason = abandoned + "; it is being ended, and started again";
       return one;
     }
