@@ -3,6 +3,7 @@
 // task in a process of its own, the runtime, and the mission behind the robot's socket.
 //
 //   reaction_bench [load]       beside as many busy programs as there are processors, which are not nice
+#include "support/floor.hpp"
 #include "support/measure.hpp"
 #include "support/robot.hpp"
 
@@ -148,7 +149,11 @@ int main(int argc, char** argv) {
 
   Table table(loaded ? "From a task's state to the mission's next command, processors busy"
                      : "From a task's state to the mission's next command");
-  table.add("through the robot's socket", summarise(durations));
+  // Task, runtime, mission, runtime, task: as few threads as can be.
+  const Summary floor = idle_socket_chain(3, kGoals, std::nullopt);
+  table.add("floor: a byte through bare threads, across processors", floor, 1, floor.median);
+  table.add("the same on one processor", idle_socket_chain(3, kGoals, 0), 1, floor.median);
+  table.add("through the robot's socket", summarise(durations), 1, floor.median);
   char text[96];
   std::snprintf(text, sizeof text, "%.2f %% of a processor; at rest %.2f %%", 100 * watched, 100 * rest);
   table.note("runtime and mission while one action is watched", text);

@@ -13,6 +13,11 @@ namespace bench {
 /// all threads are pinned to it.
 Summary futex_chain(std::size_t hops, std::size_t repeats, std::optional<int> cpu);
 
+/// A byte goes over Unix sockets from one thread to the next and back, through `relays` threads in all, each
+/// of which sleeps before. It starts after pauses of 20 to 42 ms, as the machine cools down in. With `cpu`
+/// all threads are pinned to it; otherwise each runs on another processor than the one before it.
+Summary idle_socket_chain(std::size_t relays, std::size_t repeats, std::optional<int> cpu);
+
 /// Creating and joining a bare thread.
 Summary bare_thread(std::size_t repeats);
 

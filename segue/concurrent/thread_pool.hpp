@@ -6,6 +6,7 @@
 #include <segue/concurrent/deadline_watch.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -19,6 +20,7 @@ class ThreadPool {
   /// Must not throw.
   using Job = std::function<void()>;
 
+  static constexpr std::size_t kNoLimit = PTRDIFF_MAX;
   struct Limits {
     std::size_t threads = 64;  ///< at work at the same time, those with overdue work aside
     std::size_t idle = 4;      ///< kept although they have nothing to do

@@ -94,11 +94,13 @@ class Client final : public RobotService {
     });
   }
 
-  void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override {
-    detail::send_watch(
+  void watch(const task_host::LevelQuestion& question, const Wait& wait, RobotLevelAnswer answered) override {
+    detail::send_watch<RobotLevel>(
         *channel_, question, wait, std::move(answered),
-        [](RpcChannel::Connection& connection) { return connection.as<wire::Robot>().watchRequest(); });
+        [](RpcChannel::Connection& connection) { return connection.as<wire::Robot>().watchRequest(); },
+        [](auto& results) {
+          return RobotLevel{detail::decode(results.getLevel()), results.getChanges()};
+        });
   }
 
   Result<Value> running(std::uint64_t lease, const Wait& wait) override {

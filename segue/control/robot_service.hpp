@@ -46,7 +46,16 @@ struct Sender {
   bool beside_mission = false;  ///< although somebody else commands the robot
 };
 
-/// Gets the count, once, from any thread, also before the function that asks returns. Must not block.
+/// How a task is, and the count of RobotService::changes() after that was seen. Where the count has not moved
+/// since running() was asked, what that has answered held at that moment, too.
+struct RobotLevel {
+  task_host::TaskLevel level;
+  std::uint64_t changes = 0;  ///< 0: an earlier version, which does not say
+};
+/// Gets the level, once, from any thread, also before the function that asks returns. Must not block.
+using RobotLevelAnswer = std::function<void(Result<RobotLevel>)>;
+
+/// Gets the count, as RobotLevelAnswer.
 using ChangesAnswer = std::function<void(Result<std::uint64_t>)>;
 
 /// What a running robot offers. The same interface on both sides: the runtime implements it, the server
@@ -72,7 +81,7 @@ class RobotService {
   virtual Result<type::Value> task(std::string_view id) = 0;
   /// How a task is, once that is not as whoever asks has seen it; as task_host::TaskHost::watch().
   virtual void watch(const task_host::LevelQuestion& question, const Wait& wait,
-                     task_host::LevelAnswer answered) = 0;
+                     RobotLevelAnswer answered) = 0;
   /// {"controller", "unresolved"} of status(), and like the latter "in_repair", faults that are being mended,
   /// or will be; no process is asked. Where `lease` is not 0, also the standing() of that lease, which is
   /// looked at last: "lost_to" (null: its holder commands the robot), "stopped".

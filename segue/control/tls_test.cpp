@@ -111,10 +111,9 @@ std::vector<Question> all_questions() {
       {Verb::Task, [](auto& robot) { return outcome(robot.task("slam")); }},
       {Verb::Watch,
        [](auto& robot) {
-         return outcome(
-             answer_to<task_host::TaskLevel>(soon(), [&](const Wait& wait, task_host::LevelAnswer answer) {
-               robot.watch({model::TaskId("slam")}, wait, std::move(answer));
-             }));
+         return outcome(answer_to<RobotLevel>(soon(), [&](const Wait& wait, RobotLevelAnswer answer) {
+           robot.watch({model::TaskId("slam")}, wait, std::move(answer));
+         }));
        }},
       {Verb::Running, [](auto& robot) { return outcome(robot.running(0, soon())); }},
       {Verb::Changes,

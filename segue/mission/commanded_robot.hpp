@@ -23,6 +23,7 @@ struct TaskView {
   std::string state;       ///< "running", "stopped", ...
   std::string state_name;  ///< one that its component declares ("arrived"); may be empty
   std::uint64_t updates = 0;
+  std::uint64_t changes = 0;  ///< the count of CommandedRobot::changes() after that was seen; 0: not known
   friend bool operator==(const TaskView&, const TaskView&) = default;
 };
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/concurrent/thread.hpp>
 #include <segue/mission/execution_threads.hpp>
 
 #include <system_error>
@@ -10,8 +9,8 @@ namespace segue::mission {
 ExecutionThreads::~ExecutionThreads() {
   const Lock lock(mutex_);
   closes_ = true;
-  for (Job& job : jobs_)
-    job.stop.request_stop();
+  for (std::stop_source& stop : running_)
+    stop.request_stop();
 }
 
 void ExecutionThreads::start(ActionCall& call, Body body) {
@@ -26,22 +25,23 @@ void ExecutionThreads::start(ActionCall& call, Body body) {
 }
 
 void ExecutionThreads::start(std::stop_source stop, std::function<void(const std::stop_token& stop)> work) {
-  const Lock lock(mutex_);
-  if (closes_) throw std::system_error(std::make_error_code(std::errc::operation_canceled));
-  std::erase_if(jobs_, [](const Job& job) { return job.ended.load(); });
-  Job& job = jobs_.emplace_back();
-  job.stop = std::move(stop);
-  try {
-    const auto run = [&job, work = std::move(work)](const std::stop_token& /*own*/) mutable {
-      work(job.stop.get_token());
-      work = nullptr;  // what it holds is not kept until the next one starts
-      job.ended = true;
-    };
-    job.thread = concurrent::start_stoppable_thread("segue-action", run);
-  } catch (const std::system_error&) {
-    jobs_.pop_back();
-    throw;
-  }
+  const auto place = [&] {
+    const Lock lock(mutex_);
+    if (closes_) throw std::system_error(std::make_error_code(std::errc::operation_canceled));
+    return running_.insert(running_.end(), stop);
+  }();
+  const auto ended = [this, place] {
+    const Lock lock(mutex_);
+    running_.erase(place);
+  };
+  const bool begun = threads_.try_submit([token = stop.get_token(), work = std::move(work), ended]() mutable {
+    work(token);
+    work = nullptr;  // what it holds goes before this counts as ended
+    ended();
+  });
+  if (begun) return;
+  ended();
+  throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
 }
 
 }  // namespace segue::mission

@@ -2,13 +2,12 @@
 #pragma once
 
 #include <segue/base/mutex.hpp>
+#include <segue/concurrent/thread_pool.hpp>
 #include <segue/mission/action_runner.hpp>
 
-#include <atomic>
 #include <functional>
 #include <list>
 #include <stop_token>
-#include <thread>
 #include <vector>
 
 namespace segue::mission {
@@ -32,15 +31,14 @@ class ExecutionThreads {
   void start(std::stop_source stop, std::function<void(const std::stop_token& stop)> work);
 
  private:
-  struct Job {
-    std::stop_source stop;
-    std::atomic<bool> ended = false;
-    std::jthread thread;
-  };
+  using Stops = std::list<std::stop_source>;
 
-  Mutex mutex_;  ///< protects the others
-  bool closes_ = false;
-  std::list<Job> jobs_;
+  Mutex mutex_;
+  bool closes_ SEGUE_GUARDED_BY(mutex_) = false;
+  Stops running_ SEGUE_GUARDED_BY(mutex_);
+  /// Keeps some threads for the next executions, since an action is often begun as soon as another one ends.
+  concurrent::ThreadPool threads_{"segue-action",
+                                  {.threads = concurrent::ThreadPool::kNoLimit, .idle = 4}};  // ends first
 };
 
 }  // namespace segue::mission

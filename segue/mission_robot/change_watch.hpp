@@ -28,6 +28,8 @@ class ChangeWatch {
   void ask();
   /// Whether there may be news since the last call.
   [[nodiscard]] bool take();
+  /// The count as of the last call of take(); 0: not known yet.
+  [[nodiscard]] std::uint64_t seen() const { return seen_; }
   /// When ask() has something to do although the bell does not ring.
   [[nodiscard]] TimePoint next_question() const;
 

@@ -209,10 +209,9 @@ class ControlledRun {
   /// Until a condition holds, the controller is lost, or the action is preempted.
   Ending watch(const std::stop_token& stop) {
     if (use_.until.empty()) return {0, {}};
-    ChangeWatch changes(robot_, bell_);
-    changes.ask();
+    changes_.ask();
     while (!stop.stop_requested()) {
-      if (changes.take()) {
+      if (changes_.take()) {
         if (auto lost = loss(stop)) return *lost;
       }
       const auto met = first_that_holds(stop);
@@ -227,8 +226,8 @@ class ControlledRun {
       }
       tasks_.ask();
       ports_.ask();
-      changes.ask();
-      bell_->wait({std::min(changes.next_question(), next_look()), stop});
+      changes_.ask();
+      bell_->wait({std::min(changes_.next_question(), next_look()), stop});
     }
     return preempted();
   }
@@ -329,18 +328,33 @@ class ControlledRun {
   }
 
   Ending ended_by(std::size_t condition, const std::stop_token& stop) {
-    if (auto lost = loss(stop)) return *lost;
+    if (ran_well_when(use_.until[condition])) {
+      shared_.controllers->note_runs(use_.controller, well_->asked, now());
+    } else if (auto lost = loss(stop)) {
+      return *lost;
+    }
     const Outcome outcome = task_.outcomes[condition];
     if (outcome >= 0) return {outcome, {}};
     return {outcome, std::visit([](const auto& when) { return sentence(when); }, use_.until[condition].when)};
   }
 
+  /// Whether what has been heard of a task says that the controller ran as it should, too: nothing has
+  /// changed since the robot was asked.
+  [[nodiscard]] bool ran_well_when(const EndCondition& condition) const {
+    const auto* reaches = condition_of<TaskReaches>(condition);
+    const TaskView* task = reaches == nullptr ? nullptr : tasks_.view(reaches->task);
+    return task != nullptr && well_ && well_->changes != 0 && task->changes == well_->changes;
+  }
   /// The ending where the controller does not run as it should.
   std::optional<Ending> loss(const std::stop_token& stop) {
-    const TimePoint asked = now();
+    const RanWell now_well{changes_.seen(), now()};  // as of before it is asked
+    well_.reset();
     const auto trouble = robot_.trouble(use_.controller, look(stop));
     if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
-    if (trouble->runs_well()) shared_.controllers->note_runs(use_.controller, asked);
+    if (trouble->runs_well()) {
+      shared_.controllers->note_runs(use_.controller, now_well.asked, now_well.asked);
+      well_ = now_well;
+    }
     return loss_by(*trouble);
   }
   [[nodiscard]] std::optional<Ending> loss_by(const ControllerTrouble& trouble) const {
@@ -410,6 +424,13 @@ class ControlledRun {
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   WatchedTasks tasks_{robot_, bell_};
   WatchedPorts ports_{bell_};
+  ChangeWatch changes_{robot_, bell_};
+  /// The robot was asked whether it runs the controller as it should, and did.
+  struct RanWell {
+    std::uint64_t changes;  ///< counted until then, at least
+    TimePoint asked;
+  };
+  std::optional<RanWell> well_;
   /// When an operation was called: after which answer of its task, and from when on it may be again.
   struct Called {
     std::uint64_t news = 0;

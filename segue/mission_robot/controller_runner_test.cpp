@@ -183,6 +183,24 @@ TEST_F(ControllerActions, AreNotEndedByWhatATaskSaidBefore) {
   EXPECT_EQ(ended().outcome_name, "blocked");
 }
 
+TEST_F(ControllerActions, AskOnceWhetherTheirControllerRunsWhereNothingChanges) {
+  begin(std::string("controller: go_home, ") + kArrived);
+  robot_->wait_until_looked(1);
+  robot_->become("arrived");
+  EXPECT_EQ(ended().outcome_name, "arrived");
+  EXPECT_EQ(robot_->looks(), 1U);
+}
+
+TEST_F(ControllerActions, AskWhetherTheirControllerRunsWhereATaskSaysThatSomethingHasChanged) {
+  begin(std::string("controller: go_home, ") + kArrived);
+  robot_->wait_until_looked(1);
+  robot_->tell_no_changes();
+  robot_->take_over();
+  robot_->become("arrived");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_EQ(robot_->looks(), 2U);
+}
+
 TEST_F(ControllerActions, AskAsOftenAsTheirTaskChangesHoweverOftenItUpdates) {
   robot_->stand_still();
   begin(std::string("controller: go_home, ") + kArrived);

@@ -51,7 +51,7 @@ bool ControllerUnion::runs_well(const std::string& controller, const Wait& wait)
   const TimePoint asked = RealClock::instance().now();
   const auto trouble = robot_->trouble(controller, wait);
   if (!trouble || !trouble->runs_well()) return false;
-  note_runs(controller, asked);
+  note_runs(controller, asked, asked);
   return true;
 }
 
@@ -89,10 +89,10 @@ Result<void> ControllerUnion::end(const std::string& controller, bool keep,
   return carry_out({{controller, {}, 0}, true, {.user = std::move(user)}});
 }
 
-void ControllerUnion::note_runs(const std::string& controller, TimePoint asked) {
+void ControllerUnion::note_runs(const std::string& controller, TimePoint asked, TimePoint seen) {
   const Lock lock(mutex_);
   const auto found = find(controller);
-  if (found != members_.end() && asked > changed_at_) found->seen = asked;
+  if (found != members_.end() && asked > changed_at_) found->seen = seen;
 }
 
 void ControllerUnion::note_changed() {

@@ -65,8 +65,9 @@ class ControllerUnion {
   /// The action that had begun it has ended. `keep`: it runs on until something else is needed in its place;
   /// otherwise the robot stops it, and this blocks until it has.
   Result<void> end(const std::string& controller, bool keep, std::optional<ControllerUser> user = {});
-  /// Somebody who uses it has asked the robot after `asked`, and it ran as it should.
-  void note_runs(const std::string& controller, TimePoint asked);
+  /// Somebody who uses it has asked the robot after `asked`, and it ran as it should, still when that was
+  /// heard at `seen`.
+  void note_runs(const std::string& controller, TimePoint asked, TimePoint seen);
   /// What runs may have been changed otherwise than by a request: what was seen before counts no longer.
   void note_changed();
   /// How many callers wait for the next transition.

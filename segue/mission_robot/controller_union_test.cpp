@@ -261,11 +261,11 @@ TEST_F(UnionOfControllers, DoesNotLookAtWhatWasSeenJustNow) {
   const auto now = [] { return RealClock::instance().now(); };
   const TimePoint before = now();
   EXPECT_TRUE(one.begin("drive", {}));
-  one.note_runs("drive", before);
+  one.note_runs("drive", before, now());
   EXPECT_TRUE(one.begin("drive", {}));
   EXPECT_THAT(robot_->looks(), SizeIs(1)) << "it was seen before the robot was to run this";
   EXPECT_TRUE(one.begin("drive", {}));
-  one.note_runs("drive", now());
+  one.note_runs("drive", now(), now());
   EXPECT_TRUE(one.begin("drive", {}));
   EXPECT_THAT(robot_->looks(), SizeIs(1));
   EXPECT_TRUE(one.begin("arm", {}));

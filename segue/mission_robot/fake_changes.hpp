@@ -18,10 +18,20 @@ class FakeChanges {
     std::vector<ChangesAnswer> waiting;
     std::unique_lock lock(mutex_);
     const std::uint64_t now = ++count_;
+    if (is_silent_) return;
     waiting.swap(waiting_);
     lock.unlock();
     for (const ChangesAnswer& answered : waiting)
       answered(now);
+  }
+  [[nodiscard]] std::uint64_t count() {
+    const std::lock_guard lock(mutex_);
+    return count_;
+  }
+  /// Nobody who waits hears of a change any more.
+  void be_silent() {
+    const std::lock_guard lock(mutex_);
+    is_silent_ = true;
   }
   void watch(std::uint64_t seen, ChangesAnswer answered) {
     std::unique_lock lock(mutex_);
@@ -32,7 +42,8 @@ class FakeChanges {
   }
 
  private:
-  std::mutex mutex_;  ///< protects both
+  std::mutex mutex_;  ///< protects all below
+  bool is_silent_ = false;
   std::uint64_t count_ = 1;
   std::vector<ChangesAnswer> waiting_;
 };

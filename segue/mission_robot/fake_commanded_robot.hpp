@@ -74,7 +74,7 @@ class FakeCommandedRobot : public CommandedRobot {
     if (updates_) ++task_.updates;
     if (!question.is_news(task_))
       return static_cast<void>(waiting_.emplace_back(question, std::move(answered)));
-    const TaskView view = task_;
+    const TaskView view = task_now();
     lock.unlock();
     answered(view);
   }
@@ -114,6 +114,8 @@ class FakeCommandedRobot : public CommandedRobot {
   void refuse() {
     change([&] { refuses_ = true; });
   }
+  /// Changes of what runs and who commands are told to nobody any more; tasks still say how they are.
+  void tell_no_changes() { changes_.be_silent(); }
   std::vector<std::string> asked() {
     const std::lock_guard lock(mutex_);
     return asked_;
@@ -161,7 +163,7 @@ class FakeCommandedRobot : public CommandedRobot {
     how();
     std::erase_if(waiting_, [&](const auto& one) {
       if (!one.first.is_news(task_)) return false;
-      one.second(task_);
+      one.second(task_now());
       return true;
     });
   }
@@ -169,6 +171,11 @@ class FakeCommandedRobot : public CommandedRobot {
   void change_trouble(const std::function<void()>& how) {
     change(how);
     changes_.add();
+  }
+  TaskView task_now() {
+    TaskView view = task_;
+    view.changes = changes_.count();
+    return view;
   }
   void note(std::string what) {
     const std::lock_guard lock(mutex_);

@@ -22,7 +22,7 @@ void PreparedControllers::began(std::uint64_t action, std::string controller,
   const Lock lock(mutex_);
   std::erase_if(running_, [](const auto& entry) { return entry.second.has_ended; });
   running_[action] = {std::move(controller), std::move(ahead), false};
-  changed_.notify_all();
+  if (likeliest() != prepared_) changed_.notify_all();
 }
 
 void PreparedControllers::ended(std::uint64_t action) {

@@ -394,10 +394,11 @@ void ServedRobot::watch(const mission::TaskQuestion& question, const Wait& wait,
                                       question.seen->state_name, question.seen->updates};
   }
   look_later<mission::TaskView>(wait, std::move(answered), [&](const Wait& both, mission::TaskAnswer answer) {
-    service_.watch(asked, both, [answer = std::move(answer)](Result<task_host::TaskLevel> level) {
-      if (!level) return answer(std::move(level.error()));
-      answer(mission::TaskView{std::string(to_string(level->state)), std::move(level->state_name),
-                               level->updates});
+    service_.watch(asked, both, [answer = std::move(answer)](Result<control::RobotLevel> seen) {
+      if (!seen) return answer(std::move(seen.error()));
+      auto& [level, changes] = *seen;
+      answer(mission::TaskView{std::string(to_string(level.state)), std::move(level.state_name),
+                               level.updates, changes});
     });
   });
 }

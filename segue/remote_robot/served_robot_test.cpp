@@ -61,7 +61,7 @@ class FakeService final : public control::RobotService {
  public:
   Value status_answer = Value::map({{"controller", "explore"}, {"unresolved", Value::List{}}});
   Value switch_answer = Value::map({{"outcome", "done"}});
-  Result<task_host::TaskLevel> level_answer;
+  Result<control::RobotLevel> level_answer;
   task_host::LevelQuestion watched;
   Value conflicts_answer = Value::list({});
   control::LeaseStanding standing;
@@ -85,7 +85,7 @@ class FakeService final : public control::RobotService {
   Result<Value> status(const Wait& /*wait*/) override { return status_answer; }
   Result<Value> task(std::string_view /*id*/) override { return no(); }
   void watch(const task_host::LevelQuestion& question, const Wait& /*wait*/,
-             task_host::LevelAnswer answered) override {
+             control::RobotLevelAnswer answered) override {
     watched = question;
     answered(level_answer);
   }
@@ -473,7 +473,7 @@ TEST_F(ServedRobotTest, HasControllersPreparedUnderItsLease) {
 }
 
 TEST_F(ServedRobotTest, SeesTasks) {
-  service_.level_answer = task_host::TaskLevel{TaskState::Running, "arrived", 7};
+  service_.level_answer = control::RobotLevel{{TaskState::Running, "arrived", 7}, 4};
   const auto task = robot_.task("planner", RealClock::instance().now() + std::chrono::seconds(60));
   ASSERT_TRUE(task);
   EXPECT_EQ(service_.watched.task, model::TaskId("planner"));
@@ -481,6 +481,7 @@ TEST_F(ServedRobotTest, SeesTasks) {
   EXPECT_EQ(task->state, "running");
   EXPECT_EQ(task->state_name, "arrived");
   EXPECT_EQ(task->updates, 7U);
+  EXPECT_EQ(task->changes, 4U);
 }
 
 TEST_F(ServedRobotTest, AsksForWhatIsNotAsItWasSeen) {

@@ -53,9 +53,9 @@ interface Robot {
   giveBack @23 (lease :UInt64, keep :Bool, timeout :Int64) -> (answer :Wire.Answer);
   stop @24 (who :Text, timeout :Int64) -> (answer :Wire.Answer);
   release @25 (who :Text) -> (answer :Wire.Answer);
-  # As of TaskAccess.
+  # As of TaskAccess; `changes` is the count of `changes` then.
   watch @26 (task :Text, seen :Tasks.TaskLevel, eachUpdate :Bool, timeout :Int64)
-      -> (error :Wire.Error, level :Tasks.TaskLevel);
+      -> (error :Wire.Error, level :Tasks.TaskLevel, changes :UInt64);
   running @27 (lease :UInt64) -> (answer :Wire.Answer);
   repair @28 (force :Bool, order :Text, who :Text, timeout :Int64, lease :UInt64, takeOver :Bool)
       -> (answer :Wire.Answer);

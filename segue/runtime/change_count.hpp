@@ -18,6 +18,7 @@ class ChangeCount {
  public:
   /// Something may have changed, which whoever asks from now on sees. Does not block.
   void add() noexcept;
+  [[nodiscard]] std::uint64_t count() const noexcept { return count_.load(std::memory_order_seq_cst); }
   /// As Runtime::watch_changes().
   void watch(std::uint64_t seen, const Wait& wait, std::function<void(Result<std::uint64_t>)> answered);
   /// What waits is answered with an error; later questions are at once.

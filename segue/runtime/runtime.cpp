@@ -237,6 +237,10 @@ void Runtime::watch_changes(std::uint64_t seen, const Wait& wait,
   implementation_->changes.watch(seen, wait, std::move(answered));
 }
 
+std::uint64_t Runtime::changes() const {
+  return implementation_->changes.count();
+}
+
 std::vector<UnresolvedFault> Runtime::unresolved() const {
   const Lock lock(implementation_->mutex);
   return implementation_->unresolved;

@@ -180,6 +180,8 @@ class Runtime {
   /// `answered` gets the count, once, from any thread, when it is not `seen`, or at the deadline.
   void watch_changes(std::uint64_t seen, const Wait& wait,
                      std::function<void(Result<std::uint64_t>)> answered) const;
+  /// The count of watch_changes() now.
+  [[nodiscard]] std::uint64_t changes() const;
 
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;

@@ -129,8 +129,12 @@ Result<type::Value> RuntimeService::task(std::string_view id) {
 }
 
 void RuntimeService::watch(const task_host::LevelQuestion& question, const Wait& wait,
-                           task_host::LevelAnswer answered) {
-  runtime_.host().watch(question, wait, std::move(answered));
+                           control::RobotLevelAnswer answered) {
+  runtime_.host().watch(question, wait,
+                        [this, answered = std::move(answered)](Result<task_host::TaskLevel> level) {
+                          if (!level) return answered(std::move(level.error()));
+                          answered(control::RobotLevel{std::move(*level), runtime_.changes()});
+                        });
 }
 
 void RuntimeService::changes(std::uint64_t seen, const Wait& wait, control::ChangesAnswer answered) {

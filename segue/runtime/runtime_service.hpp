@@ -23,7 +23,7 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> status(const Wait& wait) override;
   Result<type::Value> task(std::string_view id) override;
   void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override;
+             control::RobotLevelAnswer answered) override;
   Result<type::Value> running(std::uint64_t lease, const Wait& wait) override;
   void changes(std::uint64_t seen, const Wait& wait, control::ChangesAnswer answered) override;
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,

@@ -67,7 +67,7 @@ class FakeRobotService : public RobotService {
     return type::Value(std::string(std::size_t{id == "huge" ? 200U : 20U} << 20, 'x'));
   }
   void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override {
+             control::RobotLevelAnswer answered) override {
     watches_.add(wait, [this, question, answered](task_host::detail::Watches::End end) {
       using End = task_host::detail::Watches::End;
       if (end == End::Stop) {
@@ -77,7 +77,7 @@ class FakeRobotService : public RobotService {
         entered.open();
         return false;
       } else {
-        answered(task_host::TaskLevel{TaskState::Running, question.task.str(), 7});
+        answered(control::RobotLevel{{TaskState::Running, question.task.str(), 7}, 3});
       }
       return true;
     });

@@ -156,11 +156,16 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   }
 
   kj::Promise<void> watch(WatchContext context) override {
-    return answer_watch(role_for(Verb::Watch), caller_, context,
-                        [&service = service_](const task_host::LevelQuestion& question, const Wait& wait,
-                                              task_host::LevelAnswer answered) {
-                          service.watch(question, wait, std::move(answered));
-                        });
+    return answer_watch<RobotLevel>(
+        role_for(Verb::Watch), caller_, context,
+        [&service = service_](const task_host::LevelQuestion& question, const Wait& wait,
+                              RobotLevelAnswer answered) {
+          service.watch(question, wait, std::move(answered));
+        },
+        [](const RobotLevel& seen, auto results) {
+          encode(seen.level, results.initLevel());
+          results.setChanges(seen.changes);
+        });
   }
 
   kj::Promise<void> running(RunningContext context) override {

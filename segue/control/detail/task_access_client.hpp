@@ -89,9 +89,10 @@ class TaskAccessClient : public Service {
 
   void watch(const task_host::LevelQuestion& question, const Wait& wait,
              task_host::LevelAnswer answered) override {
-    send_watch(
+    send_watch<task_host::TaskLevel>(
         *channel_, question, wait, std::move(answered),
-        [tasks = tasks_](RpcChannel::Connection& connection) { return tasks(connection).watchRequest(); });
+        [tasks = tasks_](RpcChannel::Connection& connection) { return tasks(connection).watchRequest(); },
+        [](auto& results) { return decode(results.getLevel()); });
   }
 
   Result<task_host::TaskDetails> details(const model::TaskId& task) override {

@@ -66,11 +66,13 @@ kj::Promise<void> TaskAccessServer::properties(PropertiesContext context) {
 }
 
 kj::Promise<void> TaskAccessServer::watch(WatchContext context) {
-  return answer_watch(Role::Observe, caller_, context,
-                      [tasks = tasks_](const task_host::LevelQuestion& question, const Wait& wait,
-                                       task_host::LevelAnswer answered) {
-                        tasks->watch(question, wait, std::move(answered));
-                      });
+  return answer_watch<task_host::TaskLevel>(
+      Role::Observe, caller_, context,
+      [tasks = tasks_](const task_host::LevelQuestion& question, const Wait& wait,
+                       task_host::LevelAnswer answered) {
+        tasks->watch(question, wait, std::move(answered));
+      },
+      [](const task_host::TaskLevel& level, auto results) { encode(level, results.initLevel()); });
 }
 
 kj::Promise<void> TaskAccessServer::details(DetailsContext context) {

@@ -5,6 +5,7 @@
 #include <segue/rpc_codecs/tasks_wire.hpp>
 #include <segue/task_host/task_level.hpp>
 
+#include <functional>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -20,18 +21,19 @@ task_host::LevelQuestion question_of(Params params) {
   return question;
 }
 
-/// Serves a call of watch() by `watch(question, wait, answered)`, as TaskHost::watch.
-template <class Context, class Watch>
-kj::Promise<void> answer_watch(Role needed, Caller& caller, Context context, Watch watch) {
+/// Serves a call of watch() by `watch(question, wait, answered)`, as TaskHost::watch; `write` writes the
+/// Level that `answered` gets to the results.
+template <class Level, class Context, class Watch, class Write>
+kj::Promise<void> answer_watch(Role needed, Caller& caller, Context context, Watch watch, Write write) {
   const auto params = context.getParams();
-  return answer_later<task_host::TaskLevel>(
+  return answer_later<Level>(
       needed, caller, context,
       [watch = std::move(watch), question = question_of(params),
        deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped,
-                                                       task_host::LevelAnswer answered) {
+                                                       std::function<void(Result<Level>)> answered) {
         watch(question, Wait(deadline, dropped), std::move(answered));
       },
-      [](task_host::TaskLevel& level, auto results) { encode(level, results.initLevel()); });
+      write);
 }
 
 }  // namespace segue::control::detail
