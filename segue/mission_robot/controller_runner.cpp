@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission_robot/controller_runner.hpp>
 
+#include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/mission_index.hpp>
@@ -42,11 +43,6 @@ ControllerUse filled(ControllerUse use, const ActionCall& call) {
 
 Ending aborted(const Error& error) {
   return {kAborted, to_string(error)};
-}
-
-/// Whether a task, or its process, may be gone.
-bool may_be_lost(const Error& error) {
-  return error.code == ErrorCode::NotFound || error.code == ErrorCode::Unavailable;
 }
 
 /// What all executions of a runner have to do with.
@@ -176,7 +172,7 @@ class ControlledRun {
   bool forget_begun_anew() {
     const auto anew = tasks_.take_begun_anew();
     for (const std::string& task : anew) {
-      commands_.forget(task);
+      if (commands_.forget(task)) warn_of_telling_again(task);
       ports_.forget(task);
       for (auto& output : outputs_) {
         if (output && output->port.task == task) output.reset();
@@ -185,6 +181,13 @@ class ControlledRun {
       is_told_ = false;
     }
     return !anew.empty();
+  }
+
+  /// So that nothing that cannot be taken back is done twice in silence.
+  void warn_of_telling_again(const std::string& task) const {
+    log(LogLevel::Warning, task_.user.action.empty() ? "mission" : task_.user.action,
+        "task " + quote(task) +
+            " has begun anew and knows nothing of what it was told; it is told once more");
   }
 
   /// Samples count from then on. A port of both has two readers, since one that is waited for is not read.

@@ -3,14 +3,14 @@
 #include <segue/mission_engine/engine_test_support.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_robot/fake_commanded_robot.hpp>
+#include <segue/mission_robot/fake_mending_robot.hpp>
+
+#include <support/logged_lines.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,97 +22,6 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using type::Value;
-
-/// May lose its task, and mends it when the test says so.
-class MendingRobot final : public FakeCommandedRobot {
- public:
-  void watch(const TaskQuestion& question, const Wait& wait, TaskAnswer answered) override {
-    const auto once = std::make_shared<Once>(std::move(answered));
-    {
-      const std::lock_guard lock(mutex_);
-      open_.push_back(once);
-    }
-    if (is_gone()) return once->answer(gone());
-    FakeCommandedRobot::watch(question, wait,
-                              [once](Result<TaskView> view) { once->answer(std::move(view)); });
-  }
-  Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override {
-    auto trouble = FakeCommandedRobot::trouble(controller, wait);
-    const std::lock_guard lock(mutex_);
-    if (trouble) trouble->repair = repair_;
-    if (!repair_.empty()) ++waits_;
-    waited_.notify_all();
-    return trouble;
-  }
-
-  Result<Value> call(const Member& operation, const Value& arguments, const Wait& wait) override {
-    if (is_losing(operation.name)) lose_task();
-    if (is_refused(operation.name)) return fail(ErrorCode::HookFailed, "refused by the test");
-    if (is_gone()) return gone();
-    return FakeCommandedRobot::call(operation, arguments, wait);
-  }
-
-  /// The task is lost when that operation is called next, which does nothing then.
-  void lose_task_at(const std::string& operation) {
-    const std::lock_guard lock(mutex_);
-    losing_ = operation;
-  }
-  void refuse(const std::string& operation) {
-    const std::lock_guard lock(mutex_);
-    refused_ = operation;
-  }
-  void lose_task() {
-    std::vector<std::shared_ptr<Once>> open;
-    {
-      const std::lock_guard lock(mutex_);
-      repair_ = "task 'planner' is gone";
-      open.swap(open_);
-    }
-    for (const auto& one : open)
-      one->answer(gone());
-  }
-  void mend_task() {
-    const std::lock_guard lock(mutex_);
-    repair_.clear();
-  }
-  /// An action has been told that the task is being mended.
-  void wait_until_waited_for() {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(waited_.wait_for(lock, 60s, [&] { return waits_ > 2; }));
-  }
-
- private:
-  struct Once {
-    explicit Once(TaskAnswer to) : answered(std::move(to)) {}
-    void answer(Result<TaskView> view) {
-      if (!is_answered.exchange(true)) answered(std::move(view));
-    }
-    std::atomic<bool> is_answered = false;
-    const TaskAnswer answered;
-  };
-  static Error gone() { return fail(ErrorCode::NotFound, "no task planner runs"); }
-  bool is_gone() {
-    const std::lock_guard lock(mutex_);
-    return !repair_.empty();
-  }
-
-  bool is_losing(const std::string& operation) {
-    const std::lock_guard lock(mutex_);
-    return operation == losing_ && !std::exchange(losing_, "").empty();
-  }
-  bool is_refused(const std::string& operation) {
-    const std::lock_guard lock(mutex_);
-    return operation == refused_;
-  }
-
-  std::mutex mutex_;  ///< protects all below
-  std::condition_variable waited_;
-  std::string losing_;
-  std::string refused_;
-  std::vector<std::shared_ptr<Once>> open_;
-  std::string repair_;
-  int waits_ = 0;
-};
 
 class ControllerActions : public RunningMission {
  protected:
@@ -344,17 +253,19 @@ class ActionsWhoseTaskIsLost : public ControllerActions {
     mending_->wait_until_waited_for();
   }
 
-  const std::shared_ptr<MendingRobot> mending_ = std::make_shared<MendingRobot>();
+  const std::shared_ptr<FakeMendingRobot> mending_ = std::make_shared<FakeMendingRobot>();
 };
 
 TEST_F(ActionsWhoseTaskIsLost, WaitForItsRepairAndTellItAgain) {
   begin_and_lose(kArrived);
   robot_->become("arrived");
   EXPECT_FALSE(is_over_);
+  segue::testing::LoggedLines logged;
   mending_->mend_task();
   EXPECT_EQ(ended().outcome_name, "arrived") << engine_->result().error;
   EXPECT_THAT(robot_->asked(),
               ElementsAre("request go_home", "call planner.set_goal home", "call planner.set_goal home"));
+  EXPECT_TRUE(logged.has({"task 'planner' has begun anew"}));
 }
 
 TEST_F(ActionsWhoseTaskIsLost, TellItOnceItIsMendedWhereItIsLostWhileItIsBeingTold) {

@@ -41,6 +41,10 @@ Result<void> PortFeed::take_in(Result<std::vector<type::Value>> came) {
   return {};
 }
 
+bool may_be_lost(const Error& error) {
+  return error.code == ErrorCode::NotFound || error.code == ErrorCode::Unavailable;
+}
+
 bool is_in(const TaskView& task, const TaskReaches& state) {
   return task.state == state.state || task.state_name == state.state;
 }

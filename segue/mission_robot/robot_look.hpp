@@ -34,6 +34,8 @@ struct PortFeed {
   Result<void> take_in(Result<std::vector<type::Value>> came);
 };
 
+/// Whether a task that was asked, or its process, may be gone.
+[[nodiscard]] bool may_be_lost(const Error& error);
 [[nodiscard]] bool is_in(const TaskView& task, const TaskReaches& state);
 /// Blocks until the operation has answered.
 [[nodiscard]] Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, const Wait& wait);

@@ -2,6 +2,7 @@
 #include <segue/mission_robot/task_commands.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace segue::mission {
 
@@ -36,10 +37,13 @@ void TaskCommands::skip() {
     command.is_given = true;
 }
 
-void TaskCommands::forget(const std::string& task) {
+bool TaskCommands::forget(const std::string& task) {
+  bool had_been_told = false;
   for (Command& command : commands_) {
-    if (command.what->member.task == task) command.is_given = false;
+    if (command.what->member.task == task)
+      had_been_told = std::exchange(command.is_given, false) || had_been_told;
   }
+  return had_been_told;
 }
 
 bool TaskCommands::are_given() const {

@@ -25,8 +25,8 @@ class TaskCommands {
   Result<void> give(const std::stop_token& stop);
   /// Counts all as given, by an earlier run.
   void skip();
-  /// That task knows nothing any more of what it was told.
-  void forget(const std::string& task);
+  /// That task knows nothing any more of what it was told; false: it was told nothing.
+  bool forget(const std::string& task);
   [[nodiscard]] bool are_given() const;
 
  private:

@@ -13,6 +13,7 @@
 #include <atomic>
 #include <cmath>
 #include <map>
+#include <set>
 #include <stop_token>
 #include <system_error>
 #include <utility>
@@ -198,7 +199,10 @@ class RobotUse final : public ScriptRobot::Use {
     if (call == "release") return release(request);
     const auto member = member_of(request);
     if (!member) return member.error();
-    if (call == "read") return read(*member, deadline_of(request), stop);
+    if (call == "read") {
+      return look_at(member->task, {deadline_of(request), stop},
+                     [&](const Wait& wait) { return read(*member, wait.deadline, wait.stop); });
+    }
     const Value value = value_at(request, "value");
     const Wait wait(deadline_of(request), stop);
     if (call == "call") return robot_->call(*member, value, wait);
@@ -217,9 +221,47 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   Result<Value> task(const Value& request, const std::stop_token& stop) {
-    const Wait wait(RealClock::instance().now() + kAnswer, stop);
-    const auto view = robot_->task(detail::message_text(request, "name"), wait);
-    return view ? to_value(*view) : Result<Value>(view.error());
+    const std::string name = detail::message_text(request, "name");
+    return look_at(name, {RealClock::instance().now() + kAnswer, stop}, [&](const Wait& wait) {
+      const auto view = robot_->task(name, wait);
+      return view ? to_value(*view) : Result<Value>(view.error());
+    });
+  }
+
+  /// What `look` gets of a task. Where the task was lost that the script has seen before, it is looked at
+  /// again while the robot mends it.
+  template <class Look>
+  Result<Value> look_at(const std::string& task, const Wait& wait, Look look) {
+    auto got = look(wait);
+    TimePoint give_up = RealClock::instance().now() + options_.notice;
+    while (!got && may_be_lost(got.error()) && has_seen(task) && !wait.is_stopped()) {
+      if (is_mended(wait.stop)) give_up = RealClock::instance().now() + options_.notice;
+      if (RealClock::instance().now() >= std::min(give_up, wait.deadline)) return got;
+      wait_for_next_look(options_.period, wait.stop);
+      got = look(wait);
+    }
+    if (got) note_seen(task);
+    return got;
+  }
+  void note_seen(const std::string& task) {
+    const Lock lock(mutex_);
+    seen_.insert(task);
+  }
+  bool has_seen(const std::string& task) {
+    const Lock lock(mutex_);
+    return seen_.contains(task);
+  }
+  /// Whether the robot is mending a part of a controller that the script uses.
+  bool is_mended(const std::stop_token& stop) {
+    std::vector<Used> used;
+    {
+      const Lock lock(mutex_);
+      used = used_;
+    }
+    return std::ranges::any_of(used, [&](const Used& one) {
+      const auto trouble = robot_->trouble(one.controller, Wait(TimePoint::max(), stop));
+      return trouble && !trouble->repair.empty();
+    });
   }
 
   static Value to_value(const TaskView& view) {
@@ -231,17 +273,22 @@ class RobotUse final : public ScriptRobot::Use {
     const std::string name = detail::message_text(request, "name");
     const TaskReaches wanted{name, detail::message_text(request, "state")};
     const TimePoint deadline = request.find("timeout") == nullptr ? TimePoint::max() : deadline_of(request);
-    auto view = robot_->task(name, {RealClock::instance().now() + kAnswer, stop});
+    return look_at(name, {deadline, stop}, [&](const Wait& wait) { return reaches(wanted, wait); });
+  }
+
+  Result<Value> reaches(const TaskReaches& wanted, const Wait& wait) {
+    auto view = robot_->task(wanted.task, {RealClock::instance().now() + kAnswer, wait.stop});
     const std::uint64_t updates = view ? view->updates : 0;
+    if (view) note_seen(wanted.task);
     while (view) {
       const bool is_there = is_in(*view, wanted);
       if (is_there && (view->updates > updates || view->state != "running")) return to_value(*view);
-      if (RealClock::instance().now() >= deadline) {
+      if (RealClock::instance().now() >= wait.deadline) {
         const std::string& state = view->state_name.empty() ? view->state : view->state_name;
         return fail(ErrorCode::DeadlineExceeded,
                     "the task was not " + wanted.state + " in time, but " + state);
       }
-      view = changed_from({name, *view, is_there}, deadline, stop);
+      view = changed_from({wanted.task, *view, is_there}, wait.deadline, wait.stop);
     }
     return view.error();
   }
@@ -408,6 +455,7 @@ class RobotUse final : public ScriptRobot::Use {
   std::size_t requests_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< for controllers, that are under way
   std::vector<Used> used_ SEGUE_GUARDED_BY(mutex_);
   std::map<std::string, std::shared_ptr<Feed>> feeds_ SEGUE_GUARDED_BY(mutex_);
+  std::set<std::string> seen_ SEGUE_GUARDED_BY(mutex_);  ///< tasks that it has looked at
   std::stop_source watch_ SEGUE_GUARDED_BY(mutex_);
   bool is_watched_ SEGUE_GUARDED_BY(mutex_) = false;
   bool preempted_ SEGUE_GUARDED_BY(mutex_) = false;

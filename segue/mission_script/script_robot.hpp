@@ -7,6 +7,7 @@
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission_robot/controller_union.hpp>
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -17,6 +18,10 @@ namespace segue::mission {
 struct ScriptRobotOptions {
   /// As ControllerOptions::unreachable.
   std::function<void(const Error& why)> unreachable{};
+  /// As ControllerOptions::notice, for what a script looks at.
+  Duration notice = std::chrono::seconds(3);
+  /// How often to look whether a task that was lost is there again.
+  Duration period = std::chrono::milliseconds(50);
 };
 
 /// The robot as scripts command it (`self.robot`, docs/robot_missions.md): controllers are requested together

@@ -5,6 +5,7 @@
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_engine/engine_test_support.hpp>
 #include <segue/mission_robot/fake_commanded_robot.hpp>
+#include <segue/mission_robot/fake_mending_robot.hpp>
 #include <segue/mission_script/script_robot.hpp>
 #include <segue/mission_script/script_runner.hpp>
 
@@ -96,6 +97,39 @@ TEST_F(RobotScripts, WaitForAState) {
   const auto& result = ended();
   EXPECT_EQ(result.outcome, 0) << result.error;
   EXPECT_EQ(result.outputs.front(), Value("arrived"));
+}
+
+TEST_F(RobotScripts, LookAtATaskAgainWhileTheRobotMendsIt) {
+  const auto mending = std::make_shared<FakeMendingRobot>();
+  robot_ = mending;
+  begin(
+      "self.robot.request('go_home')\n"
+      "self.robot.task('planner')\n"
+      "self.robot.call('planner.set_goal', {'goal': 'home'})\n"
+      "outputs['x'] = self.robot.wait_for_state('planner', 'arrived').state_name\n"
+      "return 0");
+  mending->wait_until_asked("call planner.set_goal home");
+  mending->lose_task();
+  mending->wait_until_waited_for();
+  mending->mend_task();
+  mending->become("arrived");
+  const auto& result = ended();
+  EXPECT_EQ(result.outcome, 0) << result.error;
+  EXPECT_EQ(result.outputs.front(), Value("arrived"));
+}
+
+TEST_F(RobotScripts, GetTheErrorOfWhatTheyCommandWhereItsTaskIsLost) {
+  const auto mending = std::make_shared<FakeMendingRobot>();
+  robot_ = mending;
+  mending->lose_task_at("set_goal");
+  begin(
+      "self.robot.request('go_home')\n"
+      "try:\n"
+      "  self.robot.call('planner.set_goal', {'goal': 'home'})\n"
+      "except self.robot.Error as lost:\n"
+      "  outputs['x'] = lost.code\n"
+      "return 0");
+  EXPECT_EQ(ended().outputs.front(), Value("not-found"));
 }
 
 TEST_F(RobotScripts, GetErrorsThatSayWhatIsWrong) {

@@ -12,6 +12,7 @@ namespace segue::runtime::detail {
 namespace {
 
 constexpr const char* kNobodyWaits = "carries out what nobody waits for any more";
+constexpr const char* kLeft = "was left by an earlier runtime, and may work for nobody";
 
 InstanceCalls::End end_of(const Result<type::Value>& answer) {
   using End = InstanceCalls::End;
@@ -31,7 +32,7 @@ std::map<model::TaskId, InstanceCalls::Seen> InstanceCalls::processes() const {
   for (const auto& report : host_.tasks()) {
     if (pools_.find_task(report.id) != nullptr) {
       const bool answers = !report.unknown && report.state != TaskState::Fatal;
-      seen.emplace(report.id, Seen{report.pid, answers});
+      seen.emplace(report.id, Seen{report.pid, answers, report.state == TaskState::Running});
     }
   }
   return seen;
@@ -89,12 +90,13 @@ void InstanceCalls::ended(std::uint64_t call, End end) {
   std::erase_if(calls_, [](const auto& one) { return one.second.empty(); });
 }
 
-void InstanceCalls::abandon_all(const std::string& why) {
-  const auto seen = processes();
+void InstanceCalls::starts(const model::TaskId& instance) {
   const Lock lock(mutex_);
-  for (const auto& [instance, process] : seen) {
-    abandoned_.insert_or_assign(Life{instance, process.pid}, why);
-  }
+  known_.insert(instance);
+}
+
+void InstanceCalls::note_left(const Life& life) {
+  if (known_.insert(life.instance).second) abandoned_.emplace(life, kLeft);
 }
 
 bool InstanceCalls::is_busy(const Life& life) const {
@@ -104,6 +106,7 @@ bool InstanceCalls::is_busy(const Life& life) const {
 
 std::string InstanceCalls::why_abandoned(const Life& life) const {
   const Lock lock(mutex_);
+  if (!known_.contains(life.instance)) return kLeft;
   const auto found = abandoned_.find(life);
   return found == abandoned_.end() ? std::string() : found->second;
 }
@@ -111,6 +114,9 @@ std::string InstanceCalls::why_abandoned(const Life& life) const {
 std::map<InstanceCalls::Life, std::string> InstanceCalls::abandoned() {
   const auto seen = processes();
   const Lock lock(mutex_);
+  for (const auto& [instance, process] : seen) {
+    if (process.answers && process.runs) note_left({instance, process.pid});
+  }
   std::map<Life, std::string> present;
   std::erase_if(abandoned_, [&](const auto& one) {
     const auto found = seen.find(one.first.instance);

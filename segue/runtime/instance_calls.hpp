@@ -13,6 +13,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,7 +22,9 @@ namespace segue::runtime::detail {
 
 /// What the instances of pools carry out, and which of them do so for nobody: whoever called waits no longer,
 /// but an operation that has begun cannot be taken back. An instance carries calls out in the order in which
-/// they come, so only the oldest one has begun. Thread safe.
+/// they come, so only the oldest one has begun. One that runs although this runtime has not started it was
+/// left by an earlier one, whose calls are not known; its computer may be reached long after the start.
+/// Thread safe.
 class InstanceCalls {
  public:
   /// `host` and `pools` must outlive this. `notify` is called, from any thread, when an instance is to be
@@ -50,11 +53,11 @@ class InstanceCalls {
   };
   /// It is not under way any more.
   void ended(std::uint64_t call, End end);
-  /// All that are there may carry out what nobody waits for.
-  void abandon_all(const std::string& why);
+  /// This runtime starts it, so it carries out nothing for others.
+  void starts(const model::TaskId& instance);
 
   [[nodiscard]] bool is_busy(const Life& life) const;
-  /// Why the instance must be ended; empty: it need not.
+  /// Why an instance that runs must be ended; empty: it need not.
   [[nodiscard]] std::string why_abandoned(const Life& life) const;
   /// Those that are to be ended, and why. One that does not answer may have ended, which is for the policy of
   /// its pool; once it answers again, it is among them. Forgets those that have begun another life.
@@ -71,8 +74,10 @@ class InstanceCalls {
   struct Seen {
     int pid = 0;
     bool answers = false;
+    bool runs = false;
   };
   [[nodiscard]] std::map<model::TaskId, Seen> processes() const;
+  void note_left(const Life& life) SEGUE_REQUIRES(mutex_);
 
   task_host::TaskHost& host_;
   const model::Network& pools_;
@@ -81,6 +86,7 @@ class InstanceCalls {
   std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::map<Life, std::deque<Call>> calls_ SEGUE_GUARDED_BY(mutex_);  ///< under way, the oldest first
   std::map<Life, std::string> abandoned_ SEGUE_GUARDED_BY(mutex_);   ///< and why
+  std::set<model::TaskId> known_ SEGUE_GUARDED_BY(mutex_);  ///< started by this runtime, or seen before
 };
 
 }  // namespace segue::runtime::detail

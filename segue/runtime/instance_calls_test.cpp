@@ -21,6 +21,8 @@ const InstanceCalls::Life kPlanner{model::TaskId("planner_1"), 7};
 /// Of a host that has no tasks.
 class CallsOfInstances : public ::testing::Test {
  protected:
+  CallsOfInstances() { calls.starts(kPlanner.instance); }
+
   model::ComponentCatalog catalog_;
   task_host::LibrarySet libraries_;
   task_host::LocalTaskHost host_{
@@ -83,6 +85,7 @@ TEST_F(CallsOfInstances, AreToBeEndedOnlyWhereTheirProcessesAnswer) {
   model::Network pools;
   pools.tasks.emplace_back().id = kPlanner.instance;
   InstanceCalls at_host(host, pools, [] {});
+  at_host.starts(kPlanner.instance);
   at_host.no_longer_wanted(at_host.begin(kPlanner));
   EXPECT_THAT(at_host.abandoned(), ElementsAre(Key(kPlanner)));
   host.is_reachable = false;
@@ -92,6 +95,34 @@ TEST_F(CallsOfInstances, AreToBeEndedOnlyWhereTheirProcessesAnswer) {
   EXPECT_THAT(at_host.abandoned(), IsEmpty()) << "its process does not answer, or has ended";
   host.state = TaskState::Running;
   EXPECT_THAT(at_host.abandoned(), ElementsAre(Key(kPlanner))) << "it has not ended";
+}
+
+TEST_F(CallsOfInstances, AbandonWhatAnEarlierRuntimeHasLeftWheneverItIsSeenFirst) {
+  SeenHost host(host_);
+  host.is_reachable = false;
+  model::Network pools;
+  pools.tasks.emplace_back().id = kPlanner.instance;
+  InstanceCalls at_host(host, pools, [] {});
+  EXPECT_THAT(at_host.abandoned(), IsEmpty());
+  host.is_reachable = true;
+  EXPECT_THAT(at_host.why_abandoned(kPlanner), HasSubstr("earlier runtime"));
+  EXPECT_THAT(at_host.abandoned(), ElementsAre(Key(kPlanner)));
+  at_host.starts(kPlanner.instance);
+  EXPECT_THAT(at_host.abandoned(), ElementsAre(Key(kPlanner))) << "it has not been ended yet";
+  EXPECT_EQ(at_host.why_abandoned({kPlanner.instance, 8}), "");
+}
+
+TEST_F(CallsOfInstances, AbandonNoneThatTheyHaveStartedOnAComputerThatComesBack) {
+  SeenHost host(host_);
+  model::Network pools;
+  pools.tasks.emplace_back().id = kPlanner.instance;
+  InstanceCalls at_host(host, pools, [] {});
+  at_host.starts(kPlanner.instance);
+  EXPECT_THAT(at_host.abandoned(), IsEmpty());
+  host.is_reachable = false;
+  EXPECT_THAT(at_host.abandoned(), IsEmpty());
+  host.is_reachable = true;
+  EXPECT_THAT(at_host.abandoned(), IsEmpty());
 }
 
 }  // namespace

@@ -136,6 +136,7 @@ void Runtime::Implementation::start_instance(const DetectedFault& fault) {
   if (pool_instances_seen.contains(instance)) {
     journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
   }
+  instance_calls.starts(instance);
   // What an instance carries out cannot be interrupted, so a process that is to be replaced is killed.
   const auto part = model::unite(only(instance, pools), pool_part(seen.network));
   if (repair(Cause::Pool, seen, scope, part, fault.needs_process)) {
@@ -175,10 +176,11 @@ PoolInstance report_instance(model::TaskId id, const task_host::TaskReport* task
   one.task = std::move(id);
   if (task != nullptr) {
     one.pid = task->pid;
-    const std::string abandoned = calls.why_abandoned({one.task, one.pid});
+    const bool runs = task->state == TaskState::Running && !task->unknown;
+    const std::string abandoned = runs ? calls.why_abandoned({one.task, one.pid}) : "";
     one.busy = calls.is_busy({one.task, one.pid});
-    one.ready = task->state == TaskState::Running && !task->unknown && abandoned.empty();
-    if (!abandoned.empty() && !task->unknown && task->state != TaskState::Fatal) {
+    one.ready = runs && abandoned.empty();
+    if (!abandoned.empty()) {
       one.reason = abandoned + "; it is being ended, and started again";
       return one;
     }

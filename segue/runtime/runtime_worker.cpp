@@ -42,7 +42,6 @@ Runtime::Implementation::Implementation(std::string robot, task_host::TaskHost& 
   const Observation seen = belief.observe();
   adopt(seen, without_pools(seen.network), std::nullopt);
   journal.began(host.condensed(seen.network), belief.controller().name);
-  instance_calls.abandon_all("was left by an earlier runtime, and may work for nobody");
   worker = std::thread([this] { work(); });
 }
 

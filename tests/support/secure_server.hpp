@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/base/log.hpp>
 #include <segue/rpc_tls/authority.hpp>
 #include <segue/rpc_tls/credential_files.hpp>
 #include <segue/rpc_tls/openssl.hpp>
 #include <support/hostile_client.hpp>
+#include <support/logged_lines.hpp>
 
 #include <fcntl.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <sys/socket.h>
 
-#include <algorithm>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,46 +19,6 @@
 
 /// A server on TCP with an authority of its own, and clients that know TLS but obey nobody; for tests only.
 namespace segue::control {
-
-/// Keeps what is logged.
-class LoggedLines {
- public:
-  LoggedLines() {
-    set_log_sink([this](LogLevel, std::string_view, std::string_view message) {
-      const std::lock_guard lock(mutex_);
-      lines_.emplace_back(message);
-      changed_.notify_all();
-    });
-  }
-  ~LoggedLines() { set_log_sink({}); }
-  LoggedLines(const LoggedLines&) = delete;
-  LoggedLines& operator=(const LoggedLines&) = delete;
-
-  /// Waits for a line that has all `parts`.
-  ::testing::AssertionResult has(const std::vector<std::string>& parts) {
-    const auto fits = [&](const std::string& line) {
-      return std::ranges::all_of(parts,
-                                 [&](const auto& part) { return line.find(part) != std::string::npos; });
-    };
-    std::unique_lock lock(mutex_);
-    if (changed_.wait_until(lock, soon(), [&] { return std::ranges::any_of(lines_, fits); })) {
-      return ::testing::AssertionSuccess();
-    }
-    std::string all;
-    for (const auto& line : lines_)
-      all += '\n' + line;
-    return ::testing::AssertionFailure() << "logged:" << all;
-  }
-  std::size_t count() {
-    const std::lock_guard lock(mutex_);
-    return lines_.size();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<std::string> lines_;
-};
 
 /// A client that speaks TLS 1.3, blocks, and verifies nothing.
 class RawTls {
@@ -170,7 +127,7 @@ class SecureTest : public ControlTest {
     return connected ? std::move(*connected) : nullptr;
   }
 
-  std::optional<LoggedLines> log_{std::in_place};
+  std::optional<testing::LoggedLines> log_{std::in_place};
   std::optional<Authority> authority_;
   std::filesystem::path enrolled_;
 };
