@@ -5,12 +5,12 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/mission_index.hpp>
-#include <segue/mission_robot/change_watch.hpp>
 #include <segue/mission_robot/controller_progress.hpp>
 #include <segue/mission_robot/prepared_controllers.hpp>
 #include <segue/mission_robot/robot_look.hpp>
 #include <segue/mission_robot/task_commands.hpp>
 #include <segue/mission_robot/upcoming_controllers.hpp>
+#include <segue/mission_robot/watched_controller.hpp>
 #include <segue/mission_robot/watched_ports.hpp>
 #include <segue/mission_robot/watched_tasks.hpp>
 
@@ -212,9 +212,9 @@ class ControlledRun {
   /// Until a condition holds, the controller is lost, or the action is preempted.
   Ending watch(const std::stop_token& stop) {
     if (use_.until.empty()) return {0, {}};
-    changes_.ask();
+    controller_.ask();
     while (!stop.stop_requested()) {
-      if (changes_.take()) {
+      if (controller_.may_have_changed()) {
         if (auto lost = loss(stop)) return *lost;
       }
       const auto met = first_that_holds(stop);
@@ -229,8 +229,8 @@ class ControlledRun {
       }
       tasks_.ask();
       ports_.ask();
-      changes_.ask();
-      bell_->wait({std::min(changes_.next_question(), next_look()), stop});
+      controller_.ask();
+      bell_->wait({std::min(controller_.next_question(), next_look()), stop});
     }
     return preempted();
   }
@@ -331,33 +331,24 @@ class ControlledRun {
   }
 
   Ending ended_by(std::size_t condition, const std::stop_token& stop) {
-    if (ran_well_when(use_.until[condition])) {
-      shared_.controllers->note_runs(use_.controller, well_->asked, now());
-    } else if (auto lost = loss(stop)) {
-      return *lost;
+    if (!ran_well_when(use_.until[condition])) {
+      if (auto lost = loss(stop)) return *lost;
     }
     const Outcome outcome = task_.outcomes[condition];
     if (outcome >= 0) return {outcome, {}};
-    return {outcome, std::visit([](const auto& when) { return sentence(when); }, use_.until[condition].when)};
+    return {outcome, sentence(use_.until[condition])};
   }
 
-  /// Whether what has been heard of a task says that the controller ran as it should, too: nothing has
-  /// changed since the robot was asked.
-  [[nodiscard]] bool ran_well_when(const EndCondition& condition) const {
+  /// Whether what has been heard of a task says that the controller ran as it should, too.
+  bool ran_well_when(const EndCondition& condition) {
     const auto* reaches = condition_of<TaskReaches>(condition);
     const TaskView* task = reaches == nullptr ? nullptr : tasks_.view(reaches->task);
-    return task != nullptr && well_ && well_->changes != 0 && task->changes == well_->changes;
+    return task != nullptr && controller_.ran_well_when(*task);
   }
   /// The ending where the controller does not run as it should.
   std::optional<Ending> loss(const std::stop_token& stop) {
-    const RanWell now_well{changes_.seen(), now()};  // as of before it is asked
-    well_.reset();
-    const auto trouble = robot_.trouble(use_.controller, look(stop));
+    const auto trouble = controller_.trouble(look(stop));
     if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
-    if (trouble->runs_well()) {
-      shared_.controllers->note_runs(use_.controller, now_well.asked, now_well.asked);
-      well_ = now_well;
-    }
     return loss_by(*trouble);
   }
   [[nodiscard]] std::optional<Ending> loss_by(const ControllerTrouble& trouble) const {
@@ -389,11 +380,6 @@ class ControlledRun {
     last = {news, now() + WatchedTasks::kBetweenUpdates};
     return holds(robot_, when, {answer_by(), stop});
   }
-
-  static std::string sentence(const TimeIsUp& when) {
-    return "it had not ended after " + format_duration(when.after);
-  }
-  static std::string sentence(const RobotCondition& when) { return model::sentence(when); }
 
   Result<void> read_outputs(const std::stop_token& stop, std::vector<Value>& outputs) {
     const TimePoint deadline = answer_by();
@@ -427,13 +413,7 @@ class ControlledRun {
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   WatchedTasks tasks_{robot_, bell_};
   WatchedPorts ports_{bell_};
-  ChangeWatch changes_{robot_, bell_};
-  /// The robot was asked whether it runs the controller as it should, and did.
-  struct RanWell {
-    std::uint64_t changes;  ///< counted until then, at least
-    TimePoint asked;
-  };
-  std::optional<RanWell> well_;
+  WatchedController controller_{robot_, *shared_.controllers, use_.controller, bell_};
   /// When an operation was called: after which answer of its task, and from when on it may be again.
   struct Called {
     std::uint64_t news = 0;

@@ -4,6 +4,7 @@
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/mission_robot/fake_changes.hpp>
 #include <segue/mission_robot/fake_port.hpp>
+#include <segue/mission_robot/fake_task.hpp>
 
 #include <gtest/gtest.h>
 
@@ -68,15 +69,13 @@ class FakeCommandedRobot : public CommandedRobot {
     if (question.task == "silent" && question.seen) return;
     if (question.task != "planner" && question.task != "silent")
       return answered(fail(ErrorCode::NotFound, "no task " + question.task + " runs"));
-    std::unique_lock lock(mutex_);
-    ++watches_;
-    asked_one_.notify_all();
-    if (updates_) ++task_.updates;
-    if (!question.is_news(task_))
-      return static_cast<void>(waiting_.emplace_back(question, std::move(answered)));
-    const TaskView view = task_now();
-    lock.unlock();
-    answered(view);
+    const auto answer = [&] {
+      const std::lock_guard lock(mutex_);
+      ++watches_;
+      asked_one_.notify_all();
+      return task_.watch(question, std::move(answered), changes_.count());
+    }();
+    answer();
   }
   void changes(std::uint64_t seen, const Wait& /*wait*/, ChangesAnswer answered) override {
     changes_.watch(seen, std::move(answered));
@@ -87,10 +86,10 @@ class FakeCommandedRobot : public CommandedRobot {
   }
 
   void become(const std::string& state) {
-    change([&] { task_.state_name = state; });
+    change([&] { task_.view.state_name = state; });
   }
   void stand_still() {
-    change([&] { updates_ = false; });
+    change([&] { task_.updates = false; });
   }
   void show(type::Value sample) { port_.show(std::move(sample)); }
   void fail_by_call() {
@@ -138,7 +137,7 @@ class FakeCommandedRobot : public CommandedRobot {
   }
   /// An update that changes nothing else.
   void update() {
-    change([&] { ++task_.updates; });
+    change([&] { ++task_.view.updates; });
   }
   void wait_until_asked(const std::string& what) {
     wait_until([&] { return std::ranges::count(asked_, what) > 0; }, what);
@@ -161,21 +160,12 @@ class FakeCommandedRobot : public CommandedRobot {
   void change(const std::function<void()>& how) {
     const std::lock_guard lock(mutex_);
     how();
-    std::erase_if(waiting_, [&](const auto& one) {
-      if (!one.first.is_news(task_)) return false;
-      one.second(task_now());
-      return true;
-    });
+    task_.answer_waiting(changes_.count());
   }
   /// Of what trouble() answers.
   void change_trouble(const std::function<void()>& how) {
     change(how);
     changes_.add();
-  }
-  TaskView task_now() {
-    TaskView view = task_;
-    view.changes = changes_.count();
-    return view;
   }
   void note(std::string what) {
     const std::lock_guard lock(mutex_);
@@ -191,12 +181,9 @@ class FakeCommandedRobot : public CommandedRobot {
   std::string runs_;
   std::string trouble_;
   std::vector<ControllerTrouble::Task> broken_;
-  TaskView task_{"running", "driving", 0};
-  std::vector<std::pair<TaskQuestion, TaskAnswer>>
-      waiting_;  ///< questions whose askers have seen how the task is
+  FakeTask task_;
   std::size_t looks_ = 0;
   std::size_t watches_ = 0;
-  bool updates_ = true;
   bool failed_ = false;
   bool refuses_ = false;
   bool taken_over_ = false;

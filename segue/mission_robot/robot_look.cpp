@@ -41,6 +41,12 @@ Result<void> PortFeed::take_in(Result<std::vector<type::Value>> came) {
   return {};
 }
 
+std::string sentence(const EndCondition& condition) {
+  if (const auto* time = std::get_if<TimeIsUp>(&condition.when))
+    return "it had not ended after " + format_duration(time->after);
+  return model::sentence(std::get<RobotCondition>(condition.when));
+}
+
 bool may_be_lost(const Error& error) {
   return error.code == ErrorCode::NotFound || error.code == ErrorCode::Unavailable;
 }

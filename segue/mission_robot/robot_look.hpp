@@ -34,6 +34,8 @@ struct PortFeed {
   Result<void> take_in(Result<std::vector<type::Value>> came);
 };
 
+/// That the condition holds.
+[[nodiscard]] std::string sentence(const EndCondition& condition);
 /// Whether a task that was asked, or its process, may be gone.
 [[nodiscard]] bool may_be_lost(const Error& error);
 [[nodiscard]] bool is_in(const TaskView& task, const TaskReaches& state);

@@ -143,9 +143,8 @@ class Runtime {
   [[nodiscard]] RuntimeState state() const;
   /// The network believed to be running; before the first request its name is "".
   [[nodiscard]] model::Network belief() const;
-  /// Replaces the belief by `network`, or by a snapshot of the host (the paper's reset_belief). During a
-  /// transition the reset is postponed to its end; the call does not block. A request starts from a snapshot
-  /// of the host, except the first one after a belief was given: that starts from the given network.
+  /// Replaces the belief by `network`, or by a snapshot of the host (the paper's reset_belief), in a
+  /// transition at its end. A request starts from a snapshot, except the first one after a belief was given.
   void reset_belief(std::optional<model::Network> network = std::nullopt);
   /// Prepares these controllers and keeps them on standby, the likeliest first, as far as the running
   /// controller and the budget permit. Replaces the list of an earlier call. A request for a ready controller
@@ -176,12 +175,11 @@ class Runtime {
   /// Faults that are being mended, or will be: for as long as the policies permit further attempts.
   [[nodiscard]] std::vector<UnresolvedFault> in_repair() const;
 
-  /// Counts, from 1 on, what may change belief().name, unresolved(), in_repair() or lease_standing():
-  /// `answered` gets the count, once, from any thread, when it is not `seen`, or at the deadline.
+  /// Counts, from 1 on, what may change belief().name, unresolved(), in_repair() or lease_standing().
+  [[nodiscard]] std::uint64_t changes() const;
+  /// `answered` gets that count, once, from any thread, when it is not `seen`, or at the deadline.
   void watch_changes(std::uint64_t seen, const Wait& wait,
                      std::function<void(Result<std::uint64_t>)> answered) const;
-  /// The count of watch_changes() now.
-  [[nodiscard]] std::uint64_t changes() const;
 
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;

@@ -5,6 +5,7 @@
 #include <segue/control/reader_stream.hpp>
 #include <segue/journal/past.hpp>
 #include <segue/model/files.hpp>
+#include <segue/runtime/runtime_lease.hpp>
 #include <segue/runtime/runtime_report.hpp>
 
 #include <unistd.h>
@@ -18,25 +19,6 @@ namespace {
 constexpr auto kJournalPatience = std::chrono::seconds(2);
 /// How long whoever wants to command a robot waits until it is at rest.
 constexpr auto kRestPatience = std::chrono::seconds(5);
-
-/// Ends with its holder.
-class Lease final : public control::RobotLease {
- public:
-  Lease(Runtime& runtime, std::uint64_t number) : runtime_(runtime), number_(number) {}
-  ~Lease() override { runtime_.end_lease(number_); }
-  Lease(const Lease&) = delete;
-  Lease& operator=(const Lease&) = delete;
-
-  [[nodiscard]] std::uint64_t number() const override { return number_; }
-  Result<control::LeaseStanding> standing(const Wait& /*wait*/) override {
-    return runtime_.lease_standing(number_);
-  }
-  Result<std::vector<control::HolderRequest>> asked() override { return runtime_.take_commands(number_); }
-
- private:
-  Runtime& runtime_;
-  const std::uint64_t number_;
-};
 
 Result<RequestOptions> options_for(const control::SwitchOptions& asked) {
   RequestOptions options;
@@ -359,7 +341,7 @@ Result<std::unique_ptr<control::RobotLease>> RuntimeService::lease(std::string_v
   if (!number) {
     return number.error();
   }
-  return std::unique_ptr<control::RobotLease>(std::make_unique<Lease>(runtime_, *number));
+  return std::unique_ptr<control::RobotLease>(std::make_unique<RuntimeLease>(runtime_, *number));
 }
 
 Result<void> RuntimeService::report(std::uint64_t lease, const type::Value& doing) {
