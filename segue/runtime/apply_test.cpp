@@ -200,6 +200,19 @@ TEST_F(ApplyTest, a_transition_that_fails_brings_the_old_controllers_back) {
   expect_runs(work(3));
 }
 
+TEST_F(ApplyTest, a_transition_that_fails_brings_the_old_halt_back) {
+  auto before = set_of({work(1), rest()});
+  before.halt = model::Halt();
+  before.halt->controller = kRest;
+  before.halt->at_rest = {{model::TaskReaches{"eye", "running"}, {}}};
+  before.halt->within = std::chrono::seconds(60);
+  ASSERT_EQ(runtime_.apply(before).get().outcome, Outcome::Done);
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  ASSERT_EQ(apply({work(2, ", stand_in: {fail: configure}"), rest()}).outcome, Outcome::Failed);
+  EXPECT_TRUE(runtime_.halt({.who = "ann"}).get().at_rest);
+  expect_runs(rest());
+}
+
 TEST_F(ApplyTest, it_waits_for_a_switch_in_progress_and_supersedes_nothing) {
   ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
   hold();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/model/halt.hpp>
+#include <segue/runtime/controller_registry.hpp>
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/network_parts.hpp>
 #include <segue/runtime/runtime.hpp>
@@ -15,8 +15,7 @@
 #include <set>
 #include <vector>
 
-/// What waits for the worker of a Runtime, and the controllers that it is about. Plain values; Runtime's
-/// mutex protects them.
+/// What waits for the worker of a Runtime. Plain values; the queue's mutex protects them.
 namespace segue::runtime::detail {
 
 /// Longer deadlines are cut to this: adding an arbitrary duration to a time point could overflow.
@@ -24,15 +23,6 @@ inline constexpr Duration kLongestDeadline = std::chrono::hours(24);
 
 /// Whether the robot runs neither the old network nor the requested one nor its fallback.
 bool is_unrecovered(const SwitchResult& result);
-
-/// The controllers that can be requested, and where they came from.
-struct Definitions {
-  Controllers controllers;
-  std::set<model::NetworkName> loaded;  ///< those that came from files, which the next files replace
-  std::optional<model::NetworkName> fallback;
-  std::shared_ptr<const model::Halt> halt;  ///< null: the robot does not say what rest is
-  std::vector<LoadedFile> files;
-};
 
 /// Applied files whose running controller has not gone to its new version yet.
 struct PendingApply {

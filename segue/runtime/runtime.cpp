@@ -75,13 +75,12 @@ std::future<ApplyResult> Runtime::apply(ControllerSet set, RequestOptions option
 }
 
 std::vector<ControllerChange> Runtime::compare(const ControllerSet& set, Diagnostics& diagnostics) const {
-  diagnostics.append(implementation_->check(set));
-  return implementation_->compare(set);
+  diagnostics.append(implementation_->controllers.check(set));
+  return implementation_->controllers.compare(set, implementation_->belief.controller().name);
 }
 
 std::vector<LoadedFile> Runtime::files() const {
-  const Lock lock(implementation_->mutex);
-  return implementation_->definitions.files;
+  return implementation_->controllers.files();
 }
 
 std::string Runtime::version() const {
@@ -89,21 +88,16 @@ std::string Runtime::version() const {
 }
 
 std::vector<model::NetworkName> Runtime::controllers() const {
-  const Lock lock(implementation_->mutex);
-  std::vector<model::NetworkName> names;
-  for (const auto& [name, network] : implementation_->definitions.controllers) {
-    names.push_back(name);
-  }
-  return names;
+  return implementation_->controllers.names();
 }
 
 std::optional<model::Network> Runtime::controller(const model::NetworkName& name) const {
-  return implementation_->known(name);
+  return implementation_->controllers.known(name);
 }
 
 Result<std::vector<ControllerConflict>> Runtime::conflicts(
     const std::vector<model::NetworkName>& controllers) const {
-  return implementation_->conflicts(controllers);
+  return implementation_->controllers.conflicts(controllers);
 }
 
 Result<std::uint64_t> Runtime::take_lease(std::string holder) {
@@ -159,7 +153,7 @@ AcceptedRequest Runtime::repair(RequestOptions options) {
 }
 
 Look Runtime::look() const {
-  return implementation_->look();
+  return implementation_->supervisor.look();
 }
 
 std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {
@@ -175,11 +169,12 @@ Result<std::future<SwitchResult>> Runtime::cancel(std::uint64_t request, std::st
 }
 
 std::vector<OpenRequest> Runtime::open_requests() const {
-  return implementation_->open_requests();
+  return implementation_->queue.open();
 }
 
 Result<model::Transition> Runtime::plan(const Request& request, const RequestOptions& options) const {
-  auto plan = implementation_->plan(implementation_->belief.starting_point().network, request, options);
+  auto plan =
+      implementation_->switching.plan(implementation_->belief.starting_point().network, request, options);
   if (!plan) {
     return std::move(plan.error().error);
   }
@@ -187,8 +182,7 @@ Result<model::Transition> Runtime::plan(const Request& request, const RequestOpt
 }
 
 RuntimeState Runtime::state() const {
-  const Lock lock(implementation_->mutex);
-  return implementation_->state;
+  return implementation_->queue.state();
 }
 
 model::Network Runtime::belief() const {
@@ -196,14 +190,14 @@ model::Network Runtime::belief() const {
 }
 
 void Runtime::reset_belief(std::optional<model::Network> network) {
-  implementation_->reset(std::move(network));
+  implementation_->switching.reset(std::move(network));
 }
 
 std::vector<std::string> Runtime::observed_differences() const {
   if (state() == RuntimeState::Executing) {
     return {};
   }
-  return implementation_->differences_from(implementation_->host.observe());
+  return implementation_->switching.differences_from(implementation_->host.observe());
 }
 
 std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers,
@@ -212,24 +206,22 @@ std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkN
 }
 
 std::vector<Readiness> Runtime::readiness() const {
-  const Lock lock(implementation_->mutex);
-  return implementation_->readiness;
+  return implementation_->standby_requests.readiness();
 }
 
 std::map<model::DeploymentKey, std::string> Runtime::ended_processes() const {
-  const Lock lock(implementation_->mutex);
-  return implementation_->ended;
+  return implementation_->faults.ended();
 }
 
 Result<type::Value> Runtime::call(const model::TaskId& task, std::string_view operation,
                                   const type::Value& arguments, const Wait& wait) {
-  return implementation_->instance_calls.call(task, operation, arguments, wait);
+  return implementation_->pools.call(task, operation, arguments, wait);
 }
 
 std::vector<PoolReport> Runtime::pools() const {
   return implementation_->options.pools.empty()
              ? std::vector<PoolReport>()
-             : implementation_->report_pools(implementation_->host.tasks());
+             : implementation_->pools.report(implementation_->host.tasks());
 }
 
 void Runtime::watch_changes(std::uint64_t seen, const Wait& wait,
@@ -242,18 +234,15 @@ std::uint64_t Runtime::changes() const {
 }
 
 std::vector<UnresolvedFault> Runtime::unresolved() const {
-  const Lock lock(implementation_->mutex);
-  return implementation_->unresolved;
+  return implementation_->faults.unresolved();
 }
 
 std::vector<UnresolvedFault> Runtime::in_repair() const {
-  const Lock lock(implementation_->mutex);
-  return implementation_->in_repair;
+  return implementation_->faults.in_repair();
 }
 
 std::vector<SwitchResult> Runtime::history() const {
-  const Lock lock(implementation_->mutex);
-  return {implementation_->history.begin(), implementation_->history.end()};
+  return implementation_->history.all();
 }
 
 const std::filesystem::path& Runtime::journal() const {
@@ -283,7 +272,8 @@ type::Value Runtime::reported() const {
 }
 
 type::Value Runtime::mission(std::uint64_t after, bool with_plan) {
-  return implementation_->mission(after, with_plan);
+  return implementation_->leases.mission(after, with_plan, implementation_->halts.on_its_way().valid(),
+                                         implementation_->controllers.halt() != nullptr);
 }
 
 Result<std::uint64_t> Runtime::send_command(std::string_view what, const type::Value& arguments) {

@@ -8,7 +8,6 @@
 
 namespace segue::runtime {
 
-using detail::Definitions;
 using detail::PendingApply;
 using detail::quoted_name;
 
@@ -32,15 +31,6 @@ std::string summary(const std::vector<ControllerChange>& changes) {
   return text.empty() ? "no controller has changed" : text;
 }
 
-/// The same as before where it is equal, so that nobody begins to watch anew.
-std::shared_ptr<const model::Halt> halt_of(const ControllerSet& set,
-                                           const std::shared_ptr<const model::Halt>& before) {
-  if (!set.halt) {
-    return nullptr;
-  }
-  return before && *before == *set.halt ? before : std::make_shared<const model::Halt>(*set.halt);
-}
-
 /// Whether what happened leaves the robot without its new version.
 bool is_failure(const SwitchResult& result) {
   return result.outcome == Outcome::Failed || result.outcome == Outcome::Refused ||
@@ -60,50 +50,21 @@ Diagnostics Runtime::Implementation::add(model::Network network) {
   }
   if (!findings.has_errors()) {
     journal.loaded(network);
-    const Lock lock(mutex);
-    definitions.loaded.erase(network.name);
-    definitions.controllers.insert_or_assign(network.name, std::move(network));
+    controllers.add(std::move(network));
   }
   return findings;
-}
-
-Diagnostics Runtime::Implementation::check(const ControllerSet& set) const {
-  Diagnostics findings;
-  for (const auto& network : set.controllers) {
-    findings.append(detail::check_runnable(network, host, catalog));
-  }
-  return findings;
-}
-
-Definitions Runtime::Implementation::definitions_with(const ControllerSet& set) const {
-  Definitions all{definitions.controllers, {}, set.fallback, halt_of(set, definitions.halt), set.files};
-  std::erase_if(all.controllers, [&](const auto& entry) SEGUE_REQUIRES(mutex) {
-    return definitions.loaded.contains(entry.first);
-  });
-  for (const auto& network : set.controllers) {
-    all.loaded.insert(network.name);
-    all.controllers.insert_or_assign(network.name, network);
-  }
-  return all;
-}
-
-std::vector<ControllerChange> Runtime::Implementation::compare(const ControllerSet& set) const {
-  const auto runs = belief.controller().name;
-  const Lock lock(mutex);
-  return runtime::compare(definitions.controllers, definitions_with(set).controllers, runs);
 }
 
 Diagnostics Runtime::Implementation::load(const ControllerSet& set) {
-  Diagnostics findings = check(set);
+  Diagnostics findings = controllers.check(set);
   if (findings.has_errors()) {
     return findings;
   }
   for (const auto& network : set.controllers) {
     journal.loaded(network);
   }
-  const Lock lock(mutex);
-  definitions = definitions_with(set);
-  halts.use(definitions.halt);
+  controllers.replace(set);
+  halts.use(controllers.halt());
   return findings;
 }
 
@@ -114,9 +75,13 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
   auto future = job.promise.get_future();
   const auto refuse = [&](Error why, Diagnostics findings) {
     log.add(EventKind::RequestRefused, "", "the files are not applied: " + why.message);
-    job.promise.set_value({Outcome::Refused, compare(set), {}, std::move(why), std::move(findings)});
+    job.promise.set_value({Outcome::Refused,
+                           controllers.compare(set, belief.controller().name),
+                           {},
+                           std::move(why),
+                           std::move(findings)});
   };
-  if (Diagnostics findings = check(set); findings.has_errors()) {
+  if (Diagnostics findings = controllers.check(set); findings.has_errors()) {
     Error why = findings.to_error();
     refuse(std::move(why), std::move(findings));
     return future;
@@ -125,49 +90,37 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
     journal.loaded(network);
   }
   const auto runs = belief.controller().name;
-  std::optional<PendingApply> older;
   std::optional<Error> refusal;
-  {
-    const Lock lock(mutex);
+  auto older = queue.put(job, [&](PendingApply* waiting) {
     refusal = refusal_of(job.options);
     if (!refusal) {
-      leases.take_over(job.options);
-      older = take_files(std::move(job), set, runs);
+      take_files(job, waiting, set, runs);
     }
-  }
+    return !refusal;
+  });
   if (refusal) {
     refuse(std::move(*refusal), {});
-    return future;
-  }
-  wake.notify_all();
-  if (older) {
+  } else if (older) {
     answer(*older, Outcome::Superseded, std::nullopt,
            fail(ErrorCode::Superseded, "newer files were applied before these took effect"));
   }
   return future;
 }
 
-std::optional<PendingApply> Runtime::Implementation::take_files(PendingApply job, const ControllerSet& set,
-                                                                const model::NetworkName& runs) {
-  std::optional<PendingApply> older;
-  job.number = ++requests;
-  job.before = std::exchange(definitions, definitions_with(set));
-  older.swap(waiting_apply);
-  if (older) {
+void Runtime::Implementation::take_files(PendingApply& job, PendingApply* older, const ControllerSet& set,
+                                         const model::NetworkName& runs) {
+  leases.take_over(job.options);
+  job.before = controllers.replace(set);
+  if (older != nullptr) {
     job.before = std::move(older->before);
   }
-  job.changes = runtime::compare(job.before.controllers, definitions.controllers, runs);
+  job.changes = controllers.changes_since(job.before, runs);
   log.add(EventKind::Files, "", summary(job.changes));
-  waiting_apply = std::move(job);
-  halts.use(definitions.halt);
-  if (transaction && transaction_yields) {
-    transaction->supersede();
-  }
-  return older;
+  halts.use(controllers.halt());
 }
 
 RuntimeState Runtime::Implementation::serve(PendingApply job, RuntimeState before) {
-  const auto controller = known(belief.controller().name);
+  const auto controller = controllers.known(belief.controller().name);
   auto result = controller ? update(job, *controller) : std::nullopt;
   if (!result) {
     answer(job, Outcome::Done, std::nullopt, std::nullopt);
@@ -177,7 +130,7 @@ RuntimeState Runtime::Implementation::serve(PendingApply job, RuntimeState befor
                             : detail::is_unrecovered(*result)   ? RuntimeState::Failed
                                                                 : RuntimeState::Idle;
   remember(*result);
-  if (result->outcome == Outcome::Superseded && postpone(job)) {
+  if (result->outcome == Outcome::Superseded && queue.postpone(job)) {
     return next;
   }
   if (is_failure(*result) && result->runs_version != controller->version) {
@@ -192,7 +145,7 @@ RuntimeState Runtime::Implementation::serve(PendingApply job, RuntimeState befor
 std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& job,
                                                             const model::Network& controller) {
   const TimePoint begin = RealClock::instance().now();
-  const auto [current, plan] = plan_from_now(controller, job.options);
+  const auto [current, plan] = switching.plan_from_now(controller, job.options);
   SwitchResult result;
   result.cause = Cause::Apply;
   result.request = job.number;
@@ -209,41 +162,22 @@ std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& 
   if (plan->transition.actions.empty() && result.from_version == result.to_version) {
     return std::nullopt;
   }
-  {
-    const Lock lock(mutex);
-    served.emplace(detail::ServedRequest{job.number, controller.name, job.options.who, job.options.lease});
-  }
+  queue.serve({job.number, controller.name, job.options.who, job.options.lease});
   journal.accepted(job.number, job.options.who, controller.name);
-  const auto held = belief.held();
-  if (!belief.is_assumed()) {
-    note_differences(current.network);
-    adopt(current, held.controller, held.wanted);
+  switching.adopt_observed(current);
+  switching.carry_out(current.network, *plan, job.options.action_deadline, result);
+  if (result.outcome == Outcome::Done) {
+    supervisor.begin_anew();
   }
-  carry_out(current.network, *plan, job.options.action_deadline, result);
   return result;
 }
 
-bool Runtime::Implementation::postpone(PendingApply& job) {
-  const Lock lock(mutex);
-  if (stopping) {
-    return false;
-  }
-  if (waiting_apply) {
-    waiting_apply->before = std::move(job.before);
-    return false;
-  }
-  waiting_apply = std::move(job);
-  return true;
-}
-
 void Runtime::Implementation::take_back(PendingApply& job) {
-  const Lock lock(mutex);
-  if (waiting_apply) {
-    waiting_apply->before = std::move(job.before);
-    return;
-  }
-  definitions = std::move(job.before);
-  log.add(EventKind::Files, "", "controllers rolled back");
+  queue.take_back(job, [this](detail::Definitions before) {
+    controllers.restore(std::move(before));
+    halts.use(controllers.halt());
+    log.add(EventKind::Files, "", "controllers rolled back");
+  });
 }
 
 void Runtime::Implementation::answer(PendingApply& job, Outcome outcome,

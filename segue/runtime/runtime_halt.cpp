@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/controller_names.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
-#include <segue/task_host/full_id.hpp>
 
-#include <set>
 #include <utility>
 #include <variant>
 
@@ -11,6 +9,12 @@ namespace segue::runtime {
 
 using detail::DevicesStopped;
 using detail::PendingRequest;
+
+namespace {
+
+constexpr const char* kWho = "halt";  ///< requests that the runtime makes to bring the robot to rest
+
+}  // namespace
 
 detail::Halts::Ways Runtime::Implementation::ways_to_rest() {
   return {[this](const std::string& by) { leases.take_away(by); },
@@ -27,37 +31,26 @@ std::future<SwitchResult> Runtime::Implementation::request_rest(const std::strin
   if (auto* controller = std::get_if<model::NetworkName>(&job.request)) {
     *controller = model::joined_name(model::controllers_in(controller->str()));
   }
-  job.parts = parts_of(job.request);
+  job.parts = switching.parts_of(job.request);
   job.at_commit = std::holds_alternative<model::NetworkName>(job.request);
   job.options.action_deadline = action_deadline;
-  job.options.who = "halt";
+  job.options.who = kWho;
   job.options.although_halted = true;
   job.options.leaves_lost_hosts = true;
   auto future = job.promise.get_future();
-  std::optional<PendingRequest> dropped;
-  std::optional<detail::PendingApply> dropped_files;
-  {
-    const Lock lock(mutex);
-    dropped.swap(waiting);
-    dropped_files.swap(waiting_apply);
-    job.number = ++requests;
-    journal.accepted(job.number, job.options.who, detail::name_of(job.request));
-    log.add(EventKind::RequestAccepted, detail::name_of(job.request).str(),
-            "request " + std::to_string(job.number) + ", to halt the robot");
-    waiting = std::move(job);
-    if (transaction) {
-      transaction->make_way_to_rest(waiting->parts.value_or(detail::NetworkParts()));
-    }
-  }
-  wake.notify_all();
-  drop(by, std::move(dropped), std::move(dropped_files));
+  const auto wanted = detail::name_of(job.request);
+  auto dropped = queue.put_before_all(std::move(job), [&](std::uint64_t number) {
+    journal.accepted(number, kWho, wanted);
+    log.add(EventKind::RequestAccepted, wanted.str(),
+            "request " + std::to_string(number) + ", to halt the robot");
+  });
+  drop(by, std::move(dropped));
   return future;
 }
 
-void Runtime::Implementation::drop(const std::string& by, std::optional<PendingRequest> request,
-                                   std::optional<detail::PendingApply> files) {
+void Runtime::Implementation::drop(const std::string& by, detail::RequestQueue::Waiting dropped) {
   const std::string why = "the robot was taken from it by " + by;
-  if (request) {
+  if (auto& request = dropped.request) {
     SwitchResult result = cancelled(*request);
     result.outcome = Outcome::Cancelled;
     result.cancelled_by = by;
@@ -65,7 +58,7 @@ void Runtime::Implementation::drop(const std::string& by, std::optional<PendingR
     journal.ended(std::as_const(result));
     answer(*request, std::move(result));
   }
-  if (files) {
+  if (auto& files = dropped.files) {
     take_back(*files);
     answer(*files, Outcome::Refused, std::nullopt, fail(ErrorCode::Cancelled, why));
   }
@@ -88,37 +81,11 @@ DevicesStopped Runtime::Implementation::with_devices_stopped() const {
   return all;
 }
 
-/// Where what runs was not requested, it is all that was found, so what is only prepared is not counted.
-void Runtime::Implementation::look_at_what_runs() {
-  const auto held = belief.held();
-  std::set<model::TaskId> tasks;
-  for (const auto& task : held.controller.tasks) {
-    const bool is_prepared = task.state == TaskState::PreOperational || task.state == TaskState::Stopped;
-    if (held.wanted || !is_prepared) {
-      tasks.insert(task.id);
-    }
-  }
-  halts.look_at(tasks);
-  changes.add();
-}
-
-void Runtime::Implementation::look_away_from_changed(const model::Transition& transition) {
-  std::set<model::TaskId> tasks;
-  for (const auto& action : transition.actions) {
-    const auto* changed = std::get_if<model::TaskAction>(&action.what);
-    if (changed != nullptr && action.phase != model::Phase::Prepare) {
-      tasks.insert(task_host::plain_id(changed->task));
-    }
-  }
-  halts.look_away_from(tasks);
-}
-
 bool Runtime::Implementation::may_halt() const {
-  if (belief.controller().empty() && open_requests().empty()) {
+  if (belief.controller().empty() && queue.open().empty()) {
     return false;
   }
-  const Lock lock(mutex);
-  return definitions.halt && !stopping;
+  return controllers.halt() && !queue.is_stopped();
 }
 
 void Runtime::Implementation::stop_holder(const std::optional<detail::Leases::Holder>& holder) {
@@ -137,12 +104,8 @@ std::shared_future<HaltResult> Runtime::Implementation::end_lease(std::uint64_t 
   if (!halts_after) {
     leases.end(lease);
     cancel_requests_of(lease, holder ? "the end of the lease of " + holder->name : "the end of its lease");
-    {
-      const Lock lock(mutex);
-      look_ahead_due = looks_ahead();  // what was prepared under it is not kept
-      wake_requested = true;
-    }
-    wake.notify_all();
+    standby_requests.look_again();  // what was prepared under it is not kept
+    queue.wake();
     return {};
   }
   return halts.begin({holder->name, "it commands the robot no longer"}, [&] { leases.end(lease); });

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/pool_keeper.hpp>
+
+#include <segue/model/network_sets.hpp>
+#include <segue/model/pools.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+
+namespace segue::runtime::detail {
+
+namespace {
+
+/// The instance that a fault concerns: its process has the name of its task.
+model::TaskId instance_of(const DetectedFault& fault) {
+  const auto* task = std::get_if<model::TaskId>(&fault.subject);
+  return task != nullptr ? *task : model::TaskId(std::get<model::DeploymentKey>(fault.subject).process.str());
+}
+
+/// The network of one instance.
+model::Network only(const model::TaskId& instance, const model::Network& pools) {
+  model::Network one;
+  std::ranges::copy_if(pools.tasks, std::back_inserter(one.tasks),
+                       [&](const model::Task& task) { return task.id == instance; });
+  std::ranges::copy_if(pools.deployments, std::back_inserter(one.deployments),
+                       [&](const auto& deployment) { return deployment.process.str() == instance.str(); });
+  return one;
+}
+
+/// One that only reports, or that shall keep its process, is left as it is once it has run.
+bool is_left_alone(const DetectedFault& fault) {
+  return fault.policy == model::FailurePolicy::Report ||
+         (fault.policy == model::FailurePolicy::Recover && fault.needs_process);
+}
+
+solve::RepairScope scope_of_instance(const DetectedFault& fault) {
+  solve::RepairScope scope;
+  if (const auto* process = std::get_if<model::DeploymentKey>(&fault.subject)) {
+    scope.processes.push_back(*process);
+  } else {
+    scope.tasks.push_back(instance_of(fault));
+  }
+  return scope;
+}
+
+/// `task`: what its host says of it; null: nothing. `fault`: what was found wrong with it; null: nothing.
+PoolInstance report_instance(model::TaskId id, const task_host::TaskReport* task, const PoolInstance* fault,
+                             const InstanceCalls& calls) {
+  PoolInstance one;
+  one.task = std::move(id);
+  if (task != nullptr) {
+    one.pid = task->pid;
+    const bool runs = task->state == TaskState::Running && !task->unknown;
+    const std::string abandoned = runs ? calls.why_abandoned({one.task, one.pid}) : "";
+    one.busy = calls.is_busy({one.task, one.pid});
+    one.ready = runs && abandoned.empty();
+    if (!abandoned.empty()) {
+      one.reason = abandoned + "; it is being ended, and started again";
+      return one;
+    }
+  }
+  if (one.ready) {
+    return one;
+  }
+  one.given_up = fault != nullptr && fault->given_up;
+  if (fault != nullptr) {
+    one.reason = fault->reason;
+  } else if (task == nullptr) {
+    one.reason = "does not run";
+  } else {
+    one.reason =
+        "is " + std::string(to_string(task->state)) + (task->error.empty() ? "" : ": " + task->error);
+  }
+  return one;
+}
+
+}  // namespace
+
+PoolKeeper::PoolKeeper(const Sources& sources, const RuntimeOptions& options, std::function<void()> notify)
+    : sources_(sources),
+      options_(options),
+      network_(model::pool_network(options.pools)),
+      calls_(sources.host, network_, std::move(notify)),
+      repairs_(options.policies.restart, AfterLimit::GoOn) {}
+
+model::Network PoolKeeper::part(const model::Network& network) const {
+  return is_kept_ && !network_.empty() ? model::subtract(network, model::subtract(network, network_))
+                                       : model::Network{};
+}
+
+model::Network PoolKeeper::without(const model::Network& network) const {
+  if (network_.empty()) {
+    return network;
+  }
+  model::Network rest = model::subtract(network, network_);
+  rest.name = network.name;
+  return rest;
+}
+
+std::optional<Refusal> PoolKeeper::refusal_for(const model::Network& network) const {
+  Diagnostics findings;
+  model::detail::check_pools(options_.pools, network, findings);
+  if (!findings.has_errors()) {
+    return std::nullopt;
+  }
+  Error error = findings.to_error();
+  return Refusal{std::move(error), std::move(findings)};
+}
+
+std::vector<DetectedFault> PoolKeeper::find_faults() {
+  const Observation seen = sources_.belief.observe();
+  for (const auto& task : part(seen.network).tasks) {
+    if (task.state == TaskState::Running) {
+      have_run_.insert(task.id);
+    }
+  }
+  auto faults = detail::find_faults(reachable_part(network_, sources_.host), seen.network,
+                                    model::FailurePolicy::Report);
+  for (DetectedFault& fault : faults) {
+    if (!have_run_.contains(instance_of(fault))) {
+      fault.policy = model::FailurePolicy::Restart;  // whatever shall happen when it fails, it begins
+      fault.symptom = "has not been started yet";
+    }
+  }
+  return faults;
+}
+
+void PoolKeeper::look_after(const Repair& repair) {
+  if (network_.empty() || !is_kept_) {
+    return;
+  }
+  if (begins_again_.exchange(false)) {
+    repairs_.reset();
+    have_run_.clear();
+  }
+  end_abandoned(repair);
+  const auto faults = find_faults();
+  std::vector<DetectedFault> to_start;
+  std::ranges::remove_copy_if(faults, std::back_inserter(to_start), is_left_alone);
+  const auto decision = repairs_.decide(to_start, RealClock::instance().now());
+  for (const auto& fault : decision.given_up) {
+    sources_.log.add(EventKind::GivenUp, fault.name(),
+                     fault.symptom + ", after " + std::to_string(repairs_.attempts(fault)) +
+                         " attempts to start it; further attempts follow at longer intervals");
+  }
+  for (const auto& fault : decision.repair) {
+    start(fault, repair);
+  }
+  note_faults(decision.repair.empty() ? faults : find_faults());
+}
+
+void PoolKeeper::end_abandoned(const Repair& repair) {
+  for (const auto& [life, why] : calls_.abandoned()) {
+    start({life.instance, model::FailurePolicy::Restart, why, true}, repair);
+    // In the process of the runtime the same one is made anew, since that cannot be ended.
+    if (life.pid == ::getpid()) {
+      calls_.forget(life);
+    }
+  }
+}
+
+void PoolKeeper::start(const DetectedFault& fault, const Repair& repair) {
+  Observation seen = sources_.belief.observe();
+  const model::TaskId instance = instance_of(fault);
+  for (model::Task& task : seen.network.tasks) {
+    if (task.id == instance && fault.needs_process) {
+      task.state = TaskState::Fatal;  // whatever it says: its process is to be replaced
+    }
+  }
+  sources_.log.add(EventKind::Repair, instance.str(), fault.name() + " " + fault.symptom);
+  if (have_run_.contains(instance)) {
+    sources_.journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
+  }
+  calls_.starts(instance);
+  // What an instance carries out cannot be interrupted, so a process that is to be replaced is killed.
+  const auto pools_part = model::unite(only(instance, network_), part(seen.network));
+  if (repair(seen, scope_of_instance(fault), pools_part, fault.needs_process)) {
+    have_run_.insert(instance);  // also where it has failed before it is looked at again
+  }
+}
+
+std::string PoolKeeper::reason_of(const DetectedFault& fault) const {
+  std::string why = fault.symptom;
+  if (const auto* process = std::get_if<model::DeploymentKey>(&fault.subject)) {
+    const auto ended = sources_.faults.ended();
+    const auto found = ended.find(*process);
+    why.insert(0, "its process ");
+    if (found != ended.end()) why.append(" (").append(found->second).append(")");
+  }
+  if (is_left_alone(fault)) {
+    return why + ", and is left so, as its 'on_failure' says";
+  }
+  const int attempts = repairs_.attempts(fault);
+  return attempts == 0 ? why
+                       : why + "; " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts") +
+                             " to start it have not helped";
+}
+
+void PoolKeeper::note_faults(const std::vector<DetectedFault>& faults) {
+  std::map<model::TaskId, PoolInstance> noted;
+  for (const auto& fault : faults) {
+    const bool given_up = is_left_alone(fault) || repairs_.attempts(fault) >= options_.policies.restart.max;
+    const model::TaskId instance = instance_of(fault);
+    noted.insert_or_assign(instance, PoolInstance{instance, false, 0, given_up, reason_of(fault)});
+  }
+  const Lock lock(mutex_);
+  faults_ = std::move(noted);
+}
+
+std::vector<PoolReport> PoolKeeper::report(const std::vector<task_host::TaskReport>& reports) const {
+  std::vector<PoolReport> all;
+  if (options_.pools.empty()) {
+    return all;
+  }
+  std::map<model::TaskId, const task_host::TaskReport*> tasks;
+  for (const auto& report : reports) {
+    tasks.insert_or_assign(report.id, &report);
+  }
+  const Lock lock(mutex_);
+  for (const auto& pool : options_.pools) {
+    PoolReport& report = all.emplace_back(PoolReport{pool.name, {}});
+    for (int number = 1; number <= pool.size; ++number) {
+      const model::TaskId id = model::instance_of(pool, number);
+      const auto task = tasks.find(id);
+      const auto fault = faults_.find(id);
+      report.instances.push_back(report_instance(id, task == tasks.end() ? nullptr : task->second,
+                                                 fault == faults_.end() ? nullptr : &fault->second, calls_));
+    }
+  }
+  return all;
+}
+
+}  // namespace segue::runtime::detail
