@@ -145,7 +145,7 @@ constexpr const char* kMissionBenchHelp =
     "  segue bench mission table_robot.yaml clear_table.yaml --sweep boxes=1,2,3 --pool planner=1,2 \\\n"
     "    --seed seed --seed rover.seed --clock rover.time \\\n"
     "    --published '10 %,11 %,13 %,21 %,14 %,29 %' --out results\n\n"
-    "Runs a mission as it is written and concurrently, each time on the robot started afresh, with each\n"
+    "Runs a mission sequentially and concurrently, each time on the robot started afresh, with each\n"
     "combination of what is varied, and says what concurrency saves, what an ideal schedule of the same\n"
     "durations would save, and how long the engine was deciding: the experiments of Brunner et al.,\n"
     "Autonomous parallelization of resource-aware robotic task nodes, 2019, with any robot and mission. "

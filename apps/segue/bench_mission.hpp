@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-/// A mission on a robot, as it is written against concurrently: the experiments of Brunner et al.,
+/// A mission on a robot, sequentially against concurrently: the experiments of Brunner et al.,
 /// "Autonomous parallelization of resource-aware robotic task nodes", 2019, with any robot and mission.
 namespace segue::cli {
 

@@ -176,14 +176,12 @@ std::string failures_of(const MissionExperiment& experiment, const std::vector<M
 }
 
 constexpr std::string_view kMissionFootnotes =
-    "Makespans in seconds: median (mean) of the runs that ended well. Saved: mean of 1 - concurrent / as "
-    "written\n"
-    "over runs with the same seed, with Student's 95 % confidence interval for pairs. Ideal saves: "
-    "likewise,\n"
-    "if the durations of the sequential run are scheduled concurrently in virtual time, where deciding "
-    "takes\n"
-    "no time. Over ideal: how much longer a concurrent run took than its own durations in virtual time.\n"
-    "Deciding: share of the wall time in which no action was under way, sequentially and concurrently.\n";
+    "Makespans in seconds: median (mean) of the runs that ended well. Saved: mean of 1 - concurrent /\n"
+    "sequential over runs with the same seed, with Student's 95 % confidence interval for pairs. Ideal\n"
+    "saves: likewise, if the durations of the sequential run are scheduled concurrently in virtual\n"
+    "time, where deciding takes no time. Over ideal: how much longer a concurrent run took than its own\n"
+    "durations in virtual time. Deciding: share of the wall time in which no action was under way,\n"
+    "sequentially and concurrently.\n";
 
 type::Value figures_value(const MissionCell& cell, BenchClock clock) {
   const CellFigures figures = mission_figures(cell, clock);

@@ -174,8 +174,9 @@ Result<MissionRun> run_on(FreshRobot& robot, const MissionExperiment& experiment
   measured.ended_well = overview.succeeded;
   measured.outcome = overview.outcome;
   if (overview.error) measured.error = overview.error->message;
-  measured.wall.makespan = seconds(overview.makespan);
-  measured.idle = seconds(trace.idle(end - overview.makespan, end));
+  // By the clock of the trace, so that what was under way in it fits in.
+  measured.wall.makespan = seconds(end - begin);
+  measured.idle = seconds(trace.idle(begin, end));
   if (!overview.succeeded) return measured;
   if (auto taken = take_times(measured, *plan, request, trace, clock ? &*clock : nullptr, begin, end); !taken)
     return taken.error();

@@ -78,7 +78,7 @@ int run(int count, char** arguments) {
   app.footer(
       "`segue VERB --help` explains a verb with an example. Start with: segue init my_robot\n"
       "Exit status: 0 done; 1 failed or refused; 2 wrong usage; 3 cannot connect to the runtime; 4 changes\n"
-      "(`plan --exit-code`).");
+      "(`plan --exit-code`); 5 the robot is in trouble (`status --exit-code`).");
   Context context;
   add_verbs(app, context);
   const auto parsed = app.parse(count, arguments);

@@ -104,7 +104,7 @@ void add_journal_options(Verb& runner, MissionOptions& options, const Option& st
 void add_runner(Verb& verb, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
-  Verb& runner = add_verb(verb, context, "run", "run a mission as it is written, or a task network",
+  Verb& runner = add_verb(verb, context, "run", "run a mission, or a task network",
                           "  segue mission run fetch.yaml\n"
                           "  segue mission run fetch.yaml --clock virtual --simulate --format json\n"
                           "  segue mission run fetch.json --clock virtual\n"
