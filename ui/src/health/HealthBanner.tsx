@@ -4,21 +4,11 @@ import { useConnection } from '../robot/hooks';
 import type { Status } from '../robot/types';
 import { howLong, troublesOf } from './health';
 
-/** What is missing or faulty, since when, why, and what repairs it; nothing of a robot that has all that it needs. */
-export function HealthBanner({ status }: { status: Status }) {
+/** Requests what runs once more. */
+function useRepair() {
   const connection = useConnection();
   const [busy, setBusy] = useState(false);
   const [problem, setProblem] = useState<string | null>(null);
-  if (status.lost != null) {
-    return (
-      <p className="banner halted" role="alert">
-        This runtime has lost the robot: {status.lost} Only <code>segue run --take-over</code> gets it back.
-      </p>
-    );
-  }
-  const troubles = troublesOf(status);
-  if (troubles.length === 0) return null;
-
   const repair = async () => {
     setBusy(true);
     setProblem(null);
@@ -32,7 +22,21 @@ export function HealthBanner({ status }: { status: Status }) {
       setBusy(false);
     }
   };
+  return { may: connection.mayOperate, busy, problem, repair };
+}
 
+/** What is missing or faulty, since when, why, and what repairs it; nothing of a robot that has all that it needs. */
+export function HealthBanner({ status }: { status: Status }) {
+  const { may, busy, problem, repair } = useRepair();
+  if (status.lost != null) {
+    return (
+      <p className="banner halted" role="alert">
+        This runtime has lost the robot: {status.lost} Only <code>segue run --take-over</code> gets it back.
+      </p>
+    );
+  }
+  const troubles = troublesOf(status);
+  if (troubles.length === 0) return null;
   return (
     <section className="banner halted health" aria-label="What is wrong" role="alert">
       <ul>
@@ -43,7 +47,7 @@ export function HealthBanner({ status }: { status: Status }) {
           </li>
         ))}
       </ul>
-      {connection.mayOperate && (
+      {may && (
         <button type="button" disabled={busy} title="Requests what runs once more, so that what is missing or faulty is made anew" onClick={() => void repair()}>
           {busy ? 'Repairing …' : 'Repair'}
         </button>
