@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type FormEvent } from 'react';
+import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Connection } from '../robot/connection';
 import type { Draft, Drafts, FileEntry } from './drafts';
 import { newMission, newNetwork } from './mission_edits';
 import { forgetFile, nameFile, renameFile } from './robot_text';
 
-const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 const sectionOf = (kind: FileEntry['kind']) => (kind === 'network' ? 'controllers' : 'missions');
 
 /** The robot file's part of a change of files; nothing where it stays as it is. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from 'react';
+import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Drafts } from './drafts';
 import { addFlow, addState, described, removeFlow, removeState, setStart, setTransition, type NewState } from './mission_edits';
@@ -10,7 +11,6 @@ import { editsOf, type Edit } from './state_edits';
 import { StateForm } from './StateForm';
 import { useLastGood } from './useLastGood';
 
-const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 
 /** The missions in other files that this one can use. */
 function useLibraries(path: string): Interface[] {

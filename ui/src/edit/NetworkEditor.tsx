@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo, useState } from 'react';
+import { reason } from '../reason';
 import type { Drafts } from './drafts';
 import { EditGraph } from './EditGraph';
 import { found, newId, type Models } from './models';
@@ -7,7 +8,6 @@ import { TaskForm, type Edits } from './TaskForm';
 import { addConnection, addTask, networkIn, removeConnection, removeProperty, removeTask, renameTask, setProperty, type NetworkText } from './text';
 import { useLastGood } from './useLastGood';
 
-const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 
 function Palette({ models, onAdd }: { models: Models; onAdd: (component: string) => void }) {
   const [words, setWords] = useState('');

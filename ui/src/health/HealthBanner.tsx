@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from 'react';
+import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Status } from '../robot/types';
 import { howLong, troublesOf } from './health';
@@ -17,7 +18,7 @@ function useRepair() {
       const result = answer as unknown as { outcome: string; error?: string };
       if (result.outcome !== 'done') setProblem(result.error ?? result.outcome);
     } catch (error) {
-      setProblem(error instanceof Error ? error.message : String(error));
+      setProblem(reason(error));
     } finally {
       setBusy(false);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from 'react';
 import { isTyping } from '../keys';
+import { reason } from '../reason';
 import { useDocument } from '../robot/hooks';
 import { controlOf, withToggled } from './control';
 import { Controls, StateBadge } from './Controls';
@@ -21,7 +22,7 @@ function FileButton({ onRun, onProblem }: { onRun: (run: Run) => void; onProblem
       onRun(runOfFile(await file.text()));
       onProblem('');
     } catch (error) {
-      onProblem(file.name + ': ' + (error instanceof Error ? error.message : String(error)));
+      onProblem(file.name + ': ' + reason(error));
     }
   };
   return (

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createContext, useContext, useState, type FormEvent, type ReactNode } from 'react';
+import { reason } from '../reason';
 import { isMap, type Json } from '../robot/change';
 import { howLong, troubleOfTask } from '../health/health';
 import { useConnection, useDocument } from '../robot/hooks';
@@ -13,10 +14,6 @@ import { Timing } from './Timing';
 
 /** Whether what is set, written and called is meant beside what a mission is doing. */
 const BesideMission = createContext(false);
-
-function reason(error: unknown): string {
-  return error instanceof Error ? error.message : String(error);
-}
 
 /** One property: its value as text, which is sent on Enter. What the robot says in between wins unless it is edited. */
 function Property({ task, name, value, fixed }: { task: string; name: string; value: Json; fixed: boolean }) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useCallback, useEffect, useRef, useState } from 'react';
+import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { useConnection } from '../robot/hooks';
 import type { PastRequest, PastTransition } from './film';
@@ -25,10 +26,6 @@ export interface PastMoment {
 }
 
 const page = 50;
-
-function said(error: unknown): string {
-  return error instanceof Error ? error.message : String(error);
-}
 
 interface Page {
   requests: PastRequest[];
@@ -66,7 +63,7 @@ export function useRequests(words: string, changed: string) {
         shownWords.current = words;
       },
       (error: unknown) => {
-        if (current) setProblem(said(error));
+        if (current) setProblem(reason(error));
       },
     );
     return () => {
@@ -81,7 +78,7 @@ export function useRequests(words: string, changed: string) {
       (answer) => {
         if (shownWords.current === words) setShown((before) => withOlder(before, answer));
       },
-      (error: unknown) => setProblem(said(error)),
+      (error: unknown) => setProblem(reason(error)),
     );
   };
   return { requests, more, older, problem };
@@ -115,7 +112,7 @@ function useAnswer<Answer>(question: { [key: string]: Json } | null, changed = '
         if (current) setFound({ answer: answer as unknown as Answer, problem: null });
       },
       (error: unknown) => {
-        if (current) setFound({ answer: null, problem: said(error) });
+        if (current) setFound({ answer: null, problem: reason(error) });
       },
     );
     return () => {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useRef, useState } from 'react';
+import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Status } from '../robot/types';
 import { layoutText, mostPanels, mostPorts, newId, parseLayout, portsOf, type Panel } from './layout';
 import { PanelDialog, type Chosen } from './PanelDialog';
 import { PanelFrame } from './PanelFrame';
-import { download, keepLayout, reason, storedLayout } from './stored';
+import { download, keepLayout, storedLayout } from './stored';
 import './plots.css';
 
 const longestFile = 1 << 20;
