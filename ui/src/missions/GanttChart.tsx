@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useRef, useState, type KeyboardEvent, type PointerEvent, type ReactNode } from 'react';
+import type { Window } from '../../../segue/draw/gantt_chart.js';
 import { ChartView, type Drawn } from './chart_view';
-import { Bars, type Window } from './gantt';
+import { Bars } from './gantt';
 import type { Run } from './run';
 
 const refreshPause = 100;

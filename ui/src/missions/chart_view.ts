@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-import { axisHeight, drawChart, moved, paletteOf, readableRow, rowAt, thinRow, timeAt, wholeOf, xOf, yOf, zoomed, type Bars, type Marks, type Palette, type Size, type Window } from './gantt';
+import { axisHeight, moved, readableRow, rowAt, timeAt, wholeOf, xOf, yOf, zoomed, type Size, type Window } from '../../../segue/draw/gantt_chart.js';
+import { drawChart, paletteOf, thinRow, type Bars, type Marks, type Palette } from './gantt';
 import type { Run } from './run';
+
+/** A run that has just begun is drawn as if it had lasted so long, in seconds. */
+const shortestRun = 1e-3;
 
 /** What is drawn. */
 export interface Drawn {
@@ -26,7 +30,7 @@ export class ChartView {
   constructor(public drawn: Drawn) {}
 
   get window(): Window {
-    const window = this.held ?? wholeOf(this.drawn.run, this.end);
+    const window = this.held ?? wholeOf(Math.max(this.end, shortestRun));
     const most = Math.max(0, this.drawn.run.rows.length - this.roomForRows / window.rowHeight);
     return { ...window, top: Math.min(Math.max(0, window.top), most) };
   }
@@ -103,7 +107,8 @@ export class ChartView {
       if (!context || !this.place) return;
       this.palette ??= paletteOf(this.place);
       const { bars, marks } = this.drawn;
-      drawChart(context, bars, this.window, this.size, this.palette, marks, this.end, globalThis.devicePixelRatio || 1);
+      const chart = { context, window: this.window, size: this.size, palette: this.palette };
+      drawChart(chart, bars, marks, this.end, globalThis.devicePixelRatio || 1);
     });
   }
 
