@@ -5,7 +5,7 @@
 
 namespace segue::draw::detail {
 
-/// gantt_page.html and its script, gantt_page_*.js, as the build puts them into the program.
+/// gantt_page.html and its script (gantt_chart.js, gantt_page_*.js), as the build puts them into the program.
 extern const std::string_view kGanttPage;
 extern const std::string_view kGanttScript;
 

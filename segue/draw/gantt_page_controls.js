@@ -3,31 +3,27 @@
 
 // ---- moving ----
 
-function look(from, until) {
-  const most = span * 1.02, least = span * 1e-6;
-  const length = Math.min(most, Math.max(least, until - from));
-  const begin = Math.max(0, Math.min(from + (until - from - length) / 2, span * 1.02 - length));
-  state.from = begin;
-  state.until = begin + length;
+function look(seen) {
+  state.from = seen.from;
+  state.until = seen.until;
   draw();
 }
-const pan = time => look(state.from + time, state.until + time);
-function zoom(factor, around) {
-  const centre = around === undefined ? (state.from + state.until) / 2 : around;
-  look(centre - (centre - state.from) * factor, centre + (state.until - centre) * factor);
-}
-const everything = () => look(0, span * 1.02);
+const pan = time => look(moved(windowNow(), time, end));
+const zoom = (factor, around = (state.from + state.until) / 2) => look(zoomed(windowNow(), factor, around, end));
+const everything = () => look(wholeOf(end));
+/// That much time from `from` on.
+const lookAt = (from, length) => look(zoomed({...windowNow(), from, until: from + length}, 1, from, end));
 
 function reveal(node) {
   const row = rowOf(node);
   if (row < 0) return;
-  const top = row * ROW, room = height - AXIS - ROW;
+  const top = row * readableRow, room = size.height - axisHeight - readableRow;
   if (top < scroller.scrollTop) scroller.scrollTop = top;
   else if (top > scroller.scrollTop + room) scroller.scrollTop = top - room;
   const bar = node.bars[node.bars.length - 1];
   if (!bar || (bar.until >= state.from && bar.from <= state.until)) return;
   const length = state.until - state.from;
-  look(bar.from - length / 3, bar.from + length * 2 / 3);
+  lookAt(bar.from - length / 3, length);
 }
 
 function select(node) {
@@ -74,17 +70,16 @@ function describe(node) {
     make('span', ' waited for ' + waitText(wait) + ' ', item);
     if (wait.node < 0) continue;
     const go = make('button', 'go there', item);
-    go.setAttribute('aria-label', 'Select ' + nodes[wait.node].name);
+    go.setAttribute('aria-label', 'go there: ' + nodes[wait.node].name);
     go.onclick = () => select(nodes[wait.node]);
   }
 }
 
 function hit(across, down) {
-  if (down < AXIS) return null;
-  const row = state.rows[Math.floor((down - AXIS + scroller.scrollTop) / ROW)];
+  const row = state.rows[rowAt(windowNow(), state.rows.length, down)];
   if (!row) return null;
-  const time = timeAt(across), near = 3 * (state.until - state.from) / (width - gutter);
-  if (across < gutter) return {node: row.node, row};
+  const time = timeAt(windowNow(), size, across), near = 3 * length() / (size.width - size.gutter);
+  if (across < size.gutter) return {node: row.node, row};
   const bar = row.bars.find(one => time >= one.from - near && time <= one.until + near);
   if (bar) return {node: bar.node, bar, row};
   const wait = row.node && row.node.waits.find(one => time >= one.from && time <= one.until);
@@ -108,22 +103,22 @@ function showTip(event, found) {
 
 let drag = null;
 plot.addEventListener('pointerdown', event => {
-  drag = {x: event.clientX, y: event.clientY, from: state.from, until: state.until, top: scroller.scrollTop, moved: false};
+  drag = {x: event.clientX, y: event.clientY, seen: windowNow(), top: scroller.scrollTop, isMove: false};
   plot.setPointerCapture(event.pointerId);
   scroller.focus({preventScroll: true});
 });
 plot.addEventListener('pointermove', event => {
   if (!drag) return showTip(event, hit(event.offsetX, event.offsetY));
-  drag.moved = drag.moved || Math.hypot(event.clientX - drag.x, event.clientY - drag.y) > 4;
-  if (!drag.moved) return;
+  drag.isMove = drag.isMove || Math.hypot(event.clientX - drag.x, event.clientY - drag.y) > 4;
+  if (!drag.isMove) return;
   plot.classList.add('drag');
   tip.hidden = true;
-  const time = (drag.x - event.clientX) / (width - gutter - 8) * (drag.until - drag.from);
-  look(drag.from + time, drag.until + time);
+  const time = (drag.x - event.clientX) / (size.width - size.gutter) * (drag.seen.until - drag.seen.from);
+  look(moved(drag.seen, time, end));
   scroller.scrollTop = drag.top + drag.y - event.clientY;
 });
 plot.addEventListener('pointerup', event => {
-  const found = drag && !drag.moved ? hit(event.offsetX, event.offsetY) : undefined;
+  const found = drag && !drag.isMove ? hit(event.offsetX, event.offsetY) : undefined;
   drag = null;
   plot.classList.remove('drag');
   if (found !== undefined) select(found ? found.node : null);
@@ -135,18 +130,17 @@ scroller.addEventListener('wheel', event => {
   const scale = event.deltaMode === 1 ? 18 : 1;
   if (event.ctrlKey || event.metaKey) {
     event.preventDefault();
-    zoom(Math.exp(event.deltaY * scale * 0.002), timeAt(event.clientX - plot.getBoundingClientRect().left));
+    zoom(Math.exp(event.deltaY * scale * 0.002), timeAt(windowNow(), size, event.clientX - plot.getBoundingClientRect().left));
   } else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
     event.preventDefault();
     const by = (event.shiftKey && event.deltaX === 0 ? event.deltaY : event.deltaX) * scale;
-    pan(by / (width - gutter) * (state.until - state.from));
+    pan(by / (size.width - size.gutter) * length());
   }
 }, {passive: false});
 
 function centreOverview(event) {
-  const time = (event.offsetX - gutter) / (width - gutter - 8) * span;
-  const length = state.until - state.from;
-  look(time - length / 2, time + length / 2);
+  const time = timeAt({...windowNow(), from: 0, until: end}, size, event.offsetX);
+  lookAt(time - length() / 2, length());
 }
 overview.addEventListener('pointerdown', event => { overview.setPointerCapture(event.pointerId); centreOverview(event); });
 overview.addEventListener('pointermove', event => { if (event.buttons) centreOverview(event); });
@@ -157,7 +151,9 @@ function step(by) {
 }
 function zoomToSelected() {
   const bar = state.selected && state.selected.bars[state.selected.bars.length - 1];
-  if (bar) look(bar.from - (bar.until - bar.from + span * 1e-3), bar.until + (bar.until - bar.from + span * 1e-3));
+  if (!bar) return;
+  const room = bar.until - bar.from + end * 1e-3;
+  lookAt(bar.from - room, bar.until - bar.from + 2 * room);
 }
 function follow() {
   const waits = state.selected ? state.selected.waits : [];
@@ -169,7 +165,7 @@ const keys = {
   'ArrowLeft': () => pan(-length() / 8), 'ArrowRight': () => pan(length() / 8),
   'ArrowUp': () => step(-1), 'ArrowDown': () => step(1),
   '+': () => zoom(0.7), '=': () => zoom(0.7), '-': () => zoom(1 / 0.7), '0': everything,
-  'Home': () => look(0, length()), 'End': () => look(span - length(), span),
+  'Home': () => lookAt(0, length()), 'End': () => lookAt(end - length(), length()),
   'Enter': zoomToSelected, 'w': follow, 'Escape': () => select(null),
 };
 scroller.addEventListener('keydown', event => {
@@ -280,5 +276,5 @@ readColours();
 describe(null);
 window.addEventListener('resize', resize);
 window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { readColours(); draw(); });
-state.until = span * 1.02;
+state.until = wholeOf(end).until;
 show('nodes');

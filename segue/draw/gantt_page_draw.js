@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-'use strict';
+// Continues gantt_chart.js in the same module.
 const run = JSON.parse(document.getElementById('run').textContent);
 const KINDS = ['irreversible', 'pure', 'sensing'];
 const STATUS = ['not reached', 'done', 'skipped', 'failed', 'preempted'];
+const DONE = STATUS.indexOf('done'), FAILED = STATUS.indexOf('failed');
 const WAITS = ['data', 'condition', 'world', 'resource', 'turn'];
 const WAIT_TEXT = ['data', 'a condition', 'a precondition', 'a resource', 'program order'];
-const ROW = 22, AXIS = 24, PAGE = 500;
+const PAGE = 500;
 
 // A node: [name, kind, status, outcome, critical, ahead, waits, resources]; a wait: [kind, node or -1, subject, from,
 // until]; a bar: [node, from, until, wasted].
@@ -14,7 +15,7 @@ const nodes = run.nodes.map(([name, kind, status, outcome, critical, ahead, wait
     waits: waits.map(([kind, node, subject, from, until]) => ({kind, node, subject, from, until}))}));
 const bars = run.bars.map(([node, from, until, wasted]) => ({node: nodes[node], from, until, wasted}));
 for (const bar of bars) bar.node.bars.push(bar);
-const span = Math.max(run.makespan, bars.reduce((last, bar) => Math.max(last, bar.until), 0)) || 1;
+const end = Math.max(run.makespan, bars.reduce((last, bar) => Math.max(last, bar.until), 0)) || 1;
 
 const find = id => document.getElementById(id);
 const make = (tag, text, parent, name) => {
@@ -26,11 +27,14 @@ const make = (tag, text, parent, name) => {
 };
 const plot = find('plot'), scroller = find('scroller'), overview = find('overview'), tip = find('tip');
 
-const state = {rows: [], from: 0, until: span, selected: null, hover: null, matches: [], matched: new Set(), dim: false};
-let colour = {};
-let gutter = 120, width = 0, height = 0;
+const state = {rows: [], from: 0, until: end, selected: null, matches: [], matched: new Set(), dim: false};
+let palette = {};
+let size = {width: 0, height: 0, gutter: 120};
 
-function seconds(value, room = span) {
+/// What is seen; the browser scrolls the rows.
+const windowNow = () => ({from: state.from, until: state.until, top: scroller.scrollTop / readableRow, rowHeight: readableRow});
+
+function seconds(value, room = end) {
   const digits = room >= 1000 ? 1 : room >= 10 ? 2 : room >= 0.1 ? 3 : 6;
   return value.toFixed(digits) + ' s';
 }
@@ -74,206 +78,87 @@ function rowOf(node) {
 
 // ---- drawing ----
 
+/// The colours of the page as it is now: light or dark.
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ['back', 'line', 'grid', 'text', 'soft', 'stripe', 'select', 'match', 'on-bar', 'critical', 'ahead', 'wasted',
-    ...KINDS, ...WAITS]) colour[name] = style.getPropertyValue('--' + name).trim();
+  const colour = name => style.getPropertyValue('--' + name).trim();
+  palette = {
+    text: colour('text'), quiet: colour('soft'), line: colour('line'), grid: colour('grid'), back: colour('back'), front: colour('back'),
+    onBar: colour('on-bar'), critical: colour('critical'), ahead: colour('ahead'), discarded: colour('wasted'),
+    stripe: colour('stripe'), select: colour('select'), match: colour('match'), kinds: KINDS.map(colour), waits: WAITS.map(colour),
+  };
 }
 
-function prepare(canvas, across, down) {
+/// The context of a canvas of that size, empty.
+function prepare(canvas, width, height) {
   const ratio = window.devicePixelRatio || 1;
-  canvas.width = Math.round(across * ratio);
-  canvas.height = Math.round(down * ratio);
-  canvas.style.width = across + 'px';
-  canvas.style.height = down + 'px';
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  canvas.style.width = width + 'px';
+  canvas.style.height = height + 'px';
   const context = canvas.getContext('2d');
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.font = '12px system-ui, "Segoe UI", "DejaVu Sans", sans-serif';
-  context.textBaseline = 'middle';
+  setUp(context, ratio);
   return context;
 }
 
-function resize() {
-  const wanted = AXIS + Math.max(1, state.rows.length) * ROW + 6;
-  scroller.style.height = Math.min(wanted, Math.max(200, window.innerHeight * 0.62)) + 'px';
-  width = scroller.clientWidth;
-  height = scroller.clientHeight;
+/// As wide as the longest labels, up to a share of the whole.
+function gutterFor(width) {
   const context = plot.getContext('2d');
-  context.font = '12px system-ui, "Segoe UI", "DejaVu Sans", sans-serif';
-  let longest = 0;
-  for (const row of state.rows) longest = Math.max(longest, row.label.length);
+  setUp(context, 1);
+  const longest = state.rows.reduce((most, row) => Math.max(most, row.label.length), 0);
   const sample = state.rows.filter(row => row.label.length >= longest * 0.8).slice(0, 200);
   const text = sample.reduce((most, row) => Math.max(most, context.measureText(row.label).width), 60);
-  gutter = Math.min(text + 20, width * 0.3);
-  find('space').style.height = Math.max(0, wanted - height) + 'px';
+  return Math.min(text + 30, width * 0.3);
+}
+
+function resize() {
+  const wanted = axisHeight + Math.max(1, state.rows.length) * readableRow + 6;
+  scroller.style.height = Math.min(wanted, Math.max(200, window.innerHeight * 0.62)) + 'px';
+  size = {width: scroller.clientWidth, height: scroller.clientHeight, gutter: gutterFor(scroller.clientWidth)};
+  find('space').style.height = Math.max(0, wanted - size.height) + 'px';
   draw();
 }
 
-const x = time => gutter + (time - state.from) / (state.until - state.from) * (width - gutter - 8);
-const timeAt = across => state.from + (across - gutter) / (width - gutter - 8) * (state.until - state.from);
-
-function steps() {
-  const rough = (state.until - state.from) / Math.max(2, (width - gutter) / 90);
-  const unit = 10 ** Math.floor(Math.log10(rough));
-  const step = unit * [1, 2, 5, 10].find(factor => factor * unit >= rough);
-  const first = Math.ceil(state.from / step - 1e-9);
-  const times = [];
-  for (let i = first; i * step <= state.until + step * 1e-9; ++i) times.push(i * step);
-  return {times, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9))};
+function barLook(bar) {
+  const node = bar.node;
+  const outline = node === state.selected ? 2 : state.byResource && state.matched.has(node.id) ? 1 : 0;
+  return {colour: palette.kinds[node.kind], discarded: bar.wasted, ahead: node.ahead, critical: node.critical,
+    faint: state.dim && !node.critical, text: state.byResource ? node.name : '', outline};
 }
 
-/* Shortened at its begin so that it fits: what a path ends with tells more. */
-function fit(context, text, room) {
-  if (context.measureText(text).width <= room) return text;
-  const characters = [...text];
-  let low = 0, high = characters.length;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (context.measureText('\u2026' + characters.slice(-middle).join('')).width <= room) low = middle;
-    else high = middle - 1;
-  }
-  return low > 0 ? '\u2026' + characters.slice(-low).join('') : '';
+const waitLook = wait => ({from: wait.from, until: wait.until, colour: palette.waits[wait.kind], because: ''});
+
+function labelColour(node) {
+  return node && node.status === FAILED ? palette.critical : node && node.status !== DONE ? palette.quiet : palette.text;
 }
 
-function drawAxis(context) {
-  const {times, digits} = steps();
-  context.fillStyle = colour.soft;
-  context.textAlign = 'center';
-  for (const time of times) {
-    const text = time.toFixed(digits) + ' s';
-    const half = context.measureText(text).width / 2;
-    if (x(time) + half <= width) context.fillText(text, Math.max(x(time), gutter + half), AXIS / 2);
-  }
-  context.fillStyle = colour.line;
-  context.fillRect(0, AXIS - 1, width, 1);
+/// A row of a node, whose runs may overlap, or one of a resource, which has one user at a time.
+function rowLook(index) {
+  const {label, bars: own, node} = state.rows[index];
+  return {label: {text: label, critical: node !== null && node.critical, colour: labelColour(node)},
+    faint: node !== null && state.dim && !node.critical, waits: node ? node.waits.map(waitLook) : [],
+    bars: own, inOrder: node === null, lookOf: barLook};
 }
 
-function drawGrid(context) {
-  context.fillStyle = colour.grid;
-  for (const time of steps().times) context.fillRect(Math.round(x(time)), AXIS, 1, height);
-}
-
-function hatch(context, left, top, across, down) {
-  context.save();
-  context.beginPath();
-  context.rect(left, top, across, down);
-  context.clip();
-  context.strokeStyle = colour.wasted;
-  context.lineWidth = 1.5;
-  context.beginPath();
-  for (let at = left - down; at < left + across; at += 6) {
-    context.moveTo(at, top + down);
-    context.lineTo(at + down, top);
-  }
-  context.stroke();
-  context.restore();
-  context.strokeStyle = colour.wasted;
-  context.lineWidth = 1;
-  context.setLineDash([3, 2]);
-  context.strokeRect(left + 0.5, top + 0.5, Math.max(1, across - 1), down - 1);
-  context.setLineDash([]);
-}
-
-function drawBar(context, bar, top, left, right) {
-  const across = Math.max(1.5, right - left), node = bar.node;
-  if (bar.wasted) return hatch(context, left, top + 4, across, ROW - 8);
-  context.globalAlpha = state.dim && !node.critical ? 0.25 : 1;
-  context.fillStyle = colour[KINDS[node.kind]];
-  context.fillRect(left, top + 4, across, ROW - 8);
-  if (node.ahead) {
-    context.fillStyle = colour.ahead;
-    context.fillRect(left, top + ROW - 4, across, 3);
-  }
-  if (node.critical) {
-    context.fillStyle = context.strokeStyle = colour.critical;
-    context.lineWidth = 2;
-    if (across > 6) context.strokeRect(left, top + 4, across, ROW - 8);
-    else for (const edge of [top + 3, top + ROW - 5]) context.fillRect(left, edge, across, 2);
-  }
-  if (state.byResource && across > 26) {
-    context.fillStyle = colour['on-bar'];
-    context.textAlign = 'left';
-    context.fillText(fit(context, node.name, across - 8), left + 4, top + ROW / 2);
-  }
-  context.globalAlpha = 1;
-  if (node === state.selected || (state.byResource && state.matched.has(node.id))) {
-    context.strokeStyle = colour.text;
-    context.lineWidth = node === state.selected ? 2 : 1;
-    context.strokeRect(left - 2, top + 2, across + 4, ROW - 4);
-  }
-}
-
-function firstVisible(own) {
-  let low = 0, high = own.length;  // by start; what began before and still runs is at most one in a row
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (own[middle].until < state.from) low = middle + 1;
-    else high = middle;
-  }
-  return low;
-}
-
-function drawBars(context, row, top) {
-  const ordered = row.node === null;
-  let painted = -1;
-  for (let i = ordered ? firstVisible(row.bars) : 0; i < row.bars.length; ++i) {
-    const bar = row.bars[i];
-    if (ordered && bar.from > state.until) break;
-    if (bar.until < state.from || bar.from > state.until) continue;
-    const left = Math.max(gutter - 3, x(bar.from)), right = Math.min(width + 3, x(bar.until));
-    if (ordered && right < painted + 0.5) continue;  // thinner than can be seen
-    painted = right;
-    drawBar(context, bar, top, left, right);
-  }
-}
-
-function drawWaits(context, node, top) {
-  context.globalAlpha = state.dim && !node.critical ? 0.2 : 1;
-  for (const wait of node.waits) {
-    if (wait.until < state.from || wait.from > state.until) continue;
-    const left = Math.max(gutter, x(wait.from)), right = Math.min(width, x(wait.until));
-    context.fillStyle = colour[WAITS[wait.kind]];
-    context.fillRect(left, top + ROW / 2 - 2, Math.max(1, right - left), 4);
-  }
-  context.globalAlpha = 1;
-}
-
-/// From the ends of those it waited for.
-function drawReasons(context, node) {
+/// From the ends of those that the selected node waited for.
+function reasonsOf(node) {
   const to = rowOf(node);
-  const start = node.bars.find(bar => !bar.wasted);
-  if (to < 0 || !start) return;
-  const middle = row => AXIS + row * ROW - scroller.scrollTop + ROW / 2;
-  context.lineWidth = 1.5;
-  for (const wait of node.waits) {
-    const other = nodes[wait.node];
-    const from = other ? rowOf(other) : -1;
-    if (from < 0 || from === to) continue;
-    context.strokeStyle = colour[WAITS[wait.kind]];
-    context.beginPath();
-    context.moveTo(x(wait.until), middle(from));
-    context.lineTo(x(wait.until), middle(to));
-    context.stroke();
-  }
+  if (to < 0 || !node.bars.some(bar => !bar.wasted)) return [];
+  return node.waits.filter(wait => wait.node >= 0)
+    .map(wait => ({time: wait.until, from: rowOf(nodes[wait.node]), to, colour: palette.waits[wait.kind]}))
+    .filter(reason => reason.from >= 0 && reason.from !== to);
 }
 
-function drawLabel(context, row, top) {
-  const node = row.node;
-  context.textAlign = 'left';
-  context.fillStyle = node && node.status === 3 ? colour.critical : node && node.status !== 1 ? colour.soft : colour.text;
-  if (node && node.critical) {
-    context.save();
-    context.fillStyle = colour.critical;
-    context.fillRect(2, top + 4, 3, ROW - 8);
-    context.restore();
+/// Every second row is shaded; what is selected or found is lit.
+function drawBacks({context, window, size}) {
+  const {first, last} = rowsSeen(window, size, state.rows.length);
+  for (let i = first; i < last; ++i) {
+    const node = state.rows[i].node;
+    const isChosen = node !== null && node === state.selected;
+    const isMatch = node !== null && state.matched.has(node.id);
+    context.fillStyle = isChosen ? palette.select : isMatch ? palette.match : i % 2 ? palette.stripe : palette.back;
+    context.fillRect(0, yOf(window, i), size.width, readableRow);
   }
-  context.fillText(fit(context, row.label, gutter - 16), 9, top + ROW / 2);
-}
-
-function drawRows(context, part) {
-  const first = Math.max(0, Math.floor(scroller.scrollTop / ROW));
-  const last = Math.min(state.rows.length, Math.ceil((scroller.scrollTop + height - AXIS) / ROW) + 1);
-  for (let i = first; i < last; ++i) part(state.rows[i], AXIS + i * ROW - scroller.scrollTop, i);
 }
 
 let waiting = false;
@@ -284,33 +169,14 @@ function draw() {
 }
 
 function drawNow() {
-  const context = prepare(plot, width, height);
-  context.fillStyle = colour.back;
-  context.fillRect(0, 0, width, height);
-  context.save();
-  context.beginPath();
-  context.rect(0, AXIS, width, height);
-  context.clip();
-  drawRows(context, (row, top, i) => {
-    const chosen = state.selected !== null && (row.node === state.selected);
-    const match = row.node && state.matched.has(row.node.id);
-    context.fillStyle = chosen ? colour.select : match ? colour.match : i % 2 ? colour.stripe : colour.back;
-    context.fillRect(0, top, width, ROW);
-  });
-  drawGrid(context);
-  context.save();
-  context.beginPath();
-  context.rect(gutter - 3, AXIS, width, height);
-  context.clip();
-  drawRows(context, (row, top) => {
-    if (row.node) drawWaits(context, row.node, top);
-    drawBars(context, row, top);
-  });
-  if (state.selected) drawReasons(context, state.selected);
-  context.restore();
-  drawRows(context, (row, top) => drawLabel(context, row, top));
-  context.restore();
-  drawAxis(context);
+  const context = prepare(plot, size.width, size.height);
+  const chart = {context, window: windowNow(), size, palette};
+  context.fillStyle = palette.back;
+  context.fillRect(0, 0, size.width, size.height);
+  drawBacks(chart);
+  drawAxis(chart);
+  drawRows(chart, state.rows.length, rowLook);
+  if (state.selected) drawReasons(chart, reasonsOf(state.selected));
   drawOverview();
 }
 
@@ -319,7 +185,7 @@ function drawNow() {
 const profile = (() => {
   const bins = new Array(600).fill(0);
   for (const bar of bars) {
-    const from = bar.from / span * bins.length, until = bar.until / span * bins.length;
+    const from = bar.from / end * bins.length, until = bar.until / end * bins.length;
     for (let i = Math.floor(from); i < Math.min(bins.length, until); ++i)
       bins[i] += Math.min(until, i + 1) - Math.max(from, i);
   }
@@ -327,22 +193,23 @@ const profile = (() => {
 })();
 
 function drawOverview() {
-  const down = 34, context = prepare(overview, width, down);
-  const at = time => gutter + time / span * (width - gutter - 8);
-  context.fillStyle = colour.soft;
+  const height = 34, context = prepare(overview, size.width, height);
+  const at = time => xOf({...windowNow(), from: 0, until: end}, size, time);
+  context.fillStyle = palette.quiet;
   context.textAlign = 'left';
-  context.fillText(fit(context, Math.round(profile.most) + ' at once', gutter - 16), 9, down / 2);
-  context.fillStyle = colour.pure;
+  context.fillText(fit(context, Math.round(profile.most) + ' at once', size.gutter - 16), 9, height / 2);
+  context.fillStyle = palette.kinds[KINDS.indexOf('pure')];
   context.beginPath();
-  context.moveTo(at(0), down);
+  context.moveTo(at(0), height);
   profile.bins.forEach((value, i) => {
-    const tall = down - value / profile.most * (down - 6), bin = span / profile.bins.length;
-    context.lineTo(at(i * bin), tall);
-    context.lineTo(at((i + 1) * bin), tall);
+    const top = height - value / profile.most * (height - 6), bin = end / profile.bins.length;
+    context.lineTo(at(i * bin), top);
+    context.lineTo(at((i + 1) * bin), top);
   });
-  context.lineTo(at(span), down);
+  context.lineTo(at(end), height);
   context.fill();
-  context.strokeStyle = colour.text;
+  context.strokeStyle = palette.text;
   context.lineWidth = 1.5;
-  context.strokeRect(at(state.from), 1, Math.min(Math.max(3, at(state.until) - at(state.from)), width - 1 - at(state.from)), down - 2);
+  const left = Math.max(1, at(state.from));
+  context.strokeRect(left, 1, Math.min(Math.max(3, at(state.until) - left), size.width - 1 - left), height - 2);
 }

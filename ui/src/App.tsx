@@ -11,7 +11,7 @@ import { PastView } from './past/PastView';
 import { PlotsView } from './plots/PlotsView';
 import { useConnection, useDocument, useLink } from './robot/hooks';
 import { Skipped } from './robot/Skipped';
-import { statusOf } from './robot/types';
+import { statusOf, type Status } from './robot/types';
 import { SwitchView } from './switch/SwitchView';
 
 const EditView = lazy(() => import('./edit/EditView').then((part) => ({ default: part.EditView }))); // the editor is large
@@ -24,16 +24,9 @@ function viewOfAddress(): View {
   return views.find((view) => '#' + view.toLowerCase() === name) ?? 'Network';
 }
 
-export function App() {
-  const connection = useConnection();
-  const link = useLink();
-  const shown = useDocument('status');
+/** The view that the address names; keys choose another one, or the field to search in. */
+function useView(): View {
   const [view, setView] = useState<View>(viewOfAddress);
-  const status = statusOf(shown?.value);
-  // What is shown is not what is: nobody hears the robot, or another runtime commands it.
-  const isOld = status !== null && (link === 'lost' || link === 'refused' || shown?.error !== undefined);
-  const since = shown?.heard === undefined ? '' : ' What is shown is of ' + clockText(shown.heard) + '.';
-
   useEffect(() => {
     const follow = () => setView(viewOfAddress());
     const press = (event: KeyboardEvent) => {
@@ -52,46 +45,93 @@ export function App() {
       window.removeEventListener('keydown', press);
     };
   }, []);
+  return view;
+}
 
+/** What is known of the robot. */
+interface Known {
+  status: Status | null;
+  /** What is shown is not what is: nobody hears the robot, or another runtime commands it. */
+  isOld: boolean;
+  skipped: number | undefined;
+  /** Why the robot cannot be reached. */
+  error: string | undefined;
+  /** A sentence about when the status was heard, or nothing. */
+  since: string;
+}
+
+function useKnown(): Known {
+  const link = useLink();
+  const shown = useDocument('status');
+  const status = statusOf(shown?.value);
+  const isOld = status !== null && (link === 'lost' || link === 'refused' || shown?.error !== undefined);
+  const since = shown?.heard === undefined ? '' : ' What is shown is of ' + clockText(shown.heard) + '.';
+  return { status, isOld, skipped: shown?.skipped, error: shown?.error, since };
+}
+
+function Top({ view, known: { status, isOld, skipped } }: { view: View; known: Known }) {
+  const connection = useConnection();
+  return (
+    <header className="top">
+      <h1>{connection.robot || 'Segue Studio'}</h1>
+      <nav aria-label="Views">
+        {views.map((name, index) => (
+          <a key={name} href={'#' + name.toLowerCase()} aria-current={view === name ? 'page' : undefined} title={'Key ' + (index + 1)}>
+            {name}
+          </a>
+        ))}
+      </nav>
+      {status && (
+        <p className={isOld ? 'old' : undefined}>
+          {status.controller || 'the empty network'}, <span className={isInTrouble(status) ? 'bad' : undefined}>{isOld ? 'unknown' : stateText(status)}</span>
+          <Skipped count={skipped} />
+          {connection.role === 'observe' && <span className="badge">observe only</span>}
+        </p>
+      )}
+      {status && <StopButton status={status} />}
+    </header>
+  );
+}
+
+/** Why what is shown may be old. */
+function LinkBanner({ known: { error, since } }: { known: Known }) {
+  const link = useLink();
+  if (link === 'refused') return <p className="banner" role="alert">The studio does not know this browser (any more). Open the address that it has printed last.</p>;
+  if (link === 'lost') return <p className="banner" role="alert">The studio cannot be reached; trying again …{since}</p>;
+  if (link === 'open' && error) return <p className="banner" role="alert">The robot cannot be reached: {error}.{since}</p>;
+  return null;
+}
+
+/** Views that show something before the robot has been heard. */
+const viewsWithoutStatus: View[] = ['Missions', 'Events', 'Edit'];
+
+function Shown({ view, known: { status, isOld, error } }: { view: View; known: Known }) {
+  const link = useLink();
+  return (
+    <main className={isOld || status?.lost != null ? 'old' : undefined}>
+      {!status && !viewsWithoutStatus.includes(view) && link !== 'refused' && !error && <p className="empty">Waiting for the robot …</p>}
+      {status && view === 'Network' && <NetworkView status={status} />}
+      {status && view === 'Switch' && <SwitchView status={status} />}
+      {view === 'Missions' && <MissionsView />}
+      {status && view === 'Plots' && <PlotsView status={status} />}
+      {view === 'Events' && <EventsView />}
+      {view === 'Past' && status && <PastView />}
+      {view === 'Edit' && <Suspense fallback={<p className="empty">…</p>}><EditView /></Suspense>}
+    </main>
+  );
+}
+
+export function App() {
+  const view = useView();
+  const known = useKnown();
+  const { status, isOld } = known;
   return (
     <>
-      <header className="top">
-        <h1>{connection.robot || 'Segue Studio'}</h1>
-        <nav aria-label="Views">
-          {views.map((name, index) => (
-            <a key={name} href={'#' + name.toLowerCase()} aria-current={view === name ? 'page' : undefined} title={'Key ' + (index + 1)}>
-              {name}
-            </a>
-          ))}
-        </nav>
-        {status && (
-          <p className={isOld ? 'old' : undefined}>
-            {status.controller || 'the empty network'}, <span className={isInTrouble(status) ? 'bad' : undefined}>{isOld ? 'unknown' : stateText(status)}</span>
-            <Skipped count={shown?.skipped} />
-            {connection.role === 'observe' && <span className="badge">observe only</span>}
-          </p>
-        )}
-        {status && <StopButton status={status} />}
-      </header>
+      <Top view={view} known={known} />
       {status && <HaltBanner status={status} />}
       {status && !isOld && <HealthBanner status={status} />}
-      {link === 'refused' && (
-        <p className="banner" role="alert">The studio does not know this browser (any more). Open the address that it has printed last.</p>
-      )}
-      {link === 'lost' && <p className="banner" role="alert">The studio cannot be reached; trying again …{since}</p>}
-      {link === 'open' && shown?.error && (
-        <p className="banner" role="alert">The robot cannot be reached: {shown.error}.{since}</p>
-      )}
-      <main className={isOld || status?.lost != null ? 'old' : undefined}>
-        {!status && view !== 'Missions' && view !== 'Events' && view !== 'Edit' && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
-        {status && view === 'Network' && <NetworkView status={status} />}
-        {status && view === 'Switch' && <SwitchView status={status} />}
-        {view === 'Missions' && <MissionsView />}
-        {status && view === 'Plots' && <PlotsView status={status} />}
-        {view === 'Events' && <EventsView />}
-        {view === 'Past' && status && <PastView />}
-        {view === 'Edit' && <Suspense fallback={<p className="empty">…</p>}><EditView /></Suspense>}
-      </main>
+      <LinkBanner known={known} />
+      <Shown view={view} known={known} />
     </>
   );
 }

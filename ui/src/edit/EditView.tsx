@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useCallback, useDeferredValue, useEffect, useMemo, useState, useSyncExternalStore } from 'react';
+import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { useConnection, useLink } from '../robot/hooks';
 import { draftsOf, type Draft, type Drafts, type FileEntry } from './drafts';
@@ -10,7 +11,6 @@ import { modelsOf, type Models } from './models';
 import { NetworkEditor } from './NetworkEditor';
 import { TextEditor } from './TextEditor';
 
-const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 
 /** The files and component models, read when the view opens. */
 function useFiles() {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type FormEvent } from 'react';
+import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Connection } from '../robot/connection';
 import type { Draft, Drafts, FileEntry } from './drafts';
 import { newMission, newNetwork } from './mission_edits';
 import { forgetFile, nameFile, renameFile } from './robot_text';
 
-const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 const sectionOf = (kind: FileEntry['kind']) => (kind === 'network' ? 'controllers' : 'missions');
 
 /** The robot file's part of a change of files; nothing where it stays as it is. */
@@ -75,45 +75,62 @@ export function NewFile({ files, drafts, onFiles }: { files: FileEntry[]; drafts
   );
 }
 
-/** Of the file that is edited: another name, delete; of a machine of RAFCON: save as a mission. */
-export function FileActions({ file, files, draft, drafts, onFiles }: { file: FileEntry; files: FileEntry[]; draft: Draft; drafts: Drafts; onFiles: (path: string | null) => void }) {
+interface Props {
+  file: FileEntry;
+  files: FileEntry[];
+  draft: Draft;
+  drafts: Drafts;
+  onFiles: (path: string | null) => void;
+}
+
+/** What can be done with the file; each rejects with what is wrong. */
+function useFileVerbs({ file, files, draft, drafts, onFiles }: Props) {
   const connection = useConnection();
-  const [asked, setAsked] = useState<'rename' | 'delete' | 'save' | null>(null);
-  const [problem, setProblem] = useState('');
-  const close = () => [setAsked(null), setProblem('')];
-  const text = draft.state.doc.toString();
   const version = { path: file.path, version: draft.version };
+  const replaced = async (path: string | null) => {
+    drafts.forget(file.path);
+    await readRobotAgain(drafts, files);
+    onFiles(path);
+  };
   const rename = async (to: string) => {
     const robot = await robotChange(connection, drafts, files, (before) => renameFile(before, sectionOf(file.kind), file.path, to));
     await connection.call('rename_file', { ...version, to, ...robot });
-    drafts.forget(file.path);
-    await readRobotAgain(drafts, files);
-    onFiles(to);
+    await replaced(to);
   };
   const remove = async () => {
     const robot = await robotChange(connection, drafts, files, (before) => forgetFile(before, sectionOf(file.kind), file.path));
     await connection.call('delete_file', { ...version, ...robot });
-    drafts.forget(file.path);
-    await readRobotAgain(drafts, files);
-    onFiles(null);
+    await replaced(null);
   };
   const save = async (path: string) => {
-    await connection.call('create_file', { path, text });
+    await connection.call('create_file', { path, text: draft.state.doc.toString() });
     onFiles(path);
   };
+  return { rename, remove, save };
+}
+
+function DeleteQuestion({ path, onDelete, onClose }: { path: string; onDelete: () => Promise<void>; onClose: () => void }) {
+  const [problem, setProblem] = useState('');
+  return (
+    <span role="group" aria-label={'Delete ' + path} className="file-form">
+      Delete {path}? It does not come back by Undo.{' '}
+      <button type="button" onClick={() => onDelete().catch((error: unknown) => setProblem(reason(error)))}>Delete the file</button>{' '}
+      <button type="button" autoFocus onClick={onClose}>Keep it</button>
+      {problem && <output className="bad">{problem}</output>}
+    </span>
+  );
+}
+
+/** Of the file that is edited: another name, delete; of a machine of RAFCON: save as a mission. */
+export function FileActions(props: Props) {
+  const { file, draft, drafts } = props;
+  const { rename, remove, save } = useFileVerbs(props);
+  const [asked, setAsked] = useState<'rename' | 'delete' | 'save' | null>(null);
+  const close = () => setAsked(null);
   if (file.kind === 'robot') return null;
   if (asked === 'save') return <PathForm label="File of the mission" first={nameOf(file.path).replace(/[^A-Za-z0-9_-]+/g, '_') + '.yaml'} action="Save as a mission" onDone={save} onClose={close} />;
   if (asked === 'rename') return <PathForm label="New name of the file" first={file.path} action="Rename" onDone={rename} onClose={close} />;
-  if (asked === 'delete') {
-    return (
-      <span role="group" aria-label={'Delete ' + file.path} className="file-form">
-        Delete {file.path}? It does not come back by Undo.{' '}
-        <button type="button" onClick={() => remove().catch((error: unknown) => setProblem(reason(error)))}>Delete the file</button>{' '}
-        <button type="button" autoFocus onClick={close}>Keep it</button>
-        {problem && <output className="bad">{problem}</output>}
-      </span>
-    );
-  }
+  if (asked === 'delete') return <DeleteQuestion path={file.path} onDelete={remove} onClose={close} />;
   if (file.kind === 'rafcon') return <button type="button" onClick={() => setAsked('save')}>Save as a mission …</button>;
   const unsaved = drafts.isUnsaved(draft);
   return (

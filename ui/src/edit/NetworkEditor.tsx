@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useMemo, useRef, useState } from 'react';
+import { useMemo, useState } from 'react';
+import { reason } from '../reason';
 import type { Drafts } from './drafts';
 import { EditGraph } from './EditGraph';
 import { found, newId, type Models } from './models';
 import { TaskForm, type Edits } from './TaskForm';
 import { addConnection, addTask, networkIn, removeConnection, removeProperty, removeTask, renameTask, setProperty, type NetworkText } from './text';
+import { useLastGood } from './useLastGood';
 
-const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 
 function Palette({ models, onAdd }: { models: Models; onAdd: (component: string) => void }) {
   const [words, setWords] = useState('');
@@ -39,19 +40,20 @@ interface Props {
   fixed: boolean;
 }
 
-/** A network as a graph, beside its text, and the panel of the task that is selected. */
-export function NetworkEditor({ path, text, drafts, models, fixed }: Props) {
-  const now = useMemo(() => networkIn(text), [text]);
-  const lastGood = useRef<NetworkText | null>(null);
-  if (now) lastGood.current = now;
-  const network = now ?? lastGood.current;
-  const closed = fixed || !now?.editable;
+/** The task, or the connection by its index, that is selected. */
+function useSelection() {
   const [task, setTask] = useState<string | null>(null);
-  const [chosen, setChosen] = useState<number | null>(null);
-  const [problem, setProblem] = useState('');
+  const [link, setLink] = useState<number | null>(null);
+  return { task, link, setTask, setLink };
+}
+type Selection = ReturnType<typeof useSelection>;
 
-  /** What is wrong, or null. */
-  const edit = (change: (before: string) => string): string | null => {
+/** Changes the text; what is wrong, or null. */
+type Edit = (change: (before: string) => string) => string | null;
+
+function useEdit(path: string, drafts: Drafts, closed: boolean): { edit: Edit; problem: string } {
+  const [problem, setProblem] = useState('');
+  const edit: Edit = (change) => {
     try {
       if (closed) throw new Error('this text cannot be edited in the graph now');
       drafts.replace(path, change(drafts.get(path)?.state.doc.toString() ?? ''));
@@ -62,18 +64,17 @@ export function NetworkEditor({ path, text, drafts, models, fixed }: Props) {
       return reason(error);
     }
   };
-  const select = (id: string | null) => {
-    setTask(id);
-    setChosen(null);
-    const at = network?.tasks.find((one) => one.id === id)?.at;
-    if (at !== undefined) drafts.jump(path, at);
-  };
-  const edits: Edits = {
+  return { edit, problem };
+}
+
+/** What can be done to tasks and connections; the selection goes with it. */
+function editsOf(edit: Edit, { setTask, setLink }: Selection): Edits {
+  return {
     setProperty: (id, name, yaml) => edit((before) => setProperty(before, id, name, yaml)),
     removeProperty: (id, name) => void edit((before) => removeProperty(before, id, name)),
     connect: (from, to) => void edit((before) => addConnection(before, from, to)),
     disconnect: (index) => {
-      if (edit((before) => removeConnection(before, index)) === null) setChosen(null);
+      if (edit((before) => removeConnection(before, index)) === null) setLink(null);
     },
     removeTask: (id) => {
       if (edit((before) => removeTask(before, id)) === null) setTask(null);
@@ -84,13 +85,29 @@ export function NetworkEditor({ path, text, drafts, models, fixed }: Props) {
       return refused;
     },
   };
+}
+
+/** A network as a graph, beside its text, and the panel of the task that is selected. */
+export function NetworkEditor({ path, text, drafts, models, fixed }: Props) {
+  const now = useMemo(() => networkIn(text), [text]);
+  const network = useLastGood<NetworkText>(now);
+  const closed = fixed || !now?.editable;
+  const selection = useSelection();
+  const { task, link, setTask, setLink } = selection;
+  const { edit, problem } = useEdit(path, drafts, closed);
+  if (!network) return null;
+  const edits = editsOf(edit, selection);
+  const select = (id: string | null) => {
+    setTask(id);
+    setLink(null);
+    const at = network.tasks.find((one) => one.id === id)?.at;
+    if (at !== undefined) drafts.jump(path, at);
+  };
   const add = (component: string) => {
-    if (!network) return;
     const id = newId(network, component);
     if (edit((before) => addTask(before, id, component)) === null) setTask(id);
   };
-  const link = chosen === null ? null : network?.connections[chosen];
-  if (!network) return null;
+  const chosen = link === null ? undefined : network.connections[link];
   return (
     <>
       <div className="half">
@@ -98,20 +115,16 @@ export function NetworkEditor({ path, text, drafts, models, fixed }: Props) {
           {!closed && <Palette models={models} onAdd={add} />}
           {!now && <span className="badge warn">the text has errors: the graph is as before</span>}
           {now && !now.editable && <span className="quiet">This form of file is edited as text.</span>}
-          {link && !closed && chosen !== null && (
-            <button type="button" onClick={() => edits.disconnect(chosen)}>Remove {link.from} → {link.to}</button>
-          )}
+          {chosen && !closed && link !== null && <button type="button" onClick={() => edits.disconnect(link)}>Remove {chosen.from} → {chosen.to}</button>}
           {problem && <span className="bad" role="alert">{problem}</span>}
         </div>
         <EditGraph
-          network={network} models={models} fixed={closed} task={task} connection={chosen} onTask={select}
-          onConnection={(index) => [setTask(null), setChosen(index)]} onConnect={edits.connect}
-          onRemove={() => (chosen !== null ? edits.disconnect(chosen) : task !== null && edits.removeTask(task))}
+          network={network} models={models} fixed={closed} task={task} connection={link} onTask={select}
+          onConnection={(index) => [setTask(null), setLink(index)]} onConnect={edits.connect}
+          onRemove={() => (link !== null ? edits.disconnect(link) : task !== null && edits.removeTask(task))}
         />
       </div>
-      {task !== null && (
-        <TaskForm key={task} id={task} network={network} models={models} edits={edits} fixed={closed} onClose={() => setTask(null)} />
-      )}
+      {task !== null && <TaskForm key={task} id={task} network={network} models={models} edits={edits} fixed={closed} onClose={() => setTask(null)} />}
     </>
   );
 }

@@ -132,9 +132,10 @@ export function PortGraph(props: Props) {
   );
 }
 
-function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canConnect, onSelect, onEdge, onConnect, onRemove }: Props) {
+/** Where boxes and edges are; anew where the structure changes, and then in view, unless somebody has moved the graph. */
+function useLayout({ groups, nodes, edges }: Props) {
   const flow = useReactFlow();
-  const [{ boxes, routes }, setLayout] = useState<Layout>(noLayout);
+  const [layout, setLayout] = useState<Layout>(noLayout);
   const structure = JSON.stringify([groups.map((group) => [group.id, group.group]), nodes.map((node) => [node.id, node.group, anchorsOf(node.ports, headOf(node))]), edges.map((edge) => [edge.id, edge.source, edge.target])]);
   const moved = useRef(false);
   const width = useStore((store) => store.width);
@@ -156,17 +157,24 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
     // Other changes move nothing.
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [structure]);
-  useEffect(() => void flow.fitView(fitting), [boxes, flow]);
+  useEffect(() => void flow.fitView(fitting), [layout, flow]);
   // Where nobody has moved the graph, all of it stays in view, whatever opens beside it.
   useEffect(() => {
     if (!moved.current) void flow.fitView(fitting);
   }, [width, height, flow]);
+  const onMove = (event: unknown) => {
+    if (event) moved.current = true;
+  };
+  return { layout, onMove };
+}
 
+/** Groups and nodes at their places; those whose group has none come with the next layout. */
+function placedNodes({ groups, nodes, selected, fixed }: Props, boxes: Layout['boxes']): Node[] {
   const placed: Node[] = [];
-  const known = new Set<string>();
+  const known = new Set<string | undefined>([undefined]);
   for (const group of groups) {
     const box = boxes.get(group.id);
-    if (!box || (group.group !== undefined && !known.has(group.group))) continue;
+    if (!box || !known.has(group.group)) continue;
     known.add(group.id);
     placed.push({
       id: group.id, type: 'place', parentId: group.group, position: box, data: { group, fixed }, selectable: group.isEdited ?? false, focusable: group.isEdited ?? false, draggable: false,
@@ -175,19 +183,33 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
   }
   for (const node of nodes) {
     const box = boxes.get(node.id);
-    if (!box || (node.group !== undefined && !known.has(node.group))) continue;
-    known.add(node.id);
+    if (!box || !known.has(node.group)) continue;
     placed.push({
       id: node.id, type: 'edited', zIndex: layers.node, parentId: node.group, position: box, draggable: false, selected: node.id === selected, data: { node, fixed },
       ariaLabel: node.title + (node.detail ? ', ' + node.detail : ''), ...geometry(widthOf(node), heightOf(node), anchorsOf(node.ports, headOf(node))),
     });
   }
-  const ends = (drawn: Connection | Edge) => [{ node: drawn.source, port: drawn.sourceHandle ?? '' }, { node: drawn.target, port: drawn.targetHandle ?? '' }] as const;
-  // The layout knows no ports of groups.
+  return placed;
+}
+
+/** The edges between what is placed. The layout knows no ports of groups, so only edges between nodes have a route. */
+function placedEdges({ nodes, edges, selectedEdge }: Props, placed: Node[], routes: Layout['routes']): Edge[] {
+  const known = new Set(placed.map((one) => one.id));
   const isNode = new Set(nodes.map((node) => node.id));
   const routeOf = (edge: PortEdge) => (isNode.has(edge.source) && isNode.has(edge.target) ? routes.get(edge.id) : undefined);
-  const isEdited = (id: string) => isNode.has(id) || groups.some((group) => group.id === id && group.isEdited);
+  return edges.filter((edge) => known.has(edge.source) && known.has(edge.target)).map((edge) => ({
+    id: edge.id, type: 'routed', data: { route: routeOf(edge) }, source: edge.source, target: edge.target, sourceHandle: edge.sourcePort, targetHandle: edge.targetPort, selected: edge.id === selectedEdge,
+    className: 'edge ' + (edge.look ?? '') + (edge.id === selectedEdge ? ' fate-added' : ''), zIndex: layers.edge, focusable: false, markerEnd: { type: MarkerType.ArrowClosed, width: 16, height: 16 },
+  }));
+}
 
+const endsOf = (drawn: Connection | Edge) => [{ node: drawn.source, port: drawn.sourceHandle ?? '' }, { node: drawn.target, port: drawn.targetHandle ?? '' }] as const;
+
+function Flow(props: Props) {
+  const { label, groups, nodes, fixed, canConnect, onSelect, onEdge, onConnect, onRemove } = props;
+  const { layout, onMove } = useLayout(props);
+  const placed = placedNodes(props, layout.boxes);
+  const isEdited = (id: string) => nodes.some((node) => node.id === id) || groups.some((group) => group.id === id && group.isEdited);
   return (
     <div
       className="graph edit-graph" role="region" aria-label={label}
@@ -199,22 +221,17 @@ function Flow({ label, groups, nodes, edges, selected, selectedEdge, fixed, canC
     >
       <ReactFlow
         nodes={placed}
-        edges={edges.filter((edge) => known.has(edge.source) && known.has(edge.target)).map((edge) => ({
-          id: edge.id, type: 'routed', data: { route: routeOf(edge) }, source: edge.source, target: edge.target, sourceHandle: edge.sourcePort, targetHandle: edge.targetPort, selected: edge.id === selectedEdge,
-          className: 'edge ' + (edge.look ?? '') + (edge.id === selectedEdge ? ' fate-added' : ''), zIndex: layers.edge, focusable: false, markerEnd: { type: MarkerType.ArrowClosed, width: 16, height: 16 },
-        }))}
+        edges={placedEdges(props, placed, layout.routes)}
         nodeTypes={nodeTypes}
         edgeTypes={edgeTypes}
         nodesConnectable={!fixed}
         deleteKeyCode={null}
-        isValidConnection={(drawn) => canConnect(...ends(drawn))}
-        onConnect={(drawn) => onConnect(...ends(drawn))}
+        isValidConnection={(drawn) => canConnect(...endsOf(drawn))}
+        onConnect={(drawn) => onConnect(...endsOf(drawn))}
         onNodeClick={(_, node) => onSelect(isEdited(node.id) ? node.id : null)}
         onEdgeClick={(_, edge) => onEdge(edge.id)}
         onPaneClick={() => onSelect(null)}
-        onMove={(event) => {
-          if (event) moved.current = true;
-        }}
+        onMove={onMove}
         minZoom={0.1}
         onlyRenderVisibleElements={nodes.length > 200}
       >

@@ -7,6 +7,7 @@ import { EditorState, Prec, type Extension, type TransactionSpec } from '@codemi
 import { EditorView, keymap } from '@codemirror/view';
 import { tags } from '@lezer/highlight';
 import { basicSetup } from 'codemirror';
+import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { RobotError, type Connection } from '../robot/connection';
 import { changeBetween } from './yaml_edit';
@@ -73,7 +74,6 @@ const look = EditorView.theme({
 });
 
 const notChecked = 'not checked: ';
-const message = (error: unknown) => (error instanceof Error ? error.message : String(error));
 
 function place(state: EditorState, problem: Problem): Diagnostic {
   const line = state.doc.line(Math.min(Math.max(problem.line, 1), state.doc.lines));
@@ -167,7 +167,7 @@ export class Drafts {
       this.patch(path, { saving: false, saved: text, version: answer.version });
     } catch (error) {
       const conflict = error instanceof RobotError && error.code === 'invalid-state';
-      this.patch(path, { saving: false, [conflict ? 'conflict' : 'error']: message(error) });
+      this.patch(path, { saving: false, [conflict ? 'conflict' : 'error']: reason(error) });
     }
   }
 
@@ -179,7 +179,7 @@ export class Drafts {
       this.replace(path, text.replace(/\r\n?/g, '\n'));
       this.patch(path, { saved: this.drafts.get(path)?.state.doc.toString() ?? text, version, carriageReturns: text.includes('\r\n'), conflict: '', error: '', kept: keep ? mine : null });
     } catch (error) {
-      this.patch(path, { error: message(error) });
+      this.patch(path, { error: reason(error) });
     }
   }
   dropKept(path: string): void {
@@ -203,7 +203,7 @@ export class Drafts {
       if (this.drafts.get(path)?.state.doc.eq(state.doc)) this.checked(path, problems);
       return problems.map((problem) => place(state, problem));
     } catch (error) {
-      this.patch(path, { problems: null, error: notChecked + message(error) });
+      this.patch(path, { problems: null, error: notChecked + reason(error) });
       return [];
     }
   }

@@ -1,14 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from 'react';
+import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Status } from '../robot/types';
 import { howLong, troublesOf } from './health';
 
-/** What is missing or faulty, since when, why, and what repairs it; nothing of a robot that has all that it needs. */
-export function HealthBanner({ status }: { status: Status }) {
+/** Requests what runs once more. */
+function useRepair() {
   const connection = useConnection();
   const [busy, setBusy] = useState(false);
   const [problem, setProblem] = useState<string | null>(null);
+  const repair = async () => {
+    setBusy(true);
+    setProblem(null);
+    try {
+      const answer = await connection.call('repair', {});
+      const result = answer as unknown as { outcome: string; error?: string };
+      if (result.outcome !== 'done') setProblem(result.error ?? result.outcome);
+    } catch (error) {
+      setProblem(reason(error));
+    } finally {
+      setBusy(false);
+    }
+  };
+  return { may: connection.mayOperate, busy, problem, repair };
+}
+
+/** What is missing or faulty, since when, why, and what repairs it; nothing of a robot that has all that it needs. */
+export function HealthBanner({ status }: { status: Status }) {
+  const { may, busy, problem, repair } = useRepair();
   if (status.lost != null) {
     return (
       <p className="banner halted" role="alert">
@@ -18,21 +38,6 @@ export function HealthBanner({ status }: { status: Status }) {
   }
   const troubles = troublesOf(status);
   if (troubles.length === 0) return null;
-
-  const repair = async () => {
-    setBusy(true);
-    setProblem(null);
-    try {
-      const answer = await connection.call('repair', {});
-      const result = answer as unknown as { outcome: string; error?: string };
-      if (result.outcome !== 'done') setProblem(result.error ?? result.outcome);
-    } catch (error) {
-      setProblem(error instanceof Error ? error.message : String(error));
-    } finally {
-      setBusy(false);
-    }
-  };
-
   return (
     <section className="banner halted health" aria-label="What is wrong" role="alert">
       <ul>
@@ -43,7 +48,7 @@ export function HealthBanner({ status }: { status: Status }) {
           </li>
         ))}
       </ul>
-      {connection.mayOperate && (
+      {may && (
         <button type="button" disabled={busy} title="Requests what runs once more, so that what is missing or faulty is made anew" onClick={() => void repair()}>
           {busy ? 'Repairing …' : 'Repair'}
         </button>

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from 'react';
 import { isTyping } from '../keys';
+import { reason } from '../reason';
 import { useDocument } from '../robot/hooks';
 import { controlOf, withToggled } from './control';
 import { Controls, StateBadge } from './Controls';
 import { GanttChart } from './GanttChart';
-import { livesOf, missionOf, planOf, planProblem, type Life } from './mission';
+import { livesOf, missionOf, planOf, planProblem, type Life, type Mission, type PlanState } from './mission';
 import { NodeFacts, NodePanel } from './NodePanel';
 import { breakpointsAfter, useRequests } from './requests';
 import { runOfFile, runOfMission, type Run } from './run';
 import { StatePanel } from './StatePanel';
 import { States, useOpen } from './States';
-import { useValues } from './values';
+import { useValues, type KnownValues } from './values';
 import './missions.css';
 
 function FileButton({ onRun, onProblem }: { onRun: (run: Run) => void; onProblem: (text: string) => void }) {
@@ -21,7 +22,7 @@ function FileButton({ onRun, onProblem }: { onRun: (run: Run) => void; onProblem
       onRun(runOfFile(await file.text()));
       onProblem('');
     } catch (error) {
-      onProblem(file.name + ': ' + (error instanceof Error ? error.message : String(error)));
+      onProblem(file.name + ': ' + reason(error));
     }
   };
   return (
@@ -48,102 +49,148 @@ function rowOf(run: Run | null, chosen: Choice | null): number {
   return chosen.row === undefined ? last : run.rows.findIndex((row) => row.label === chosen.row);
 }
 
-export function MissionsView() {
+/** The mission that commands or has commanded the robot. */
+function useMission() {
   const shown = useDocument('mission');
   const mission = useMemo(() => missionOf(shown?.value), [shown]);
   const control = useMemo(() => controlOf(mission), [mission]);
   const live = useMemo(() => (mission ? runOfMission(mission) : null), [mission]);
   const lives = useMemo(() => (mission ? livesOf(mission, control?.at ?? []) : new Map<string, Life>()), [mission, control]);
-  const [recorded, setRecorded] = useState<Run | null>(null);
-  const [problem, setProblem] = useState('');
-  const [chosen, setChosen] = useState<Choice | null>(null);
-  const [peeked, setPeeked] = useState<string | null>(null);
-  const run = recorded ?? live;
-  const plan = mission && !recorded ? planOf(mission) : null;
+  const requests = useRequests(mission, control);
+  const breakpoints = useMemo(() => (control ? breakpointsAfter(requests.asked, control) : []), [requests.asked, control]);
+  const breaks = (path: string) => requests.ask({ what: 'break', at: withToggled(breakpoints, path) });
+  return { isHeard: shown !== undefined, mission, control, live, lives, requests, breakpoints, breaks };
+}
+type Current = ReturnType<typeof useMission>;
+
+/** The plan of the mission, with which of its containers are open. */
+function usePlan(mission: Mission | null) {
+  const plan = mission ? planOf(mission) : null;
   const [open, setOpen] = useOpen(plan);
   const states = useMemo(() => new Map(plan?.states.map((state) => [state.path, state]) ?? []), [plan]);
   const kinds = useMemo(() => new Map(plan?.states.map((state) => [state.path, state.kind]) ?? []), [plan]);
-  const state = chosen === null ? undefined : states.get(chosen.path);
+  const toggle = (path: string) => {
+    const next = new Set(open);
+    if (!next.delete(path)) next.add(path);
+    setOpen(next);
+  };
+  return { plan, states, kinds, open, setOpen, toggle };
+}
 
+/** What was clicked on, and what the pointer rests on; Escape forgets the latter, then the former. */
+function useChoice(run: Run | null) {
+  const [chosen, setChosen] = useState<Choice | null>(null);
+  const [peeked, setPeeked] = useState<string | null>(null);
   const selected = useMemo(() => rowOf(run, chosen), [run, chosen]);
-  const row = run?.rows[selected];
   const select = (index: number) => {
     const label = run?.rows[index]?.label;
     setChosen(label === undefined ? null : { row: label, path: stateOf(label) });
   };
   const choose = (path: string | null) => setChosen(path === null ? null : { path });
+  const dismiss = () => (peeked === null ? setChosen(null) : setPeeked(null));
+  return { path: chosen?.path ?? null, selected, select, choose, peeked, setPeeked, dismiss };
+}
+type Chosen = ReturnType<typeof useChoice>;
 
-  const requests = useRequests(mission, control);
-  const breakpoints = useMemo(() => (control ? breakpointsAfter(requests.asked, control) : []), [requests.asked, control]);
-  const breaks = (path: string) => requests.ask({ what: 'break', at: withToggled(breakpoints, path) });
-  const wanted = [state?.path, peeked].flatMap((path) => (typeof path === 'string' && states.has(path) ? [path] : []));
-  const valuesOf = useValues(mission, control, wanted);
-
+/** Escape, and "b" for the breakpoint of the state that is selected. */
+function useKeys(state: PlanState | undefined, { control, requests, breaks }: Current, dismiss: () => void): void {
   useEffect(() => {
     const press = (event: KeyboardEvent) => {
-      if (event.key === 'Escape' && peeked === null) setChosen(null);
-      if (event.key === 'Escape') setPeeked(null);
+      if (event.key === 'Escape') dismiss();
       if (event.key !== 'b' || isTyping(event) || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
       if (state && state.path !== '' && control?.steps && requests.may) breaks(state.path);
     };
     window.addEventListener('keydown', press);
     return () => window.removeEventListener('keydown', press);
   });
+}
 
-  const toggle = (path: string) => {
-    const next = new Set(open);
-    if (!next.delete(path)) next.add(path);
-    setOpen(next);
-  };
+function RecordedName({ name, onBack }: { name: string; onBack: () => void }) {
+  return <><strong>{name}</strong><span className="badge">recorded</span><button type="button" onClick={onBack}>Back to the robot</button></>;
+}
+
+function MissionName({ mission, hasPlan, current, onChoose }: { mission: Mission; hasPlan: boolean; current: Current; onChoose: (path: string | null) => void }) {
+  return (
+    <>
+      <button type="button" className="name" title="Its own inputs and outputs" disabled={!hasPlan} onClick={() => onChoose('')}>{mission.mission}</button>
+      <StateBadge mission={mission} />
+      <Controls mission={mission} control={current.control} requests={current.requests} onSelect={onChoose} />
+    </>
+  );
+}
+
+/** What goes wrong with the mission. */
+function Banners({ mission, requests }: Current) {
+  return (
+    <>
+      {requests.problem && (
+        <p className="banner refusal">
+          <span role="alert">{requests.problem}</span> <button type="button" className="small" onClick={requests.dismiss}>dismiss</button>
+        </p>
+      )}
+      {mission?.error && <p className="banner" role="alert">{mission.error}</p>}
+      {(mission?.dropped ?? 0) > 0 && <p className="banner">The first {mission?.dropped} things that happened are not kept any more.</p>}
+    </>
+  );
+}
+
+/** The panel of the state that is selected, or of a row of the chart that is no state of the plan. */
+function SidePanel({ state, current, planned, run, chosen, known }: { state: PlanState | undefined; current: Current; planned: ReturnType<typeof usePlan>; run: Run | null; chosen: Chosen; known: KnownValues | null }) {
+  const { mission, control, lives, requests, breakpoints, breaks } = current;
+  const { kinds, open, toggle } = planned;
+  const { selected, select, choose } = chosen;
+  const row = run?.rows[selected];
+  if (!state || !mission) return !state && run && row ? <NodePanel run={run} row={row} index={selected} onSelect={select} /> : null;
+  return (
+    <StatePanel
+      key={state.path} state={state} mission={mission} control={control} lives={lives} kinds={kinds} requests={requests} breakpoints={breakpoints} onBreak={breaks}
+      isOpen={open.has(state.path)} onToggle={toggle} known={known} onClose={() => choose(null)}
+    >
+      {run && row && (
+        <>
+          {row.label !== state.path && <p className="quiet">{row.label}</p>}
+          <NodeFacts run={run} row={row} index={selected} onSelect={select} />
+        </>
+      )}
+    </StatePanel>
+  );
+}
+
+export function MissionsView() {
+  const current = useMission();
+  const { isHeard, mission, control, live, lives, requests, breakpoints, breaks } = current;
+  const [recorded, setRecorded] = useState<Run | null>(null);
+  const [problem, setProblem] = useState('');
+  const run = recorded ?? live;
+  const planned = usePlan(recorded ? null : mission);
+  const { plan, states, open, setOpen, toggle } = planned;
+  const chosen = useChoice(run);
+  const { path, selected, select, choose, peeked, setPeeked, dismiss } = chosen;
+  const state = path === null ? undefined : states.get(path);
+  const valuesOf = useValues(mission, control, [state?.path, peeked].filter((one) => typeof one === 'string').filter((one) => states.has(one)));
+  useKeys(state, current, dismiss);
   return (
     <div className="view split missions">
       <section className="main" aria-label="Missions">
         <div className="bar">
-          {recorded && <><strong>{recorded.name}</strong><span className="badge">recorded</span><button type="button" onClick={() => setRecorded(null)}>Back to the robot</button></>}
-          {!recorded && mission && (
-            <>
-              <button type="button" className="name" title="Its own inputs and outputs" disabled={!plan} onClick={() => choose('')}>{mission.mission}</button>
-              <StateBadge mission={mission} />
-              <Controls mission={mission} control={control} requests={requests} onSelect={choose} />
-            </>
-          )}
-          <FileButton onRun={(found) => [setRecorded(found), setChosen(null)]} onProblem={setProblem} />
+          {recorded && <RecordedName name={recorded.name} onBack={() => setRecorded(null)} />}
+          {!recorded && mission && <MissionName mission={mission} hasPlan={plan !== null} current={current} onChoose={choose} />}
+          <FileButton onRun={(found) => [setRecorded(found), choose(null)]} onProblem={setProblem} />
           {problem && <span className="bad" role="alert">{problem}</span>}
         </div>
-        {!recorded && requests.problem && (
-          <p className="banner refusal">
-            <span role="alert">{requests.problem}</span> <button type="button" className="small" onClick={requests.dismiss}>dismiss</button>
-          </p>
-        )}
-        {!recorded && mission?.error && <p className="banner" role="alert">{mission.error}</p>}
-        {!recorded && (mission?.dropped ?? 0) > 0 && <p className="banner">The first {mission?.dropped} things that happened are not kept any more.</p>}
-        {!run && shown && <p className="empty">No mission has commanded the robot since its runtime began. Start one: segue mission run FILE</p>}
+        {!recorded && <Banners {...current} />}
+        {!run && isHeard && <p className="empty">No mission has commanded the robot since its runtime began. Start one: segue mission run FILE</p>}
         {plan && mission && (
           <States
-            plan={plan} mission={mission} control={control} lives={lives} selected={chosen?.path ?? null} onSelect={choose}
+            plan={plan} mission={mission} control={control} lives={lives} selected={path} onSelect={choose}
             breakpoints={breakpoints} mayBreak={requests.may} onBreak={breaks} open={open} onOpen={setOpen} onToggle={toggle}
             peeked={peeked} onPeek={setPeeked} valuesOf={valuesOf}
           />
         )}
-        {!recorded && mission && !plan && (
-          <p className="quiet note">{planProblem(mission)}</p>
-        )}
+        {!recorded && mission && !plan && <p className="quiet note">{planProblem(mission)}</p>}
         {run && <GanttChart run={run} selected={selected} onSelect={select} />}
       </section>
-      {state && mission && (
-        <StatePanel
-          key={state.path} state={state} mission={mission} control={control} lives={lives} kinds={kinds} requests={requests} breakpoints={breakpoints} onBreak={breaks}
-          isOpen={open.has(state.path)} onToggle={toggle} known={valuesOf(state.path)} onClose={() => setChosen(null)}
-        >
-          {run && row && (
-            <>
-              {row.label !== state.path && <p className="quiet">{row.label}</p>}
-              <NodeFacts run={run} row={row} index={selected} onSelect={select} />
-            </>
-          )}
-        </StatePanel>
-      )}
-      {!state && run && row && <NodePanel run={run} row={row} index={selected} onSelect={select} />}
+      <SidePanel state={state} current={current} planned={planned} run={run} chosen={chosen} known={state ? valuesOf(state.path) : null} />
     </div>
   );
 }

@@ -50,17 +50,8 @@ function usePeek(onPeek: (path: string | null) => void): (id: string | null) => 
   };
 }
 
-/** The states as nested graph: which run, come next and have breakpoints. */
-export function States({ plan, mission, control, lives, selected, onSelect, breakpoints, mayBreak, onBreak, open, onOpen, onToggle, peeked, onPeek, valuesOf }: Props) {
-  const [withFlows, setWithFlows] = useState(false);
-  const [follows, setFollows] = useState(true);
-  const steps = control?.steps ?? false;
-  const breaks = useMemo(() => (steps ? { at: breakpoints, fixed: !mayBreak } : null), [steps, breakpoints, mayBreak]);
-  const graph = useMemo(() => stateGraphOf(plan, lives, open, withFlows, breaks), [plan, lives, open, withFlows, breaks]);
-  const containers = useMemo(() => new Set(plan.states.filter((state) => state.path !== '' && isContainer(state)).map((state) => state.path)), [plan]);
-  const peek = usePeek(onPeek);
-
-  // Where the mission is held can be seen, and stays selected where it was.
+/** Where the mission is held can be seen, and stays selected where it was. */
+function useFollow({ control, selected, onSelect, open, onOpen }: Props, follows: boolean): void {
   const place = JSON.stringify(control?.at ?? null);
   const before = useRef<string[]>([]);
   useEffect(() => {
@@ -73,11 +64,27 @@ export function States({ plan, mission, control, lives, selected, onSelect, brea
     // What is opened, closed or selected there afterwards stays so.
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [place, follows]);
+}
 
-  // The panel has the values of the selected state.
-  const values = peeked !== null && peeked !== selected ? valuesOf(peeked) : null;
-  const asks = steps && mayBreak;
-  const tip = peeked !== null && peeked !== selected && (values || asks) ? { id: idOf(peeked), content: <ValuesTip path={peeked} known={values} /> } : null;
+/** The values of the state that the pointer rests on; the panel has those of the selected one. */
+function tipOf({ control, mayBreak, peeked, selected, valuesOf }: Props) {
+  if (peeked === null || peeked === selected) return null;
+  const values = valuesOf(peeked);
+  const asks = control?.steps && mayBreak;
+  return values || asks ? { id: idOf(peeked), content: <ValuesTip path={peeked} known={values} /> } : null;
+}
+
+/** The states as nested graph: which run, come next and have breakpoints. */
+export function States(props: Props) {
+  const { plan, mission, control, lives, selected, onSelect, breakpoints, mayBreak, onBreak, open, onOpen, onToggle, onPeek } = props;
+  const [withFlows, setWithFlows] = useState(false);
+  const [follows, setFollows] = useState(true);
+  const steps = control?.steps ?? false;
+  const breaks = useMemo(() => (steps ? { at: breakpoints, fixed: !mayBreak } : null), [steps, breakpoints, mayBreak]);
+  const graph = useMemo(() => stateGraphOf(plan, lives, open, withFlows, breaks), [plan, lives, open, withFlows, breaks]);
+  const containers = useMemo(() => new Set(plan.states.filter((state) => state.path !== '' && isContainer(state)).map((state) => state.path)), [plan]);
+  const peek = usePeek(onPeek);
+  useFollow(props, follows);
   return (
     <section className="states" aria-label="States">
       <div className="bar">
@@ -96,7 +103,7 @@ export function States({ plan, mission, control, lives, selected, onSelect, brea
         label="Graph of states" groups={graph.groups} nodes={graph.nodes} edges={graph.edges}
         selected={selected === null ? null : idOf(selected)} onSelect={(id) => onSelect(id === null ? null : pathOf(id))} onToggle={(id) => onToggle(pathOf(id))}
         onMark={(id) => onBreak(pathOf(id))} markKey="b" follow={follows && control?.at?.[0] !== undefined ? idOf(control.at[0]) : null}
-        onPeek={peek} tip={tip}
+        onPeek={peek} tip={tipOf(props)}
       />
     </section>
   );

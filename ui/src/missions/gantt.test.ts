@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { axisHeight, Bars, moved, paint, pixelOf, rowAt, ticksOf, timeAt, xOf, zoomed, type Palette } from './gantt';
+import { axisHeight, moved, rowAt, ticksOf, timeAt, xOf, zoomed } from '../../../segue/draw/gantt_chart.js';
+import { Bars, paint, pixelOf, type Palette } from './gantt';
 import type { Row } from './run';
 
 function row(from: number, until: number): Row {
@@ -25,8 +26,10 @@ describe('the window of a chart', () => {
     expect(moved(window, 500, 100).until).toBeCloseTo(103);
   });
   it('has round times', () => {
-    expect(ticksOf(0, 10, 5)).toEqual([0, 2, 4, 6, 8, 10]);
-    expect(ticksOf(0.1, 0.3, 2)).toHaveLength(3);
+    expect(ticksOf(0, 10, 5)).toEqual({ times: [0, 2, 4, 6, 8, 10], digits: 0 });
+    expect(ticksOf(0.1, 0.3, 2).times).toHaveLength(3);
+    expect(ticksOf(7.1, 7.9, 1)).toEqual({ times: [], digits: 0 });
+    expect(ticksOf(0, 1e-6, 5).digits).toBe(7);
   });
 });
 

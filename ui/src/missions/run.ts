@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { reason } from '../reason';
 import { isMap, type Json, type JsonMap } from '../robot/change';
 import { containersIn, entriesOf, planOf, type Mission, type PlanNode } from './mission';
 
@@ -242,7 +243,7 @@ export function runOfFile(content: string): Run {
   try {
     document = JSON.parse(content) as Json;
   } catch (error) {
-    throw new Error('this is not JSON: ' + (error instanceof Error ? error.message : String(error)));
+    throw new Error('this is not JSON: ' + reason(error));
   }
   if (!isMap(document) || !Array.isArray(document['nodes']))
     throw new Error('this is not a run; segue mission run FILE --format json prints one');

@@ -54,9 +54,39 @@ function useFolding(structure: Structure) {
 
 const counted = (count: number, what: string) => `${count} ${what}${count === 1 ? '' : 's'}`;
 
-export function NetworkView({ status }: { status: Status }) {
+interface FinderProps {
+  words: string;
+  onWords: (words: string) => void;
+  onEnter: () => void;
+}
+
+function Finder({ words, onWords, onEnter }: FinderProps) {
+  return (
+    <label className="search">
+      <span className="hidden">Find tasks</span>
+      <input
+        type="search" placeholder="Find tasks ( / )" data-search value={words}
+        onChange={(event) => onWords(event.target.value)} onKeyDown={(event) => event.key === 'Enter' && onEnter()}
+      />
+    </label>
+  );
+}
+
+/** The task that is selected, until Escape, and the one that the graph moves to. */
+function useSelected() {
   const [selected, setSelected] = useState<string | null>(null);
   const [target, setTarget] = useState<string | null>(null);
+  useEffect(() => {
+    const close = (event: KeyboardEvent) => event.key === 'Escape' && setSelected(null);
+    window.addEventListener('keydown', close);
+    return () => window.removeEventListener('keydown', close);
+  }, []);
+  const jump = (task: string) => [setSelected(task), setTarget(task)];
+  return { selected, target, setSelected, jump };
+}
+
+export function NetworkView({ status }: { status: Status }) {
+  const { selected, target, setSelected, jump } = useSelected();
   const [words, setWords] = useState('');
   const flows = useFlows(status);
   const found = useMemo(() => (words.trim() === '' ? null : new Set(matching(status, words))), [status, words]);
@@ -67,40 +97,16 @@ export function NetworkView({ status }: { status: Status }) {
   const bundles = useMemo(() => bundlesOf(structure, isFolded), [structure, isFolded]);
   const { groups, nodes } = useMemo(() => pictureOf(status, structure, isFolded, found), [status, structure, isFolded, found]);
   const edges = useMemo(() => edgesOf(status, flows, bundles), [status, flows, bundles]);
-  const jump = (task: string) => {
-    folding.reveal(task);
-    setSelected(task);
-    setTarget(task);
+  const enter = () => {
+    const first = matching(status, words)[0];
+    if (first) [folding.reveal(first), jump(first)];
   };
-
-  useEffect(() => {
-    const close = (event: KeyboardEvent) => event.key === 'Escape' && setSelected(null);
-    window.addEventListener('keydown', close);
-    return () => window.removeEventListener('keydown', close);
-  }, []);
-
   return (
     <div className="view split">
       <section className="main" aria-label="Network">
         <div className="bar">
-          <label className="search">
-            <span className="hidden">Find tasks</span>
-            <input
-              type="search"
-              placeholder="Find tasks ( / )"
-              data-search
-              value={words}
-              onChange={(event) => setWords(event.target.value)}
-              onKeyDown={(event) => {
-                const first = matching(status, words)[0];
-                if (event.key === 'Enter' && first) jump(first);
-              }}
-            />
-          </label>
-          <span className="quiet">
-            {found ? found.size + ' of ' : ''}
-            {counted(total, 'task')}, {counted(structure.wires.length, 'connection')}
-          </span>
+          <Finder words={words} onWords={setWords} onEnter={enter} />
+          <span className="quiet">{found ? found.size + ' of ' : ''}{counted(total, 'task')}, {counted(structure.wires.length, 'connection')}</span>
           {structure.places.length > 1 && (
             <>
               <button type="button" className="small" onClick={() => folding.setAll(true)}>fold all</button>

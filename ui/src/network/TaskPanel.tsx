@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createContext, useContext, useState, type FormEvent } from 'react';
+import { createContext, useContext, useState, type FormEvent, type ReactNode } from 'react';
+import { reason } from '../reason';
 import { isMap, type Json } from '../robot/change';
 import { howLong, troubleOfTask } from '../health/health';
 import { useConnection, useDocument } from '../robot/hooks';
@@ -13,10 +14,6 @@ import { Timing } from './Timing';
 
 /** Whether what is set, written and called is meant beside what a mission is doing. */
 const BesideMission = createContext(false);
-
-function reason(error: unknown): string {
-  return error instanceof Error ? error.message : String(error);
-}
 
 /** One property: its value as text, which is sent on Enter. What the robot says in between wins unless it is edited. */
 function Property({ task, name, value, fixed }: { task: string; name: string; value: Json; fixed: boolean }) {
@@ -158,21 +155,12 @@ function Operation({ task, operation, fixed }: { task: string; operation: Operat
   );
 }
 
-export function TaskPanel({ id, status, flows, onClose }: { id: string; status: Status; flows: Flows; onClose: () => void }) {
-  const connection = useConnection();
-  const shown = useDocument('task/' + id);
-  const [beside, setBeside] = useState(false);
-  const fixed = !connection.mayOperate;
-  const report = isMap(shown?.value) ? (shown.value as unknown as TaskReport) : null;
+/** What the task is and how it is. */
+function Summary({ id, status }: { id: string; status: Status }) {
   const task = status.tasks[id];
   const trouble = troubleOfTask(status, id);
   return (
-    <aside className="panel" aria-label={'Task ' + id}>
-      <header>
-        <h2>{id}</h2>
-        <button type="button" onClick={onClose} aria-label="Close (Escape)">×</button>
-      </header>
-      {shown?.error && <p className="bad">{shown.error}</p>}
+    <>
       {task && (
         <p>
           <span className={'badge tone-' + toneOf(task.state)}>{task.state_name || task.state}</span>{' '}
@@ -181,6 +169,47 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
       )}
       {task?.error && <p className="bad">{task.error}</p>}
       {trouble && <p className="bad">{trouble.what}, since {howLong(trouble.for_s)}: {trouble.repair}</p>}
+    </>
+  );
+}
+
+/** What the task says of itself, and what can be done to it. */
+function Interior({ id, report, fixed, children }: { id: string; report: TaskReport; fixed: boolean; children: ReactNode }) {
+  const properties = Object.entries(report.properties);
+  return (
+    <>
+      {report.doc && <p>{report.doc}</p>}
+      <h3>Properties</h3>
+      {properties.length === 0 && <p className="quiet">none</p>}
+      {properties.map(([name, value]) => <Property key={name} task={id} name={name} value={value} fixed={fixed} />)}
+      <h3>Ports</h3>
+      <ul className="plain">
+        {report.ports.map((port) => <Port key={port.name} task={id} port={port} fixed={fixed} />)}
+      </ul>
+      {children}
+      <h3>Operations</h3>
+      {report.operations.length === 0 && <p className="quiet">none</p>}
+      {report.operations.map((operation) => <Operation key={operation.name} task={id} operation={operation} fixed={fixed} />)}
+      <Timing report={report} />
+      <TaskLog report={report} />
+    </>
+  );
+}
+
+export function TaskPanel({ id, status, flows, onClose }: { id: string; status: Status; flows: Flows; onClose: () => void }) {
+  const connection = useConnection();
+  const shown = useDocument('task/' + id);
+  const [beside, setBeside] = useState(false);
+  const fixed = !connection.mayOperate;
+  const report = isMap(shown?.value) ? (shown.value as unknown as TaskReport) : null;
+  return (
+    <aside className="panel" aria-label={'Task ' + id}>
+      <header>
+        <h2>{id}</h2>
+        <button type="button" onClick={onClose} aria-label="Close (Escape)">×</button>
+      </header>
+      {shown?.error && <p className="bad">{shown.error}</p>}
+      <Summary id={id} status={status} />
       {report && (
         <BesideMission.Provider value={beside}>
           {status.commanded_by && !fixed && (
@@ -188,24 +217,9 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
               <input type="checkbox" checked={beside} onChange={(event) => setBeside(event.target.checked)} /> beside what {status.commanded_by} is doing
             </label>
           )}
-          {report.doc && <p>{report.doc}</p>}
-          <h3>Properties</h3>
-          {Object.keys(report.properties).length === 0 && <p className="quiet">none</p>}
-          {Object.entries(report.properties).map(([name, value]) => (
-            <Property key={name} task={id} name={name} value={value} fixed={fixed} />
-          ))}
-          <h3>Ports</h3>
-          <ul className="plain">
-            {report.ports.map((port) => <Port key={port.name} task={id} port={port} fixed={fixed} />)}
-          </ul>
-          <Connections id={id} status={status} flows={flows} />
-          <h3>Operations</h3>
-          {report.operations.length === 0 && <p className="quiet">none</p>}
-          {report.operations.map((operation) => (
-            <Operation key={operation.name} task={id} operation={operation} fixed={fixed} />
-          ))}
-          <Timing report={report} />
-          <TaskLog report={report} />
+          <Interior id={id} report={report} fixed={fixed}>
+            <Connections id={id} status={status} flows={flows} />
+          </Interior>
         </BesideMission.Provider>
       )}
     </aside>

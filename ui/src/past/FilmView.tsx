@@ -68,59 +68,75 @@ function usePlayer(film: Film) {
   return { at, playing, speed, setSpeed, play, moveTo };
 }
 
+type Player = ReturnType<typeof usePlayer>;
+
+function PlayerBar({ film, player, onClose }: { film: Film; player: Player; onClose: () => void }) {
+  const { at, playing, speed, setSpeed, play, moveTo } = player;
+  const scale = { first: 0, last: film.length, steps: sliderSteps };
+  return (
+    <div className="bar film-bar">
+      <button type="button" onClick={onClose}>Close the film</button>
+      <button type="button" className="primary" onClick={play} disabled={film.length === 0}>{playing ? 'Pause' : 'Play'}</button>
+      <label>
+        Speed{' '}
+        <select value={speed} onChange={(event) => setSpeed(Number(event.target.value))}>
+          {speeds.map((one) => <option key={one} value={one}>{one} ×</option>)}
+        </select>
+      </label>
+      <label className="time-slider">
+        <span className="hidden">Time of the film</span>
+        <input
+          type="range" min={0} max={sliderSteps} value={stepOf(scale, at)} aria-valuetext={timeText(at, film.length)}
+          onChange={(event) => moveTo(timeOf(scale, Number(event.target.value)))}
+        />
+      </label>
+      <output className="film-time">{timeText(at, film.length)} of {timeText(film.length, film.length)}</output>
+    </div>
+  );
+}
+
+function TransitionPanel({ film, at }: { film: Film; at: number }) {
+  const { transition } = film;
+  return (
+    <aside className="panel" aria-label="Past transition">
+      <h2>{transition.from || 'empty'} → {transition.to || 'empty'}</h2>
+      <p className={transition.outcome === 'done' ? 'good' : 'bad'}>
+        {transition.outcome}
+        {transition.undone && <>, {transition.undone}</>}
+        {transition.cancelled_by && <>, cancelled by {transition.cancelled_by}</>}
+      </p>
+      {transition.who !== '' && <p className="quiet">Asked for by {transition.who}</p>}
+      {transition.error && <p>{transition.error}</p>}
+      {(film.before === null || film.after === null) && transition.actions.length > 0 && (
+        <p className="note">What ran before or afterwards was not recorded, so only what the actions name is drawn.</p>
+      )}
+      {phases.map((name) => (
+        <Actions key={name} name={name} actions={transition.actions.filter((action) => action.phase === name)} at={at} />
+      ))}
+      {transition.undo_actions.length > 0 && <Actions name="undo" actions={transition.undo_actions} at={at} />}
+    </aside>
+  );
+}
+
 /** How a past transition went, as a film. */
 export function FilmView({ transition, onClose }: { transition: PastTransition; onClose: () => void }) {
   const film = useMemo(() => filmOf(transition), [transition]);
-  const { at, playing, speed, setSpeed, play, moveTo } = usePlayer(film);
+  const player = usePlayer(film);
+  const { at } = player;
   const ended = film.steps.filter((action) => momentOf(action, at) === 'done' || momentOf(action, at) === 'failed').length;
   // A frame changes only where an action ends.
   const frame = useMemo(() => frameOf(film, at), [film, ended, at >= film.length]); // eslint-disable-line react-hooks/exhaustive-deps
-  const scale = { first: 0, last: film.length, steps: sliderSteps };
-  const undoes = film.transition.undo_actions.length > 0;
   return (
     <>
       <section className="main" aria-label="Film">
-        <div className="bar film-bar">
-          <button type="button" onClick={onClose}>Close the film</button>
-          <button type="button" className="primary" onClick={play} disabled={film.length === 0}>{playing ? 'Pause' : 'Play'}</button>
-          <label>
-            Speed{' '}
-            <select value={speed} onChange={(event) => setSpeed(Number(event.target.value))}>
-              {speeds.map((one) => <option key={one} value={one}>{one} ×</option>)}
-            </select>
-          </label>
-          <label className="time-slider">
-            <span className="hidden">Time of the film</span>
-            <input
-              type="range" min={0} max={sliderSteps} value={stepOf(scale, at)} aria-valuetext={timeText(at, film.length)}
-              onChange={(event) => moveTo(timeOf(scale, Number(event.target.value)))}
-            />
-          </label>
-          <output className="film-time">{timeText(at, film.length)} of {timeText(film.length, film.length)}</output>
-        </div>
+        <PlayerBar film={film} player={player} onClose={onClose} />
         {film.steps.length === 0 && !film.before ? (
           <p className="empty">Nothing was done: {transition.error ?? transition.outcome}</p>
         ) : (
           <FrameGraph label="Networks of the transition" frame={frame} />
         )}
       </section>
-      <aside className="panel" aria-label="Past transition">
-        <h2>{transition.from || 'empty'} → {transition.to || 'empty'}</h2>
-        <p className={transition.outcome === 'done' ? 'good' : 'bad'}>
-          {transition.outcome}
-          {transition.undone && <>, {transition.undone}</>}
-          {transition.cancelled_by && <>, cancelled by {transition.cancelled_by}</>}
-        </p>
-        {transition.who !== '' && <p className="quiet">Asked for by {transition.who}</p>}
-        {transition.error && <p>{transition.error}</p>}
-        {(film.before === null || film.after === null) && transition.actions.length > 0 && (
-          <p className="note">What ran before or afterwards was not recorded, so only what the actions name is drawn.</p>
-        )}
-        {phases.map((name) => (
-          <Actions key={name} name={name} actions={transition.actions.filter((action) => action.phase === name)} at={at} />
-        ))}
-        {undoes && <Actions name="undo" actions={transition.undo_actions} at={at} />}
-      </aside>
+      <TransitionPanel film={film} at={at} />
     </>
   );
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useCallback, useEffect, useRef, useState } from 'react';
+import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { useConnection } from '../robot/hooks';
 import type { PastRequest, PastTransition } from './film';
@@ -26,27 +27,30 @@ export interface PastMoment {
 
 const page = 50;
 
-function said(error: unknown): string {
-  return error instanceof Error ? error.message : String(error);
+interface Page {
+  requests: PastRequest[];
+  more: boolean;
+}
+
+/** Asks for the requests that have all the words: those before the one with that id, or the newest. */
+function useAsk(words: string): (before: number | null) => Promise<Page> {
+  const connection = useConnection();
+  return useCallback(
+    async (before: number | null) => {
+      const question: { [key: string]: Json } = { ask: 'requests', limit: page, words: words.slice(0, 200) };
+      if (before !== null) question['before'] = before;
+      return (await connection.call('past', question)) as unknown as Page;
+    },
+    [connection, words],
+  );
 }
 
 /** The requests that have all the words, newest first, and more of them as they are asked for. Asked anew where `changed` does. */
 export function useRequests(words: string, changed: string) {
-  const connection = useConnection();
-  const [requests, setRequests] = useState<PastRequest[]>([]);
-  const [more, setMore] = useState(false);
+  const ask = useAsk(words);
+  const [{ requests, more }, setShown] = useState<Page>({ requests: [], more: false });
   const [problem, setProblem] = useState<string | null>(null);
-  const asked = useRef<{ words: string; requests: PastRequest[] }>({ words: '', requests: [] });
-  asked.current.requests = requests;
-
-  const ask = useCallback(
-    async (before: number | null) => {
-      const question: { [key: string]: Json } = { ask: 'requests', limit: page, words: words.slice(0, 200) };
-      if (before !== null) question['before'] = before;
-      return (await connection.call('past', question)) as unknown as { requests: PastRequest[]; more: boolean };
-    },
-    [connection, words],
-  );
+  const shownWords = useRef('');
 
   useEffect(() => {
     let current = true;
@@ -54,15 +58,12 @@ export function useRequests(words: string, changed: string) {
       (answer) => {
         if (!current) return;
         setProblem(null);
-        // What had been asked for behind the first page stays.
-        const last = answer.requests[answer.requests.length - 1]?.id ?? 0;
-        const behind = asked.current.words === words && answer.more ? asked.current.requests.filter((one) => one.id < last) : [];
-        if (behind.length === 0) setMore(answer.more);
-        setRequests([...answer.requests, ...behind]);
-        asked.current.words = words;
+        const isSame = shownWords.current === words;
+        setShown((before) => withFirst(answer, isSame ? before : null));
+        shownWords.current = words;
       },
       (error: unknown) => {
-        if (current) setProblem(said(error));
+        if (current) setProblem(reason(error));
       },
     );
     return () => {
@@ -75,14 +76,24 @@ export function useRequests(words: string, changed: string) {
     if (!last) return;
     ask(last.id).then(
       (answer) => {
-        if (asked.current.words !== words) return;
-        setRequests((now) => [...now, ...answer.requests.filter((one) => !now.some((known) => known.id === one.id))]);
-        setMore(answer.more);
+        if (shownWords.current === words) setShown((before) => withOlder(before, answer));
       },
-      (error: unknown) => setProblem(said(error)),
+      (error: unknown) => setProblem(reason(error)),
     );
   };
   return { requests, more, older, problem };
+}
+
+/** What had been asked for behind the first page stays. */
+function withFirst(first: Page, before: Page | null): Page {
+  const last = first.requests[first.requests.length - 1]?.id ?? 0;
+  const behind = before && first.more ? before.requests.filter((one) => one.id < last) : [];
+  return { requests: [...first.requests, ...behind], more: before && behind.length > 0 ? before.more : first.more };
+}
+
+function withOlder(before: Page, older: Page): Page {
+  const added = older.requests.filter((one) => !before.requests.some((known) => known.id === one.id));
+  return { requests: [...before.requests, ...added], more: older.more };
 }
 
 /** One answer; null until it is there, or where nothing is asked. The one before stays until the next has come. */
@@ -101,7 +112,7 @@ function useAnswer<Answer>(question: { [key: string]: Json } | null, changed = '
         if (current) setFound({ answer: answer as unknown as Answer, problem: null });
       },
       (error: unknown) => {
-        if (current) setFound({ answer: null, problem: said(error) });
+        if (current) setFound({ answer: null, problem: reason(error) });
       },
     );
     return () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useRef, useState } from 'react';
+import { useEffect, useRef, useState, type FormEvent } from 'react';
 import { isMap } from '../robot/change';
 import { useDocument } from '../robot/hooks';
 import type { Status } from '../robot/types';
@@ -52,75 +52,132 @@ function FieldList({ port, chosen, onToggle }: { port: PortOfTask; chosen: Choic
   );
 }
 
-/** Chooses what a new panel shows, or, with `panel`, what that one shows. */
-export function PanelDialog({ status, panel, onDone, onClose }: {
+interface PortListProps {
   status: Status;
-  panel: Panel | null;
-  onDone: (chosen: { kind: PanelKind; title: string; sources: Source[] }) => void;
-  onClose: () => void;
-}) {
-  const dialog = useRef<HTMLDialogElement>(null);
+  port: PortOfTask | null;
+  onPort: (port: PortOfTask | null) => void;
+}
+
+function PortList({ status, port, onPort }: PortListProps) {
   const { ports, left } = usePorts(status);
   const [words, setWords] = useState('');
-  const [port, setPort] = useState<PortOfTask | null>(null);
+  const found = portsWith(ports, words);
+  return (
+    <section aria-label="Ports">
+      <input
+        type="search"
+        aria-label="Find ports"
+        placeholder="Find ports: task, port or type"
+        value={words}
+        onChange={(event) => setWords(event.target.value)}
+        onKeyDown={(event) => {
+          if (event.key !== 'Enter') return;
+          event.preventDefault();
+          onPort(found[0] ?? port);
+        }}
+      />
+      <p className="quiet" role="status">
+        {found.length} of {ports.length} output ports{left > 0 && ', asking ' + left + ' more tasks …'}
+      </p>
+      <ul className="plain list">
+        {found.slice(0, mostPortsListed).map((one) => (
+          <li key={one.task + '.' + one.port}>
+            <button type="button" className="line" title={one.doc} aria-pressed={one === port} onClick={() => onPort(one)}>
+              <span>{one.task}.{one.port}</span>
+              <span className="quiet">{one.type}</span>
+            </button>
+          </li>
+        ))}
+        {found.length > mostPortsListed && <li className="quiet">and {found.length - mostPortsListed} more; search for them</li>}
+      </ul>
+    </section>
+  );
+}
+
+/** The fields that are chosen, and what kind of panel shows which of them. */
+function useChoices(panel: Panel | null) {
   const [choices, setChoices] = useState<Choice[]>(() => (panel?.sources ?? []).map((source) => ({ source, field: null })));
   const [asked, setAsked] = useState<PanelKind | null>(panel?.kind ?? null);
-  const [title, setTitle] = useState(panel?.title ?? '');
   const suggested = suggestionFor(choices);
   const kind = asked ?? suggested ?? 'time';
   const fitting = choices.filter((choice) => !choice.field || fits(kind, choice.field.shape)).slice(0, kind === 'image' ? 1 : mostSources);
-  const found = portsWith(ports, words);
-
-  useEffect(() => dialog.current?.showModal(), []);
-
   const toggle = (choice: Choice) => {
     const text = sourceText(choice.source);
     const others = choices.filter((one) => sourceText(one.source) !== text);
     setChoices(others.length < choices.length ? others : [...choices, choice]);
   };
-  const finish = () => {
+  return { choices, fitting, kind, suggested, setAsked, toggle };
+}
+type Choices = ReturnType<typeof useChoices>;
+
+function ChosenFields({ choices, fitting, kind, toggle }: Choices) {
+  const misfits = choices.filter((choice) => !fitting.includes(choice));
+  return (
+    <>
+      {choices.length > 0 && (
+        <ul className="plain row" aria-label="Chosen fields">
+          {choices.map((choice) => (
+            <li key={sourceText(choice.source)}>
+              <button type="button" className={'small' + (misfits.includes(choice) ? ' bad' : '')} aria-label={'Remove ' + sourceText(choice.source)} onClick={() => toggle(choice)}>
+                {sourceText(choice.source)} ×
+              </button>
+            </li>
+          ))}
+        </ul>
+      )}
+      {misfits.length > 0 && <p className="bad">A {kindNames[kind]} cannot show {misfits.map((choice) => sourceText(choice.source)).join(', ')}.</p>}
+    </>
+  );
+}
+
+function KindChoice({ kind, suggested, setAsked }: Choices) {
+  return (
+    <fieldset className="row">
+      <legend className="hidden">Kind of panel</legend>
+      {kinds.map((one) => (
+        <label key={one}>
+          <input type="radio" name="kind" checked={kind === one} onChange={() => setAsked(one)} /> {kindNames[one]}
+          {suggested === one && <span className="badge">fits</span>}
+        </label>
+      ))}
+    </fieldset>
+  );
+}
+
+/** What a panel is to show. */
+export interface Chosen {
+  kind: PanelKind;
+  title: string;
+  sources: Source[];
+}
+
+interface Props {
+  status: Status;
+  panel: Panel | null;
+  onDone: (chosen: Chosen) => void;
+  onClose: () => void;
+}
+
+/** Chooses what a new panel shows, or, with `panel`, what that one shows. */
+export function PanelDialog({ status, panel, onDone, onClose }: Props) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const [port, setPort] = useState<PortOfTask | null>(null);
+  const chosen = useChoices(panel);
+  const { choices, fitting, kind, toggle } = chosen;
+  const [title, setTitle] = useState(panel?.title ?? '');
+  useEffect(() => dialog.current?.showModal(), []);
+  const finish = (event: FormEvent) => {
+    event.preventDefault();
     const sources = fitting.map((choice) => choice.source);
     if (sources.length > 0) onDone({ kind, title: title.trim().slice(0, 255) || sources.map(sourceText).join(', ').slice(0, 60), sources });
   };
+  const heading = panel ? 'Change a panel' : 'Add a panel';
   return (
-    <dialog ref={dialog} className="choose" aria-label={panel ? 'Change a panel' : 'Add a panel'} onClose={onClose}>
-      <form
-        method="dialog"
-        onSubmit={(event) => {
-          event.preventDefault();
-          finish();
-        }}
-      >
-        <h2>{panel ? 'Change a panel' : 'Add a panel'}</h2>
+    <dialog ref={dialog} className="choose" aria-label={heading} onClose={onClose}>
+      <form method="dialog" onSubmit={finish}>
+        <h2>{heading}</h2>
         <div className="choose-columns">
-          <section aria-label="Ports">
-            <input
-              type="search"
-              aria-label="Find ports"
-              placeholder="Find ports: task, port or type"
-              value={words}
-              onChange={(event) => setWords(event.target.value)}
-              onKeyDown={(event) => {
-                if (event.key !== 'Enter') return;
-                event.preventDefault();
-                setPort(found[0] ?? port);
-              }}
-            />
-            <p className="quiet" role="status">
-              {found.length} of {ports.length} output ports{left > 0 && ', asking ' + left + ' more tasks …'}
-            </p>
-            <ul className="plain list">
-              {found.slice(0, mostPortsListed).map((one) => (
-                <li key={one.task + '.' + one.port}>
-                  <button type="button" className="line" title={one.doc} aria-pressed={one === port} onClick={() => setPort(one)}>
-                    <span>{one.task}.{one.port}</span>
-                    <span className="quiet">{one.type}</span>
-                  </button>
-                </li>
-              ))}
-              {found.length > mostPortsListed && <li className="quiet">and {found.length - mostPortsListed} more; search for them</li>}
-            </ul>
-          </section>
+          <PortList status={status} port={port} onPort={setPort} />
           <section aria-label="Fields">
             {port ? (
               <>
@@ -132,29 +189,8 @@ export function PanelDialog({ status, panel, onDone, onClose }: {
             )}
           </section>
         </div>
-        {choices.length > 0 && (
-          <ul className="plain row" aria-label="Chosen fields">
-            {choices.map((choice) => (
-              <li key={sourceText(choice.source)}>
-                <button type="button" className={'small' + (fitting.includes(choice) ? '' : ' bad')} aria-label={'Remove ' + sourceText(choice.source)} onClick={() => toggle(choice)}>
-                  {sourceText(choice.source)} ×
-                </button>
-              </li>
-            ))}
-          </ul>
-        )}
-        {fitting.length < choices.length && (
-          <p className="bad">A {kindNames[kind]} cannot show {choices.filter((choice) => !fitting.includes(choice)).map((choice) => sourceText(choice.source)).join(', ')}.</p>
-        )}
-        <fieldset className="row">
-          <legend className="hidden">Kind of panel</legend>
-          {kinds.map((one) => (
-            <label key={one}>
-              <input type="radio" name="kind" checked={kind === one} onChange={() => setAsked(one)} /> {kindNames[one]}
-              {suggested === one && <span className="badge">fits</span>}
-            </label>
-          ))}
-        </fieldset>
+        <ChosenFields {...chosen} />
+        <KindChoice {...chosen} />
         <div className="row">
           <input aria-label="Title" placeholder="Title" maxLength={255} value={title} onChange={(event) => setTitle(event.target.value)} />
           <button type="button" onClick={() => dialog.current?.close()}>Cancel</button>

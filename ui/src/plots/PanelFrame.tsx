@@ -11,8 +11,7 @@ function secondsText(seconds: number): string {
   return seconds < 60 ? seconds + ' s' : seconds / 60 + ' min';
 }
 
-/** A panel with what all kinds of panels have: title, place, size, pause. */
-export function PanelFrame({ panel, onChange, onEdit, onMove, onRemove, onDrop }: {
+interface Props {
   panel: Panel;
   onChange: (panel: Panel) => void;
   onEdit: () => void;
@@ -21,10 +20,56 @@ export function PanelFrame({ panel, onChange, onEdit, onMove, onRemove, onDrop }
   onRemove: () => void;
   /** The panel with this id was dropped here. */
   onDrop: (id: number) => void;
-}) {
+}
+
+/** How much of the past is shown, in kinds that show it. */
+function TimeChoice({ panel, onChange }: Pick<Props, 'panel' | 'onChange'>) {
+  if (panel.kind !== 'time' && panel.kind !== 'map') return null;
+  const chosenWindows = windows.includes(panel.seconds) ? windows : [panel.seconds, ...windows];
+  return (
+    <select aria-label={'Time shown in ' + panel.title} value={panel.seconds} onChange={(event) => onChange({ ...panel, seconds: Number(event.target.value) })}>
+      {chosenWindows.map((seconds) => <option key={seconds} value={seconds}>{secondsText(seconds)}</option>)}
+    </select>
+  );
+}
+
+function SizeChoice({ panel, onChange }: Pick<Props, 'panel' | 'onChange'>) {
+  return (
+    <select
+      aria-label={'Size of ' + panel.title}
+      value={panel.columns + ' × ' + panel.rows}
+      onChange={(event) => {
+        const [columns, rows] = event.target.value.split(' × ').map(Number);
+        onChange({ ...panel, columns: columns ?? 1, rows: rows ?? 1 });
+      }}
+    >
+      {sizes.map((size) => <option key={size}>{size}</option>)}
+    </select>
+  );
+}
+
+function Header({ panel, onChange, onEdit, onMove, onRemove, paused, onPause }: Omit<Props, 'onDrop'> & { paused: boolean; onPause: (paused: boolean) => void }) {
+  return (
+    <header draggable onDragStart={(event) => event.dataTransfer.setData('text/x-segue-panel', String(panel.id))}>
+      <h2 title={panel.title}>{panel.title}</h2>
+      <TimeChoice panel={panel} onChange={onChange} />
+      <SizeChoice panel={panel} onChange={onChange} />
+      <button type="button" className="small" aria-pressed={paused} aria-label={(paused ? 'Go on with ' : 'Pause ') + panel.title} onClick={() => onPause(!paused)}>
+        {paused ? 'Go on' : 'Pause'}
+      </button>
+      <button type="button" className="small" aria-label={'Fields of ' + panel.title} onClick={onEdit}>Fields</button>
+      <button type="button" className="small" aria-label={'Move ' + panel.title + ' earlier'} onClick={() => onMove(-1)}>◂</button>
+      <button type="button" className="small" aria-label={'Move ' + panel.title + ' later'} onClick={() => onMove(1)}>▸</button>
+      <button type="button" className="small" aria-label={'Remove ' + panel.title} onClick={onRemove}>×</button>
+    </header>
+  );
+}
+
+/** A panel with what all kinds of panels have: title, place, size, pause. */
+export function PanelFrame({ onDrop, ...props }: Props) {
+  const { panel } = props;
   const [paused, setPaused] = useState(false);
   const shown = { panel, paused };
-  const chosenWindows = windows.includes(panel.seconds) ? windows : [panel.seconds, ...windows];
   return (
     <section
       className="plot-panel"
@@ -36,31 +81,7 @@ export function PanelFrame({ panel, onChange, onEdit, onMove, onRemove, onDrop }
         onDrop(Number(event.dataTransfer.getData('text/x-segue-panel')));
       }}
     >
-      <header draggable onDragStart={(event) => event.dataTransfer.setData('text/x-segue-panel', String(panel.id))}>
-        <h2 title={panel.title}>{panel.title}</h2>
-        {(panel.kind === 'time' || panel.kind === 'map') && (
-          <select aria-label={'Time shown in ' + panel.title} value={panel.seconds} onChange={(event) => onChange({ ...panel, seconds: Number(event.target.value) })}>
-            {chosenWindows.map((seconds) => <option key={seconds} value={seconds}>{secondsText(seconds)}</option>)}
-          </select>
-        )}
-        <select
-          aria-label={'Size of ' + panel.title}
-          value={panel.columns + ' × ' + panel.rows}
-          onChange={(event) => {
-            const [columns, rows] = event.target.value.split(' × ').map(Number);
-            onChange({ ...panel, columns: columns ?? 1, rows: rows ?? 1 });
-          }}
-        >
-          {sizes.map((size) => <option key={size}>{size}</option>)}
-        </select>
-        <button type="button" className="small" aria-pressed={paused} aria-label={(paused ? 'Go on with ' : 'Pause ') + panel.title} onClick={() => setPaused(!paused)}>
-          {paused ? 'Go on' : 'Pause'}
-        </button>
-        <button type="button" className="small" aria-label={'Fields of ' + panel.title} onClick={onEdit}>Fields</button>
-        <button type="button" className="small" aria-label={'Move ' + panel.title + ' earlier'} onClick={() => onMove(-1)}>◂</button>
-        <button type="button" className="small" aria-label={'Move ' + panel.title + ' later'} onClick={() => onMove(1)}>▸</button>
-        <button type="button" className="small" aria-label={'Remove ' + panel.title} onClick={onRemove}>×</button>
-      </header>
+      <Header {...props} paused={paused} onPause={setPaused} />
       {panel.kind === 'image' && <ImagePanel {...shown} />}
       {panel.kind === 'map' && <MapPanel {...shown} />}
       {(panel.kind === 'time' || panel.kind === 'profile') && (

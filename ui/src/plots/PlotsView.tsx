@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useRef, useState } from 'react';
+import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Status } from '../robot/types';
 import { layoutText, mostPanels, mostPorts, newId, parseLayout, portsOf, type Panel } from './layout';
-import { PanelDialog } from './PanelDialog';
+import { PanelDialog, type Chosen } from './PanelDialog';
 import { PanelFrame } from './PanelFrame';
-import { download, keepLayout, reason, storedLayout } from './stored';
+import { download, keepLayout, storedLayout } from './stored';
 import './plots.css';
 
 const longestFile = 1 << 20;
@@ -17,15 +18,11 @@ interface Note {
   before?: Panel[];
 }
 
-/** Panels that plot, draw or map the samples of ports, arranged as the user likes. */
-export function PlotsView({ status }: { status: Status }) {
-  const { robot } = useConnection();
+/** The panels that this browser keeps for the robot, and what is told of the last change. */
+function usePanels(robot: string) {
   const [first] = useState(() => storedLayout(robot));
   const [panels, setPanels] = useState<Panel[]>(first.panels);
   const [note, setNote] = useState<Note | null>(first.problem ? { text: first.problem, bad: true } : null);
-  const [editing, setEditing] = useState<Panel | 'new' | null>(null);
-  const file = useRef<HTMLInputElement>(null);
-
   const keep = (next: Panel[], told: Note | null = null) => {
     const ports = portsOf(next).size;
     if (ports > mostPorts) return setNote({ text: 'That would show ' + ports + ' ports; ' + mostPorts + ' are the most.', bad: true });
@@ -33,8 +30,7 @@ export function PlotsView({ status }: { status: Status }) {
     const problem = keepLayout(robot, next);
     setNote(problem ? { text: problem, bad: true } : told);
   };
-  const load = async (chosen: File | undefined) => {
-    if (!chosen) return;
+  const load = async (chosen: File) => {
     try {
       if (chosen.size > longestFile) throw new Error('it is larger than 1 MiB');
       const next = parseLayout(await chosen.text());
@@ -43,67 +39,81 @@ export function PlotsView({ status }: { status: Status }) {
       setNote({ text: chosen.name + ' was not loaded: ' + reason(error), bad: true });
     }
   };
-  const moved = (from: number, to: number) => {
+  const move = (from: number, to: number) => {
     const next = [...panels];
     const [panel] = next.splice(from, 1);
     if (!panel || to < 0 || to > next.length) return;
     next.splice(to, 0, panel);
     keep(next);
   };
+  const change = (changed: Panel) => keep(panels.map((one) => (one.id === changed.id ? changed : one)));
+  const remove = (panel: Panel) => keep(panels.filter((one) => one.id !== panel.id), { text: 'Removed ' + panel.title + '.', bad: false, before: panels });
+  return { panels, note, keep, load, move, change, remove };
+}
+type Panels = ReturnType<typeof usePanels>;
 
+function LoadButton({ onFile }: { onFile: (file: File) => void }) {
+  const input = useRef<HTMLInputElement>(null);
+  return (
+    <>
+      <button type="button" onClick={() => input.current?.click()}>Load a file</button>
+      <input
+        ref={input} type="file" accept=".json,application/json" aria-label="Layout file" hidden
+        onChange={(event) => {
+          const chosen = event.target.files?.[0];
+          if (chosen) onFile(chosen);
+          event.target.value = '';
+        }}
+      />
+    </>
+  );
+}
+
+function Bar({ robot, all, onAdd }: { robot: string; all: Panels; onAdd: () => void }) {
+  const { panels, note, keep, load } = all;
+  return (
+    <div className="bar">
+      <button type="button" className="primary" disabled={panels.length >= mostPanels} onClick={onAdd}>Add a panel</button>
+      <button type="button" disabled={panels.length === 0} onClick={() => download(robot + '.layout.json', layoutText(panels))}>Save to a file</button>
+      <LoadButton onFile={(file) => void load(file)} />
+      <span className="quiet">{panels.length} panels; this browser keeps them.</span>
+      {note && (
+        <span role="status" className={note.bad ? 'bad' : 'good'}>
+          {note.text} {note.before && <button type="button" className="small" onClick={() => keep(note.before ?? [])}>Take back</button>}
+        </span>
+      )}
+    </div>
+  );
+}
+
+/** Panels that plot, draw or map the samples of ports, arranged as the user likes. */
+export function PlotsView({ status }: { status: Status }) {
+  const { robot } = useConnection();
+  const all = usePanels(robot);
+  const { panels, keep, move, change, remove } = all;
+  const [editing, setEditing] = useState<Panel | 'new' | null>(null);
+  const finish = (chosen: Chosen) => {
+    if (editing === 'new') keep([...panels, { id: newId(), columns: 1, rows: 1, seconds: 30, ...chosen }]);
+    else if (editing) keep(panels.map((one) => (one.id === editing.id ? { ...one, ...chosen } : one)));
+    setEditing(null);
+  };
+  const drop = (id: number, at: number) => {
+    const from = panels.findIndex((one) => one.id === id);
+    if (from >= 0) move(from, at);
+  };
   return (
     <section className="view" aria-label="Plots">
-      <div className="bar">
-        <button type="button" className="primary" disabled={panels.length >= mostPanels} onClick={() => setEditing('new')}>Add a panel</button>
-        <button type="button" disabled={panels.length === 0} onClick={() => download(robot + '.layout.json', layoutText(panels))}>Save to a file</button>
-        <button type="button" onClick={() => file.current?.click()}>Load a file</button>
-        <input
-          ref={file}
-          type="file"
-          accept=".json,application/json"
-          aria-label="Layout file"
-          hidden
-          onChange={(event) => {
-            void load(event.target.files?.[0]);
-            event.target.value = '';
-          }}
-        />
-        <span className="quiet">{panels.length} panels; this browser keeps them.</span>
-        {note && (
-          <span role="status" className={note.bad ? 'bad' : 'good'}>
-            {note.text} {note.before && <button type="button" className="small" onClick={() => keep(note.before ?? [])}>Take back</button>}
-          </span>
-        )}
-      </div>
+      <Bar robot={robot} all={all} onAdd={() => setEditing('new')} />
       {panels.length === 0 && <p className="empty">No panel yet. Add one: plots over time, lists, images and a map of any port.</p>}
       <div className="panels">
         {panels.map((panel, index) => (
           <PanelFrame
-            key={panel.id}
-            panel={panel}
-            onChange={(changed) => keep(panels.map((one) => (one.id === panel.id ? changed : one)))}
-            onEdit={() => setEditing(panel)}
-            onMove={(step) => moved(index, index + step)}
-            onRemove={() => keep(panels.filter((one) => one.id !== panel.id), { text: 'Removed ' + panel.title + '.', bad: false, before: panels })}
-            onDrop={(id) => {
-              const from = panels.findIndex((one) => one.id === id);
-              if (from >= 0) moved(from, index);
-            }}
+            key={panel.id} panel={panel} onChange={change} onEdit={() => setEditing(panel)}
+            onMove={(step) => move(index, index + step)} onRemove={() => remove(panel)} onDrop={(id) => drop(id, index)}
           />
         ))}
       </div>
-      {editing && (
-        <PanelDialog
-          status={status}
-          panel={editing === 'new' ? null : editing}
-          onClose={() => setEditing(null)}
-          onDone={(chosen) => {
-            if (editing === 'new') keep([...panels, { id: newId(), columns: 1, rows: 1, seconds: 30, ...chosen }]);
-            else keep(panels.map((one) => (one.id === editing.id ? { ...one, ...chosen } : one)));
-            setEditing(null);
-          }}
-        />
-      )}
+      {editing && <PanelDialog status={status} panel={editing === 'new' ? null : editing} onClose={() => setEditing(null)} onDone={finish} />}
     </section>
   );
 }

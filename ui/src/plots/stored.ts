@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { reason } from '../reason';
 import { layoutText, parseLayout, type Panel } from './layout';
 
 const keyOf = (robot: string) => 'segue-studio-plots/' + robot;
@@ -21,10 +22,6 @@ export function keepLayout(robot: string, panels: Panel[]): string {
   } catch (error) {
     return 'This browser does not keep the layout: ' + reason(error);
   }
-}
-
-export function reason(error: unknown): string {
-  return error instanceof Error ? error.message : String(error);
 }
 
 export function download(name: string, text: string): void {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from 'react';
+import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { Graph } from '../network/Graph';
 import { useConnection, useDocument } from '../robot/hooks';
-import type { Action, Status, SwitchOutcome, Transition } from '../robot/types';
+import type { Action, RobotEvent, Status, SwitchOutcome, Transition } from '../robot/types';
 import { eventsOf } from '../events/filter';
 import { OpenRequests, UndoList } from './OpenRequests';
 import { undoingOf, undoneOf, type Undoing } from './undo';
@@ -77,19 +78,14 @@ function Outcome({ attempt }: { attempt: Attempt }) {
   );
 }
 
-export function SwitchView({ status }: { status: Status }) {
+/** Which controller the robot is to switch to, and the transition to it; asked again when the robot runs something else. */
+function usePlan(status: Status) {
   const connection = useConnection();
-  const shownEvents = useDocument('events');
-  const events = useMemo(() => eventsOf(shownEvents?.value), [shownEvents]);
   const [chosen, setChosen] = useState<string | null>(null);
   const [force, setForce] = useState(false);
-  const [takeOver, setTakeOver] = useState(false);
   const [plan, setPlan] = useState<Transition | null>(null);
   const [problem, setProblem] = useState<string | null>(null);
   const [history, setHistory] = useState<Transition[]>([]);
-  const [attempt, setAttempt] = useState<Attempt | null>(null);
-  const fixed = !connection.mayOperate;
-
   useEffect(() => {
     if (chosen === null) return;
     let current = true;
@@ -103,17 +99,24 @@ export function SwitchView({ status }: { status: Status }) {
         setPlan(refused.outcome === 'refused' ? null : (found as unknown as Transition));
         setHistory(past as unknown as Transition[]);
       } catch (error) {
-        if (current) [setPlan(null), setProblem(error instanceof Error ? error.message : String(error))];
+        if (current) [setPlan(null), setProblem(reason(error))];
       }
     };
     void ask();
     return () => {
       current = false;
     };
-    // Asked again when the robot runs something else.
   }, [connection, chosen, force, status.controller, status.state]);
+  return { chosen, setChosen, force, setForce, plan, problem, setProblem, history };
+}
+type Planned = ReturnType<typeof usePlan>;
 
-  const doIt = async () => {
+/** A switch that was asked for here. */
+function useAttempt(status: Status, events: RobotEvent[], { plan, chosen, force }: Planned) {
+  const connection = useConnection();
+  const [takeOver, setTakeOver] = useState(false);
+  const [attempt, setAttempt] = useState<Attempt | null>(null);
+  const begin = async () => {
     if (!plan || chosen === null) return;
     const begun: Attempt = {
       transition: plan, difference: differenceOf(status, plan), after: events[events.length - 1]?.number ?? 0, outcome: null, error: null,
@@ -124,133 +127,189 @@ export function SwitchView({ status }: { status: Status }) {
       const outcome = await connection.call('switch', { controller: chosen, force, take_over: takeOver });
       setAttempt({ ...begun, outcome: outcome as unknown as SwitchOutcome });
     } catch (error) {
-      setAttempt({ ...begun, error: error instanceof Error ? error.message : String(error) });
+      setAttempt({ ...begun, error: reason(error) });
     }
   };
+  const busy = attempt !== null && attempt.outcome === null && attempt.error === null;
+  return { attempt, busy, begin, forget: () => setAttempt(null), takeOver, setTakeOver };
+}
+type Attempted = ReturnType<typeof useAttempt>;
 
+interface ControllersProps {
+  status: Status;
+  chosen: string | null;
+  onChoose: (name: string) => void;
+  onProblem: (text: string | null) => void;
+}
+
+function Controllers({ status, chosen, onChoose, onProblem }: ControllersProps) {
+  const connection = useConnection();
   const prepare = (controller: string, add: boolean) => {
     const names: Json[] = status.ready.map((one) => one.controller).filter((name) => name !== controller);
     connection.call('prepare', { controllers: add ? [...names, controller] : names }).then(
-      () => setProblem(null),
-      (error: Error) => setProblem(error.message),
+      () => onProblem(null),
+      (error: Error) => onProblem(error.message),
     );
   };
+  return (
+    <section className="controllers" aria-label="Controllers">
+      <h2>Controllers</h2>
+      <ul className="plain">
+        {status.controllers.map((name) => {
+          const prepared = status.ready.find((one) => one.controller === name);
+          return (
+            <li key={name} className="controller">
+              <button type="button" className="line" aria-pressed={chosen === name} onClick={() => onChoose(name)}>
+                <span>{name}</span>
+                {status.controller === name && <span className="badge tone-good">runs</span>}
+                {prepared && <span className="badge">{prepared.ready ? 'prepared' : 'prepares'}</span>}
+              </button>
+              {connection.mayOperate && (
+                <button type="button" className="small" aria-label={(prepared ? 'Do not prepare ' : 'Prepare ') + name} onClick={() => prepare(name, !prepared)}>
+                  {prepared ? 'drop' : 'prepare'}
+                </button>
+              )}
+            </li>
+          );
+        })}
+      </ul>
+      {status.commanded_by && <p className="quiet">Commanded by {status.commanded_by}</p>}
+    </section>
+  );
+}
 
+function Legend({ difference }: { difference: Difference }) {
+  return (
+    <span className="legend">
+      {(['unchanged', 'added', 'changed', 'removed'] as const).map((fate) => (
+        <span key={fate} className={'badge fate-' + fate}>
+          {fate}: {difference.tasks.filter((task) => task.fate === fate).length}
+        </span>
+      ))}
+    </span>
+  );
+}
+
+function DifferenceGraph({ difference }: { difference: Difference }) {
+  const places = [...new Set(difference.tasks.map((task) => task.place))].sort();
+  return (
+    <Graph
+      label="Difference of the controllers"
+      groups={places.map((place) => ({ id: 'group:' + place, title: place === '' ? 'runtime' : place }))}
+      nodes={difference.tasks.map((task) => ({
+        id: task.id, group: 'group:' + task.place, title: task.id, detail: task.fate, look: 'fate-' + task.fate,
+      }))}
+      edges={difference.edges.map((edge) => ({ ...edge, look: 'fate-' + edge.fate }))}
+    />
+  );
+}
+
+interface DoItProps {
+  status: Status;
+  planned: Planned;
+  attempted: Attempted;
+  isEmpty: boolean;
+}
+
+/** Asks for the switch; nothing for who may not. */
+function DoIt({ status, planned: { force, setForce }, attempted, isEmpty }: DoItProps) {
+  const connection = useConnection();
+  const { attempt, busy, begin, forget, takeOver, setTakeOver } = attempted;
+  if (!connection.mayOperate) return null;
+  return (
+    <>
+      <div className="doit">
+        <button type="button" className="primary" disabled={busy || attempt !== null || isEmpty} onClick={() => void begin()}>
+          Switch
+        </button>
+        <label>
+          <input type="checkbox" checked={force} disabled={attempt !== null} aria-describedby="force-means" onChange={(event) => setForce(event.target.checked)} /> force
+        </label>
+        {status.commanded_by && connection.mayAdminister && (
+          <label><input type="checkbox" checked={takeOver} onChange={(event) => setTakeOver(event.target.checked)} /> take over</label>
+        )}
+        {attempt && !busy && <button type="button" onClick={forget}>Plan again</button>}
+      </div>
+      <p id="force-means" className="quiet force-means">
+        Force kills the processes that go, instead of stopping their tasks first: for tasks that hang.
+      </p>
+    </>
+  );
+}
+
+interface PhasesProps {
+  actions: Action[];
+  attempt: Attempt | null;
+  events: RobotEvent[];
+  critical: Set<number>;
+}
+
+/** How far the transition is, phase by phase. */
+function Phases({ actions, attempt, events, critical }: PhasesProps) {
+  const progress = progressOf(actions, attempt ? events : [], attempt?.after ?? Infinity);
+  const undoing: Undoing = attempt ? undoingOf(events, attempt.after) : { why: null, steps: [] };
+  const undone = undoneOf(actions, undoing);
+  return (
+    <>
+      {attempt && <Outcome attempt={attempt} />}
+      <UndoList undoing={undoing} />
+      {phases.map((name) => (
+        <Phase key={name} name={name} actions={actions.filter((action) => (action.phase ?? 'commit') === name)} progress={progress} undone={undone} critical={critical} />
+      ))}
+    </>
+  );
+}
+
+interface TransitionProps {
+  status: Status;
+  transition: Transition;
+  events: RobotEvent[];
+  planned: Planned;
+  attempted: Attempted;
+}
+
+function TransitionPart({ status, transition, events, planned, attempted }: TransitionProps) {
+  const { actions } = transition;
+  const { history } = planned;
+  const estimate = useMemo(() => estimateOf(actions, history), [actions, history]);
+  return (
+    <>
+      <p>
+        {actions.length} actions
+        {estimate.known > 0 && <>; the longest chain takes about {seconds(estimate.seconds)} <span className="quiet">(from what {estimate.known} of them took before)</span></>}
+      </p>
+      <DoIt status={status} planned={planned} attempted={attempted} isEmpty={actions.length === 0} />
+      <Phases actions={actions} attempt={attempted.attempt} events={events} critical={estimate.known > 0 ? estimate.critical : new Set()} />
+    </>
+  );
+}
+
+export function SwitchView({ status }: { status: Status }) {
+  const shownEvents = useDocument('events');
+  const events = useMemo(() => eventsOf(shownEvents?.value), [shownEvents]);
+  const planned = usePlan(status);
+  const { chosen, setChosen, plan, problem, setProblem } = planned;
+  const attempted = useAttempt(status, events, planned);
+  const { attempt, forget } = attempted;
   const transition = attempt?.transition ?? plan;
   const difference = attempt?.difference ?? (plan ? differenceOf(status, plan) : null);
-  const progress = progressOf(transition?.actions ?? [], attempt ? events : [], attempt?.after ?? Infinity);
-  const undoing: Undoing = attempt ? undoingOf(events, attempt.after) : { why: null, steps: [] };
-  const undone = undoneOf(transition?.actions ?? [], undoing);
-  const estimate = useMemo(() => estimateOf(transition?.actions ?? [], history), [transition, history]);
-  const busy = attempt !== null && attempt.outcome === null && attempt.error === null;
-  const groups = [...new Set(difference?.tasks.map((task) => task.place) ?? [])].sort().map((place) => ({
-    id: 'group:' + place, title: place === '' ? 'runtime' : place,
-  }));
-
   return (
     <div className="view switch">
-      <section className="controllers" aria-label="Controllers">
-        <h2>Controllers</h2>
-        <ul className="plain">
-          {status.controllers.map((name) => {
-            const prepared = status.ready.find((one) => one.controller === name);
-            return (
-              <li key={name} className="controller">
-                <button
-                  type="button"
-                  className="line"
-                  aria-pressed={chosen === name}
-                  onClick={() => {
-                    setChosen(name);
-                    setAttempt(null);
-                  }}
-                >
-                  <span>{name}</span>
-                  {status.controller === name && <span className="badge tone-good">runs</span>}
-                  {prepared && <span className="badge">{prepared.ready ? 'prepared' : 'prepares'}</span>}
-                </button>
-                {!fixed && (
-                  <button type="button" className="small" aria-label={(prepared ? 'Do not prepare ' : 'Prepare ') + name} onClick={() => prepare(name, !prepared)}>
-                    {prepared ? 'drop' : 'prepare'}
-                  </button>
-                )}
-              </li>
-            );
-          })}
-        </ul>
-        {status.commanded_by && <p className="quiet">Commanded by {status.commanded_by}</p>}
-      </section>
+      <Controllers status={status} chosen={chosen} onChoose={(name) => [setChosen(name), forget()]} onProblem={setProblem} />
       <section className="main" aria-label="Difference">
         <div className="bar">
           <span>
             {chosen === null ? 'Choose a controller' : (transition?.from || 'empty') + ' → ' + ((transition?.to ?? chosen) || 'empty')}
           </span>
-          {difference && (
-            <span className="legend">
-              {(['unchanged', 'added', 'changed', 'removed'] as const).map((fate) => (
-                <span key={fate} className={'badge fate-' + fate}>
-                  {fate}: {difference.tasks.filter((task) => task.fate === fate).length}
-                </span>
-              ))}
-            </span>
-          )}
+          {difference && <Legend difference={difference} />}
         </div>
-        {difference ? (
-          <Graph
-            label="Difference of the controllers"
-            groups={groups}
-            nodes={difference.tasks.map((task) => ({
-              id: task.id, group: 'group:' + task.place, title: task.id, detail: task.fate, look: 'fate-' + task.fate,
-            }))}
-            edges={difference.edges.map((edge) => ({ ...edge, look: 'fate-' + edge.fate }))}
-          />
-        ) : (
-          <p className="empty">{problem ? '' : 'The difference to what runs is drawn here before anything happens.'}</p>
-        )}
+        {difference ? <DifferenceGraph difference={difference} /> : <p className="empty">{problem ? '' : 'The difference to what runs is drawn here before anything happens.'}</p>}
       </section>
       <aside className="panel" aria-label="Transition">
         <h2>Transition</h2>
         <OpenRequests status={status} />
         {problem && <p className="bad" role="alert">{problem}</p>}
-        {transition && (
-          <>
-            <p>
-              {transition.actions.length} actions
-              {estimate.known > 0 && <>; the longest chain takes about {seconds(estimate.seconds)} <span className="quiet">(from what {estimate.known} of them took before)</span></>}
-            </p>
-            {!fixed && (
-              <div className="doit">
-                <button type="button" className="primary" disabled={busy || attempt !== null || transition.actions.length === 0} onClick={() => void doIt()}>
-                  Switch
-                </button>
-                <label>
-                  <input type="checkbox" checked={force} disabled={attempt !== null} aria-describedby="force-means" onChange={(event) => setForce(event.target.checked)} /> force
-                </label>
-                {status.commanded_by && connection.mayAdminister && (
-                  <label><input type="checkbox" checked={takeOver} onChange={(event) => setTakeOver(event.target.checked)} /> take over</label>
-                )}
-                {attempt && !busy && <button type="button" onClick={() => setAttempt(null)}>Plan again</button>}
-              </div>
-            )}
-            {!fixed && (
-              <p id="force-means" className="quiet force-means">
-                Force kills the processes that go, instead of stopping their tasks first: for tasks that hang.
-              </p>
-            )}
-            {attempt && <Outcome attempt={attempt} />}
-            <UndoList undoing={undoing} />
-            {phases.map((name) => (
-              <Phase
-                key={name}
-                name={name}
-                actions={transition.actions.filter((action) => (action.phase ?? 'commit') === name)}
-                progress={progress}
-                undone={undone}
-                critical={estimate.known > 0 ? estimate.critical : new Set()}
-              />
-            ))}
-          </>
-        )}
+        {transition && <TransitionPart status={status} transition={transition} events={events} planned={planned} attempted={attempted} />}
       </aside>
     </div>
   );
