@@ -75,9 +75,17 @@ int show_plan(const Value& answer, const PlanOptions& options, const Context& co
   return options.exit_code && has_changes(answer) ? kChanges : kDone;
 }
 
+Result<control::RequestOptions> options_of(const PlanOptions& options, std::string_view verb) {
+  const auto order = model::order_named(options.order);
+  if (!order) return order.error();
+  return control::RequestOptions{
+      .order = *order, .force = options.force, .who = sender(verb), .take_over = options.take_over};
+}
+
 int plan(control::RobotService& robot, const PlanOptions& options, const Context& context) {
-  const auto answer = robot.plan(options.controller, {.force = options.force, .order = options.order},
-                                 deadline_in(options.timeout));
+  const auto asked = options_of(options, "plan");
+  if (!asked) return failed(context, asked.error());
+  const auto answer = robot.plan(options.controller, *asked, deadline_in(options.timeout));
   return answer ? show_plan(*answer, options, context) : failed(context, answer.error());
 }
 
@@ -96,9 +104,9 @@ int show_applied(const Value& answer, const Context& context) {
 }
 
 int apply(control::RobotService& robot, const PlanOptions& options, const Context& context) {
-  control::SwitchOptions asked{.force = options.force, .order = options.order, .who = sender("apply")};
-  asked.take_over = options.take_over;
-  const auto answer = robot.apply(asked, deadline_in(options.timeout));
+  const auto asked = options_of(options, "apply");
+  if (!asked) return failed(context, asked.error());
+  const auto answer = robot.apply(*asked, deadline_in(options.timeout));
   return answer ? show_applied(*answer, context) : failed(context, answer.error());
 }
 

@@ -16,7 +16,7 @@ struct RepairOptions {
 };
 
 int repair_robot(control::RobotService& robot, const RepairOptions& options, const Context& context) {
-  const control::SwitchOptions asked{
+  const control::RequestOptions asked{
       .force = options.force, .who = sender("repair"), .take_over = options.take_over};
   const auto answer = robot.repair(asked, deadline_in(options.timeout));
   return answer ? show_outcome(*answer, context) : failed(context, answer.error());

@@ -166,35 +166,39 @@ std::string name_for(control::RobotService& robot, const std::string& said) {
 }
 
 /// "TASK.PROPERTY=VALUE"
-Result<control::PropertyOf> parse_property(const std::string& text) {
+Result<control::PropertySetting> parse_property(const std::string& text) {
   const auto equals = text.find('=');
   const auto dot = text.substr(0, equals).find('.');
   if (equals == std::string::npos || dot == std::string::npos)
     return fail(ErrorCode::InvalidArgument, "--set must be TASK.PROPERTY=VALUE, got " + quote(text));
   auto value = type::parse_yaml(text.substr(equals + 1));
   if (!value) return value.error();
-  return control::PropertyOf{text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), std::move(*value)};
+  return control::PropertySetting{model::TaskId(text.substr(0, dot)), text.substr(dot + 1, equals - dot - 1),
+                                  std::move(*value)};
 }
 
 Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptions& options) {
   const TimePoint deadline = deadline_in(options.wait ? options.timeout : Duration(0));
-  control::SwitchOptions asked{.dry_run = options.dry_run,
-                               .force = options.force,
-                               .order = options.order,
-                               .who = sender("switch"),
-                               .take_over = options.take_over};
+  const auto order = model::order_named(options.order);
+  if (!order) return order.error();
+  control::RequestOptions asked{
+      .order = *order, .force = options.force, .who = sender("switch"), .take_over = options.take_over};
   for (const std::string& text : options.properties) {
     auto property = parse_property(text);
     if (!property) return property.error();
     asked.properties.push_back(std::move(*property));
   }
-  const bool by_name = options.transition.empty() && options.network.empty();
-  if (by_name) return robot.switch_to(name_for(robot, options.controller), asked, deadline);
+  if (options.transition.empty() && options.network.empty()) {
+    const std::string controller = name_for(robot, options.controller);
+    return options.dry_run ? robot.diff(controller, asked, deadline)
+                           : robot.switch_to(controller, asked, deadline);
+  }
   const std::string& file = options.network.empty() ? options.transition : options.network;
   const auto text = read_input_file(file);
   if (!text) return text.error();
-  return options.network.empty() ? robot.apply_transition(*text, file, deadline)
-                                 : robot.switch_to_network(*text, file, asked, deadline);
+  if (options.network.empty()) return robot.apply_transition(*text, file, deadline);
+  return options.dry_run ? robot.diff_to_network(*text, file, asked, deadline)
+                         : robot.switch_to_network(*text, file, asked, deadline);
 }
 
 int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options, StopSignal* signal,

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/request_codec.hpp>
+#include <segue/rpc/detail/wire.hpp>
+
 #include <support/fake_robot_service.hpp>
 #include <support/random_values.hpp>
 
+#include <capnp/message.h>
+#include <gmock/gmock.h>
 #include <rapidcheck.h>
 
 #include <future>
@@ -27,18 +32,20 @@ TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
   serve();
   const auto robot = client();
   const auto switched = robot
-                            ->switch_to("explore",
-                                        {.dry_run = true,
-                                         .force = true,
-                                         .order = "paper",
-                                         .who = "a test",
-                                         .properties = {{"planner", "speed.max", 0.5}},
-                                         .lease = 7,
-                                         .take_over = true},
-                                        soon())
+                            ->diff("explore",
+                                   {.order = model::Order::Paper,
+                                    .action_deadline = std::chrono::seconds(3),
+                                    .force = true,
+                                    .who = "a test",
+                                    .properties = {{model::TaskId("planner"), "speed.max", 0.5}},
+                                    .lease = 7,
+                                    .take_over = true},
+                                   soon())
                             .value();
   EXPECT_EQ(*switched.find("to"), Value("explore"));
   EXPECT_EQ(*switched.find("dry_run"), Value(true));
+  EXPECT_EQ(*switched.find("action_s"), Value(3.0));
+  EXPECT_EQ(*robot->switch_to("explore", {}, soon()).value().find("dry_run"), Value(false));
   EXPECT_EQ(*switched.find("force"), Value(true));
   EXPECT_EQ(*switched.find("order"), Value("paper"));
   EXPECT_EQ(*switched.find("who"), Value("a test"));
@@ -59,19 +66,25 @@ TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
 TEST_F(ControlTest, RequestsForFilesAndNetworksTravelWithAllTheirArguments) {
   serve();
   const auto robot = client();
-  EXPECT_EQ(robot->plan("explore", {.force = true, .order = "paper"}, soon()).value(),
+  EXPECT_EQ(robot->plan("explore", {.order = model::Order::Paper, .force = true}, soon()).value(),
             Value::map({{"to", "explore"}, {"force", true}, {"order", "paper"}}));
   EXPECT_EQ(
-      robot->apply({.force = true, .order = "paper", .who = "a test", .lease = 7, .take_over = true}, soon())
+      robot
+          ->apply(
+              {.order = model::Order::Paper, .force = true, .who = "a test", .lease = 7, .take_over = true},
+              soon())
           .value(),
       Value::map(
           {{"force", true}, {"order", "paper"}, {"who", "a test"}, {"lease", 7}, {"take_over", true}}));
   EXPECT_EQ(
-      robot->repair({.force = true, .order = "paper", .who = "a test", .lease = 7, .take_over = true}, soon())
+      robot
+          ->repair(
+              {.order = model::Order::Paper, .force = true, .who = "a test", .lease = 7, .take_over = true},
+              soon())
           .value(),
       Value::map({{"repaired", true}, {"who", "a test"}, {"lease", 7}, {"take_over", true}}));
-  const auto sent = robot->switch_to_network(
-      "tasks: {}", "n.yaml", {.dry_run = true, .force = true, .order = "paper", .who = "a test"}, soon());
+  const auto sent = robot->diff_to_network(
+      "tasks: {}", "n.yaml", {.order = model::Order::Paper, .force = true, .who = "a test"}, soon());
   EXPECT_EQ(sent.value(), Value::map({{"text", "tasks: {}"},
                                       {"file", "n.yaml"},
                                       {"dry_run", true},
@@ -85,6 +98,21 @@ TEST_F(ControlTest, RequestsForFilesAndNetworksTravelWithAllTheirArguments) {
   const auto refused = robot->switch_to_network(large, "n.yaml", {}, soon());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::ResourceExhausted);
+}
+
+TEST(RequestCodec, RefusesWordsAndPropertiesThatMeanNothing) {
+  capnp::MallocMessageBuilder message;
+  auto options = message.initRoot<wire::RequestOptions>();
+  EXPECT_EQ(detail::decode(options.asReader(), Peer{}).value().order, model::Order::Seamless);
+  options.setOrder("sideways");
+  EXPECT_THAT(detail::decode(options.asReader(), Peer{}).error().message,
+              ::testing::HasSubstr("no order 'sideways'"));
+  options.setOrder("paper");
+  for (const Value& wrong :
+       {Value("speed"), Value::list({Value::map({{"task", "planner"}, {"value", 1}})})}) {
+    ASSERT_TRUE(detail::encode(wrong, options.initProperties()));
+    EXPECT_EQ(detail::decode(options.asReader(), Peer{}).error().code, ErrorCode::InvalidArgument);
+  }
 }
 
 TEST_F(ControlTest, APropertyTravelsAsItWasWritten) {

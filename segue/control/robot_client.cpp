@@ -2,6 +2,7 @@
 #include <segue/rpc_codecs/robot.capnp.h>
 #include <segue/base/text.hpp>
 #include <segue/control/detail/lease_client.hpp>
+#include <segue/control/detail/request_codec.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_client.hpp>
 #include <segue/control/detail/watch_client.hpp>
@@ -34,40 +35,6 @@ std::uint64_t number_in(const Value* value) {
 Result<void> without_value(const Result<Value>& answer) {
   if (!answer) return answer.error();
   return {};
-}
-
-/// A list of {"task", "property", "value"}.
-Value listed(const std::vector<PropertyOf>& properties) {
-  Value::List list;
-  for (const PropertyOf& one : properties)
-    list.push_back(Value::map({{"task", one.task}, {"property", one.property}, {"value", one.value}}));
-  return list;
-}
-
-void set_sender(wire::Sender::Builder builder, const Sender& sender) {
-  builder.setWho(as_text(sender.who));
-  builder.setLease(sender.lease);
-  builder.setBesideMission(sender.beside_mission);
-}
-
-/// Of requests that concern what runs.
-template <class Request>
-void set_whole_robot_options(Request& request, const SwitchOptions& options) {
-  request.setForce(options.force);
-  request.setOrder(as_text(options.order));
-  request.setWho(as_text(options.who));
-  request.setLease(options.lease);
-  request.setTakeOver(options.take_over);
-}
-
-/// Of requests that may be dry runs.
-template <class Request>
-Result<void> set_options(Request& request, const SwitchOptions& options) {
-  set_whole_robot_options(request, options);
-  request.setDryRun(options.dry_run);
-  const Value properties = listed(options.properties);
-  if (auto fits = detail::check_size(properties, detail::kServerMessageWords); !fits) return fits;
-  return detail::encode(properties, request.initProperties());
 }
 
 /// Whether the text of a file fits into a message.
@@ -122,65 +89,40 @@ class Client final : public RobotService {
         });
   }
 
-  Result<Value> switch_to(std::string_view controller, const SwitchOptions& options,
+  Result<Value> switch_to(std::string_view controller, const RequestOptions& options,
                           const Wait& wait) override {
-    return ask(wait,
-               [&, controller = std::string(controller)](RpcChannel::Connection& connection,
-                                                         Duration left) -> RpcChannel::Answer {
-                 auto request = connection.as<wire::Robot>().switchToRequest();
-                 request.setController(as_text(controller));
-                 if (auto set = set_options(request, options); !set) return Result<Value>(set.error());
-                 request.setTimeout(left.count());
-                 return RpcChannel::send(request);
-               });
+    return switch_or_diff(controller, false, options, wait);
+  }
+
+  Result<Value> diff(std::string_view controller, const RequestOptions& options, const Wait& wait) override {
+    return switch_or_diff(controller, true, options, wait);
   }
 
   Result<Value> switch_to_network(std::string_view network, std::string_view file,
-                                  const SwitchOptions& options, TimePoint deadline) override {
-    if (auto fits = check_text(network); !fits) return fits.error();
-    const Duration left = time_left(deadline);
-    return channel_->ask(
-        left + kGrace,
-        [&, file = std::string(file)](RpcChannel::Connection& connection) -> RpcChannel::Answer {
-          auto request = connection.as<wire::Robot>().switchToNetworkRequest();
-          request.setText(detail::as_data(network));
-          request.setFile(as_text(file));
-          if (auto set = set_options(request, options); !set) return Result<Value>(set.error());
-          request.setTimeout(left.count());
-          return RpcChannel::send(request);
-        });
+                                  const RequestOptions& options, TimePoint deadline) override {
+    return switch_or_diff_to_network(network, file, false, options, deadline);
   }
 
-  Result<Value> plan(std::string_view controller, const SwitchOptions& options, TimePoint deadline) override {
-    const Duration left = time_left(deadline);
-    return channel_->ask(left + kGrace,
-                         [&, controller = std::string(controller)](RpcChannel::Connection& connection) {
-                           auto request = connection.as<wire::Robot>().planRequest();
-                           request.setTimeout(left.count());
-                           request.setController(as_text(controller));
-                           request.setForce(options.force);
-                           request.setOrder(as_text(options.order));
-                           return RpcChannel::send(request);
-                         });
+  Result<Value> diff_to_network(std::string_view network, std::string_view file,
+                                const RequestOptions& options, TimePoint deadline) override {
+    return switch_or_diff_to_network(network, file, true, options, deadline);
   }
 
-  Result<Value> apply(const SwitchOptions& options, TimePoint deadline) override {
-    const Duration left = time_left(deadline);
-    return channel_->ask(left + kGrace, [left, options](RpcChannel::Connection& connection) {
-      auto request = connection.as<wire::Robot>().applyFilesRequest();
-      set_whole_robot_options(request, options);
-      request.setTimeout(left.count());
-      return RpcChannel::send(request);
+  Result<Value> plan(std::string_view controller, const RequestOptions& options,
+                     TimePoint deadline) override {
+    return request(deadline, options, [controller = std::string(controller)](wire::Robot::Client robot) {
+      auto plan = robot.planRequest();
+      plan.setController(as_text(controller));
+      return plan;
     });
   }
 
-  Result<Value> repair(const SwitchOptions& options, const Wait& wait) override {
-    return ask(wait, [&](RpcChannel::Connection& connection, Duration left) {
-      auto request = connection.as<wire::Robot>().repairRequest();
-      set_whole_robot_options(request, options);
-      request.setTimeout(left.count());
-      return RpcChannel::send(request);
-    });
+  Result<Value> apply(const RequestOptions& options, TimePoint deadline) override {
+    return request(deadline, options, [](wire::Robot::Client robot) { return robot.applyFilesRequest(); });
+  }
+
+  Result<Value> repair(const RequestOptions& options, const Wait& wait) override {
+    return request(wait, options, [](wire::Robot::Client robot) { return robot.repairRequest(); });
   }
 
   Result<Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) override {
@@ -321,7 +263,7 @@ class Client final : public RobotService {
     return without_value(
         ask(wait, [&](RpcChannel::Connection& connection, Duration left) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().setPropertyRequest();
-          set_sender(request.initSender(), sender);
+          detail::encode(sender, request.initSender());
           request.setTask(as_text(std::string(task)));
           request.setProperty(as_text(std::string(property)));
           request.setTimeout(left.count());
@@ -337,7 +279,7 @@ class Client final : public RobotService {
     return without_value(
         ask(wait, [&](RpcChannel::Connection& connection, Duration left) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().writeRequest();
-          set_sender(request.initSender(), sender);
+          detail::encode(sender, request.initSender());
           request.setTask(as_text(std::string(task)));
           request.setPort(as_text(std::string(port)));
           request.setTimeout(left.count());
@@ -352,7 +294,7 @@ class Client final : public RobotService {
     if (auto fits = detail::check_size(arguments, detail::kServerMessageWords); !fits) return fits.error();
     return ask(wait, [&](RpcChannel::Connection& connection, Duration left) -> RpcChannel::Answer {
       auto request = connection.as<wire::Robot>().callRequest();
-      set_sender(request.initSender(), sender);
+      detail::encode(sender, request.initSender());
       request.setTask(as_text(std::string(task)));
       request.setOperation(as_text(std::string(operation)));
       request.setTimeout(left.count());
@@ -424,6 +366,40 @@ class Client final : public RobotService {
       return build(connection, left);
     };
     return channel_->ask(left + kGrace, begin, wait.stop);
+  }
+
+  /// A call with options, which `begin(robot)` begins and the robot is to answer by then.
+  template <class Begin>
+  Result<Value> request(const Wait& wait, const RequestOptions& options, const Begin& begin) {
+    return ask(wait, [&](RpcChannel::Connection& connection, Duration left) -> RpcChannel::Answer {
+      auto request = begin(connection.as<wire::Robot>());
+      request.setTimeout(left.count());
+      if (auto done = detail::encode(options, request.initOptions()); !done)
+        return Result<Value>(done.error());
+      return RpcChannel::send(request);
+    });
+  }
+
+  Result<Value> switch_or_diff(std::string_view controller, bool dry_run, const RequestOptions& options,
+                               const Wait& wait) {
+    return request(wait, options, [&](wire::Robot::Client robot) {
+      auto request = robot.switchToRequest();
+      request.setController(as_text(std::string(controller)));
+      request.setDryRun(dry_run);
+      return request;
+    });
+  }
+
+  Result<Value> switch_or_diff_to_network(std::string_view network, std::string_view file, bool dry_run,
+                                          const RequestOptions& options, const Wait& wait) {
+    if (auto fits = check_text(network); !fits) return fits.error();
+    return request(wait, options, [&](wire::Robot::Client robot) {
+      auto request = robot.switchToNetworkRequest();
+      request.setText(detail::as_data(network));
+      request.setFile(as_text(std::string(file)));
+      request.setDryRun(dry_run);
+      return request;
+    });
   }
 
   std::shared_ptr<RpcChannel> channel_;

@@ -5,6 +5,7 @@
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 #include <segue/control/robot_lease.hpp>
+#include <segue/control/robot_request.hpp>
 #include <segue/control/sample_stream.hpp>
 #include <segue/task_host/task_level.hpp>
 #include <segue/type/value.hpp>
@@ -18,33 +19,6 @@
 
 /// How other processes reach a running robot: Cap'n Proto over a Unix socket.
 namespace segue::control {
-
-/// "speed", or "speed.max" for a member of it.
-struct PropertyOf {
-  std::string task;
-  std::string property;
-  type::Value value;
-};
-
-/// Options of a request for a controller.
-struct SwitchOptions {
-  bool dry_run = false;  ///< only return the transition
-  bool force = false;    ///< removed processes are killed, without any action in them before
-  std::string order{};   ///< "seamless" or "paper"; empty: the robot's default
-  std::string who{};     ///< who requests it, for the journal
-  /// In place of those of the network, as part of the transition; not for files that are applied.
-  std::vector<PropertyOf> properties{};
-  std::uint64_t lease = 0;  ///< RobotLease::number() of who requests it
-  bool take_over = false;   ///< from who holds the lease, if somebody else does
-};
-
-/// Who sets a property, calls an operation or writes a sample. Whoever holds the robot's lease says so; where
-/// somebody else does, it is refused unless it is wanted beside what that is doing, which is an event.
-struct Sender {
-  std::string who{};
-  std::uint64_t lease = 0;      ///< RobotLease::number(); once it is lost, nothing is done with it any more
-  bool beside_mission = false;  ///< although somebody else commands the robot
-};
 
 /// How a task is, and the count of RobotService::changes() after that was seen. Where the count has not moved
 /// since running() was asked, what that has answered held at that moment, too.
@@ -90,25 +64,31 @@ class RobotService {
   /// when it is not `seen`; at the deadline as it is then. Returns at once.
   virtual void changes(std::uint64_t seen, const Wait& wait, ChangesAnswer answered) = 0;
   /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
-  /// dry_run: the JSON of `diff`.
-  virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,
+  virtual Result<type::Value> switch_to(std::string_view controller, const RequestOptions& options,
                                         const Wait& wait) = 0;
+  /// The transition that switch_to() would execute now: the JSON of `diff`.
+  virtual Result<type::Value> diff(std::string_view controller, const RequestOptions& options,
+                                   const Wait& wait) = 0;
   /// Requests a network that is none of the robot's controllers: the text of a network file, of 4 MiB at
   /// most; `file` for messages. Answers as switch_to(). AlreadyExists where the robot has another controller
   /// of its name.
   virtual Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
-                                                const SwitchOptions& options, TimePoint deadline) = 0;
+                                                const RequestOptions& options, TimePoint deadline) = 0;
+  /// As diff(), of switch_to_network().
+  virtual Result<type::Value> diff_to_network(std::string_view text, std::string_view file,
+                                              const RequestOptions& options, TimePoint deadline) = 0;
   /// What apply() would do with the robot's files as they are now: {"outcome" ("done", or "refused" where the
   /// files have errors), "controller", "from_version", "to_version", "changes", "diagnostics", and if there
   /// is one "transition" (as of `diff`)}. The transition leads to `controller`, or where that is empty to the
-  /// new version of the controller that runs. Unsupported where the runtime has no files. dry_run and who do
-  /// not count.
-  virtual Result<type::Value> plan(std::string_view controller, const SwitchOptions& options,
+  /// new version of the controller that runs. Unsupported where the runtime has no files. Of the options
+  /// only order and force count.
+  virtual Result<type::Value> plan(std::string_view controller, const RequestOptions& options,
                                    TimePoint deadline) = 0;
   /// Takes the robot's files as they are now, and then the controller that runs to its new version; answers
   /// when both are done: {"outcome", "changes", "diagnostics", "transition" (as of `switch`), "error"}.
-  virtual Result<type::Value> apply(const SwitchOptions& options, TimePoint deadline) = 0;
-  virtual Result<type::Value> repair(const SwitchOptions& options, const Wait& wait) = 0;  ///< as switch_to()
+  virtual Result<type::Value> apply(const RequestOptions& options, TimePoint deadline) = 0;
+  virtual Result<type::Value> repair(const RequestOptions& options,
+                                     const Wait& wait) = 0;  ///< as switch_to()
   /// Sets which controllers are kept ready, the likeliest first, in place of those set before; with a lease,
   /// until that ends (InvalidState where it has). Returns when it is done: a list of {"controller", "ready",
   /// "prepared", "tasks", "reason"}.

@@ -105,7 +105,7 @@ struct Question {
 
 /// Each function of a robot's server at least once.
 std::vector<Question> all_questions() {
-  const SwitchOptions taking{.take_over = true};
+  const RequestOptions taking{.take_over = true};
   return {
       {Verb::Status, [](auto& robot) { return outcome(robot.status()); }},
       {Verb::Task, [](auto& robot) { return outcome(robot.task("slam")); }},

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/transition.hpp>
 
+#include <segue/base/text.hpp>
+
+#include <algorithm>
 #include <numeric>
 
 namespace segue::model {
@@ -54,6 +57,18 @@ ActionCounts Transition::counts() const {
   for (const Action& action : actions)
     ++counts.by_kind.at(static_cast<std::size_t>(action.kind));
   return counts;
+}
+
+Result<Order> order_named(std::string_view name) {
+  if (name.empty()) {
+    return Order::Seamless;
+  }
+  const auto found = std::ranges::find(kOrderNames, name);
+  if (found == kOrderNames.end()) {
+    return fail(ErrorCode::InvalidArgument,
+                "no order " + quote(std::string(name)) + "; use 'paper' or 'seamless'");
+  }
+  return static_cast<Order>(found - kOrderNames.begin());
 }
 
 }  // namespace segue::model

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/result.hpp>
 #include <segue/model/network.hpp>
 
 #include <array>
@@ -107,6 +108,8 @@ inline constexpr std::array<std::string_view, 2> kOrderNames = {"seamless", "pap
 inline std::string_view to_string(Order order) {
   return kOrderNames.at(static_cast<std::size_t>(order));
 }
+/// Empty: Seamless. InvalidArgument where there is none of that name.
+Result<Order> order_named(std::string_view name);
 
 /// How many actions of each kind; the paper's Table 7 columns are among them.
 struct ActionCounts {

@@ -290,11 +290,11 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, const 
   if (!lease) return lease.error();
   for (const auto& cause : what.causes)
     record_.asked(cause);
-  control::SwitchOptions options;
+  control::RequestOptions options;
   options.who = requester(what);
   options.lease = *lease;
   for (const auto& one : what.properties)
-    options.properties.push_back({one.member.task, one.member.name, one.value});
+    options.properties.push_back({model::TaskId(one.member.task), one.member.name, one.value});
   const std::string controller = model::joined_name({what.controllers.begin(), what.controllers.end()}).str();
   const auto answer =
       command(wait, [&](const Wait& both) { return service_.switch_to(controller, options, both); });

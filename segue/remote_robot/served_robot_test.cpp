@@ -66,7 +66,7 @@ class FakeService final : public control::RobotService {
   Value conflicts_answer = Value::list({});
   control::LeaseStanding standing;
   std::string requested;
-  control::SwitchOptions options;
+  control::RequestOptions options;
   std::string lease_holder;
   std::vector<std::string> prepared;
   Value written;
@@ -106,7 +106,7 @@ class FakeService final : public control::RobotService {
     changes_wait = wait.stop;
     changes_answered = std::move(answered);
   }
-  Result<Value> switch_to(std::string_view controller, const control::SwitchOptions& asked,
+  Result<Value> switch_to(std::string_view controller, const control::RequestOptions& asked,
                           const Wait& wait) override {
     requested = controller;
     options = asked;
@@ -114,16 +114,24 @@ class FakeService final : public control::RobotService {
     switches.set_value();
     return until_stopped(wait);
   }
+  Result<Value> diff(std::string_view /*controller*/, const control::RequestOptions& /*options*/,
+                     const Wait& /*wait*/) override {
+    return no();
+  }
+  Result<Value> diff_to_network(std::string_view /*text*/, std::string_view /*file*/,
+                                const control::RequestOptions& /*options*/, TimePoint /*deadline*/) override {
+    return no();
+  }
   Result<Value> switch_to_network(std::string_view /*text*/, std::string_view /*file*/,
-                                  const control::SwitchOptions& /*options*/,
+                                  const control::RequestOptions& /*options*/,
                                   TimePoint /*deadline*/) override {
     return no();
   }
-  Result<Value> plan(std::string_view /*controller*/, const control::SwitchOptions& /*options*/,
+  Result<Value> plan(std::string_view /*controller*/, const control::RequestOptions& /*options*/,
                      TimePoint /*deadline*/) override {
     return no();
   }
-  Result<Value> apply(const control::SwitchOptions& /*options*/, TimePoint /*deadline*/) override {
+  Result<Value> apply(const control::RequestOptions& /*options*/, TimePoint /*deadline*/) override {
     return no();
   }
   Result<Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
@@ -152,7 +160,7 @@ class FakeService final : public control::RobotService {
   }
   Result<Value> stop(std::string_view /*who*/, TimePoint /*deadline*/) override { return no(); }
   Result<void> release_stop(std::string_view /*who*/) override { return no(); }
-  Result<Value> repair(const control::SwitchOptions& /*options*/, const Wait& /*wait*/) override {
+  Result<Value> repair(const control::RequestOptions& /*options*/, const Wait& /*wait*/) override {
     return no();
   }
   Result<Value> cancel(std::uint64_t /*request*/, std::string_view /*who*/, TimePoint /*deadline*/) override {
@@ -204,7 +212,7 @@ TEST_F(ServedRobotTest, RequestsInTheNameOfItsUserAndWithTheLease) {
   EXPECT_EQ(service_.options.lease, 7U);
   EXPECT_EQ(service_.lease_holder, "a test");
   ASSERT_EQ(service_.options.properties.size(), 1U);
-  EXPECT_EQ(service_.options.properties[0].task, "planner");
+  EXPECT_EQ(service_.options.properties[0].task, model::TaskId("planner"));
   EXPECT_EQ(service_.options.properties[0].property, "speed.max");
 }
 

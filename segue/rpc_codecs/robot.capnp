@@ -15,11 +15,21 @@ struct Sender {
 }
 
 # Timeouts are relative to the arrival of the call, in nanoseconds.
+struct RequestOptions {
+  order @0 :Text;
+  actionTimeout @1 :Int64;
+  force @2 :Bool;
+  who @3 :Text;
+  # A list of {"task", "property", "value"}, or null.
+  properties @4 :Wire.Value;
+  lease @5 :UInt64;
+  takeOver @6 :Bool;
+}
+
 interface Robot {
   status @0 () -> (answer :Wire.Answer);
   task @1 (id :Text) -> (answer :Wire.Answer);
-  switchTo @2 (controller :Text, dryRun :Bool, force :Bool, order :Text, who :Text, timeout :Int64,
-            properties :Wire.Value, lease :UInt64, takeOver :Bool) -> (answer :Wire.Answer);
+  switchTo @2 (controller :Text, dryRun :Bool, timeout :Int64, options :RequestOptions) -> (answer :Wire.Answer);
   applyTransition @3 (text :Data, file :Text, timeout :Int64) -> (answer :Wire.Answer);
   resetBelief @4 () -> (answer :Wire.Answer);
   setProperty @5 (task :Text, property :Text, value :Wire.Value, timeout :Int64,
@@ -32,11 +42,10 @@ interface Robot {
   history @9 () -> (answer :Wire.Answer);
   shutDown @10 () -> (answer :Wire.Answer);
   prepare @11 (controllers :List(Text), timeout :Int64, lease :UInt64) -> (answer :Wire.Answer);
-  plan @12 (controller :Text, force :Bool, order :Text, timeout :Int64) -> (answer :Wire.Answer);
-  applyFiles @13 (force :Bool, order :Text, who :Text, timeout :Int64, lease :UInt64, takeOver :Bool)
+  plan @12 (controller :Text, timeout :Int64, options :RequestOptions) -> (answer :Wire.Answer);
+  applyFiles @13 (timeout :Int64, options :RequestOptions) -> (answer :Wire.Answer);
+  switchToNetwork @14 (text :Data, file :Text, dryRun :Bool, timeout :Int64, options :RequestOptions)
       -> (answer :Wire.Answer);
-  switchToNetwork @14 (text :Data, file :Text, dryRun :Bool, force :Bool, order :Text, who :Text, timeout :Int64,
-                     properties :Wire.Value, lease :UInt64, takeOver :Bool) -> (answer :Wire.Answer);
   conflicts @15 (controllers :List(Text)) -> (answer :Wire.Answer);
   # `stream` only where the answer is not an error; the answer's value is the number of the lease. Reading from it waits for
   # nothing: it gives {"lost_to": NAME} once somebody has taken the robot over, {"stopped": true} once it commands nothing
@@ -57,8 +66,7 @@ interface Robot {
   watch @26 (task :Text, seen :Tasks.TaskLevel, eachUpdate :Bool, timeout :Int64)
       -> (error :Wire.Error, level :Tasks.TaskLevel, changes :UInt64);
   running @27 (lease :UInt64) -> (answer :Wire.Answer);
-  repair @28 (force :Bool, order :Text, who :Text, timeout :Int64, lease :UInt64, takeOver :Bool)
-      -> (answer :Wire.Answer);
+  repair @28 (timeout :Int64, options :RequestOptions) -> (answer :Wire.Answer);
   # As of RobotService.
   changes @29 (seen :UInt64, timeout :Int64) -> (error :Wire.Error, count :UInt64);
 }

@@ -228,13 +228,10 @@ SwitchResult EmbeddedRobot::shut_down() {
   if (implementation_->robot.halt && !implementation_->runtime->belief().empty()) {
     implementation_->runtime->halt({"shut-down"}).wait();
   }
-  RequestOptions all;
-  all.end_pools = true;
-  all.although_halted = true;
-  SwitchResult result = implementation_->runtime->switch_to(model::Network{}, all);
+  SwitchResult result = implementation_->runtime->take_down().get();
   if (result.outcome != Outcome::Done) {
     // The new snapshot shows what failed, such as a task that hangs, so another transition may succeed.
-    result = implementation_->runtime->switch_to(model::Network{}, all);
+    result = implementation_->runtime->take_down().get();
   }
   if (result.outcome != Outcome::Done) {
     implementation_->tasks->end_processes();

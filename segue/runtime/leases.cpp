@@ -154,7 +154,7 @@ std::optional<Error> Leases::why_refused(std::uint64_t lease) const {
   return fail(ErrorCode::InvalidState, "the robot was taken over" + (who.empty() ? who : " by " + who));
 }
 
-Result<void> Leases::allow(const TaskSender& sender, const std::string& what) {
+Result<void> Leases::allow(const Sender& sender, const std::string& what) {
   const Lock lock(mutex_);
   if (auto refused = why_refused(sender.lease)) {
     return std::move(*refused);

@@ -60,7 +60,7 @@ class Leases {
   /// Whether a request with these options takes the robot over from somebody.
   [[nodiscard]] bool would_take_over(const RequestOptions& options) const;
   /// As of Runtime::allow().
-  Result<void> allow(const TaskSender& sender, const std::string& what);
+  Result<void> allow(const Sender& sender, const std::string& what);
   /// Takes the robot over where the options of an accepted request say so.
   void take_over(const RequestOptions& options);
 

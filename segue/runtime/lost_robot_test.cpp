@@ -150,9 +150,7 @@ TEST_F(LostRuntime, SaysSoInItsStatus) {
 
 TEST_F(LostRuntime, CanStillStopWhatRunsHere) {
   host_.lose();
-  RequestOptions rest;
-  rest.although_halted = true;
-  EXPECT_EQ(runtime_.switch_to(model::Network{}, rest).outcome, Outcome::Done);
+  EXPECT_EQ(runtime_.take_down().get().outcome, Outcome::Done);
   EXPECT_FALSE(runs());
 }
 

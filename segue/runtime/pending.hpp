@@ -35,12 +35,22 @@ struct PendingApply {
 
 model::NetworkName name_of(const Request& request);
 
+/// What the runtime permits its own requests only.
+struct Privileges {
+  bool although_halted = false;  ///< accepted although the robot is halted, or lost to another runtime
+  /// What is on computers that cannot be reached is left as it is, in place of a refusal.
+  bool leaves_lost_hosts = false;
+  /// Pools of processes end, too, and are not started again before the next request.
+  bool ends_pools = false;
+};
+
 /// A request that waits for the worker, with the promise of its result.
 struct PendingRequest {
   std::uint64_t number = 0;
   Request request;
   RequestOptions options;
   std::promise<SwitchResult> promise;
+  Privileges privileges{};
   std::optional<NetworkParts> parts{};  ///< of what shall run; nothing: it may be about anything
   bool at_commit = false;  ///< it is answered when its network runs, before the old one is retired
   bool is_answered = false;

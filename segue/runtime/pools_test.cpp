@@ -99,9 +99,7 @@ TEST(RobotPools, EndWithARequestThatSaysSo) {
   StandInRobot robot(with_pool(pool_of(2)));
   ASSERT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
   ASSERT_TRUE(eventually([&] { return all_ready(robot.runtime); }));
-  RequestOptions all;
-  all.end_pools = true;
-  ASSERT_EQ(robot.runtime.switch_to(model::Network{}, all).outcome, Outcome::Done);
+  ASSERT_EQ(robot.runtime.take_down().get().outcome, Outcome::Done);
   EXPECT_TRUE(robot.host.tasks().empty());
   ASSERT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
   EXPECT_TRUE(eventually([&] { return all_ready(robot.runtime); })) << "the next request has them again";

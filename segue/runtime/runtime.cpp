@@ -108,7 +108,7 @@ std::shared_future<HaltResult> Runtime::end_lease(std::uint64_t lease, bool keep
   return implementation_->end_lease(lease, keep);
 }
 
-Result<void> Runtime::allow(const TaskSender& sender, const std::string& what) {
+Result<void> Runtime::allow(const Sender& sender, const std::string& what) {
   if (auto lost = implementation_->refusal_of_lost_robot()) {
     return std::move(*lost);
   }
@@ -162,6 +162,12 @@ std::future<SwitchResult> Runtime::request(Request request, RequestOptions optio
 
 SwitchResult Runtime::switch_to(Request request, RequestOptions options) {
   return this->request(std::move(request), std::move(options)).get();
+}
+
+std::future<SwitchResult> Runtime::take_down(std::string who) {
+  return implementation_
+      ->accept(model::Network(), {.who = std::move(who)}, {.although_halted = true, .ends_pools = true})
+      .result;
 }
 
 Result<std::future<SwitchResult>> Runtime::cancel(std::uint64_t request, std::string who) {

@@ -95,7 +95,7 @@ class Runtime {
   /// Whether something other than a request may be done with tasks: by the holder of the lease, by anybody
   /// where there is none, and by others beside what the holder is doing, which is an event: "ann sets
   /// 'wheels.speed'". InvalidState. Nothing is changed by this.
-  Result<void> allow(const TaskSender& sender, const std::string& what);
+  Result<void> allow(const Sender& sender, const std::string& what);
   /// What the holder of that lease says that it is doing, for status; InvalidState where it lost it. One that
   /// is stopped, and has said that it has nothing to do then, commands nothing any more, and the robot halts
   /// at once.
@@ -126,6 +126,8 @@ class Runtime {
   AcceptedRequest accept(Request request, RequestOptions options = {});
   /// Calls request() and waits for the result. Blocks.
   SwitchResult switch_to(Request request, RequestOptions options = {});
+  /// Requests that nothing runs, pools included, also of a robot that is halted or lost to another runtime.
+  std::future<SwitchResult> take_down(std::string who = {});
   /// Cancels a request, 0: the newest one. One that waits ends at once; the transition of another one is
   /// undone, as where an action fails, if it is not past its point of commit. Its actions in progress end
   /// first, at their deadlines at most. What the runtime does by itself (repair, look-ahead) is not
@@ -155,14 +157,12 @@ class Runtime {
   /// The readiness of the standby controllers after the last preparation.
   [[nodiscard]] std::vector<Readiness> readiness() const;
 
-  /// Drift: the differences between the observed and the desired network, as sentences. Empty during a
-  /// transition. Blocks while the host takes a snapshot.
+  /// Between the observed and the desired network; empty during a transition. Blocks for a snapshot.
   [[nodiscard]] std::vector<std::string> observed_differences() const;
 
   /// What there is and what is wrong with it; each process is asked once. Blocks while they are.
   [[nodiscard]] Look look() const;
-  /// Processes of the running controller that have ended and are still missing: why, and the last lines of
-  /// their logs.
+  /// Processes of the running controller that have ended and are missing: why, and the end of their logs.
   [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;
   /// As host().call(). An instance of a pool that has begun to carry it out when `wait` ends, and does so for
   /// nobody then, is ended and started again. Blocks until it has ended, or the instance has.

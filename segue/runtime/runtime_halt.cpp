@@ -35,8 +35,7 @@ std::future<SwitchResult> Runtime::Implementation::request_rest(const std::strin
   job.at_commit = std::holds_alternative<model::NetworkName>(job.request);
   job.options.action_deadline = action_deadline;
   job.options.who = kWho;
-  job.options.although_halted = true;
-  job.options.leaves_lost_hosts = true;
+  job.privileges = {.although_halted = true, .leaves_lost_hosts = true};
   auto future = job.promise.get_future();
   const auto wanted = detail::name_of(job.request);
   auto dropped = queue.put_before_all(std::move(job), [&](std::uint64_t number) {

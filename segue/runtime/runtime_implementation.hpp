@@ -25,7 +25,7 @@ struct Runtime::Implementation : detail::RuntimeParts {
   ~Implementation();
 
   // Requests (runtime_requests.cpp)
-  AcceptedRequest accept(Request request, RequestOptions options);
+  AcceptedRequest accept(Request request, RequestOptions options, const detail::Privileges& privileges = {});
   AcceptedRequest repair(RequestOptions options);
   Result<std::uint64_t> take_lease(std::string holder);
   std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> wanted, std::uint64_t lease);
@@ -33,7 +33,8 @@ struct Runtime::Implementation : detail::RuntimeParts {
   /// Where one has not ended that was made with this lease, which is lost.
   void cancel_requests_of(std::uint64_t lease, const std::string& who);
   /// Why a request with these options cannot be accepted.
-  [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options) const;
+  [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options,
+                                                const detail::Privileges& privileges = {}) const;
   [[nodiscard]] std::optional<detail::Refusal> refusal_of_take_over(const Request& request,
                                                                     const RequestOptions& options) const;
   /// Called with the queue locked: whether the request may take its place there. Fills in why it may not.

@@ -41,7 +41,8 @@ SwitchResult superseded(const PendingRequest& job) {
 
 }  // namespace
 
-AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions request_options) {
+AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions request_options,
+                                                const detail::Privileges& privileges) {
   if (auto* controller = std::get_if<model::NetworkName>(&request)) {
     *controller = model::joined_name(model::controllers_in(controller->str()));
   } else if (const auto* network = std::get_if<model::Network>(&request)) {
@@ -51,6 +52,7 @@ AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions 
   auto refusal = refusal_of_take_over(request, request_options);
   PendingRequest job{0, std::move(request), std::move(request_options), {}};
   AcceptedRequest accepted{0, job.promise.get_future()};
+  job.privileges = privileges;
   job.parts = switching.parts_of(job.request);
   auto place = queue.put(job, [&] { return admit(job, refusal); });
   accepted.number = place.number;
@@ -71,14 +73,14 @@ AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions 
 
 bool Runtime::Implementation::admit(const PendingRequest& job, std::optional<detail::Refusal>& refusal) {
   journal.accepted(job.number, job.options.who, name_of(job.request));
-  if (auto why = refusal_of(job.options)) {
+  if (auto why = refusal_of(job.options, job.privileges)) {
     refusal = detail::Refusal{std::move(*why), {}};
   }
   if (refusal) {
     return false;
   }
   leases.take_over(job.options);
-  if (!job.options.although_halted) {
+  if (!job.privileges.although_halted) {
     halts.forget();
   }
   log.add(EventKind::RequestAccepted, name_of(job.request).str(), "request " + std::to_string(job.number));
@@ -116,8 +118,9 @@ std::optional<detail::Refusal> Runtime::Implementation::refusal_of_take_over(
   return plan ? std::nullopt : std::optional(plan.error());
 }
 
-std::optional<Error> Runtime::Implementation::refusal_of(const RequestOptions& request_options) const {
-  if (auto refusal = request_options.although_halted ? std::nullopt : halts.refusal()) {
+std::optional<Error> Runtime::Implementation::refusal_of(const RequestOptions& request_options,
+                                                         const detail::Privileges& privileges) const {
+  if (auto refusal = privileges.although_halted ? std::nullopt : halts.refusal()) {
     return refusal;
   }
   return leases.refusal_of(request_options);
@@ -147,8 +150,8 @@ std::future<std::vector<Readiness>> Runtime::Implementation::prepare(std::vector
 SwitchResult Runtime::Implementation::serve(PendingRequest& job) {
   const TimePoint begin = RealClock::instance().now();
   SwitchResult result = new_result(job);
-  pools.keep(!job.options.end_pools);
-  const auto [current, plan] = switching.plan_from_now(job.request, job.options);
+  pools.keep(!job.privileges.ends_pools);
+  const auto [current, plan] = switching.plan_from_now(job.request, job.options, job.privileges);
   result.from = current.network.name;
   result.from_version = belief.version();
   result.solve_time = RealClock::instance().now() - begin;

@@ -20,26 +20,6 @@ constexpr auto kJournalPatience = std::chrono::seconds(2);
 /// How long whoever wants to command a robot waits until it is at rest.
 constexpr auto kRestPatience = std::chrono::seconds(5);
 
-Result<RequestOptions> options_for(const control::SwitchOptions& asked) {
-  RequestOptions options;
-  options.force = asked.force;
-  options.who = asked.who;
-  options.lease = asked.lease;
-  options.take_over = asked.take_over;
-  for (const auto& one : asked.properties) {
-    options.properties.push_back({model::TaskId(one.task), one.property, one.value});
-  }
-  if (asked.order.empty()) {
-    return options;
-  }
-  const auto found = std::find(model::kOrderNames.begin(), model::kOrderNames.end(), asked.order);
-  if (found == model::kOrderNames.end()) {
-    return fail(ErrorCode::InvalidArgument, "no order " + quote(asked.order) + "; use 'paper' or 'seamless'");
-  }
-  options.order = static_cast<model::Order>(found - model::kOrderNames.begin());
-  return options;
-}
-
 Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view target, const Wait& wait) {
   if (!has_answered(future, wait)) {
     return fail(ErrorCode::DeadlineExceeded,
@@ -135,83 +115,84 @@ Result<type::Value> RuntimeService::running(std::uint64_t lease, const Wait& /*w
   return running;
 }
 
-Result<type::Value> RuntimeService::switch_to(std::string_view controller,
-                                              const control::SwitchOptions& asked, const Wait& wait) {
-  const auto options = options_for(asked);
-  if (!options) {
-    return options.error();
+Result<type::Value> RuntimeService::switch_to(std::string_view controller, const RequestOptions& options,
+                                              const Wait& wait) {
+  let_rest(wait);
+  if (wait.is_stopped()) {
+    return no_longer_wanted();
   }
-  const model::NetworkName name(controller);
-  if (!asked.dry_run) {
-    let_rest(wait);
-    if (wait.is_stopped()) {
-      return no_longer_wanted();
-    }
-    return answer_to(runtime_.accept(name, *options), controller, asked, wait);
-  }
-  auto transition = runtime_.plan(name, *options);
-  if (!transition) {
-    return std::move(transition.error());
-  }
-  return model::to_value(*transition);
+  return answer_to(runtime_.accept(model::NetworkName(controller), options), controller, options, wait);
+}
+
+Result<type::Value> RuntimeService::diff(std::string_view controller, const RequestOptions& options,
+                                         const Wait& /*wait*/) {
+  const auto transition = runtime_.plan(model::NetworkName(controller), options);
+  return transition ? Result<type::Value>(model::to_value(*transition)) : transition.error();
 }
 
 /// The result of a request, which is cancelled where it is not wanted any more.
 Result<type::Value> RuntimeService::answer_to(AcceptedRequest accepted, std::string_view target,
-                                              const control::SwitchOptions& asked, const Wait& wait) {
+                                              const RequestOptions& options, const Wait& wait) {
   auto answer = answer_of(std::move(accepted.result), target, wait);
   if (!answer && wait.is_stopped()) {
     // What has just ended, or is past its commit, goes on.
-    static_cast<void>(runtime_.cancel(accepted.number, asked.who));
+    static_cast<void>(runtime_.cancel(accepted.number, options.who));
     return no_longer_wanted();
   }
   return answer;
 }
 
-Result<type::Value> RuntimeService::repair(const control::SwitchOptions& asked, const Wait& wait) {
-  const auto options = options_for(asked);
-  if (!options) return options.error();
+Result<type::Value> RuntimeService::repair(const RequestOptions& options, const Wait& wait) {
   let_rest(wait);
   if (wait.is_stopped()) return no_longer_wanted();
   const std::string runs = runtime_.belief().name.str();
-  return answer_to(runtime_.repair(*options), runs, asked, wait);
+  return answer_to(runtime_.repair(options), runs, options, wait);
 }
 
-Result<type::Value> RuntimeService::switch_to_network(std::string_view text, std::string_view file,
-                                                      const control::SwitchOptions& asked,
-                                                      TimePoint deadline) {
-  const auto options = options_for(asked);
-  if (!options) {
-    return options.error();
-  }
+/// What a network that was sent asks for.
+RuntimeService::Sent RuntimeService::read_sent(std::string_view text, std::string_view file) const {
   Diagnostics diagnostics;
   auto network = model::read_network(text, std::string(file), diagnostics);
   if (!network) {
-    return refusal(diagnostics, file);
+    return {std::nullopt, refusal(diagnostics, file)};
   }
-  const auto known = runtime_.controller(network->name);
+  auto known = runtime_.controller(network->name);
   if (known && !equivalent(*known, *network)) {
-    return fail(
-        ErrorCode::AlreadyExists,
-        "the robot has another controller " + quote(network->name.str()) +
-            "; give the network a name of its own (`network: NAME`), or edit that controller's file and "
-            "`segue apply` it",
-        network->name.str());
+    return {std::nullopt,
+            fail(ErrorCode::AlreadyExists,
+                 "the robot has another controller " + quote(network->name.str()) +
+                     "; give the network a name of its own (`network: NAME`), or edit that controller's file "
+                     "and `segue apply` it",
+                 network->name.str())};
   }
-  if (asked.dry_run) {
-    auto transition = runtime_.plan(*network, *options);
-    return transition ? Result<type::Value>(model::to_value(*transition)) : std::move(transition.error());
-  }
-  const std::string name = network->name.str();
-  let_rest(deadline);
-  return answer_of(runtime_.request(known ? *known : *network, *options), name, deadline);
+  return {known ? std::move(known) : std::move(network), type::Value()};
 }
 
-Result<type::Value> RuntimeService::plan(std::string_view controller, const control::SwitchOptions& asked,
+Result<type::Value> RuntimeService::switch_to_network(std::string_view text, std::string_view file,
+                                                      const RequestOptions& options, TimePoint deadline) {
+  auto sent = read_sent(text, file);
+  if (!sent.network) {
+    return std::move(sent.refusal);
+  }
+  const std::string name = sent.network->name.str();
+  let_rest(deadline);
+  return answer_of(runtime_.request(*std::move(sent.network), options), name, deadline);
+}
+
+Result<type::Value> RuntimeService::diff_to_network(std::string_view text, std::string_view file,
+                                                    const RequestOptions& options, TimePoint /*deadline*/) {
+  auto sent = read_sent(text, file);
+  if (!sent.network) {
+    return std::move(sent.refusal);
+  }
+  const auto transition = runtime_.plan(*std::move(sent.network), options);
+  return transition ? Result<type::Value>(model::to_value(*transition)) : transition.error();
+}
+
+Result<type::Value> RuntimeService::plan(std::string_view controller, const RequestOptions& options,
                                          TimePoint /*deadline*/) {
-  const auto options = options_for(asked);
-  if (!options || files_ == nullptr) {
-    return options ? no_files() : options.error();
+  if (files_ == nullptr) {
+    return no_files();
   }
   Diagnostics diagnostics;
   const auto set = files_->read(diagnostics);
@@ -222,7 +203,7 @@ Result<type::Value> RuntimeService::plan(std::string_view controller, const cont
   if (diagnostics.has_errors()) {
     return refusal(diagnostics, "the files");
   }
-  return plan_for(*set, changes, controller, *options, diagnostics);
+  return plan_for(*set, changes, controller, options, diagnostics);
 }
 
 /// The answer of plan() for files without errors.
@@ -267,10 +248,9 @@ Result<type::Value> RuntimeService::plan_for(const ControllerSet& set,
   return answer;
 }
 
-Result<type::Value> RuntimeService::apply(const control::SwitchOptions& asked, TimePoint deadline) {
-  const auto options = options_for(asked);
-  if (!options || files_ == nullptr) {
-    return options ? no_files() : options.error();
+Result<type::Value> RuntimeService::apply(const RequestOptions& options, TimePoint deadline) {
+  if (files_ == nullptr) {
+    return no_files();
   }
   Diagnostics diagnostics;
   std::future<ApplyResult> future;
@@ -281,7 +261,7 @@ Result<type::Value> RuntimeService::apply(const control::SwitchOptions& asked, T
     if (!set) {
       return refusal(diagnostics, "the files");
     }
-    future = runtime_.apply(std::move(*set), *options);
+    future = runtime_.apply(std::move(*set), options);
   }
   if (future.wait_until(deadline) != std::future_status::ready) {
     return fail(
@@ -433,8 +413,7 @@ Result<void> RuntimeService::allow(const control::Sender& sender, std::string_vi
   if (wait.is_stopped()) {
     return no_longer_wanted();
   }
-  return runtime_.allow({sender.who, sender.lease, sender.beside_mission},
-                        std::string(verb) + " " + std::string(task) + "." + std::string(member));
+  return runtime_.allow(sender, std::string(verb) + " " + std::string(task) + "." + std::string(member));
 }
 
 Result<std::unique_ptr<control::SampleStream>> RuntimeService::open_port(std::string_view task,

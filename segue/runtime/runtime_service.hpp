@@ -26,14 +26,18 @@ class RuntimeService final : public control::RobotService {
              control::RobotLevelAnswer answered) override;
   Result<type::Value> running(std::uint64_t lease, const Wait& wait) override;
   void changes(std::uint64_t seen, const Wait& wait, control::ChangesAnswer answered) override;
-  Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
+  Result<type::Value> switch_to(std::string_view controller, const RequestOptions& options,
                                 const Wait& wait) override;
   Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
-                                        const control::SwitchOptions& options, TimePoint deadline) override;
-  Result<type::Value> plan(std::string_view controller, const control::SwitchOptions& options,
+                                        const RequestOptions& options, TimePoint deadline) override;
+  Result<type::Value> diff(std::string_view controller, const RequestOptions& options,
+                           const Wait& wait) override;
+  Result<type::Value> diff_to_network(std::string_view text, std::string_view file,
+                                      const RequestOptions& options, TimePoint deadline) override;
+  Result<type::Value> plan(std::string_view controller, const RequestOptions& options,
                            TimePoint deadline) override;
-  Result<type::Value> apply(const control::SwitchOptions& options, TimePoint deadline) override;
-  Result<type::Value> repair(const control::SwitchOptions& options, const Wait& wait) override;
+  Result<type::Value> apply(const RequestOptions& options, TimePoint deadline) override;
+  Result<type::Value> repair(const RequestOptions& options, const Wait& wait) override;
   Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
                               const Wait& wait) override;
   Result<type::Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) override;
@@ -67,8 +71,14 @@ class RuntimeService final : public control::RobotService {
   /// Whether that sender may do this with a member of a task ("sets", "wheels", "speed"), and still wants it.
   Result<void> allow(const control::Sender& sender, std::string_view verb, std::string_view task,
                      std::string_view member, const Wait& wait) const;
+  /// A network that was sent by value, or the answer where it cannot be requested.
+  struct Sent {
+    std::optional<model::Network> network;
+    Result<type::Value> refusal;
+  };
+  [[nodiscard]] Sent read_sent(std::string_view text, std::string_view file) const;
   Result<type::Value> answer_to(AcceptedRequest accepted, std::string_view target,
-                                const control::SwitchOptions& asked, const Wait& wait);
+                                const RequestOptions& options, const Wait& wait);
   [[nodiscard]] Result<type::Value> plan_for(const ControllerSet& set,
                                              const std::vector<ControllerChange>& changes,
                                              std::string_view controller, const RequestOptions& options,

@@ -42,7 +42,7 @@ class Service : public ::testing::Test {
 };
 
 TEST_F(Service, reports_the_status_that_tools_rely_on) {
-  ASSERT_TRUE(service_.switch_to("only", {.dry_run = false, .force = false, .order = "", .who = {}}, soon()));
+  ASSERT_TRUE(service_.switch_to("only", {}, soon()));
   const auto status = service_.status();
   ASSERT_TRUE(status);
   EXPECT_EQ(status->find("controller")->as_string(), "only");
@@ -102,22 +102,17 @@ TEST_F(Service, counts_whatever_changes_what_runs_or_who_commands_it) {
 }
 
 TEST_F(Service, answers_a_switch_with_its_outcome) {
-  const auto planned =
-      service_.switch_to("only", {.dry_run = true, .force = false, .order = "seamless", .who = {}}, soon());
+  const auto planned = service_.diff("only", {}, soon());
   ASSERT_TRUE(planned);
   EXPECT_NE(planned->find("counts"), nullptr);
-  const auto done =
-      service_.switch_to("only", {.dry_run = false, .force = false, .order = "paper", .who = {}}, soon());
+  const auto done = service_.switch_to("only", {.order = model::Order::Paper}, soon());
   ASSERT_TRUE(done);
   EXPECT_EQ(done->find("outcome")->as_string(), "done");
   EXPECT_EQ(done->find("actions")->as_list().front().find("outcome")->as_string(), "done");
-  const auto refused =
-      service_.switch_to("onyl", {.dry_run = false, .force = false, .order = "", .who = {}}, soon());
+  const auto refused = service_.switch_to("onyl", {}, soon());
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->find("outcome")->as_string(), "refused");
   EXPECT_THAT(refused->find("error")->as_string(), HasSubstr("did you mean 'only'"));
-  EXPECT_FALSE(
-      service_.switch_to("only", {.dry_run = false, .force = false, .order = "sideways", .who = {}}, soon()));
   EXPECT_FALSE(service_.apply_transition("actions: 3", "t.yaml", soon()));
   EXPECT_EQ(service_.history()->as_list().size(), 2U);
   EXPECT_FALSE(service_.events(0, {})->as_list().empty());
@@ -132,7 +127,7 @@ TEST_F(Service, without_files_there_is_nothing_to_plan_or_apply) {
 }
 
 TEST_F(Service, gives_access_to_single_tasks) {
-  ASSERT_TRUE(service_.switch_to("only", {.dry_run = false, .force = false, .order = "", .who = {}}, soon()));
+  ASSERT_TRUE(service_.switch_to("only", {}, soon()));
   const auto task = service_.task("a");
   ASSERT_TRUE(task) << to_string(task.error());
   EXPECT_NE(task->find("timing"), nullptr);
@@ -246,8 +241,7 @@ TEST(ServiceWithJournal, tells_at_once_what_has_happened) {
     RuntimeService service(robot.runtime, nullptr, [] {});
     for (int round = 0; round < 20; ++round) {
       const TimePoint deadline = RealClock::instance().now() + std::chrono::seconds(30);
-      ASSERT_TRUE(service.switch_to(round % 2 == 0 ? "only" : "",
-                                    {.dry_run = false, .force = false, .order = "", .who = {}}, deadline));
+      ASSERT_TRUE(service.switch_to(round % 2 == 0 ? "only" : "", {}, deadline));
       const auto past = service.past(type::Value::map({{"ask", "requests"}, {"limit", 1}}));
       ASSERT_TRUE(past) << to_string(past.error());
       const auto& requests = past->find("requests")->as_list();

@@ -5,6 +5,7 @@
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/halts.hpp>
 #include <segue/runtime/look_ahead_savings.hpp>
+#include <segue/runtime/pending.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/runtime_parts.hpp>
@@ -28,10 +29,11 @@ class Switching {
 
   // Plans
   [[nodiscard]] Planned plan(const model::Network& current, const Request& request,
-                             const RequestOptions& options) const;
+                             const RequestOptions& options, const Privileges& privileges = {}) const;
   /// A snapshot and a plan that starts from it; both leave out the same computers.
   [[nodiscard]] std::pair<Observation, Planned> plan_from_now(const Request& request,
-                                                              const RequestOptions& options) const;
+                                                              const RequestOptions& options,
+                                                              const Privileges& privileges = {}) const;
   /// The tasks and processes of the requested network; nothing: it may be about anything.
   [[nodiscard]] std::optional<NetworkParts> parts_of(const Request& request) const;
 
@@ -64,9 +66,11 @@ class Switching {
  private:
   /// The network that a request by name or value asks for, with its properties.
   [[nodiscard]] Result<model::Network> requested_network(const Request& request,
-                                                         const RequestOptions& options) const;
+                                                         const RequestOptions& options,
+                                                         const Privileges& privileges) const;
   [[nodiscard]] Planned plan_given(const model::Network& current, const model::Transition& transition) const;
-  [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options) const;
+  [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options,
+                                                const Privileges& privileges) const;
   [[nodiscard]] Transaction::Options transaction_options(const model::Network& current,
                                                          Duration action_deadline,
                                                          std::function<void()> committed);

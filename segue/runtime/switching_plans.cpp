@@ -9,24 +9,26 @@
 namespace segue::runtime::detail {
 
 std::pair<Observation, Planned> Switching::plan_from_now(const Request& request,
-                                                         const RequestOptions& options) const {
+                                                         const RequestOptions& options,
+                                                         const Privileges& privileges) const {
   constexpr int kAttempts = 4;  // a computer that comes and goes all the time delays nobody for long
   for (int attempt = 1;; ++attempt) {
     const auto lost = unreachable_hosts(parts_.host);
     auto current = parts_.belief.starting_point();
     current.network = parts_.queue.left_actions()->without_their_processes(std::move(current.network));
-    auto plan = this->plan(current.network, request, options);
+    auto plan = this->plan(current.network, request, options, privileges);
     if (!plan || plan->lost == lost || attempt == kAttempts) {
       return {std::move(current), std::move(plan)};
     }
   }
 }
 
-std::optional<Error> Switching::refusal_of(const RequestOptions& options) const {
+std::optional<Error> Switching::refusal_of(const RequestOptions& options,
+                                           const Privileges& privileges) const {
   if (options.action_deadline <= Duration::zero()) {
     return fail(ErrorCode::InvalidArgument, "the deadline of an action must be positive");
   }
-  return options.although_halted ? std::nullopt : parts_.refusal_of_lost_robot();
+  return privileges.although_halted ? std::nullopt : parts_.refusal_of_lost_robot();
 }
 
 Planned Switching::plan_given(const model::Network& current, const model::Transition& transition) const {
@@ -38,35 +40,35 @@ Planned Switching::plan_given(const model::Network& current, const model::Transi
   return plan;
 }
 
-Result<model::Network> Switching::requested_network(const Request& request,
-                                                    const RequestOptions& options) const {
+Result<model::Network> Switching::requested_network(const Request& request, const RequestOptions& options,
+                                                    const Privileges& privileges) const {
   const auto* given = std::get_if<model::Network>(&request);
   auto network = given != nullptr ? Result<model::Network>(*given)
                                   : parts_.controllers.find(std::get<model::NetworkName>(request));
   if (network) {
     network = variant_of(std::move(*network), options.properties, parts_.catalog);
   }
-  if (network && options.leaves_lost_hosts) {
+  if (network && privileges.leaves_lost_hosts) {
     network = reachable_part(*std::move(network), parts_.host);
   }
   return network;
 }
 
-Planned Switching::plan(const model::Network& current, const Request& request,
-                        const RequestOptions& options) const {
-  if (auto refusal = refusal_of(options)) {
+Planned Switching::plan(const model::Network& current, const Request& request, const RequestOptions& options,
+                        const Privileges& privileges) const {
+  if (auto refusal = refusal_of(options, privileges)) {
     return tl::unexpected(Refusal{std::move(*refusal), {}});
   }
   if (const auto* transition = std::get_if<model::Transition>(&request)) {
     return plan_given(current, *transition);
   }
-  if (!options.leaves_lost_hosts) {
+  if (!privileges.leaves_lost_hosts) {
     const auto runs = parts_.belief.held().desired();
     if (auto refusal = refusal_for_unknown(runs, "the running controller", parts_.host)) {
       return tl::unexpected(std::move(*refusal));
     }
   }
-  auto network = requested_network(request, options);
+  auto network = requested_network(request, options, privileges);
   if (!network) {
     return tl::unexpected(Refusal{std::move(network.error()), {}});
   }

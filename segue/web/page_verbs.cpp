@@ -17,8 +17,8 @@ namespace segue::web {
 
 namespace {
 
+using control::RequestOptions;
 using control::RobotService;
-using control::SwitchOptions;
 using control::Verb;
 using type::Value;
 
@@ -32,30 +32,32 @@ struct Request {
   const std::string& who;
 };
 
-Result<SwitchOptions> switch_options(const Request& request, bool dry_run) {
+Result<RequestOptions> options_of(const Request& request) {
   const auto force = request.command.flag("force");
   if (!force) return force.error();
   const auto take_over = request.command.flag("take_over");
   if (!take_over) return take_over.error();
-  const auto order = request.command.text_or("order", "");
+  const auto named = request.command.text_or("order", "");
+  if (!named) return named.error();
+  const auto order = model::order_named(*named);
   if (!order) return order.error();
-  return SwitchOptions{
-      .dry_run = dry_run, .force = *force, .order = *order, .who = request.who, .take_over = *take_over};
+  return RequestOptions{.order = *order, .force = *force, .who = request.who, .take_over = *take_over};
 }
 
 Result<Value> ask_switch(const Request& request, bool dry_run) {
   const auto controller = request.command.text("controller");
   if (!controller) return controller.error();
-  const auto options = switch_options(request, dry_run);
+  const auto options = options_of(request);
   if (!options) return options.error();
   const auto deadline = request.command.deadline(kSwitchTime);
   if (!deadline) return deadline.error();
-  return request.robot.switch_to(*controller, *options, *deadline);
+  return dry_run ? request.robot.diff(*controller, *options, *deadline)
+                 : request.robot.switch_to(*controller, *options, *deadline);
 }
 
 /// What the robot's files, as they are now, would change or do change.
 Result<Value> take_files(const Request& request, bool dry_run) {
-  const auto options = switch_options(request, dry_run);
+  const auto options = options_of(request);
   if (!options) return options.error();
   const auto deadline = request.command.deadline(kSwitchTime);
   if (!deadline) return deadline.error();
@@ -79,7 +81,7 @@ Result<Value> do_switch(const Request& request) {
 }
 
 Result<Value> do_repair(const Request& request) {
-  const auto options = switch_options(request, false);
+  const auto options = options_of(request);
   if (!options) return options.error();
   const auto deadline = request.command.deadline(kSwitchTime);
   if (!deadline) return deadline.error();

@@ -93,43 +93,36 @@ class FakeRobotService : public RobotService {
       return true;
     });
   }
-  Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
+  Result<type::Value> switch_to(std::string_view controller, const control::RequestOptions& options,
                                 const Wait& wait) override {
-    return type::Value::map({{"to", controller},
-                             {"dry_run", options.dry_run},
-                             {"force", options.force},
-                             {"order", options.order},
-                             {"who", options.who},
-                             {"lease", options.lease},
-                             {"take_over", options.take_over},
-                             {"properties", properties_of(options)},
-                             {"left_s", std::chrono::duration<double>(wait.deadline - now()).count()}});
+    return requested(controller, false, options, wait);
+  }
+  Result<type::Value> diff(std::string_view controller, const control::RequestOptions& options,
+                           const Wait& wait) override {
+    return requested(controller, true, options, wait);
   }
   Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
-                                        const control::SwitchOptions& options, TimePoint) override {
-    return type::Value::map({{"text", text},
-                             {"file", file},
-                             {"dry_run", options.dry_run},
-                             {"force", options.force},
-                             {"order", options.order},
-                             {"who", options.who},
-                             {"lease", options.lease},
-                             {"take_over", options.take_over},
-                             {"properties", properties_of(options)}});
+                                        const control::RequestOptions& options, TimePoint) override {
+    return sent(text, file, false, options);
   }
-  Result<type::Value> plan(std::string_view controller, const control::SwitchOptions& options,
+  Result<type::Value> diff_to_network(std::string_view text, std::string_view file,
+                                      const control::RequestOptions& options, TimePoint) override {
+    return sent(text, file, true, options);
+  }
+  Result<type::Value> plan(std::string_view controller, const control::RequestOptions& options,
                            TimePoint) override {
-    return type::Value::map({{"to", controller}, {"force", options.force}, {"order", options.order}});
+    return type::Value::map(
+        {{"to", controller}, {"force", options.force}, {"order", to_string(options.order)}});
   }
-  Result<type::Value> apply(const control::SwitchOptions& options, TimePoint) override {
+  Result<type::Value> apply(const control::RequestOptions& options, TimePoint) override {
     return type::Value::map({{"force", options.force},
-                             {"order", options.order},
+                             {"order", to_string(options.order)},
                              {"who", options.who},
                              {"lease", options.lease},
                              {"take_over", options.take_over}});
   }
-  Result<type::Value> repair(const control::SwitchOptions& options, const Wait& /*wait*/) override {
-    return type::Value::map({{"repaired", options.force && options.order == "paper"},
+  Result<type::Value> repair(const control::RequestOptions& options, const Wait& /*wait*/) override {
+    return type::Value::map({{"repaired", options.force && options.order == model::Order::Paper},
                              {"who", options.who},
                              {"lease", options.lease},
                              {"take_over", options.take_over}});
@@ -239,10 +232,35 @@ class FakeRobotService : public RobotService {
  private:
   static TimePoint now() { return RealClock::instance().now(); }
 
-  static type::Value properties_of(const control::SwitchOptions& options) {
+  static Result<type::Value> requested(std::string_view controller, bool dry_run,
+                                       const control::RequestOptions& options, const Wait& wait) {
+    return type::Value::map({{"to", controller},
+                             {"dry_run", dry_run},
+                             {"force", options.force},
+                             {"order", to_string(options.order)},
+                             {"who", options.who},
+                             {"lease", options.lease},
+                             {"take_over", options.take_over},
+                             {"properties", properties_of(options)},
+                             {"action_s", std::chrono::duration<double>(options.action_deadline).count()},
+                             {"left_s", std::chrono::duration<double>(wait.deadline - now()).count()}});
+  }
+  static Result<type::Value> sent(std::string_view text, std::string_view file, bool dry_run,
+                                  const control::RequestOptions& options) {
+    return type::Value::map({{"text", text},
+                             {"file", file},
+                             {"dry_run", dry_run},
+                             {"force", options.force},
+                             {"order", to_string(options.order)},
+                             {"who", options.who},
+                             {"lease", options.lease},
+                             {"take_over", options.take_over},
+                             {"properties", properties_of(options)}});
+  }
+  static type::Value properties_of(const control::RequestOptions& options) {
     type::Value::List list;
     for (const auto& one : options.properties)
-      list.push_back(type::Value::list({one.task, one.property, one.value}));
+      list.push_back(type::Value::list({one.task.str(), one.property, one.value}));
     return list;
   }
 

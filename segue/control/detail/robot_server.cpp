@@ -2,6 +2,7 @@
 #include <segue/rpc_codecs/robot.capnp.h>
 #include <segue/base/clock.hpp>
 #include <segue/control/detail/lease_owners.hpp>
+#include <segue/control/detail/request_codec.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_server.hpp>
 #include <segue/control/detail/watch_server.hpp>
@@ -29,62 +30,8 @@ Result<Value> as_value(const Result<void>& outcome) {
   return Value();
 }
 
-/// Who asks: what a client says of itself, behind what is known of one from another computer.
-template <class Params>
-std::string who_asks(const Params& params, const Peer& peer) {
-  std::string who = as_string(params.getWho());
-  if (peer.local) return who;
-  return to_string(peer) + (who.empty() ? "" : ": " + who);
-}
-
-std::string text_at(const Value& map, std::string_view key) {
-  const Value* text = map.find(key);
-  return text == nullptr || !text->is_string() ? std::string() : text->as_string();
-}
-
-/// From a list of {"task", "property", "value"}; null is none.
-Result<std::vector<PropertyOf>> properties_from(const Result<Value>& list) {
-  if (!list) return list.error();
-  std::vector<PropertyOf> properties;
-  if (list->is_null()) return properties;
-  if (!list->is_list()) return fail(ErrorCode::InvalidArgument, "the properties of a request must be a list");
-  for (const Value& one : list->as_list()) {
-    const Value* value = one.find("value");
-    PropertyOf property{text_at(one, "task"), text_at(one, "property"), value == nullptr ? Value() : *value};
-    if (property.task.empty() || property.property.empty() || value == nullptr)
-      return fail(ErrorCode::InvalidArgument, "a property of a request needs 'task', 'property' and 'value'");
-    properties.push_back(std::move(property));
-  }
-  return properties;
-}
-
-Sender sender_of(wire::Sender::Reader sender, const Peer& peer) {
-  return {who_asks(sender, peer), sender.getLease(), sender.getBesideMission()};
-}
-
-/// Of requests that concern what runs.
-template <class Params>
-SwitchOptions whole_robot_options(const Params& params, const Peer& peer) {
-  return {.force = params.getForce(),
-          .order = as_string(params.getOrder()),
-          .who = who_asks(params, peer),
-          .lease = params.getLease(),
-          .take_over = params.getTakeOver()};
-}
-
-/// Of requests that may be dry runs.
-template <class Params>
-Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
-  SwitchOptions options = whole_robot_options(params, peer);
-  options.dry_run = params.getDryRun();
-  auto properties = properties_from(decode(params.getProperties(), kMaxNodes));
-  if (!properties) return properties.error();
-  options.properties = std::move(*properties);
-  return options;
-}
-
 /// What ends a request: somebody without a lease may ask, and go.
-std::stop_token stop_of(const SwitchOptions& options, const std::stop_token& dropped) {
+std::stop_token stop_of(const RequestOptions& options, const std::stop_token& dropped) {
   return options.lease == 0 ? std::stop_token() : dropped;
 }
 
@@ -188,54 +135,48 @@ class RobotServer final : public DecodingServer<wire::Robot> {
 
   kj::Promise<void> switchTo(SwitchToContext context) override {
     const auto params = context.getParams();
-    return answer_holder(
-        role_for(Verb::Switch, params.getTakeOver()), params.getLease(), context,
-        [&service = service_, controller = as_string(params.getController()),
-         options = options_of(params, peer()),
-         deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
-          if (!options) return options.error();
-          return service.switch_to(controller, *options, {deadline, stop_of(*options, dropped)});
-        });
+    return answer_request(Verb::Switch, context,
+                          [&service = service_, controller = as_string(params.getController()),
+                           dry_run = params.getDryRun()](const RequestOptions& options, const Wait& wait) {
+                            return dry_run ? service.diff(controller, options, wait)
+                                           : service.switch_to(controller, options, wait);
+                          });
   }
 
   kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
     const auto params = context.getParams();
-    return answer_holder(role_for(Verb::Switch, params.getTakeOver()), params.getLease(), context,
-                         [&service = service_, text = as_string(params.getText()),
-                          file = as_string(params.getFile()), options = options_of(params, peer()),
-                          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
-                           if (!options) return options.error();
-                           return service.switch_to_network(text, file, *options, deadline);
-                         });
+    return answer_request(
+        Verb::Switch, context,
+        [&service = service_, text = as_string(params.getText()), file = as_string(params.getFile()),
+         dry_run = params.getDryRun()](const RequestOptions& options, const Wait& wait) {
+          return dry_run ? service.diff_to_network(text, file, options, wait.deadline)
+                         : service.switch_to_network(text, file, options, wait.deadline);
+        });
   }
 
   kj::Promise<void> plan(PlanContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(role_for(Verb::Plan), context,
                                 [&service = service_, controller = as_string(params.getController()),
-                                 options = SwitchOptions{.dry_run = true,
-                                                         .force = params.getForce(),
-                                                         .order = as_string(params.getOrder())},
-                                 deadline = deadline_after(params.getTimeout())] {
-                                  return service.plan(controller, options, deadline);
+                                 options = decode(params.getOptions(), peer()),
+                                 deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
+                                  if (!options) return options.error();
+                                  return service.plan(controller, *options, deadline);
                                 });
   }
 
   kj::Promise<void> applyFiles(ApplyFilesContext context) override {
-    const auto params = context.getParams();
-    return answer_holder(
-        role_for(Verb::Apply, params.getTakeOver()), params.getLease(), context,
-        [&service = service_, options = whole_robot_options(params, peer()),
-         deadline = deadline_after(params.getTimeout())] { return service.apply(options, deadline); });
+    return answer_request(Verb::Apply, context,
+                          [&service = service_](const RequestOptions& options, const Wait& wait) {
+                            return service.apply(options, wait.deadline);
+                          });
   }
 
   kj::Promise<void> repair(RepairContext context) override {
-    const auto params = context.getParams();
-    return answer_holder(role_for(Verb::Repair, params.getTakeOver()), params.getLease(), context,
-                         [&service = service_, options = whole_robot_options(params, peer()),
-                          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) {
-                           return service.repair(options, {deadline, stop_of(options, dropped)});
-                         });
+    return answer_request(Verb::Repair, context,
+                          [&service = service_](const RequestOptions& options, const Wait& wait) {
+                            return service.repair(options, wait);
+                          });
   }
 
   kj::Promise<void> prepare(PrepareContext context) override {
@@ -302,7 +243,8 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return caller_.answer_value(
         role_for(Verb::Cancel), context,
-        [&service = service_, request = params.getRequest(), who = who_asks(params, peer()),
+        [&service = service_, request = params.getRequest(),
+         who = who_asks(as_string(params.getWho()), peer()),
          deadline = deadline_after(params.getTimeout())] { return service.cancel(request, who, deadline); });
   }
 
@@ -319,15 +261,16 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     const auto params = context.getParams();
     return caller_.urgent().answer_value(
         role_for(Verb::Stop), context,
-        [&service = service_, who = who_asks(params, peer()),
+        [&service = service_, who = who_asks(as_string(params.getWho()), peer()),
          deadline = deadline_after(params.getTimeout())] { return service.stop(who, deadline); });
   }
 
   kj::Promise<void> release(ReleaseContext context) override {
-    return caller_.answer_value(role_for(Verb::ReleaseStop), context,
-                                [&service = service_, who = who_asks(context.getParams(), peer())] {
-                                  return as_value(service.release_stop(who));
-                                });
+    return caller_.answer_value(
+        role_for(Verb::ReleaseStop), context,
+        [&service = service_, who = who_asks(as_string(context.getParams().getWho()), peer())] {
+          return as_value(service.release_stop(who));
+        });
   }
 
   kj::Promise<void> applyTransition(ApplyTransitionContext context) override {
@@ -350,7 +293,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     return answer_holder(
         role_for(Verb::Set), params.getSender().getLease(), context,
         [&service = service_, task = as_string(params.getTask()), property = as_string(params.getProperty()),
-         value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
+         value = decode(params.getValue(), kMaxNodes), sender = decode(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!value) return value.error();
           return as_value(service.set_property(task, property, *value, sender, {deadline, dropped}));
@@ -362,7 +305,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     return answer_holder(
         role_for(Verb::Write), params.getSender().getLease(), context,
         [&service = service_, task = as_string(params.getTask()), port = as_string(params.getPort()),
-         value = decode(params.getValue(), kMaxNodes), sender = sender_of(params.getSender(), peer()),
+         value = decode(params.getValue(), kMaxNodes), sender = decode(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!value) return value.error();
           return as_value(service.write(task, port, *value, sender, {deadline, dropped}));
@@ -375,7 +318,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
         role_for(Verb::Call), params.getSender().getLease(), context,
         [&service = service_, task = as_string(params.getTask()),
          operation = as_string(params.getOperation()), arguments = decode(params.getArguments(), kMaxNodes),
-         sender = sender_of(params.getSender(), peer()),
+         sender = decode(params.getSender(), peer()),
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped) -> Result<Value> {
           if (!arguments) return arguments.error();
           return service.call(task, operation, *arguments, sender, {deadline, dropped});
@@ -428,6 +371,19 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     if (!refusal) return caller_.answer_value(needed, context, std::move(job));
     encode(*refusal, context.getResults().initAnswer().initError());
     return kj::READY_NOW;
+  }
+
+  /// As answer_holder(), for a request: `job(options, wait)`. Somebody without a lease may ask, and go.
+  template <class Context, class Job>
+  kj::Promise<void> answer_request(Verb verb, Context context, Job job) {
+    const auto params = context.getParams();
+    const auto asked = params.getOptions();
+    return answer_holder(role_for(verb, asked.getTakeOver()), asked.getLease(), context,
+                         [options = decode(asked, peer()), deadline = deadline_after(params.getTimeout()),
+                          job = std::move(job)](const std::stop_token& dropped) -> Result<Value> {
+                           if (!options) return options.error();
+                           return job(*options, Wait(deadline, stop_of(*options, dropped)));
+                         });
   }
 
   [[nodiscard]] const Peer& peer() const { return caller_.client()->peer; }

@@ -19,7 +19,7 @@
 namespace segue::control::detail {
 
 /// Raised when the meaning of a message changes; additions that old programs ignore do not count.
-inline constexpr std::uint32_t kProtocolVersion = 5;
+inline constexpr std::uint32_t kProtocolVersion = 6;
 
 /// Deeper values are refused (files are limited to 200).
 inline constexpr int kMaxDepth = 256;
