@@ -37,14 +37,15 @@ class ConditionVariable {
     Held held(mutex);
     condition_.wait(held.lock);
   }
-  /// Likewise, at the latest at the deadline.
+  /// Waits until somebody notifies, until the deadline, or without a reason.
   void wait_until(Mutex& mutex, TimePoint deadline) SEGUE_REQUIRES(mutex) {
     Held held(mutex);
     condition_.wait_until(held.lock, deadline);
   }
 
  private:
-  /// What the standard's wait for a mutex that is held takes.
+  /// Adopts a mutex that the caller holds as the std::unique_lock that the standard's wait takes, and leaves
+  /// it locked at the end.
   struct Held {
     explicit Held(Mutex& mutex) : lock(mutex.mutex_, std::adopt_lock) {}
     ~Held() { static_cast<void>(lock.release()); }

@@ -79,8 +79,8 @@ struct CloseEndpoint {
   sample_link::Incarnation peer = 0;
 };
 
-/// What ends in a process when a transition commits. What begins are all connections that actions before the
-/// commit make.
+/// The connections of a process that end when a transition commits. Those that begin then are all connections
+/// that actions before the commit make.
 struct ArmCommit {
   std::shared_ptr<const sample_link::CommitPage> page;  ///< of the runtime
   std::uint64_t number = 0;                             ///< of the transition, on that page

@@ -18,10 +18,10 @@
 
 namespace segue::deploy {
 
-/// What can be done with the tasks of one place: of a deployment process, or of all processes of a robot on a
-/// host. Functions may be called from any thread and block until their deadline at most. Those without a
-/// deadline return quickly; a client (control/) answers Unavailable where the other side is gone and
-/// DeadlineExceeded where it does not answer.
+/// Access to the tasks of one place: of a deployment process, or of all processes of a robot on a host.
+/// Functions may be called from any thread and block until their deadline at most. Those without a deadline
+/// return quickly; a client (control/) answers Unavailable where the other side is gone and DeadlineExceeded
+/// where it does not answer.
 class TaskAccess {
  public:
   virtual ~TaskAccess() = default;

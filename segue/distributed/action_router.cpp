@@ -59,8 +59,9 @@ std::set<int> waits_for(int id, const std::map<int, const model::Action*>& actio
   return all;
 }
 
-/// What a sender had taken is delivered before its receivers stop and are disconnected, on other computers,
-/// unless the order of the actions has it the other way round.
+/// Makes the receivers of link tasks wait for their senders: samples that a sender has taken are delivered
+/// before its receivers stop and are disconnected, on other computers, unless the order of the actions has it
+/// the other way round.
 void let_receivers_wait(std::vector<model::Action>& actions) {
   struct Stop {
     int id = 0;

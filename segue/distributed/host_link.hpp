@@ -50,8 +50,8 @@ class HostLink {
   [[nodiscard]] Result<std::uint64_t> highest_term(const std::string& robot, TimePoint deadline);
   /// Extends the lease, and measures the round trip and the host's clock. An error: the connection is lost.
   Result<void> keep_alive();
-  /// What is asked of the host from now on fails, until connect() succeeds. Does nothing where the connection
-  /// of that number has been replaced already: a call that fails late says nothing of the present one.
+  /// Makes all further calls to the host fail until connect() succeeds. Does nothing where the connection of
+  /// that number has been replaced already: a call that fails late says nothing of the present one.
   void lose(std::optional<std::uint64_t> number, const std::string& why);
   /// Gives up the lease, so that another runtime may have the robot at once.
   void release(const std::string& why);
@@ -75,7 +75,7 @@ class HostLink {
   [[nodiscard]] std::optional<Refusal> refusal() const;
   [[nodiscard]] HostInfo info() const;
   [[nodiscard]] task_host::ComputerReport report() const;
-  /// What the host held when it was last seen.
+  /// Notes the view of the host, which last_seen() then returns.
   void note(const HostView& view);
   [[nodiscard]] HostView last_seen() const;
 

@@ -21,7 +21,7 @@ struct LibraryInfo {
   friend bool operator==(const LibraryInfo&, const LibraryInfo&) = default;
 };
 
-/// What a host says of itself.
+/// A host's description of itself.
 struct HostInfo {
   model::HostName name;
   std::string software;      ///< version of Segue
@@ -52,7 +52,7 @@ struct LogRequest {
   std::optional<process_server::LogPosition> after{};  ///< instead: what was printed after this
 };
 
-/// What a runtime needs to command a robot on a host.
+/// The request of a runtime that wants to command a robot on a host.
 struct RobotRequest {
   std::string holder;      ///< see LeaseInfo
   std::string secret{};    ///< of that run of the runtime, by which it gets its lease anew; never shown

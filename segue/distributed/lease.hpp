@@ -75,7 +75,7 @@ class Lease {
 
  private:
   [[nodiscard]] Duration left() const SEGUE_REQUIRES(mutex_);
-  /// What the file has.
+  /// The content of the lease's file.
   struct Kept {
     std::uint64_t epoch = 0;
     std::string key{};  ///< of who had it last

@@ -18,7 +18,7 @@ deploy::DeploymentInfo daemon_info(const process_server::Launch& launch) {
   return info;
 }
 
-/// What a batch keeps until all of its actions are reported.
+/// The data of a batch, kept until all of its actions are reported.
 struct BatchWork {
   BatchWork(Lease::Work begun, std::shared_ptr<LocalRobot> robot, std::size_t count,
             task_host::Completion report)

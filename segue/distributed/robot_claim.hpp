@@ -7,9 +7,9 @@
 
 namespace segue::distributed::detail {
 
-/// What a runtime asks hosts for its robot with. Where it takes the robot over, its term is above those of
-/// all runtimes that have had it on any of the hosts; so of several that do this at the same moment, the same
-/// one wins on all hosts (Lease), instead of each losing the robot on some of them.
+/// The claim with which a runtime requests its robot from hosts. Where it takes the robot over, its term is
+/// above those of all runtimes that have had it on any of the hosts; so of several that do this at the same
+/// moment, the same one wins on all hosts (Lease), instead of each losing the robot on some of them.
 class RobotClaim {
  public:
   /// `request`: with take_over where its user has asked for that. `sites` must outlive this.

@@ -61,8 +61,8 @@ class Sites {
   using Work = std::function<Result<void>(const Site& site, HostedRobot& robot)>;
   void for_all(const Work& work) const;
 
-  /// What all sites hold, tasks named by the placement table, which learns from it. Blocks until all have
-  /// answered or are given up.
+  /// The views of all sites in one, with tasks named by the placement table, which learns from it. Blocks
+  /// until all sites have answered or are given up.
   struct Look {
     HostView view;
     bool complete = false;  ///< all sites have answered

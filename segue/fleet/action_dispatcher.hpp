@@ -82,8 +82,8 @@ class ActionDispatcher {
   Result<void> place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const;
   static void watch_silence(const BatchPtr& batch);
   void begin_at(const RecordPtr& record, const Indices& indices, const BatchPtr& batch);
-  /// What blocks, on threads of the fleet: processes that begin or end, hand-overs and connections between
-  /// processes.
+  /// Begins the actions that block, on threads of the fleet: processes that begin or end, hand-overs and
+  /// connections between processes.
   void begin_blocking(const BatchPtr& batch);
   void begin_connections(const BatchPtr& batch);
   void run(const concurrent::ThreadPool::Job& job);

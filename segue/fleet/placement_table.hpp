@@ -89,7 +89,7 @@ class PlacementTable {
     void settle();
   };
   using Table = std::map<model::TaskId, Incarnations>;
-  /// What one process holds: the same facts as in the table, the other way round.
+  /// The content of one process: the same facts as in the table, the other way round.
   struct Process {
     std::set<model::TaskId> tasks;
     std::map<model::TaskId, std::uint64_t>

@@ -45,10 +45,10 @@ class ConnectionTurn {
   const bool given_;
 };
 
-/// What has to be told once a process stops answering; forgotten when the last copy goes.
+/// Called once a process stops answering; forgotten when the last copy goes.
 using SilenceWatch = std::shared_ptr<const std::function<void()>>;
 
-/// What the runtime knows of one deployment process: its connection, its latest snapshot, the polls that are
+/// The runtime's knowledge of one deployment process: its connection, its latest snapshot, the polls that are
 /// under way and whether it has ended. Thread safe: one mutex protects everything that changes, and nobody is
 /// called with it held.
 ///
@@ -72,7 +72,7 @@ class ProcessRecord {
   std::shared_ptr<DeploymentService> set_service(std::shared_ptr<DeploymentService> service,
                                                  std::optional<DeploymentInfo> info);
 
-  /// What a poll has changed, to be reported.
+  /// The changes that a poll has found, to be reported.
   struct Change {
     bool silent = false;  ///< it stopped answering
     bool answers_again = false;

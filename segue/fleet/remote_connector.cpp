@@ -152,7 +152,7 @@ void RemoteConnector::give_up(TimePoint deadline) {
   if (!connections.empty()) {
     disconnect(connections, deadline);
   }
-  // What cannot be reached now is an orphan later.
+  // A connection that cannot be reached now is an orphan later.
 }
 
 void RemoteConnector::remove_orphaned(TimePoint deadline) {

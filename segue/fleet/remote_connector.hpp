@@ -34,7 +34,8 @@ class RemoteConnector {
   /// Closes endpoints whose counterparts are gone and dormant ones, but none of a connection that is just
   /// being worked on or that waits for the commit of the present transition.
   void remove_orphaned(TimePoint deadline);
-  /// What was ended because its memory was overwritten, and is missing since, `seen` included.
+  /// Reports the connections that were ended because their memory was overwritten, those in `seen` included,
+  /// and that are missing since.
   std::vector<task_host::ConnectionReport> note_damage(const MergedView& seen);
   /// The connection ends with the commit of the present transition, which disconnects it afterwards.
   void will_end(const model::Connection& connection);

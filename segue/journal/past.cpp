@@ -190,7 +190,7 @@ Result<Value> span(Database& database) {
   return Value::map({{"first_s", first}, {"last_s", last}, {"marks", std::move(*marks)}});
 }
 
-/// What the journal has of one time.
+/// The journal's record of one time.
 class Moment {
  public:
   Moment(Database& database, std::int64_t time) : database_(database), time_(time) {}

@@ -22,7 +22,8 @@ struct HostConfig {
   friend bool operator==(const HostConfig&, const HostConfig&) = default;
 };
 
-/// As the readers of files.hpp.
+/// Reads the configuration of a host's daemon; every problem becomes a diagnostic with its place, and if
+/// there are errors, nothing is returned.
 std::optional<HostConfig> read_host_config(std::string_view text, const std::string& file,
                                            Diagnostics& diagnostics);
 std::optional<HostConfig> load_host_config(const std::filesystem::path& file, Diagnostics& diagnostics);

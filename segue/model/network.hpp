@@ -165,7 +165,8 @@ inline constexpr std::size_t kMostDifferences = 10;
 std::vector<std::string> differences(const Network& expected, const Network& found,
                                      std::size_t limit = kMostDifferences,
                                      const WhyMissing& why_missing = {});
-/// The same of two versions of a controller: "task 'slam' is added", "task 'drive': property 'gain': 1 -> 2".
+/// The first few changes from one version of a controller to the next as sentences: "task 'slam' is added",
+/// "task 'drive': property 'gain': 1 -> 2"; empty if equivalent().
 std::vector<std::string> changes(const Network& before, const Network& after,
                                  std::size_t limit = kMostDifferences);
 

@@ -38,8 +38,7 @@ struct OperationAnswers {
   friend bool operator==(const OperationAnswers&, const OperationAnswers&) = default;
 };
 
-/// What can be seen of a robot: what ends an action of a mission, what facts are bound to, when the robot is
-/// at rest.
+/// A condition on a robot: it ends an action of a mission, binds a fact, or tells that the robot is at rest.
 using RobotCondition = std::variant<TaskReaches, SampleShows, OperationAnswers>;
 
 /// The task that it is about.

@@ -25,7 +25,7 @@ Diagnostics validate(const Network& network, const ComponentCatalog& catalog, De
 /// Whether tasks of a component are stand-ins.
 using StandsIn = std::function<bool(const ComponentName&)>;
 
-/// As with Depth::Full, for a network whose tasks may be stand-ins. Their components may be unknown or
+/// All problems of Depth::Full of a network whose tasks may be stand-ins. Their components may be unknown or
 /// abstract, and they take properties and, if their model is incomplete, ports that it lacks. All else that
 /// the model of a stand-in says holds for it, too: a value that has the wrong type is an error.
 Diagnostics validate(const Network& network, const ComponentCatalog& catalog, const StandsIn& stands_in);
@@ -39,8 +39,8 @@ Diagnostics validate_references(const Network& parts, const ComponentCatalog& ca
 /// processes that belong to a pool ...
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks);
 
-/// What the conditions of a robot's halt, if it has one, ask of components: states, ports and operations that
-/// there are.
+/// The problems of a robot's halt, if it has one: conditions that name states, ports and operations that do
+/// not exist.
 void check_halt_members(const Robot& robot, const std::vector<Network>& networks,
                         const ComponentCatalog& catalog, Diagnostics& diagnostics);
 

@@ -12,7 +12,7 @@ namespace segue::pddl::detail {
 
 namespace {
 
-/// What FF prints before the steps of its plan.
+/// The line that FF prints before the steps of its plan.
 constexpr std::string_view kFfBegin = "found legal plan as follows";
 
 /// Without signs, infinity and what is not a number.

@@ -54,7 +54,7 @@ struct CommandLine {
   char** words = nullptr;
 };
 
-/// What a zygote and its children do.
+/// The work of a zygote and its children.
 struct ZygoteWork {
   /// Loads a component library by its name, in the zygote.
   std::function<Result<void>(const std::string& library)> preload;

@@ -19,7 +19,7 @@ namespace {
 using detail::PlacementIndex;
 using detail::TaskLocation;
 
-/// What two networks need differently. Both must outlive it.
+/// Finds the conflicts between two networks. Both must outlive it.
 class ConflictSearch {
  public:
   ConflictSearch(const model::Network& a, const model::Network& b, const model::ComponentCatalog& catalog)
@@ -157,7 +157,8 @@ class ConflictSearch {
     }
   }
 
-  /// What the union would break though both are valid, such as tasks of a thread with different priorities.
+  /// Finds the problems of the union of networks that are both valid, such as tasks of a thread with
+  /// different priorities.
   void check_union() {
     const Diagnostics problems = model::validate(model::unite(a_, b_), {}, model::Depth::Structure);
     for (const Diagnostic& problem : problems.items()) {
