@@ -29,7 +29,7 @@ class CommitPage : public std::enable_shared_from_this<CommitPage> {
   std::uint64_t begin() noexcept { return last_.fetch_add(1, std::memory_order_relaxed) + 1; }
   /// Opens every gate that is armed with the number, in all processes.
   void commit(std::uint64_t number) noexcept;
-  /// What to arm a gate with. Keeps the page mapped.
+  /// The word to arm a gate with. Keeps the page mapped.
   [[nodiscard]] std::shared_ptr<const task::CommitWord> word(std::uint64_t number) const;
   /// For other processes.
   [[nodiscard]] int descriptor() const noexcept { return file_.descriptor.get(); }

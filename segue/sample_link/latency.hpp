@@ -34,7 +34,7 @@ class LatencyRecorder {
   void add(TimePoint written_at) noexcept {
     if (written_at != TimePoint()) add(written_at, monotonic_now());
   }
-  /// The same, where it is `now`.
+  /// Records a sample that was read at `now`. The reader only; real-time safe.
   void add(TimePoint written_at, TimePoint now) noexcept;
   [[nodiscard]] Latency read() const noexcept;
 

@@ -147,8 +147,8 @@ bool SharedOutput::anybody_there() const noexcept {
   return Delivery::Taken;
 }
 
-/// What was replaced must be what was pushed there, or, with Policy::init, what offer_last() put there. Else
-/// the entry may be in use.
+/// Takes back the entry that a push has replaced. It must be the one that was pushed there or, with
+/// Policy::init, the one that offer_last() put there. Any other entry may be in use, so it counts as corrupt.
 [[gnu::hot]] void SharedOutput::note_replaced(std::uint64_t token, std::uint64_t by) noexcept {
   const bool is_last = policy_.init && token == ring_.token_of(ring_.entries().size() - 1);
   if (token != by && (is_last || token == placed_[ring_.words().last_place()])) {

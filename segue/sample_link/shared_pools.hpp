@@ -81,7 +81,7 @@ class PeerMemory {
   /// Bytes of its payload pool; nullptr where the range is outside the pool or misaligned.
   [[nodiscard]] const std::byte* payload(std::uint64_t offset, std::uint64_t size,
                                          std::size_t alignment) const noexcept;
-  /// The same for its control pool, with an alignment of 64.
+  /// Bytes of its control pool, aligned to 64; nullptr where the range is outside the pool or misaligned.
   [[nodiscard]] std::byte* control(std::uint64_t offset, std::uint64_t size) const noexcept;
 
   PeerMemory(Incarnation incarnation, Mapping payload, Mapping control)

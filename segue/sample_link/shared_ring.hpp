@@ -116,7 +116,7 @@ class SharedRing {
   [[nodiscard]] std::size_t entry_of(std::uint64_t token) const noexcept;
   /// For the reader: returns an entry to the writer. Any thread; idempotent.
   void give_back(std::size_t entry) const noexcept;
-  /// As the two sides show them.
+  /// The counters of both sides, as they show them in the header. Any thread.
   [[nodiscard]] Counters counters() const noexcept;
   /// How many returned bits are set. Any thread.
   [[nodiscard]] std::size_t count_returned() const noexcept;

@@ -12,9 +12,9 @@ namespace segue::task {
 /// committed. It may lie in memory that another process shares for reading only.
 using CommitWord = std::atomic<std::uint64_t>;
 
-/// What connections wait for that begin or end with the commit of a transition. Closed until the transition
-/// has committed, then open for ever; a transition that was given up leaves it closed for ever. All ports of
-/// a process share the gate of a transition.
+/// Gate for connections that begin or end with the commit of a transition. Closed until the transition has
+/// committed, then open for ever; a transition that was given up leaves it closed for ever. All ports of a
+/// process share the gate of a transition.
 ///
 /// Memory order: whoever sees it open sees everything that came before the commit. Any thread; real-time safe
 /// but for arm().

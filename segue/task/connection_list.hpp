@@ -18,7 +18,7 @@ namespace segue::task {
 /// When a connection carries samples, relative to the commit of a transition.
 enum class Lifetime : std::uint8_t { Always, FromCommit, UntilCommit, Never };
 
-/// What is left of it once it is known whether the transition has committed.
+/// The lifetime of a connection once it is known whether the transition has committed.
 inline Lifetime settled(Lifetime lifetime, bool committed) {
   if (lifetime == Lifetime::FromCommit) return committed ? Lifetime::Always : Lifetime::Never;
   if (lifetime == Lifetime::UntilCommit) return committed ? Lifetime::Never : Lifetime::Always;

@@ -121,8 +121,8 @@ class OutputPortBase : public PortBase {
   /// For the writer: a slot to write to, which publish() or SampleSlot::release() must follow; nullptr,
   /// counted, if none is free. Not for flat ports.
   SampleSlot* acquire() noexcept;
-  /// The same for flat ports, with room for so many bytes. Allocates, so a slot is always free; may throw
-  /// std::bad_alloc.
+  /// For the writer of a flat port: a slot with room for `size` bytes, which publish() or
+  /// SampleSlot::release() must follow. Allocates, so a slot is always free; may throw std::bad_alloc.
   SampleSlot* acquire_flat(std::size_t size) { return pool_->acquire_flat(size); }
   WriteResult publish(SampleSlot* slot) noexcept;
   SamplePool& pool() { return *pool_; }

@@ -11,7 +11,7 @@
 
 namespace segue::task::detail {
 
-/// What a task's thread executes at present: an update or operations. Written by that thread alone, real-time
+/// The work in progress in a task's thread: an update or operations. Written by that thread alone, real-time
 /// safe; read by any thread. Times are those of the executor's clock.
 ///
 /// Memory order: `overdue_at_` is released last and acquired first, so whoever finds it past sees at least
@@ -33,7 +33,7 @@ class Progress {
   [[nodiscard]] TimePoint overdue_at() const noexcept {
     return TimePoint(Duration(overdue_at_.load(std::memory_order_acquire)));
   }
-  /// What is overdue at `now`: "on_update", "on_error" or "an operation"; nothing if nothing is.
+  /// The call that is overdue at `now`: "on_update", "on_error" or "an operation"; nothing if none is.
   [[nodiscard]] std::optional<std::string_view> overdue(TimePoint now) const noexcept;
   /// Periods that have passed without an update since the one in progress began; 0 where none is.
   [[nodiscard]] std::uint64_t missed(TimePoint now, Duration period) const noexcept;

@@ -21,7 +21,7 @@ class RunQueue {
  public:
   /// Queues the job unless it is queued already. True: it was not, so the runner may have to be woken.
   bool post(Job& job, std::uint32_t reason, TimePoint now) noexcept;
-  /// The same from the runner's thread, without the shared stack.
+  /// For the runner: queues the job like post(), but without the shared stack.
   void post_here(Job& job, std::uint32_t reason, TimePoint now) noexcept;
   [[nodiscard]] bool has_posted() const noexcept {
     return posted_.load(std::memory_order_seq_cst) != nullptr;

@@ -133,7 +133,7 @@ class SamplePool final : public SampleOwner {
   };
   using Handle = std::unique_ptr<SamplePool, Retire>;
 
-  /// What its slots hold: objects of the type, or bytes in its flat layout.
+  /// The content of its slots: objects of the type, or bytes in its flat layout.
   enum class Holds : std::uint8_t { Objects, Flat };
   static Handle create(const type::TypeInfo* info, Holds holds = Holds::Objects);
 
@@ -151,8 +151,9 @@ class SamplePool final : public SampleOwner {
   /// A free slot with one reference, holding an old or a default value; nullptr if there is none. One thread
   /// at a time (the writer); real-time safe.
   SampleSlot* acquire() noexcept;
-  /// Likewise, with room for `size` bytes in the flat layout, in the shared memory unless that is full;
-  /// Holds::Flat only. Allocates, a slot as well where none is free; may throw std::bad_alloc.
+  /// A slot with one reference and room for `size` bytes in the flat layout, in the shared memory unless that
+  /// is full; Holds::Flat only. One thread at a time (the writer). Allocates, a slot as well where none is
+  /// free; may throw std::bad_alloc.
   SampleSlot* acquire_flat(std::size_t size);
   void recycle(SampleSlot& slot) noexcept override;
 

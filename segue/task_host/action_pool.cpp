@@ -44,9 +44,9 @@ struct ActionPool::Implementation : std::enable_shared_from_this<Implementation>
   void watch(const BatchPtr& batch, bool alone);
   void begin(const BatchPtr& batch);
   void begin_here(const BatchPtr& batch);
-  /// Has one more thread work on it, unless one is on its way already.
+  /// Makes one more thread work on the batch, unless one is on its way already.
   void call_worker(const BatchPtr& batch);
-  /// What a worker does, once it has been counted.
+  /// Carries out actions of the batch in a worker's thread, once the worker has been counted.
   void work_on(BatchPtr batch);
   void leave(const BatchPtr& batch);
   /// Reports on another thread than the one that watches deadlines: reports may begin batches.

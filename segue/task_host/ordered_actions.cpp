@@ -171,7 +171,7 @@ std::vector<model::Action> OrderedActions::actions_of(const Batch& batch) const 
 }
 
 void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
-  // What a failure kept from beginning is not the failure.
+  // Actions that a failure kept from beginning come last, since they are not the failure.
   std::stable_partition(ended.begin(), ended.end(), [](const Completed& one) { return one.begun; });
   Lock lock(mutex_);
   Indices late;

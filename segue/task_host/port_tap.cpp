@@ -24,7 +24,7 @@ class Probe final : public task::Component {
   task::InputPortBase input;
 };
 
-/// What a reader shares with whoever waits for its samples.
+/// The state that a reader shares with whoever waits for its samples.
 class Tap {
  public:
   Tap(const task::OutputPortBase& port, std::weak_ptr<task::Task> task)

@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-/// What a host says of its tasks, its connections and its computers, and of changes to them.
+/// A host's reports on its tasks, its connections, its computers and changes to them.
 namespace segue::task_host {
 
 /// The observed state of a task.
@@ -31,7 +31,7 @@ struct TaskReport {
   bool unknown = false;  ///< its computer cannot be reached: all this is what was known last
 };
 
-/// What is said of a task only where somebody asks for it: it would make each list of tasks large.
+/// Details of a task that are reported on request only, since they would make each list of tasks large.
 struct TaskDetails {
   task::TimingHistograms timing;  ///< since its last start
   /// Its newest lines, oldest first, as long as its process lives. They are found by its id, of which the

@@ -79,7 +79,7 @@ Result<void> check_behaviour(const type::Value& value, std::string_view path) {
   return {};
 }
 
-/// What a stand-in does that is specified to hang.
+/// Blocks for ever, as a stand-in that is specified to hang.
 [[noreturn]] void hang() {
   while (true) {
     std::this_thread::sleep_for(std::chrono::hours(1));

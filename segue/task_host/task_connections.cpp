@@ -10,7 +10,7 @@ namespace segue::task_host::detail {
 
 namespace {
 
-/// What a reader may take longer than its cycles for one sample each: the time until its thread runs.
+/// The time that a reader has beyond one cycle for each sample: until its thread runs.
 constexpr Duration kReadingPatience = std::chrono::milliseconds(100);
 constexpr Duration kReadingPoll = std::chrono::microseconds(500);
 

@@ -116,7 +116,8 @@ class TaskHost {
   /// waiting for them, and what has not ended shortly after `deadline` as DeadlineExceeded; it may still be
   /// at work.
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed);
-  /// The same, and waits; outcomes in the order of `actions`.
+  /// Carries out actions like begin_all() and waits until all are reported; outcomes in the order of
+  /// `actions`.
   std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
 
   /// Carries out actions in their partial order: each begins once those of `actions` that its `after` names

@@ -135,7 +135,8 @@ bool acts(const TaskNetwork& network, NodeId node) {
 
 namespace {
 
-/// What must be true for the node to be on the path: its conditions, and those of the nodes that they name.
+/// The conditions that must be true for the node to be on the path: its own, and those of the nodes that they
+/// name.
 std::set<Condition> all_conditions(const TaskNetwork& network, NodeId node) {
   std::set<Condition> known;
   std::vector<NodeId> open{node};
@@ -182,8 +183,9 @@ std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order
 
 namespace {
 
-/// What a node that has begun is certain to have waited for. What runs ahead waits for less than what counts:
-/// not for decisions, nor for what only predicts the outputs that it takes.
+/// Finds the nodes that a node which has begun is certain to have waited for. A node that runs ahead waits
+/// for less than one that counts: neither for decisions, nor for nodes that only predict the outputs that it
+/// takes.
 class SensedFinder {
  public:
   SensedFinder(const TaskNetwork& network, const Order& order, const Paths& paths)

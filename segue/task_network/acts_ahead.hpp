@@ -17,7 +17,7 @@ struct ActsAhead {
   NodeId fails{};
   friend bool operator==(const ActsAhead&, const ActsAhead&) = default;
 };
-/// The same by names, for all iterations together.
+/// ActsAhead with names instead of ids: one entry for all iterations of a node together.
 struct NamedActsAhead {
   std::string acts;
   std::vector<std::string> fails;
@@ -31,14 +31,14 @@ struct SensesAhead {
   NodeId acts{};
   friend bool operator==(const SensesAhead&, const SensesAhead&) = default;
 };
-/// The same by names, for all iterations together.
+/// SensesAhead with names instead of ids: one entry for all iterations of a node together.
 struct NamedSensesAhead {
   std::string senses;
   std::vector<std::string> acts;
   friend bool operator==(const NamedSensesAhead&, const NamedSensesAhead&) = default;
 };
 
-/// What is known of the paths that a run may take.
+/// Knowledge of the paths that a run may take.
 class Paths {
  public:
   Paths() = default;

@@ -150,7 +150,7 @@ bool ConcurrentEngine::Implementation::turn_has_come(NodeId node) {
   return true;
 }
 
-/// What it has changed beside the network counts too. Where a later node has used that already, the run
+/// Commits a node with its changes beside the network. Where a later node has used these already, the run
 /// cannot be that of the program any more, whoever handles aborts.
 void ConcurrentEngine::Implementation::commit_with_changes(NodeId node) {
   const ReportPtr& report = reports_[index(node)];

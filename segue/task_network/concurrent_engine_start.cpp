@@ -60,7 +60,7 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
   if (state.start_gate == 0 && (settled(node) || runs_ahead)) try_start(node);
 }
 
-/// Likewise, of a node that has got further than to wait for its gates; true if it waits for them again.
+/// Takes a node further that has got beyond waiting for its gates; true if it waits for them again.
 bool ConcurrentEngine::Implementation::waits_again(NodeId node) {
   State& state = at(node);
   const bool open = state.commit_gate == 0;
@@ -199,7 +199,7 @@ bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
   return true;
 }
 
-/// What is not a step takes no time, so it needs no worker.
+/// Whether the node needs a worker: nodes that are not steps take no time, so they need none.
 bool ConcurrentEngine::Implementation::needs_worker(NodeId node) const {
   return options_.workers != 0 && !network_[node].structural;
 }

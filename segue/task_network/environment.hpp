@@ -44,7 +44,7 @@ struct Report {
   /// Further observed effects, of opaque nodes, on facts that the network need not know; a growing network
   /// adds them.
   std::vector<NamedEffect> named_effects{};
-  /// Likewise, units that an opaque node has created or removed without claiming them.
+  /// Units that an opaque node has created or removed without claiming them; a growing network adds them.
   std::vector<NamedUnits> named_units{};
   std::shared_ptr<const type::Value> outputs;  ///< a map; may be null
   std::string error;                           ///< why, for `aborted`

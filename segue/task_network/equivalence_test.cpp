@@ -51,7 +51,7 @@ void show(const TaskNetwork& network, const RunResult& sequential, const RunResu
                static_cast<int>(entry.kind));
 }
 
-/// What is wrong with the run of that seed, or "".
+/// The difference between the concurrent and the sequential run of that seed, or "".
 std::string difference(std::uint64_t seed) {
   ConcurrentEngineOptions options = options_of(seed);
   const bool failures = mix(seed, 7) % 2 == 0;

@@ -12,7 +12,7 @@
 #include <set>
 #include <utility>
 
-/// What the engine remembers of runs that it preempts. Internal to ConcurrentEngine.
+/// The engine's records of runs that it preempts. Internal to ConcurrentEngine.
 namespace segue::task_network {
 
 /// The speculative runs that hold units of a resource, and how many they can give back.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What cdr_object.cpp and cdr_flat.cpp have in common. Not for users.
+// Parts that cdr_object.cpp and cdr_flat.cpp share. Not for users.
 #pragma once
 
 #include <segue/type/byte_sink.hpp>
