@@ -148,7 +148,8 @@ class MissionPlan final : public task_network::Expansion {
   [[nodiscard]] const mission::Program& program() const { return *program_; }
   [[nodiscard]] const std::shared_ptr<const mission::Program>& shared_program() const { return program_; }
   [[nodiscard]] const PlannedNode& operator[](task_network::NodeId node) const { return nodes_[index(node)]; }
-  /// What must be known before it can plan further; empty if it had planned as much as was wanted.
+  /// The facts or values that must be known before it can plan further; empty if it had planned as much as
+  /// was wanted.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
   /// Whether the ends that are known so far keep the node off the path.
@@ -174,8 +175,8 @@ class MissionPlan final : public task_network::Expansion {
   [[nodiscard]] std::vector<type::Value> final_outputs();
   /// Why the mission aborted by a transition, or its last state aborted and that is handled; else empty.
   [[nodiscard]] std::string final_error();
-  /// The same mission with the same inputs, of which nothing is planned yet. It goes on after every abort and
-  /// preemption, too, up to the end of the mission, so it is for replays only.
+  /// A plan of this mission with these inputs, of which nothing is planned yet. It goes on after every abort
+  /// and preemption, too, up to the end of the mission, so it is for replays only.
   [[nodiscard]] std::unique_ptr<MissionPlan> from_the_beginning() const;
 
  private:

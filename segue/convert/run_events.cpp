@@ -68,7 +68,7 @@ void RunEvents::settle() {
   }
 }
 
-/// What ended the run leads nowhere in the plan.
+/// Tells the ends that lead nowhere in the plan: those that ended the run.
 void RunEvents::finish(const task_network::RunResult& result) {
   for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
     const NodeStatus status = result.nodes[i].status;

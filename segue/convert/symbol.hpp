@@ -48,7 +48,8 @@ class Slots {
 
   /// From here on the slot holds `value` if `when` is on the path. All candidates of `value` lie on `when`.
   void write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditions& paths);
-  /// What was written last to the slot, seen from `at`. If nothing may have been written, `rest` is null.
+  /// The value that was written last to the slot, seen from `at`. If nothing may have been written, `rest` is
+  /// null.
   [[nodiscard]] Symbol read(std::uint32_t slot, BranchEdge at, PathConditions& paths) const;
 
  private:

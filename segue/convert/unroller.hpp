@@ -150,7 +150,7 @@ class Unroller {
   [[nodiscard]] Result<mission::Needs> needs_of(const StateEntry& entry);
   void look_up(const mission::Needs& needs, Touch& touch);
 
-  // What containers declare, and when they end (unroller_containers.cpp)
+  // The declarations of containers, and their ends (unroller_containers.cpp)
   void begin_container(ContainerExecution& activation);
   void follow(ContainerExecution& activation);
   void put_in(const std::shared_ptr<ContainerRun>& container, task_network::NodeId node);

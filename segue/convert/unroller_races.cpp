@@ -118,7 +118,7 @@ void Unroller::leave_race(ContainerExecution& activation, StateIndex child, cons
     const auto live = paths_.live(exit.arrival.when);
     if (!live || (scope_ == PlanScope::AsKnown && !live->always())) continue;
     const NextStep& step = node(child).next_after(exit.outcome);
-    // As the run in sequence has it, what was handled inside of the state that ends the race is over.
+    // An error that was handled inside of the state that ends the race is over, like in the sequential run.
     if (exit.outcome >= 0) exit.arrival.errors.clear();
     exit.arrival.errors = errors_of(child, exit, step);
     const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : exit.outcome;

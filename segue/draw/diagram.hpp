@@ -18,7 +18,7 @@ namespace segue::draw {
 /// A task network before it runs, as lists and pictures show it: what its nodes are, what each comes after,
 /// and why. Numbers are in program order. A plain value; one thread at a time.
 struct Diagram {
-  /// What a node is. Join: tells whether one of several ways was taken. Copy: hands on a value under a
+  /// The kind of a node. Join: tells whether one of several ways was taken. Copy: hands on a value under a
   /// condition. Global: reads a global variable.
   enum class Role : std::uint8_t { Irreversible, Pure, Sensing, OpaqueSubtree, Join, Copy, Global };
   /// Why one comes after another. World: of a fact. Opaque, OpaqueSubtree: one of them may touch anything.
@@ -82,14 +82,14 @@ Diagram diagram_of(const task_network::TaskNetwork& network, const task_network:
 
 /// A line for each node and each node that it comes after; what is implied comes last, and is marked.
 std::string to_text(const Diagram& diagram);
-/// The same as a map.
+/// The nodes, and for each the nodes that it comes after, as a map.
 type::Value to_value(const Diagram& diagram);
-/// What may happen although something earlier fails, a line for each state or node that acts; "" if nothing.
+/// The states or nodes that may act although something earlier fails, a line for each; "" if there are none.
 std::string ahead_text(const std::vector<task_network::NamedActsAhead>& ahead, bool complete);
-/// What may sense before something earlier has acted, a line for each state or node that senses; "" if
-/// nothing.
+/// The states or nodes that may sense before something earlier has acted, a line for each; "" if there are
+/// none.
 std::string senses_text(const std::vector<task_network::NamedSensesAhead>& senses);
-/// The same as lists.
+/// Those that may sense ahead, and those that may act ahead, as lists.
 type::Value senses_value(const std::vector<task_network::NamedSensesAhead>& senses);
 type::Value ahead_value(const std::vector<task_network::NamedActsAhead>& ahead);
 

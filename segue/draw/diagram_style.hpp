@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-/// What pictures of a diagram share.
+/// The style that all pictures of a diagram share.
 namespace segue::draw {
 
 struct RoleStyle {

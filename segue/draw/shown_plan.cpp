@@ -25,7 +25,7 @@ std::string below(const std::string& path, std::string_view id) {
   return path.empty() ? std::string(id) : path + "/" + std::string(id);
 }
 
-/// What is inside: of a library state, what its library has.
+/// The state whose content is inside: of a library state, that of its library.
 StateIndex content_of(const Program& program, StateIndex state) {
   const auto& node = program.node(state);
   return node.kind == mission::StateKind::Library ? node.library : state;

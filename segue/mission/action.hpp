@@ -45,10 +45,9 @@ struct Resource {
   friend bool operator==(const Resource&, const Resource&) = default;
 };
 
-/// What an action does with `count` units of a resource. "{port}" in the name stands for the value of that
-/// input. `parameters` must equal those of the resource; "{port}" as a parameter is the value of that input.
-/// A block ends with the action; with `keep`, if it ends as expected, only with an action that releases the
-/// units.
+/// An action's use of `count` units of a resource. "{port}" in the name stands for the value of that input.
+/// `parameters` must equal those of the resource; "{port}" as a parameter is the value of that input. A block
+/// ends with the action; with `keep`, if it ends as expected, only with an action that releases the units.
 struct ResourceUse {
   ResourceOperation operation = ResourceOperation::Block;
   std::string resource;
@@ -112,7 +111,7 @@ struct Decision {
 using Procedure =
     std::variant<std::monostate, Callback, Script, Simulated, Decision, ControllerUse, PoolCall>;
 
-/// What a leaf of the state machine does, and what is declared about it.
+/// A leaf of the state machine: its work, and the declarations about it.
 struct Action {
   ActionName name;
   std::string description;

@@ -18,7 +18,7 @@
 
 namespace segue::mission {
 
-/// What a task of the robot says of itself.
+/// A task of the robot as the robot reports it.
 struct TaskView {
   std::string state;       ///< "running", "stopped", ...
   std::string state_name;  ///< one that its component declares ("arrived"); may be empty
@@ -58,7 +58,7 @@ class PortSamples {
   virtual void next(const Wait& wait, SamplesAnswer answered) = 0;
 };
 
-/// What the robot is to run: the union of these controllers, with these properties in place of theirs.
+/// A request for a network: the union of these controllers, with these properties in place of theirs.
 struct ControllerRequest {
   std::vector<std::string> controllers;  ///< none: the empty network
   std::vector<MemberValue> properties;

@@ -78,7 +78,7 @@ void Globals::Variables::write(Entry& entry, const Place* place, Variable variab
   unlocked.notify_all();
 }
 
-/// What the execution sees now, unless it has changed the variable itself.
+/// The variable as the execution sees it now, unless it has changed the variable itself.
 Globals::View::Use& Globals::View::use(const Variables& variables, std::string_view name) {
   const auto entry = variables.by_name.find(name);
   const bool known = entry != variables.by_name.end();

@@ -102,7 +102,7 @@ struct State {
   friend bool operator==(const State&, const State&) = default;
 };
 
-/// What a container declares for everything in it, as an action with its inputs; nothing if it declares
+/// The declarations of a container for everything in it, as an action with its inputs; nothing if it declares
 /// nothing.
 std::optional<Action> declared_by(const State& container);
 

@@ -48,7 +48,8 @@ std::optional<Mission> load_mission(const std::filesystem::path& file,
                                     const std::vector<std::filesystem::path>& library_folders,
                                     Diagnostics& diagnostics);
 
-/// The same of a text that takes the place of the file's.
+/// Reads and validates the text as if it were the content of `file`, with the file's libraries. Nothing if
+/// there are errors. Blocks on files.
 std::optional<Mission> load_mission_text(std::string_view text, const std::filesystem::path& file,
                                          const std::vector<std::filesystem::path>& library_folders,
                                          Diagnostics& diagnostics, const MayUse& may_use = {});

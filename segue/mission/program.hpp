@@ -17,7 +17,7 @@ using Outcome = std::int32_t;
 inline constexpr Outcome kAborted = -1;
 inline constexpr Outcome kPreempted = -2;
 
-/// What follows an outcome.
+/// The next step after an outcome.
 struct NextStep {
   enum class Kind : std::uint8_t { Nowhere, Child, Leave };
   Kind kind = Kind::Nowhere;
@@ -88,7 +88,7 @@ class Program {
   [[nodiscard]] const std::vector<CompiledState>& nodes() const { return nodes_; }
   [[nodiscard]] const CompiledState& node(StateIndex state) const { return nodes_[state]; }
   [[nodiscard]] const State& state(StateIndex state) const { return mission_.states[state]; }
-  /// What a leaf or a container declares; null if a container declares nothing, and for libraries.
+  /// The declarations of a leaf or a container; null if a container declares nothing, and for libraries.
   [[nodiscard]] const Action* declared(StateIndex state) const {
     const CompiledState& node = nodes_[state];
     return is_leaf(node.kind) ? &mission_.actions[node.action] : node.required.get();
@@ -99,7 +99,7 @@ class Program {
   /// The error of a container that aborts because its state ended with an outcome of its own that leads
   /// there.
   [[nodiscard]] std::string abort_text(StateIndex child, Outcome outcome) const;
-  /// Likewise, where its start leads there.
+  /// The error of a container that aborts because its start leads there.
   [[nodiscard]] std::string start_abort_text(StateIndex container) const;
   /// The position of the mission's input of that name. NotFound; TypeMismatch where it does not take `value`.
   [[nodiscard]] Result<std::size_t> input_for(std::string_view name, const type::Value& value) const;

@@ -25,7 +25,8 @@ class SharedUnits {
   /// that contain inputs may stand for any resource that fits. The first call for two is linear in the states
   /// within.
   [[nodiscard]] bool shared(StateIndex state, StateIndex user);
-  /// Likewise, whether a state may that can follow this one in its hierarchy.
+  /// Whether a state that can follow this one in its hierarchy may use such units of a resource that the user
+  /// may use as well.
   [[nodiscard]] bool shared_after(StateIndex state, StateIndex user);
 
  private:

@@ -17,7 +17,7 @@
 
 namespace segue::mission {
 
-/// What one execution does with units of a resource, whose name is complete.
+/// One execution's use of units of a resource, whose name is complete.
 struct UnitUse {
   ResourceOperation operation = ResourceOperation::Block;
   std::string resource;
@@ -30,7 +30,8 @@ using UnitCounts = std::vector<std::pair<std::string, std::uint32_t>>;
 /// How many more units of some resources there are than before, or fewer.
 using UnitChanges = std::vector<std::pair<std::string, std::int64_t>>;
 
-/// As in a journal: the change by the resource; entries that are not numbers are left out.
+/// Changes as a map, as journals have them: the change by the resource; entries that are not numbers are left
+/// out.
 type::Value to_value(const UnitChanges& changes);
 UnitChanges unit_changes(const type::ValueMap& map);
 
@@ -45,7 +46,7 @@ class Units {
 
   /// Those that exist, held or not, of all resources that are counted or have been used.
   [[nodiscard]] Counts counts() const;
-  /// What has changed since there were so many.
+  /// The changes since the counts were these.
   [[nodiscard]] UnitChanges changes_since(const Counts& counts) const;
   /// Why these uses cannot be had even if every execution gave back what it holds; nothing if they can.
   [[nodiscard]] std::optional<std::string> shortage(std::span<const UnitUse> uses) const;

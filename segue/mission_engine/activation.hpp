@@ -24,7 +24,7 @@ struct Slot {
   std::uint64_t stamp = 0;
 };
 
-/// What a leaf has done with units, for when that is undone. `done`: it ended as expected.
+/// The units that a leaf has used, so that this can be undone. `done`: it ended as expected.
 struct UnitsUsed {
   std::vector<UnitUse> uses{};
   bool done = false;

@@ -57,7 +57,7 @@ struct EngineOptions {
   std::vector<Fact> facts{};
   /// How many units of some resources there are, in place of what the mission declares.
   UnitCounts resources{};
-  /// What actions that read the world find attached to it.
+  /// The data attached to the world, for actions that read the world.
   AttachedData world_data{};
   /// Receives warnings, such as that an input is not of the declared type, or that a state aborts again and
   /// again (RetryWatch). On the engine's thread.
@@ -161,7 +161,7 @@ class Engine {
   [[nodiscard]] Globals& globals();
   /// The facts that hold: the initial ones, changed by the actions that ended as expected.
   [[nodiscard]] const World& world() const;
-  /// What is left of the units of resources.
+  /// The remaining units of resources.
   [[nodiscard]] const Units& units() const;
   /// How many executions of states have begun, actions and containers alike.
   [[nodiscard]] std::uint64_t executions() const;

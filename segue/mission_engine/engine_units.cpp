@@ -33,7 +33,7 @@ Activation* EngineCore::ask(Activation& activation) {
   return is_leaf(program->node(activation.state).kind) ? begin_leaf(activation) : begin_container(activation);
 }
 
-/// What it needs and changes; false if it may not begin: its error says why.
+/// Looks up the needs and changes of the state; false if it may not begin, with the reason as its error.
 bool EngineCore::look_up(Activation& activation) {
   const Action& declared = *program->declared(activation.state);
   const std::string at = path(activation);
@@ -83,7 +83,7 @@ void EngineCore::keep_blocked(Activation& container) {
     units.lend(held.taken, held.count, held.lent);
 }
 
-/// What the container itself has blocked and lends to the states in it.
+/// The units that the container itself has blocked and lends to the states in it.
 std::span<const EnclosingScope::Held> EngineCore::lent_by(const Activation& container) {
   if (container.inside == container.around) return {};
   const std::size_t outer = container.around == nullptr ? 0 : container.around->held.size();

@@ -32,7 +32,7 @@ class RunJournalFile {
  public:
   using Tell = std::function<void(std::string)>;
 
-  /// What a file says that is to be continued.
+  /// The content of a file that is to be continued.
   struct Contents {
     type::Value first;                 ///< the first line
     std::vector<type::Value> entries;  ///< those that are there, up to the first that is damaged or missing

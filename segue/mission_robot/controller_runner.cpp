@@ -45,7 +45,7 @@ Ending aborted(const Error& error) {
   return {kAborted, to_string(error)};
 }
 
-/// What all executions of a runner have to do with.
+/// The parts that all executions of a runner share.
 struct Shared {
   Shared(std::shared_ptr<CommandedRobot> commanded, const ControllerOptions& given,
          std::shared_ptr<ControllerUnion> shared)
@@ -256,9 +256,9 @@ class ControlledRun {
       tasks_.follow_if_seen(one.port.task);
   }
 
-  /// What failed because a task was lost can be tried again once the robot has mended it, which it must have
-  /// begun by `give_up`: moved on while it mends. The ending where it does not, where the time is up before,
-  /// and where nothing was lost.
+  /// Waits until the robot has repaired the loss of a task that made something fail, so that it can be tried
+  /// again. The repair must have begun by `give_up`, which moves on while it goes on. The ending where the
+  /// robot does not repair it, where the time is up before, and where nothing was lost.
   std::optional<Ending> await_repair(const Error& error, TimePoint& give_up, const std::stop_token& stop) {
     bool was_lost = false;
     while (!stop.stop_requested()) {

@@ -192,7 +192,8 @@ void ControllerUnion::stop_unwanted(const Changes& changes) {
   }
 }
 
-/// What is in use and what the changes want, and of what is kept all that fits, the latest first.
+/// The members that are in use or requested by the changes, and of the kept ones all that fit, the latest
+/// first.
 ControllerUnion::Members ControllerUnion::with(const Changes& changes) const {
   Members wanted;
   const auto is_changed = [&](const Member& member) {

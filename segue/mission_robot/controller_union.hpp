@@ -29,17 +29,18 @@ struct ControllerUser {
 struct ControllerWish {
   std::optional<ControllerUser> user{};  ///< for the record
   std::stop_token stop{};                ///< requested: no longer
-  /// What becomes of a controller that the robot runs although it is wanted no longer: as of
+  /// Whether the robot may run the controller on although it is not wanted any more, like `keep` of
   /// ControllerUnion::end().
   bool keep = true;
 };
 
-/// What the actions of a mission have a robot run: the union of the controllers that they use now and of
-/// those that are kept from earlier ones, as long as nothing needs the robot otherwise and they do not write
-/// to tasks of what is in use. One transition at a time; what is asked meanwhile, or at about the same time,
-/// is one transition. What runs already waits for no others, and is requested only where the robot says that
-/// it does not run as it should. What nobody wants any more is not requested, and a transition that nobody
-/// wants any more is undone where it has not committed. Thread safe.
+/// The network that a robot runs for the actions of a mission: the union of the controllers that they use now
+/// and of those that are kept from earlier ones. A kept one stays as long as nothing else needs the robot and
+/// it does not write to tasks of a controller in use. One transition at a time; requests that come meanwhile,
+/// or at about the same time, are joined to one transition. A controller that runs already waits for no
+/// others, and is requested only where the robot says that it does not run as it should. One that nobody
+/// wants any more is not requested, and a transition that nobody wants any more is undone where it has not
+/// committed. Thread safe.
 class ControllerUnion {
  public:
   struct Options {
@@ -68,7 +69,8 @@ class ControllerUnion {
   /// Somebody who uses it has asked the robot after `asked`, and it ran as it should, still when that was
   /// heard at `seen`.
   void note_runs(const std::string& controller, TimePoint asked, TimePoint seen);
-  /// What runs may have been changed otherwise than by a request: what was seen before counts no longer.
+  /// The network may have been changed otherwise than by a request: earlier observations of it count no
+  /// longer.
   void note_changed();
   /// How many callers wait for the next transition.
   [[nodiscard]] std::size_t waiting() const;

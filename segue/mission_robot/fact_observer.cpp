@@ -47,7 +47,8 @@ void FactObserver::follow_tasks() {
 
 void FactObserver::work(const std::stop_token& end) {
   while (!end.stop_requested()) {
-    // What they say is asked anew: it may be older than what somebody has been told meanwhile.
+    // Tasks and ports are asked anew: their last answers may be older than what somebody has been told
+    // meanwhile.
     (void)tasks_.look();
     (void)port_tasks_.look();
     (void)ports_.look();

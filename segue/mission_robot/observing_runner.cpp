@@ -102,7 +102,8 @@ class ObservedRun {
   }
 
  private:
-  /// What is called once the mutex is free again: the inner runner, or who waits for the end. May be empty.
+  /// A function to call once the mutex is free again: the inner runner, or the caller's completion. May be
+  /// empty.
   using Then = std::function<void()>;
 
   /// Preempts it where a fact of its `while` is not so any more.
@@ -175,7 +176,7 @@ class ObservedRun {
     return {};
   }
 
-  /// What it returns is never empty.
+  /// The function to call once the mutex is free again; never empty.
   Then end(Ending ending) SEGUE_REQUIRES(mutex_) {
     is_over_ = true;
     return [complete = std::exchange(complete_, nullptr), ending = std::move(ending),

@@ -40,7 +40,7 @@ class WatchedPorts {
   /// When ask() has something to do although the bell does not ring.
   [[nodiscard]] TimePoint next_question() const;
 
-  /// What the last look() has taken in, oldest first.
+  /// The samples that the last look() has taken in, oldest first.
   [[nodiscard]] std::span<const type::Value> fresh(const Member& port) const;
 
  private:

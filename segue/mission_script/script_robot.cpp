@@ -228,8 +228,8 @@ class RobotUse final : public ScriptRobot::Use {
     });
   }
 
-  /// What `look` gets of a task. Where the task was lost that the script has seen before, it is looked at
-  /// again while the robot mends it.
+  /// The answer of `look` about a task. Where the task was lost that the script has seen before, asks again
+  /// while the robot repairs it.
   template <class Look>
   Result<Value> look_at(const std::string& task, const Wait& wait, Look look) {
     auto got = look(wait);

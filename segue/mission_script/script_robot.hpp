@@ -29,7 +29,7 @@ struct ScriptRobotOptions {
 /// ask is carried out in threads of its own. Thread safe.
 class ScriptRobot {
  public:
-  /// What one execution of a script may do, and does, with the robot.
+  /// One execution's rights and its use of the robot.
   class Use;
   struct Rights {
     bool may_command = false;              ///< else it only looks, and calls operations

@@ -222,7 +222,7 @@ void ScriptWorker::handle_end(const Value& message) {
   complete(std::move(execution), std::move(ending));
 }
 
-/// What the objects that the execution has used show now.
+/// Passes on the values that the objects show now which the execution has used.
 void ScriptWorker::show_objects(const Value& message) {
   const Value* shown = message.find("objects");
   if (shown == nullptr || !shown->is_list()) return;

@@ -36,7 +36,7 @@ class ScriptedData final : public WorldData {
   /// A change after all those before it; null: none.
   struct Step;
   using StepPtr = std::shared_ptr<const Step>;
-  /// What is to be computed next: `changes`, oldest first, made to `base`.
+  /// The next computation: `changes`, oldest first, made to `base`.
   struct Task {
     std::shared_ptr<const type::Value> base;
     std::vector<Change> changes;
