@@ -58,11 +58,11 @@ using RobotLevelAnswer = std::function<void(Result<RobotLevel>)>;
 /// Gets the count, as RobotLevelAnswer.
 using ChangesAnswer = std::function<void(Result<std::uint64_t>)>;
 
-/// What a running robot offers. The same interface on both sides: the runtime implements it, the server
-/// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
-/// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
-/// Where a Wait is stopped, what has not begun does not begin any more; of what has, only a request for a
-/// controller is given up, as by cancel(). What only looks takes 10 s at most, with any Wait.
+/// The interface of a running robot, the same on both sides: the runtime implements it, the server carries it
+/// over a socket, and Client offers it in another process. Answers are Values with the fields of formats.md.
+/// Functions may be called from any thread; those with a deadline block until then at the most. Where a Wait
+/// is stopped, a call that has not begun does not begin any more; of those that have, only a request for a
+/// controller is given up, as by cancel(). Calls that only look take 10 s at most, with any Wait.
 class RobotService {
  public:
   virtual ~RobotService() = default;
@@ -98,11 +98,11 @@ class RobotService {
   /// of its name.
   virtual Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
                                                 const SwitchOptions& options, TimePoint deadline) = 0;
-  /// What apply() would do with the robot's files as they are now: {"outcome" ("done", or "refused" where the
-  /// files have errors), "controller", "from_version", "to_version", "changes", "diagnostics", and if there
-  /// is one "transition" (as of `diff`)}. The transition leads to `controller`, or where that is empty to the
-  /// new version of the controller that runs. Unsupported where the runtime has no files. dry_run and who do
-  /// not count.
+  /// The changes that apply() would make with the robot's files as they are now: {"outcome" ("done", or
+  /// "refused" where the files have errors), "controller", "from_version", "to_version", "changes",
+  /// "diagnostics", and if there is one "transition" (as of `diff`)}. The transition leads to `controller`,
+  /// or where that is empty to the new version of the controller that runs. Unsupported where the runtime has
+  /// no files. dry_run and who do not count.
   virtual Result<type::Value> plan(std::string_view controller, const SwitchOptions& options,
                                    TimePoint deadline) = 0;
   /// Takes the robot's files as they are now, and then the controller that runs to its new version; answers
@@ -114,8 +114,8 @@ class RobotService {
   /// "prepared", "tasks", "reason"}.
   virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
                                       const Wait& wait) = 0;
-  /// What keeps each two of these controllers (none: of all that the robot has) from running at once: a list
-  /// of {"a", "b", "what", "reason", "influence"}; where "influence" is true they can, but "a" changes what
+  /// The reasons why two of these controllers (none: of all that the robot has) cannot run at once: a list of
+  /// {"a", "b", "what", "reason", "influence"}; where "influence" is true they can, but "a" changes what
   /// tasks of "b" get.
   virtual Result<type::Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) = 0;
   Result<type::Value> conflicts(const std::vector<std::string>& controllers) {
@@ -123,8 +123,8 @@ class RobotService {
   }
   /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
-  /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more. A
-  /// mission says {"mission", "state", "running", "ended", "control", "at_end" ("keep": however its lease
+  /// Reports the work of the holder of that lease, for status(). InvalidState where it is not held any more.
+  /// A mission says {"mission", "state", "running", "ended", "control", "at_end" ("keep": however its lease
   /// ends, the robot runs on), "at_stop" ("halt": it has nothing to do when it is stopped, so the robot comes
   /// to rest at once, and nothing is commanded with that lease any more, when it is asked to stop or says
   /// that its state is "stopping")}, and in "happened" what the robot's journal shall have: {"sent_ns" (the
@@ -188,8 +188,9 @@ class RobotService {
   virtual Result<type::Value> events(std::uint64_t after, Duration wait) = 0;
   /// A list of the JSON of `switch`, oldest first.
   virtual Result<type::Value> history() = 0;
-  /// What the robot's journal has, in answers of bounded size, as of journal::answer_about_past(). What
-  /// happened before the call is in its file then, if that can be written. Unsupported where none is kept.
+  /// Answers about the past from the robot's journal, of bounded size, as journal::answer_about_past() does.
+  /// Everything that happened before the call is in the journal's file then, if that can be written.
+  /// Unsupported where none is kept.
   virtual Result<type::Value> past(const type::Value& question) = 0;
   /// Asks the runtime to bring the robot to the empty network and end.
   virtual Result<void> shut_down() = 0;

@@ -61,7 +61,7 @@ class Server {
  public:
   /// AlreadyExists where a living server holds the socket; a stale one is replaced.
   static Result<std::unique_ptr<Server>> listen(const std::filesystem::path& socket, Served service);
-  /// The same at several places. Also AlreadyExists where the port is taken; Unsupported for a deployment
+  /// Listens at several places. AlreadyExists also where the port is taken; Unsupported for a deployment
   /// process on TCP, since it needs descriptors; InvalidArgument where there is no place, the address is not
   /// numeric or the credentials are not those of a host.
   static Result<std::unique_ptr<Server>> listen(const Places& places, Served service);

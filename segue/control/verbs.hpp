@@ -9,7 +9,7 @@
 
 namespace segue::control {
 
-/// What can be asked of a robot and its files, at whichever door: its runtime's server or the studio.
+/// A request about a robot and its files, through either server: its runtime's or the studio.
 enum class Verb : std::uint8_t {
   Status,
   Task,

@@ -20,7 +20,7 @@
 /// Robots as missions command them.
 namespace segue::remote_robot {
 
-/// What look-ahead saved of the transitions that a mission asked for.
+/// The savings by look-ahead of the transitions that a mission asked for.
 struct LookAheadSaving {
   std::size_t transitions = 0;  ///< that found tasks prepared
   Duration saved{0};            ///< of all of them
@@ -40,14 +40,15 @@ class ServedRobot final : public mission::CommandedRobot {
   void when_stopped(std::function<void()> stopped) { when_stopped_ = std::move(stopped); }
   /// Takes the lease now, rather than with the first request.
   Result<void> take();
-  /// What whoever holds the lease has been asked to do (control::RobotLease::asked), and says that it does.
+  /// The requests to the holder of the lease since the last call (control::RobotLease::asked). Takes the
+  /// lease where it is not held yet.
   Result<std::vector<control::HolderRequest>> asked();
   /// `doing` is a map; with it goes what waits in record(), for the robot's journal.
   Result<void> report(type::Value doing);
   /// Commands the robot no longer, which is to `keep` running what it runs, or comes to rest: null, or as of
   /// control::RobotService::give_back(). Nothing can be requested afterwards.
   Result<type::Value> give_back(bool keep, TimePoint deadline);
-  /// What the mission did. Once a mission has begun there, requests are in the name of its actions.
+  /// The events of the mission. Once a mission has begun there, requests are in the name of its actions.
   [[nodiscard]] MissionRecord& record() { return record_; }
 
   [[nodiscard]] LookAheadSaving saved() const;
@@ -69,7 +70,7 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<std::uint64_t> lease();
   /// To be looked at; null: it was not taken, or was given back.
   Result<std::shared_ptr<control::RobotLease>> present_lease() const;
-  /// What the robot says of its lease, which it does at once. DeadlineExceeded: it is lost.
+  /// The robot's answer about its lease, which it gives at once. DeadlineExceeded: it is lost.
   template <class T>
   Result<T> heard(Result<T> answer);
   /// `ask(wait)`, which ends, too, where the robot is lost.
@@ -85,7 +86,8 @@ class ServedRobot final : public mission::CommandedRobot {
   /// `ask(wait)`, which only looks, and ends, too, where the robot is lost.
   template <class Ask>
   auto look(const Wait& wait, Ask ask) const -> decltype(ask(wait));
-  /// The same with `ask(wait, answered)`, which returns at once.
+  /// Calls `ask(wait, answered)`, which only looks and returns at once; `answered` is called, too, where the
+  /// robot is lost.
   template <class T, class Ask>
   void look_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const;
   [[nodiscard]] control::Sender sender() const;

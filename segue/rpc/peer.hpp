@@ -8,7 +8,7 @@
 
 namespace segue::control {
 
-/// What a client may do; each role includes those before it.
+/// The rights of a client; each role includes those before it.
 enum class Role {
   Observe,    ///< look: states, samples of ports, events, the journal
   Operate,    ///< also request controllers, set properties, call operations

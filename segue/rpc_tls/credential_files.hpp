@@ -10,7 +10,7 @@
 
 namespace segue::control {
 
-/// What a program shows a certificate as.
+/// The use for which a program shows a certificate.
 enum class CertificateUse : std::uint8_t { Person, Host };
 
 /// From a folder with ca.crt, ca.crl, NAME.crt and NAME.key, as `segue host enrol` makes it. Without a name

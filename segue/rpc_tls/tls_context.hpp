@@ -14,7 +14,7 @@
 
 namespace segue::control::tls {
 
-/// What a set of credentials consists of.
+/// The parts of a set of credentials.
 struct Material {
   Certificate certificate;
   Key key;

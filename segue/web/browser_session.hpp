@@ -46,7 +46,7 @@ class Session final : public Viewer, public std::enable_shared_from_this<Session
   ~Session() override;
 
   void receive(std::string_view text);
-  /// What is to be sent next.
+  /// The next message to be sent; nothing if there is none.
   std::optional<std::string> next();
   [[nodiscard]] bool is_full() const;
   void on_change(const std::string& document) override;

@@ -104,7 +104,7 @@ Result<void> stays_file(const RobotFile& file, const std::string& text) {
               "a mission names itself, as in 'mission: fetch'; without that nothing was saved");
 }
 
-/// What a change of files makes of the robot file.
+/// The robot file as a change of files requests it.
 struct RobotChange {
   fs::path file;
   std::string text;  ///< as it is now, where `version` is empty
@@ -149,7 +149,7 @@ Result<void> follow(const FileFolder& folder, const RobotChange& robot, const fs
   return done;
 }
 
-/// What texts of a command a verb needs.
+/// The values of the named arguments of a command, which must be texts.
 Result<std::vector<std::string>> texts_of(const Command& command, std::initializer_list<const char*> names) {
   std::vector<std::string> texts;
   for (const char* name : names) {
@@ -374,7 +374,7 @@ Diagnostics FileVerbs::check_network(const model::Robot* robot, const std::strin
   return found;
 }
 
-/// What a mission asks of the robot counts where the robot file names it.
+/// Checks a mission; its use of the robot counts where the robot file names it.
 Diagnostics FileVerbs::check_mission(const model::Robot* robot, const RobotFile& file,
                                      const std::string& text, const mission::MayUse& may_use) {
   Diagnostics found = web::check_mission(file.place, text, may_use);

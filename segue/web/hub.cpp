@@ -342,7 +342,7 @@ void Hub::publish(Watched& document, Value value, std::string error) {
   auto next = std::make_shared<Document>();
   next->version = before ? before->version + 1 : 1;
   next->error = std::move(error);
-  // What was known last stays, so that a page can show it until the robot answers again.
+  // The last known value stays, so that a page can show it until the robot answers again.
   if (next->error.empty() || !before)
     next->value = std::move(value);
   else

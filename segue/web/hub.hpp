@@ -78,7 +78,7 @@ class Hub {
   void run(Kind kind);
   std::vector<std::shared_ptr<Watched>> watched(Kind kind) const SEGUE_REQUIRES(mutex_);
   void refresh(Watched& document);
-  /// What the robot answers; nothing: as is known already.
+  /// The robot's answer; nothing: the document is up to date.
   using Answer = Result<std::optional<type::Value>>;
   [[nodiscard]] bool is_known(const Watched& document) const;
   Answer ask(Watched& document, const RobotLink::Connected& link);
@@ -92,7 +92,7 @@ class Hub {
   mutable Mutex mutex_;  ///< protects all below but the threads
   ConditionVariable changed_;
   bool ends_ SEGUE_GUARDED_BY(mutex_) = false;
-  /// What is known may be outdated before the period is over.
+  /// Counts the reasons to ask before the period is over, since a document may be outdated.
   std::uint64_t nudges_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::map<std::string, std::shared_ptr<Watched>> documents_ SEGUE_GUARDED_BY(mutex_);
   std::array<std::thread, 3> threads_ SEGUE_GUARDED_BY(mutex_);

@@ -53,7 +53,7 @@ Result<Value> ask_switch(const Request& request, bool dry_run) {
   return request.robot.switch_to(*controller, *options, *deadline);
 }
 
-/// What the robot's files, as they are now, would change or do change.
+/// Takes the robot's files as they are now; with `dry_run`, answers with the changes that this would make.
 Result<Value> take_files(const Request& request, bool dry_run) {
   const auto options = switch_options(request, dry_run);
   if (!options) return options.error();
@@ -158,7 +158,8 @@ Result<Value> do_write(const Request& request) {
       });
 }
 
-/// What control::RobotService::send_command has, its arguments beside "what"; the mission may take its time.
+/// Sends a request to the mission (control::RobotService::send_command) with its arguments beside "what";
+/// answers with its number, since the mission may take its time.
 Result<Value> ask_of_mission(const Request& request) {
   const auto what = request.command.text("what");
   if (!what) return what.error();

@@ -26,7 +26,7 @@ struct VerbForm {
   control::Verb verb = control::Verb::Status;  ///< says who may
   std::vector<std::string> arguments;          ///< their names; there are no others
 };
-/// What pages can ask.
+/// The verbs that pages can ask for.
 std::vector<VerbForm> verb_forms();
 
 /// Executes what pages ask a robot for, each in a thread of its own, so that a call that takes long delays

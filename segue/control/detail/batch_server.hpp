@@ -28,7 +28,7 @@ kj::Promise<Result<std::vector<task_host::Completed>>> perform_batch(Caller call
                                                                      std::vector<model::Action> actions,
                                                                      const BeginBatch& begin);
 
-/// What a call with `actions` and a `ticket` asks for.
+/// The request of a call with `actions` and a `ticket`.
 struct BatchRequest {
   std::uint64_t ticket = 0;
   std::vector<model::Action> actions{};

@@ -25,7 +25,7 @@ class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public
   ~HostedRobotServer() noexcept {
     robot_->begin_no_more();
     robot_->set_listener({});
-    // What the loop has been given to do with them comes first.
+    // Events are destroyed after all work on them that the loop has been given already.
     caller_.core().loop.post([events = events_](kj::AsyncIoContext&) {});
     caller_.client()->listeners -= listeners_.size();
   }
@@ -53,7 +53,7 @@ class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public
     auto job = [robot = robot_, before = decode(params.getBefore()), target = decode(params.getTarget())] {
       return robot->begin_transition(before, target);
     };
-    // What goes on although the caller is gone must not touch its call.
+    // A job may go on although the caller is gone, so it must not touch its call.
     const auto outcome = std::make_shared<Result<void>>();
     auto run = [job = std::move(job), outcome, noun = caller_.core().noun()] {
       *outcome = guarded(job, noun);

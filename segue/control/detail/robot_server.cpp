@@ -83,7 +83,8 @@ Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
   return options;
 }
 
-/// What ends a request: somebody without a lease may ask, and go.
+/// The stop token of a request: only a request with a lease ends when its caller drops it; somebody without a
+/// lease may ask, and go.
 std::stop_token stop_of(const SwitchOptions& options, const std::stop_token& dropped) {
   return options.lease == 0 ? std::stop_token() : dropped;
 }

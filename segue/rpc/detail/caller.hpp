@@ -43,10 +43,12 @@ class Caller {
   /// or ResourceExhausted where it may not be begun.
   Result<void> begin();
   void end() { core_.calls.end(*client_, lane_); }
-  /// The same for a batch of actions, of which there may be more.
+  /// For a batch of actions: it counts as one in progress until end_batch(); more of these may be in progress
+  /// than of other calls. Unavailable or ResourceExhausted where it may not be begun.
   Result<void> begin_batch();
   void end_batch() { --client_->batches; }
-  /// The same for a question that is answered later.
+  /// For a question that is answered later: it counts as one until it is answered. Unavailable or
+  /// ResourceExhausted where it may not be begun.
   Result<void> begin_watch();
 
   /// Runs `job`, which returns a Result<T> and may take a std::stop_token, by which it learns that the client
@@ -59,16 +61,16 @@ class Caller {
   kj::Promise<void> answer(Context context, Job job, Reply reply) {
     return answer(Role::Observe, context, std::move(job), std::move(reply));
   }
-  /// The same in the loop itself, for a job that only reads what is at hand.
+  /// Runs `job` like answer(), but in the loop itself, for a job that only reads data at hand.
   template <class Context, class Job, class Reply>
   kj::Promise<void> answer_here(Context context, Job job, Reply reply);
-  /// The same for a Result<void> without more to say.
+  /// Answers with a `job` that returns a Result<void> and has no results to add.
   template <class Context, class Job>
   kj::Promise<void> answer(Context context, Job job) {
     return answer(context, std::move(job), [](auto) {});
   }
-  /// The same for a Result<Value> that is the `answer` of the results; calls `done(results)` unless it is an
-  /// error.
+  /// Answers with a `job` that returns a Result<Value>, which becomes the `answer` of the results; calls
+  /// `done(results)` unless it is an error.
   template <class Context, class Job, class Done>
   kj::Promise<void> answer_value(Role needed, Context context, Job job, Done done);
   template <class Context, class Job, class Done>

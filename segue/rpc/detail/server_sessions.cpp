@@ -33,7 +33,8 @@ capnp::ReaderOptions limits_of(std::uint64_t words) {
 constexpr unsigned kReady =
     kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC | kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK;
 
-/// What the receiver owns, to be wrapped as the kind of socket that it is.
+/// A duplicate of the accepted descriptor, owned by the caller, to be wrapped as the kind of socket that it
+/// is.
 kj::AutoCloseFd duplicate(const kj::AsyncIoStream& accepted) {
   KJ_IF_MAYBE (fd, accepted.getFd()) {
     return kj::AutoCloseFd(::fcntl(*fd, F_DUPFD_CLOEXEC, 0));
