@@ -36,7 +36,8 @@ constexpr std::array kWalk = {
     "manipulator_teleop", "goal_navigation",    "manipulation",   "goal_navigation", "manipulator_teleop",
     "manipulation",       "manipulator_teleop", "search_explore"};
 
-/// What is measured: delays in one direction (there and back takes twice as long), and how many times.
+/// A condition of the measurement: delays in one direction (there and back takes twice as long), and how many
+/// times.
 struct Condition {
   milliseconds delay;
   int walks;
@@ -82,7 +83,7 @@ class DelayedNetwork {
   std::unique_ptr<TestNetwork> network_;
 };
 
-/// What of a switch is measured: from the request to the result, then its phases.
+/// The measured parts of a switch: from the request to the result, then its phases.
 constexpr std::array kParts = {"all", "prepare", "commit", "retire"};
 using Times = std::array<Duration, kParts.size()>;
 

@@ -288,7 +288,7 @@ class Rover {
   bool there_ = false;
 };
 
-/// The same windows by the robot's clock.
+/// The windows with their times converted to the robot's clock.
 std::vector<Window> by_the_robots_clock(const std::vector<Update>& updates,
                                         const std::vector<Window>& windows) {
   std::vector<Window> found;

@@ -62,7 +62,7 @@ ModeFigures mission_figures(const MissionCell& cell, bool concurrent, BenchClock
   return figures;
 }
 
-/// What a cell shows by one clock.
+/// The figures of a cell by one clock.
 struct CellFigures {
   ModeFigures sequential;
   ModeFigures concurrent;

@@ -32,7 +32,7 @@ class CheckedMissions {
   /// it too.
   void check(const std::filesystem::path& file, Diagnostics& diagnostics,
              const RobotControllers* robot = nullptr);
-  /// What may happen, for people.
+  /// Prints the states that may act or sense ahead, for people.
   void print() const;
   /// The fields of `diagnostics`, `ahead` and `senses_ahead`.
   [[nodiscard]] type::Value to_value(const Diagnostics& diagnostics) const;

@@ -23,7 +23,7 @@ std::string state_text(const Value& status) {
   return health == "in_trouble" ? coloured(Colour::Red, "in trouble") : text_at(status, "state");
 }
 
-/// What is missing, since when, why, and what repairs it.
+/// The robot's troubles: each with its time, its reason and its repair.
 std::string troubles_text(const Value& status) {
   const Value* health = status.find("health");
   std::string text;

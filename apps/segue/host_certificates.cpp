@@ -89,7 +89,7 @@ std::string present_host() {
   return text.substr(0, text.find('.'));
 }
 
-/// What init issues: the user's and, unless told otherwise, the host's.
+/// The certificates that init issues: the user's and, unless told otherwise, the host's.
 Result<std::vector<control::Enrolment>> first_enrolments(const CertificateOptions& options) {
   std::vector<control::Enrolment> all{{.name = present_user(), .role = control::Role::Administer}};
   if (options.no_host) return all;

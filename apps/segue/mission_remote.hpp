@@ -26,8 +26,9 @@ namespace segue::cli {
 class MissionRemote {
  public:
   enum class PlanDetail { States, Whole };
-  /// What the mission will do (draw::shown_plan): its states are told in the beginning, so that a mission
-  /// that has ended can still be shown; the whole, which takes longer to make, when somebody wants to see it.
+  /// The plan of the mission (draw::shown_plan): its states are reported at the beginning, so that a mission
+  /// that has ended can still be shown; the whole plan, which takes longer to make, when somebody wants to
+  /// see it.
   using Plan = std::function<type::Value(PlanDetail)>;
 
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
@@ -44,7 +45,7 @@ class MissionRemote {
   void ended(std::string_view outcome, std::string_view error);
 
  private:
-  /// What became of what the mission was asked for.
+  /// The answers to the requests that the mission got.
   class Answers {
    public:
     void heard(std::uint64_t number, const Result<void>& outcome);

@@ -108,7 +108,7 @@ MissionProgress::Style style_of(const MissionOptions& options, const Context& co
   return errors_are_terminal() ? Style::Block : Style::Lines;
 }
 
-/// What is known before the run of what waits for what: nothing of a mission that runs as it is written.
+/// The plan of the run as it is known before; empty for a mission that runs sequentially.
 draw::Diagram known_plan(const mission_run::Session& plan, const RunRequest& request) {
   if (request.mode != RunMode::Concurrent) return {};
   mission_run::ConvertRequest wanted;

@@ -17,7 +17,7 @@
 
 namespace segue::cli {
 
-/// What mostly matters to concurrent runs.
+/// Options that mostly matter to concurrent runs.
 struct NetworkOptions {
   std::string order = "epoch";
   std::uint64_t seed = 0;
@@ -54,8 +54,8 @@ void add_network_options(Verb& verb, NetworkOptions& options);
 /// --libraries
 void add_library_option(Verb& verb, MissionOptions& options);
 
-/// What --input says: "NAME=VALUE", the value as in YAML; of two with one name the last. InvalidArgument,
-/// ParseError.
+/// The inputs that --input options name: "NAME=VALUE", the value as in YAML; of two with one name the last
+/// counts. InvalidArgument, ParseError.
 Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts);
 
 /// The robot carries out what of the mission is a controller or a call of a pool, and is what observed facts

@@ -40,7 +40,7 @@ std::vector<std::string> texts_at(const Value& map, std::string_view key) {
   return texts;
 }
 
-/// What the mission that commands the robot is doing. NotFound where none does.
+/// The report of the mission that commands the robot. NotFound where none does.
 Result<Value> mission_of(control::RobotService& robot) {
   auto status = robot.status();
   if (!status) return status.error();

@@ -11,7 +11,8 @@
 
 namespace segue::cli {
 
-/// What of a plan has begun and ended, and hence what waits for what. One thread at a time.
+/// The nodes of a plan, which of them have begun and ended, and hence which wait for which. One thread at a
+/// time.
 class PlannedNodes {
  public:
   /// An empty diagram where nothing is known in advance.

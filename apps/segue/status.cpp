@@ -83,7 +83,8 @@ std::string halt_text(const Value& status) {
   return text.empty() ? text : coloured(Colour::Red, printable(text));
 }
 
-/// What the files of the robot have to do with what runs: nothing to say if they are what was loaded.
+/// The differences between the robot's files and the network that runs; empty if it runs what was loaded and
+/// the files have not changed since.
 std::string files_text(const Value& status) {
   const std::string controller = text_at(status, "controller");
   const std::string version = text_at(status, "version");

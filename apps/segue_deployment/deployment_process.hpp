@@ -7,7 +7,7 @@
 
 namespace segue {
 
-/// What a deployment process has been given before it is known which one it will be.
+/// The parts of a deployment process that are made before it is known which process it will be.
 struct PreparedProcess {
   std::shared_ptr<sample_link::SharedMemory> memory;  ///< of the usual size; null: none yet
 };

@@ -78,7 +78,7 @@ std::string internal() {
                                  element("MaxQueuedRexmitMessages", "4096"));
 }
 
-/// What Cyclone says while the participant is created, and afterwards to the log.
+/// Collects the messages of Cyclone while the participant is created; afterwards they go to the log.
 class Words {
  public:
   static Words& instance() {

@@ -41,7 +41,8 @@ class JointProfile {
   /// whose cruising velocity does not exceed the limit and grows from zero (or very close to it; see the
   /// source). Keeps the limits that `start` keeps; what exceeds them is brought back first.
   static JointProfile to_position(const JointMotion& start, double position, const MotionLimits& limits);
-  /// The same in `duration` seconds, or in to_position()'s duration if that is longer.
+  /// To rest at a position like to_position(), in `duration` seconds, or in to_position()'s duration if that
+  /// is longer.
   static JointProfile to_position_within(const JointMotion& start, double position,
                                          const MotionLimits& limits, double duration);
 

@@ -137,7 +137,7 @@ class FastestPass {
     return speed;
   }
 
-  /// What can be reached at `index` from the speed at the neighbour.
+  /// Limits the speed at `index` to the highest that can be reached from the speed at the neighbour.
   void limit(std::size_t index, std::size_t neighbour, double length) {
     double acceleration = 1e6;
     const double squared = speeds_[neighbour] * speeds_[neighbour];
@@ -247,7 +247,8 @@ segue::Result<PathTiming> PathTiming::make(const std::vector<std::vector<double>
   const double passed = pass.times().back();
   if (!(passed < kLongest)) return refusal("to follow this path takes more than ten minutes");
 
-  // What averages do to the limits is an estimate for accelerations that change at once and often.
+  // The excess over the limits after averaging can only be estimated for accelerations that change at once
+  // and often, so it is measured.
   PathTiming made(limits.size(), options.period);
   double stretch = 1;
   double excess = 1;

@@ -29,7 +29,8 @@ class ClearanceMap {
   /// Metres from the centre of the cell to that of the nearest occupied one; 0: occupied; kNothingNear where
   /// no cell of the map is occupied.
   [[nodiscard]] float clearance(std::size_t index) const { return clearance_[index]; }
-  /// The same between the centres of cells, interpolated; kNothingNear outside of the map and at its edge.
+  /// The clearance in metres at a point between the centres of cells, interpolated; kNothingNear outside of
+  /// the map and at its edge.
   [[nodiscard]] double clearance_at(Point point) const;
   [[nodiscard]] bool known(std::size_t index) const { return known_[index] != 0; }
   [[nodiscard]] std::size_t most_cells() const { return clearance_.size(); }

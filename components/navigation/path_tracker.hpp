@@ -67,7 +67,7 @@ class PathTracker {
   /// the settings do not change.
   messages::Twist2D update(const Pose2D& pose, std::span<const Point> obstacles,
                            const TrackerSettings& settings, double step);
-  /// The same where pose or obstacles are not known: brakes.
+  /// The velocity to command for the next `step` seconds where pose or obstacles are not known: brakes.
   messages::Twist2D brake(const TrackerSettings& settings, double step);
   /// Forgets path and velocity: the vehicle stands.
   void reset();

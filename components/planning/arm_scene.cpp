@@ -25,7 +25,7 @@ Eigen::Matrix3d matrix_of(const mjtNum* matrices, std::ptrdiff_t object) {
 segue::Result<std::unique_ptr<ArmScene>> ArmScene::create() {
   auto model = rover::load_rover_model();
   if (!model) return std::move(model.error());
-  // As the simulation does: MuJoCo's own handler would write a file.
+  // Drops MuJoCo's warnings, as the simulation does: its own handler would write a file.
   mju_user_warning = [](const char*) {};
   return std::unique_ptr<ArmScene>(new ArmScene(std::move(*model)));
 }

@@ -67,7 +67,7 @@ class MotionPlan {
     return {segue::ErrorCode::NotFound, "there is no path: " + why, {}, {}, {}};
   }
 
-  /// What touches what on straight lines; the box in question stands on something there.
+  /// The tolerance on straight lines, where the box in question stands on something.
   [[nodiscard]] Tolerance at_lines() const {
     return {0, request_.from.held >= 0 ? request_.from.held : request_.take};
   }
@@ -228,7 +228,7 @@ class MotionPlan {
     best_->after = after(best_->path.points.back());
   }
 
-  /// What the motion leaves.
+  /// The situation after the motion.
   Situation after(const Positions& end) {
     Situation situation = request_.from;
     situation.positions = end;

@@ -26,7 +26,7 @@ struct SimulationOptions {
   bool loaded = false;  ///< the boxes lie on the deck at the beginning (kDeckPlaces), not on the table
 };
 
-/// What a laser scanner measures, counterclockwise from `first_angle`. Zero lies ahead.
+/// The rays that a laser scanner measures, counterclockwise from `first_angle`. Zero lies ahead.
 struct ScanPattern {
   double first_angle = -2.356;
   double angle_step = 0.01745;
@@ -66,7 +66,7 @@ class SimulatedRover {
   void scan(const ScanPattern& pattern, messages::LaserScan& scan);
   void read_scene(SceneState& scene) const;
 
-  /// What no sensor knows. In the frame of the room.
+  /// The true poses, which no sensor knows, in the frame of the room.
   [[nodiscard]] messages::Odometry pose() const;
   [[nodiscard]] messages::Pose box(std::size_t number) const;
   [[nodiscard]] messages::Pose tool() const;
