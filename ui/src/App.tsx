@@ -30,7 +30,7 @@ export function App() {
   const shown = useDocument('status');
   const [view, setView] = useState<View>(viewOfAddress);
   const status = statusOf(shown?.value);
-  // What is shown is not what is: nobody hears the robot, or another runtime commands it.
+  // The page shows an old state: nobody hears the robot, or another runtime commands it.
   const isOld = status !== null && (link === 'lost' || link === 'refused' || shown?.error !== undefined);
   const since = shown?.heard === undefined ? '' : ' What is shown is of ' + clockText(shown.heard) + '.';
 

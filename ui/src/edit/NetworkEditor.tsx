@@ -50,7 +50,7 @@ export function NetworkEditor({ path, text, drafts, models, fixed }: Props) {
   const [chosen, setChosen] = useState<number | null>(null);
   const [problem, setProblem] = useState('');
 
-  /** What is wrong, or null. */
+  /** Changes the text; the problem where that fails, or null. */
   const edit = (change: (before: string) => string): string | null => {
     try {
       if (closed) throw new Error('this text cannot be edited in the graph now');

@@ -28,7 +28,7 @@ export interface PortNode {
   look: string;
   ports: GraphPort[];
 }
-/** What is drawn around nodes; groups come before those in them. Its ports are connected from outside. */
+/** A box around nodes; groups come before those in them. Its ports are connected from outside. */
 export interface PortGroup {
   id: string;
   group?: string;

@@ -31,7 +31,7 @@ export interface FileEntry {
 /** A file as it is edited: outlives the view, with its undo history. */
 export interface Draft {
   path: string;
-  /** What was read or saved last. */
+  /** The text that was read or saved last. */
   saved: string;
   version: string;
   /** Lines end in CR LF in the file; here they never do. */
@@ -48,7 +48,7 @@ export interface Draft {
   saving: boolean;
   /** A state machine of RAFCON, as the mission that it becomes. */
   isReadOnly: boolean;
-  /** What could not be kept of it. */
+  /** The parts of the state machine that the mission could not keep. */
   notes: string[];
 }
 

@@ -21,7 +21,7 @@ export const flags = [
   { key: 'strict', doc: 'waits until nothing before it can fail' },
 ] as const;
 
-/** What can be said of each way to run an action; what has nothing more to it is one value. */
+/** The keys of each way to run an action; a way without keys is one value. */
 const waysToRun: Record<string, string[]> = {
   controller: ['controller', 'set', 'call', 'write', 'until', 'outputs', 'afterwards'],
   pool: ['pool', 'call', 'outputs', 'outcome_from', 'timeout'],
@@ -34,7 +34,7 @@ export interface RunEntry {
   value: unknown;
 }
 
-/** What the action runs, in parts that can be edited one by one. */
+/** The way in which the action runs, in parts that can be edited one by one. */
 export function runEntries(action: ActionText): RunEntry[] {
   const run = record(action.value['run']);
   const way = Object.keys(waysToRun).find((key) => key in run);

@@ -35,7 +35,7 @@ export function addState(text: string, around: EditedState, name: string, what: 
   return around.kind === 'hierarchy' && around.start === '' ? put(added, [...around.path, 'start'], name) : added;
 }
 
-/** What names a state in its container: where it starts, transitions of its siblings, data flows. */
+/** The text without the mentions of a state in its container: as its start, in transitions of its siblings, in data flows. */
 function withoutMentions(text: string, state: EditedState): string {
   const around = state.parent;
   if (!around) return text;
@@ -133,7 +133,7 @@ export function removeFlow(text: string, container: EditedState, index: number):
   return remove(text, [...container.path, 'flows', index]);
 }
 
-/** What a state gives to a port, in place of the default; `yaml` as it is typed, empty: the default. */
+/** Sets the value that a state gives to a port in place of the default; `yaml` as it is typed, empty: the default. */
 export function setValue(text: string, state: EditedState, side: 'inputs' | 'outputs', port: string, yaml: string): string {
   const typed = yaml.trim();
   if (typed !== '') return put(text, [...state.path, side, port], parse(yaml), typed.includes('\n') ? [] : [typed]);
@@ -171,7 +171,7 @@ export function removeOutcome(text: string, container: EditedState, name: string
   return left;
 }
 
-/** What declares ports: a container, or an action. */
+/** A part of the mission that declares ports: a container, or an action. */
 type PortHolder = Pick<EditedState, 'path' | 'inputs' | 'outputs' | 'variables'>;
 
 export function addPort(text: string, container: PortHolder, which: 'inputs' | 'outputs' | 'variables', name: string, type: string): string {

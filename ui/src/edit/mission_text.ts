@@ -12,7 +12,7 @@ export interface MissionPort {
   default?: unknown;
 }
 
-/** What a state can stand for: an action or a library. */
+/** The interface of an action or a library, which a state can use. */
 export interface Interface {
   name: string;
   description: string;
@@ -127,7 +127,7 @@ class Reader {
   }
 }
 
-/** What is drawn of a mission; null where the text is none or cannot be parsed. */
+/** The mission in a text; null where the text is none or cannot be parsed. */
 export function missionIn(text: string): MissionText | null {
   const document = documentIn(text);
   if (!document || !isMap(document.contents) || !document.contents.has('mission')) return null;
@@ -169,7 +169,7 @@ export function librariesOf(value: Json): Interface[] {
   });
 }
 
-/** What libraries a mission can use: those in its file, and those in others. */
+/** The libraries that a mission can use: those in its file, and those in other files. */
 export function allLibraries(mission: MissionText, files: Interface[]): Interface[] {
   const own = mission.machines.filter((machine) => machine.name !== '').map(({ name, root }) => ({ name, description: root.description, inputs: root.inputs, outputs: root.outputs, outcomes: root.outcomes }));
   return [...own, ...files.filter((file) => !own.some((one) => one.name === file.name))];
@@ -204,7 +204,7 @@ export interface FlowEnd {
 
 const own = (container: EditedState, which: 'inputs' | 'outputs' | 'variables'): FlowEnd[] => container[which].map((port) => ({ ref: which + '.' + port.name, type: port.type }));
 
-/** What values can come from in a container, or go to. */
+/** The ends in a container from which values can come, or to which they can go. */
 export function flowEnds(mission: MissionText, libraries: Interface[], container: EditedState, side: 'from' | 'to'): FlowEnd[] {
   const inner = container.children.flatMap((state) => (interfaceIn(mission, libraries, state)?.[side === 'from' ? 'outputs' : 'inputs'] ?? []).map((port) => ({ ref: state.name + '.' + port.name, type: port.type })));
   return [...own(container, side === 'from' ? 'inputs' : 'outputs'), ...own(container, 'variables'), ...inner];

@@ -23,7 +23,7 @@ export interface NetworkConnection {
 
 export interface NetworkText {
   tasks: NetworkTask[];
-  /** As in the file; null for what is not written as two ports. */
+  /** In the order of the file; null for a connection that is not written as two ports. */
   connections: (NetworkConnection | null)[];
   /** Whether the functions below understand it: Rock's files they do not. */
   editable: boolean;
@@ -49,7 +49,7 @@ function placesOf(root: Record<string, unknown>): Map<string, string> {
   return places;
 }
 
-/** What is drawn of a network; null where the text is none or cannot be parsed. */
+/** The network in a text; null where the text is none or cannot be parsed. */
 export function networkIn(text: string): NetworkText | null {
   const document = documentIn(text);
   if (!document || !isMap(document.contents)) return null;

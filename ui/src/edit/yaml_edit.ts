@@ -109,7 +109,7 @@ function valueIn(collection: unknown, index: number): unknown {
   return isMap(collection) ? collection.items[index]?.value : isSeq(collection) ? collection.items[index] : undefined;
 }
 
-/** What is at the path; undefined where nothing is. */
+/** The node at the path; undefined where there is none. */
 export function nodeAt(document: Document, path: Path): unknown {
   let node: unknown = document.contents;
   for (const step of path) {
@@ -389,7 +389,7 @@ export function move(text: string, path: Path, target: Path, before: string | nu
   ]);
 }
 
-/** What differs, as one replacement. */
+/** The difference, as one replacement. */
 export function changeBetween(before: string, after: string): { from: number; to: number; insert: string } {
   let from = 0;
   while (from < before.length && from < after.length && before[from] === after[from]) from++;

@@ -4,7 +4,10 @@ import { useConnection } from '../robot/hooks';
 import type { Status } from '../robot/types';
 import { howLong, troublesOf } from './health';
 
-/** What is missing or faulty, since when, why, and what repairs it; nothing of a robot that has all that it needs. */
+/**
+ * The missing or faulty parts of a robot, each with its time, its reason and its repair; nothing of a robot that has
+ * all that it needs.
+ */
 export function HealthBanner({ status }: { status: Status }) {
   const connection = useConnection();
   const [busy, setBusy] = useState(false);

@@ -35,7 +35,7 @@ function FileButton({ onRun, onProblem }: { onRun: (run: Run) => void; onProblem
 /** The state of which a row of the chart is one turn. */
 const stateOf = (label: string): string => label.replace(/#\d+$/, '');
 
-/** What was clicked on: a row of the chart by its label, or a state by its path. */
+/** The element that was clicked on: a row of the chart by its label, or a state by its path. */
 interface Choice {
   row?: string;
   path: string;

@@ -51,7 +51,7 @@ interface Props {
   onToggle: (path: string) => void;
   known: KnownValues | null;
   onClose: () => void;
-  /** What the chart knows of it. */
+  /** The facts that the chart has about the state. */
   children?: ReactNode;
 }
 

@@ -70,8 +70,7 @@ export function States({ plan, mission, control, lives, selected, onSelect, brea
     if (hidden.length > 0) onOpen(new Set([...open, ...hidden]));
     if (selected !== null && before.current.includes(selected) && !at.includes(selected)) onSelect(at[0] ?? null);
     before.current = at;
-    // What is opened, closed or selected there afterwards stays so.
-    // eslint-disable-next-line react-hooks/exhaustive-deps
+    // A state that somebody opens, closes or selects there afterwards stays so.
   }, [place, follows]);
 
   // The panel has the values of the selected state.

@@ -7,7 +7,7 @@ export const readableRow = 20;
 /** Thinner rows have no labels and are drawn as pixels, however many there are. */
 export const thinRow = 6;
 
-/** What part of the run is seen. */
+/** The part of the run that is seen. */
 export interface Window {
   from: number;
   until: number;
@@ -66,7 +66,7 @@ export interface Palette {
   accent: string;
   critical: string;
   byStatus: string[];
-  /** The same as pixels. */
+  /** The colours `byStatus` as pixels. */
   pixels: Uint32Array;
 }
 

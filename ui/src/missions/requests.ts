@@ -5,7 +5,7 @@ import { useConnection } from '../robot/hooks';
 import type { Control, Step } from './control';
 import type { Mission } from './mission';
 
-/** What the verb "mission" takes. */
+/** The requests of the verb "mission". */
 export type Request =
   | { what: 'pause' | 'resume' | 'stop' }
   | { what: 'step'; how: Step }
@@ -64,7 +64,7 @@ export interface Requests {
 /** How long a request to a mission that does not say what it has heard is shown. */
 const longestAsked = 5000;
 
-/** What this page asks of the mission. What becomes of it is in the document, for all pages alike. */
+/** This page's requests to the mission. Their results are in the document, for all pages alike. */
 export function useRequests(mission: Mission | null, control: Control | null): Requests {
   const connection = useConnection();
   const [all, setAll] = useState<Asked[]>([]);

@@ -104,7 +104,10 @@ function startOf(row: Row): number {
   return row.bars[row.bars.length - 1]?.from ?? 0;
 }
 
-/** What a node that has begun waited for: of what it comes after, whatever ended last. As written: whatever ended last at all. */
+/**
+ * The wait of a node that has begun: for the candidate that ended last before. In a sequential run the candidates are
+ * the nodes before it.
+ */
 function lastWait(row: Row, rows: Row[], candidates: { row: number; kind: string; because: string }[]): Wait[] {
   const start = startOf(row);
   let found: Wait | null = null;
@@ -192,7 +195,7 @@ function explain(rows: Row[], nodes: PlanNode[], rowOfNode: number[], order: num
   });
 }
 
-/** What a node comes after, through what is not an action. */
+/** The actions that a node comes after, also through nodes that are not actions. */
 function reasonsOf(node: PlanNode, nodes: PlanNode[], rowOfNode: number[]): { row: number; kind: string; because: string }[] {
   const found: { row: number; kind: string; because: string }[] = [];
   const seen = new Set<number>();

@@ -5,7 +5,7 @@ import { positionOf, type Control, type Values } from './control';
 import type { Mission } from './mission';
 import { numberOf } from './requests';
 
-/** What is known of a state's values; `isCurrent`: the mission has not gone on since. */
+/** The known values of a state; `isCurrent`: the mission has not gone on since. */
 export interface KnownValues {
   values: Values;
   isCurrent: boolean;

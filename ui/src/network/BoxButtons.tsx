@@ -4,13 +4,13 @@ import { createContext, useContext } from 'react';
 /** Something that can be set at a box and removed again. */
 export interface BoxMark {
   on: boolean;
-  /** What it is, and of what. */
+  /** The kind of the mark and the name of the box. */
   label: string;
   /** It is shown only. */
   fixed?: boolean;
 }
 
-/** What the buttons in boxes do, by the id of the box. */
+/** The actions of the buttons in boxes, by the id of the box. */
 export interface BoxActions {
   toggle: (id: string) => void;
   mark: (id: string) => void;

@@ -59,7 +59,7 @@ interface Props {
   follow?: string | null;
   /** The pointer rests on a box or its tip, or it has the focus of the keyboard; null: on none. */
   onPeek?: (id: string | null) => void;
-  /** What is said of a box beside it. */
+  /** The text beside a box. */
   tip?: { id: string; content: ReactNode } | null;
 }
 
@@ -73,7 +73,7 @@ function treeOf(groups: GraphGroup[], nodes: GraphNode[]): BoxTree[] {
 
 const fitting = { padding: 0.08, maxZoom: 1.15 };
 const readable = 0.7;
-/** What is followed need not be larger. */
+/** The least zoom at which a followed box counts as legible. */
 const legible = 0.45;
 const marker = { type: MarkerType.ArrowClosed, width: 16, height: 16 };
 /** Above, only what can be seen is in the page. */
@@ -94,7 +94,7 @@ export function Graph(props: Props) {
 
 const marked = (mark: BoxMark | undefined) => (mark?.on ? ', ' + mark.label : '');
 
-/** What is left of and above a box, with the boxes around it. */
+/** The upper left corner of a box in the graph: the sum of its place and those of the boxes around it. */
 function cornerOf(id: string, boxes: Map<string, Box>, around: Map<string, string | undefined>): { x: number; y: number } | null {
   let corner = { x: 0, y: 0 };
   for (let at: string | undefined = id; at !== undefined; at = around.get(at)) {
@@ -134,7 +134,7 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [structure]);
 
-  // What is followed is moved into view where it cannot be seen or read.
+  // The followed box is moved into view where it cannot be seen or read.
   const bring = useCallback(() => {
     const seen = now.current;
     const box = seen.boxes.get(seen.follow ?? '');
@@ -156,7 +156,7 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     else void flow.fitView(fitting).then(bring);
   }, [flow, bring]);
 
-  // What somebody opens or closes stays where it is; else all of a new graph is shown.
+  // A box that somebody opens or closes stays where it is; otherwise all of a new graph is shown.
   const toggled = useRef<{ id: string; corner: { x: number; y: number } } | null>(null);
   useEffect(() => {
     const before = toggled.current;
@@ -244,7 +244,7 @@ function Flow({ label, groups, nodes, edges, selected, target, onSelect, onToggl
     return drawn;
   }, [edges, routes, bulk, lit]);
 
-  // The same functions as long as the graph is shown: others would draw each task anew.
+  // These functions stay identical as long as the graph is shown: new ones would draw each task anew.
   const act = useCallback((id: string, toggles: boolean) => {
     if (!toggles) return now.current.onSelect?.(id);
     const corner = cornerOf(id, now.current.boxes, now.current.around);

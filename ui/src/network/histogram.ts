@@ -28,7 +28,7 @@ export function barsOf(histogram: Histogram): Bar[] {
   }));
 }
 
-/** What the drawing shows, in words. */
+/** The content of the drawing, in words. */
 export function summaryOf(histogram: Histogram): string {
   const total = histogram.bins.reduce((sum, bin) => sum + bin.count, 0);
   if (total === 0) return 'none yet';

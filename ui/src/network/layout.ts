@@ -15,7 +15,7 @@ export interface Box {
   height: number;
 }
 
-/** What has children is drawn around them. */
+/** A box; one with children is drawn around them. */
 export interface BoxTree {
   id: string;
   children?: BoxTree[];

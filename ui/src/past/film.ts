@@ -139,7 +139,7 @@ function placeOf(network: PastNetwork | null, id: string): string | undefined {
   return task && [task.host, task.process].filter((part) => part !== '').join(' / ');
 }
 
-/** What is drawn of a network that does not change. */
+/** The frame of a network that does not change. */
 export function frameOfNetwork(network: PastNetwork): Frame {
   const edges = new Map<string, FrameEdge>();
   for (const { from, to } of network.connections) {

@@ -54,7 +54,7 @@ export function useRequests(words: string, changed: string) {
       (answer) => {
         if (!current) return;
         setProblem(null);
-        // What had been asked for behind the first page stays.
+        // Requests that were loaded behind the first page stay.
         const last = answer.requests[answer.requests.length - 1]?.id ?? 0;
         const behind = asked.current.words === words && answer.more ? asked.current.requests.filter((one) => one.id < last) : [];
         if (behind.length === 0) setMore(answer.more);

@@ -20,7 +20,7 @@ function emptyScene(): Scene {
   return { grids: [], paths: [], scans: [], trails: [], poses: [] };
 }
 
-/** What the sources' newest samples show, scans in the frame of the first pose. */
+/** The scene of the sources' newest samples, with scans in the frame of the first pose. */
 function sceneOf(panel: Panel, samples: Map<string, Json>, trails: Map<number, Past[]>): Scene {
   const scene = emptyScene();
   const values = panel.sources.map((source) => valueAt(samples.get(documentOf(source)), source.path));

@@ -87,7 +87,7 @@ function textAt(value: unknown, where: string): string {
   return value;
 }
 
-/** As the robot names tasks and ports. */
+/** The name of a task or port, in the form that the robot uses. */
 function nameAt(value: unknown, where: string): string {
   const name = textAt(value, where);
   if (!/^[A-Za-z0-9_][A-Za-z0-9_.:-]*$/.test(name)) fail(where, 'is not the name of a task or port: ' + JSON.stringify(name.slice(0, 40)));

@@ -12,7 +12,7 @@ export interface Point {
   y: number;
 }
 
-/** What part of the plane a map shows: `centre` in metres, `scale` in pixels a metre; y is upward. */
+/** The part of the plane that a map shows: `centre` in metres, `scale` in pixels a metre; y is upward. */
 export interface View {
   x: number;
   y: number;

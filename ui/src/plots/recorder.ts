@@ -4,7 +4,7 @@ import type { Json } from '../robot/change';
 import { valueAt } from './fields';
 import { documentOf, sourceText, type Source } from './layout';
 
-/** What a chart draws: names of lines, then x and the lines' values; null: nothing there. */
+/** The data of a chart: names of lines, then x and the lines' values; null: nothing there. */
 export interface Drawn {
   labels: string[];
   data: UPlot.AlignedData;
@@ -44,7 +44,7 @@ export class TimeRecorder {
     this.forget(record, time - this.seconds);
   }
 
-  /** What comes from now on is not joined by lines to what was before. */
+  /** Interrupts the lines: values that come from now on are not joined by lines to those before. */
   gap(): void {
     for (const record of this.records.values()) {
       const last = record.times[record.times.length - 1];

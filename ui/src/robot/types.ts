@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { isMap, type Json } from './change';
 
-/** What a robot's documents look like, as far as the page reads them (segue/control/robot_service.hpp). */
+/** The robot's documents, as far as the page reads them (segue/control/robot_service.hpp). */
 export interface TaskStatus {
   id: string;
   component: string;
@@ -41,7 +41,7 @@ export interface Trouble {
   why: string;
   since: string;
   for_s: number;
-  /** What repairs it. */
+  /** The repair that helps. */
   repair: string;
   /** The verb "repair" does. */
   on_request: boolean;
@@ -110,7 +110,7 @@ export interface TaskReport extends TaskStatus {
   properties: { [name: string]: Json };
   operations: OperationModel[];
   timing: { [name: string]: number };
-  /** As the log, not of a process that runs an older Segue. */
+  /** Both are missing in reports of a process that runs an older Segue. */
   histograms?: { updates: Histogram; latencies: Histogram };
   log?: LogLine[];
 }
