@@ -10,13 +10,17 @@ namespace segue::task::detail {
 /// The jobs that are ready to run, and those that will be at a given time. Any thread may post(); everything
 /// else is for the thread that runs the jobs (the runner). Nothing allocates.
 ///
-/// Memory order: whoever sets kQueued in Job::flags_ (acquire-release) alone writes the job's next_ and
-/// wanted_since_ and pushes it to the stack posted_; the runner takes the whole stack with an acquiring
-/// exchange. The runner reads both members before it clears flags_ (acquire-release), so the next poster
-/// writes them afterwards. A poster that finds kQueued set relies on the runner's exchange of flags_: its
-/// reason and all that it wrote before are seen by the run. posted_ is pushed and has_posted() loads with
-/// sequential consistency, because executors combine them with the word that says whether they sleep: a
-/// poster pushes and then loads that word, the runner stores it and then checks has_posted().
+/// Memory order:
+/// - Q1: whoever sets kQueued in Job::flags_ (acquire-release) alone writes the job's next_ and
+///   wanted_since_. The runner reads both before it clears flags_ (acquire-release), so the next poster
+///   writes them afterwards. A poster that finds kQueued set relies on the runner's exchange of flags_, too:
+///   its reason and all that it wrote before are seen by the run.
+/// - Q2: post() pushes the job to the stack posted_; the runner takes the whole stack with an acquiring
+///   exchange.
+/// - Q3: the push to posted_ and the load in has_posted() are sequentially consistent, because executors
+///   combine them with the word that says whether they sleep: a poster pushes and then loads that word, the
+///   runner stores it and then checks has_posted() (E1 in thread_executor.cpp).
+/// - Q4: the runner releases Job::retired_ after its last access to the job; wait_retired() acquires it.
 class RunQueue {
  public:
   /// Queues the job unless it is queued already. True: it was not, so the runner may have to be woken.
@@ -24,7 +28,7 @@ class RunQueue {
   /// For the runner: queues the job like post(), but without the shared stack.
   void post_here(Job& job, std::uint32_t reason, TimePoint now) noexcept;
   [[nodiscard]] bool has_posted() const noexcept {
-    return posted_.load(std::memory_order_seq_cst) != nullptr;
+    return posted_.load(std::memory_order_seq_cst) != nullptr;  // Q3
   }
 
   /// For the runner: whether run_one() would run a job that it has already fetched or queued itself.

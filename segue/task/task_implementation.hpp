@@ -101,7 +101,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   void release() noexcept;
 
   [[nodiscard]] TaskState state() const {
-    return static_cast<TaskState>(state_word.load(std::memory_order_acquire) & 0xFFU);
+    return static_cast<TaskState>(state_word.load(std::memory_order_acquire) & 0xFFU);  // pairs with V1
   }
   [[nodiscard]] std::string state_name() const;
   /// Runs `body` while holding the ownership. From any thread; InvalidState inside own hooks,
@@ -122,7 +122,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   const std::shared_ptr<Executor> executor;
   const std::shared_ptr<Component> component;  ///< shared with retired implementations
   detail::Ownership ownership;                 ///< any thread
-  /// TaskState in the low byte, above it the index of the sub-state + 1. Any thread reads. Changes are
+  /// TaskState in the low byte, above it the index of the sub-state + 1. Any thread reads. V1: changes are
   /// released and reads acquired, so whoever sees a state sees what led to it.
   std::atomic<std::uint32_t> state_word{0};
   std::atomic<bool> announces_update{false};  ///< any thread sets it

@@ -179,7 +179,7 @@ Result<void> LocalTaskHost::arm_commit(const model::Transition& transition, Time
 
 Result<void> LocalTaskHost::commit() {
   if (const std::uint64_t number = implementation_->armed.exchange(0); number != 0) {
-    implementation_->word->store(number);
+    implementation_->word->store(number);  // G2 (CommitGate)
   }
   settle();
   return {};
