@@ -49,7 +49,9 @@ class Mailbox {
   }
 
   /// Whether take() would return anything. Takes no lock: the engine asks before every step.
-  [[nodiscard]] bool has_messages() const { return pending_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool has_messages() const {
+    return pending_.load(std::memory_order_acquire);
+  }  // pairs with MB1
 
   struct Messages {
     std::vector<CompletionMessage> completions;
@@ -80,10 +82,10 @@ class Mailbox {
   }
 
  private:
-  /// The store releases what was written before it to whoever sees has_messages() without
-  /// the lock; what is then taken is read under the lock.
+  /// MB1: the store releases what was written before it to whoever sees has_messages() without the lock; the
+  /// messages themselves are read under the lock.
   void changed() {
-    pending_.store(true, std::memory_order_release);
+    pending_.store(true, std::memory_order_release);  // MB1
     arrived_.notify_all();
   }
 

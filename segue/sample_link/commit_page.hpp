@@ -45,7 +45,7 @@ class CommitPage : public std::enable_shared_from_this<CommitPage> {
   }
 
   SealedFile file_;
-  std::atomic<std::uint64_t> last_{0};
+  std::atomic<std::uint64_t> last_{0};  ///< relaxed: numbers differ, and order nothing
 };
 
 }  // namespace segue::sample_link

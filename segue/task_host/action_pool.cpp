@@ -109,8 +109,10 @@ class ActionPool::Implementation::Batch final : public concurrent::DeadlineWatch
   const TimePoint deadline_;
   BatchOutcomes outcomes_;
   std::atomic<std::size_t> next_{0};  ///< the first that nobody has begun
-  std::atomic<bool> slow_{false};     ///< one has delayed others: what ends is reported at once
-  std::size_t seen_ = 0;              ///< how many had ended at the last on_due(), which alone uses it
+  /// One has delayed others: outcomes are reported at once. Set before on_due() reports. Outcomes have a lock
+  /// of their own, so an outcome that comes too late for that report finds it set, and its worker reports.
+  std::atomic<bool> slow_{false};
+  std::size_t seen_ = 0;  ///< how many had ended at the last on_due(), which alone uses it
 };
 
 Result<void> ActionPool::Implementation::Batch::carry_out(const model::Action& action) const {

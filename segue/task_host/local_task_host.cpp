@@ -114,7 +114,7 @@ struct LocalTaskHost::Implementation {
   /// Of the transitions that this host commits itself.
   const std::shared_ptr<task::CommitWord> word = std::make_shared<task::CommitWord>(0);
   std::atomic<std::uint64_t> transitions{0};
-  std::atomic<std::uint64_t> armed{0};  ///< the one that can commit; 0: none
+  std::atomic<std::uint64_t> armed{0};  ///< the one that can commit; 0: none. Whoever takes it out commits
   concurrent::ThreadPool threads{"segue-actions", kActionThreads};
   ActionPool pool{threads, [this](const model::Action& action, TimePoint deadline) {
                     auto done = actions.perform(action, deadline);

@@ -60,7 +60,7 @@ class Tap {
   Mutex mutex_;  ///< a port has one reader at a time
   Probe probe_;
   const std::string full_name_;
-  std::atomic<bool> is_closed_ = false;
+  std::atomic<bool> is_closed_ = false;  ///< set before the ring (W1) after which it is looked at
 };
 
 class TapReader final : public PortReader {

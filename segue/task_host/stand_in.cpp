@@ -123,7 +123,8 @@ class StandIn final : public task::Component {
   std::vector<std::unique_ptr<task::DynamicProperty>> properties_;
   std::vector<std::unique_ptr<task::DynamicOperation>> operations_;
   task::DynamicProperty* behaviour_property_ = nullptr;
-  std::atomic<bool> operations_hang_;  ///< as now_ says; operations may run in their callers' threads
+  /// As now_ says; operations may run in their callers' threads. Relaxed: it is all that these read.
+  std::atomic<bool> operations_hang_;
   TimePoint last_write_{};
   Duration interval_ = kShortestInterval;
 };
