@@ -48,10 +48,8 @@ class Mailbox {
     changed();
   }
 
-  /// Whether take() would return anything. Takes no lock: the engine asks before every step.
-  [[nodiscard]] bool has_messages() const {
-    return pending_.load(std::memory_order_acquire);
-  }  // pairs with MB1
+  /// Whether take() would return anything. Takes no lock: the engine asks before every step. Pairs with MB1.
+  [[nodiscard]] bool has_messages() const { return pending_.load(std::memory_order_acquire); }
 
   struct Messages {
     std::vector<CompletionMessage> completions;

@@ -133,7 +133,7 @@ void Doorbell::wait_until_answered() const noexcept {
 }
 
 [[gnu::hot]] void Doorbell::wake() noexcept {
-  words_->sleeping.fetch_and(~kModeMask, std::memory_order_seq_cst);
+  words_->sleeping.fetch_and(~kModeMask, std::memory_order_seq_cst);  // E1: the futex compares it
   futex_wake(words_->sleeping, 1, FutexScope::Host);
 }
 

@@ -10,7 +10,7 @@ const void* Ownership::this_thread() noexcept {
 }
 
 bool Ownership::acquire(TimePoint deadline, bool& retry) noexcept {
-  std::uint32_t word = word_.fetch_add(kOneWaiter, std::memory_order_acq_rel) + kOneWaiter;
+  std::uint32_t word = word_.fetch_add(kOneWaiter, std::memory_order_acq_rel) + kOneWaiter;  // O1
   while (true) {
     if ((word & kHeld) == 0) {
       const std::uint32_t held = (word | kHeld) - kOneWaiter;

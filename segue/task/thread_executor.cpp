@@ -230,7 +230,8 @@ bool ThreadExecutor::is_current() const noexcept {
   Doorbell* const ringing = doorbell.load(std::memory_order_acquire);  // pairs with E2
   if (ringing != nullptr) ringing->set_sleep(in_poll ? Doorbell::Sleep::InPoll : Doorbell::Sleep::InFutex);
   const std::uint32_t how = in_poll ? kInPoll : ringing == nullptr ? kInFutex : kInDoorbell;
-  sleeping.store(how, std::memory_order_seq_cst);  // E1: before the reasons to stay awake are loaded
+  // E1: before the reasons to stay awake are loaded, which all follow.
+  sleeping.store(how, std::memory_order_seq_cst);
   const bool changed =
       polls.load(std::memory_order_seq_cst) != in_poll || doorbell.load(std::memory_order_seq_cst) != ringing;
   const bool rung = ringing != nullptr && ringing->rung();
@@ -340,7 +341,7 @@ void* ThreadExecutor::State::bridge_main(void* argument) {
   State& state = **owner;
   const std::shared_ptr<Doorbell> doorbell = state.owned_doorbell;  // set before this thread was started
   while (!state.stop.load(std::memory_order_seq_cst)) {
-    const std::uint32_t seen = doorbell->rings();  // pairs with D3
+    const std::uint32_t seen = doorbell->rings();  // D3: before the reasons, which follow
     if (state.stop.load(std::memory_order_seq_cst)) break;
     if (doorbell->rung()) state.wake();
     doorbell->wait_for_ring(seen);
