@@ -219,7 +219,7 @@ class Rover {
         const Window window = switched_to(kWalk.at(i));
         transitions[std::string(kWalk.at(i - 1)) + " -> " + kWalk.at(i)].push_back(window);
         all_transitions.push_back(window);
-        // As long a time beside it, with the same motion.
+        // A window of the same length without a switch, with the same motion.
         std::this_thread::sleep_for(500ms);
         set_in_motion(kWalk.at(i));
         const double begin = seconds(RealClock::instance().now());

@@ -147,7 +147,7 @@ std::string mission_table(const MissionExperiment& experiment, const std::vector
 std::string mode_name(bool concurrent) {
   return concurrent ? "concurrent" : "sequential";
 }
-/// As `segue mission run --mode` has it.
+/// The name of the mode, as in `segue mission run --mode`.
 std::string mode_key(bool concurrent) {
   return concurrent ? "concurrent" : "sequential";
 }
@@ -219,7 +219,7 @@ type::Value run_value(const MissionRun& run) {
   return value;
 }
 
-/// As RFC 4180 has it.
+/// The text as a field of CSV (RFC 4180).
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";

@@ -60,8 +60,8 @@ int exit_status(const Error& error);
 int failed(const Context& context, const Error& error);
 
 double seconds(Duration duration);
-/// "1.25 ms", "3.2 s": three digits, for tables.
-/// The number at `key` of a map, 0 where there is none; likewise text.
+/// The number at `key` of a map, 0 where there is none; the text there, or ""; the list there, or an empty
+/// one.
 double number_at(const type::Value& map, std::string_view key);
 std::string text_at(const type::Value& map, std::string_view key);
 const type::Value::List& list_at(const type::Value& map, std::string_view key);

@@ -30,7 +30,7 @@ class ArmKinematics {
   /// The pose of the tip in the frame of the base. Requires one position for each joint.
   [[nodiscard]] messages::Pose tip(std::span<const double> positions) const;
   /// Linear, then angular velocity of the tip for velocities of the joints, all in the frame of the base.
-  /// Requires as above.
+  /// Requires one position for each joint.
   [[nodiscard]] Jacobian jacobian(std::span<const double> positions) const;
 
  private:

@@ -12,7 +12,7 @@ namespace navigation {
 
 struct MatchSettings {
   double window = 0.25;        ///< m to either side of the guess that is searched
-  double angle_window = 0.15;  ///< rad, likewise
+  double angle_window = 0.15;  ///< rad to either side of the guess that is searched
   double sharpness = 0.1;      ///< m: a beam that ends this far from what is occupied counts half
   double guess_weight = 0.05;  ///< how much worse a pose at the edge of the window is, so that it is not left
                                ///< for nothing, as along a corridor

@@ -16,8 +16,8 @@ void block_signals();
 /// std::system_error where the system has no thread left.
 std::thread start_thread(const char* name, std::function<void()> work);
 
-/// As start_thread(), with a token by which `work` is asked to stop, at the latest where the thread is
-/// destroyed, which waits for its end.
+/// Starts a thread like start_thread(), with a token by which `work` is asked to stop, at the latest where
+/// the thread is destroyed, which waits for its end.
 std::jthread start_stoppable_thread(const char* name, std::function<void(const std::stop_token& stop)> work);
 
 }  // namespace segue::concurrent

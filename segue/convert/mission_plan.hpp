@@ -115,9 +115,9 @@ struct RaceRecord {
 };
 
 /// How far a plan goes before anything is known. AsKnown: as runs need it, to the first decision or value
-/// that it must wait for. EveryEnd: likewise, also after aborts and preemptions that nothing handles.
-/// Outline: to the end of the mission, with three rounds of each loop; actions of which it is not known yet
-/// what they touch touch nothing.
+/// that it must wait for. EveryEnd: as far as AsKnown, also after aborts and preemptions that nothing
+/// handles. Outline: to the end of the mission, with three rounds of each loop; actions of which it is not
+/// known yet what they touch touch nothing.
 enum class PlanScope : std::uint8_t { AsKnown, EveryEnd, Outline };
 
 /// A mission that is being unrolled into a task network, which grows while it runs. Loops are unrolled ahead

@@ -42,7 +42,8 @@ class NodeJournal {
   /// The node begins as soon as this returns. On disk, if it is potentially irreversible; others are not
   /// recorded, since they may be discarded.
   void began(task_network::NodeId node);
-  /// As ActionCall::progress() and recorder().
+  /// The progress of an earlier run with this node, and the function that records progress, as of
+  /// mission::ActionCall::progress() and recorder().
   [[nodiscard]] const type::Value& progress(task_network::NodeId node) const {
     return journal_->progress(execution(node));
   }

@@ -18,7 +18,8 @@ struct OpaqueSubtreeReason {
     HandlesPreemption,  ///< `state` in it has a transition for its preemption
     OpaqueBeside,       ///< a barrier or preemptive container, and `state` in it may touch anything
     DeclaresInRace,     ///< a preemptive container, and `state`, it or one in it, declares what it needs
-    ReadsWorldBeside,  ///< likewise, and `state`, it or one in it, reads the whole world, which others change
+    ReadsWorldBeside,  ///< a preemptive container, and `state`, it or one in it, reads the whole world, which
+                       ///< others change
     ContradictedBeside,  ///< a barrier, and `state` in it takes away what one beside it needs, or reversely
     ConflictBeside  ///< what `state` in it touches decides which state of a preemptive container ends first
   };

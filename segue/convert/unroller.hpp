@@ -184,7 +184,7 @@ class Unroller {
   std::vector<const Track*>
       before_;  ///< of the states beside and before the one that is being planned: open ones
   std::vector<std::string> varying_;         ///< patterns of resources that are created or removed
-  std::vector<std::string> blocked_within_;  ///< likewise, mission::resources_blocked_within()
+  std::vector<std::string> blocked_within_;  ///< patterns of mission::resources_blocked_within()
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

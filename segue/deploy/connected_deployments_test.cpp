@@ -459,7 +459,7 @@ class CommittingDeployments : public ConnectedDeployments {
     EXPECT_TRUE(arrives_after(pair::last + 10));
   }
 
-  /// As actions of Prepare do.
+  /// Does what actions of Prepare do.
   void prepare(const model::Connection& connection) {
     const auto origin = describe(connection);
     ASSERT_TRUE(origin);

@@ -44,7 +44,8 @@ class TaskAccess {
 
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;
   virtual Result<type::Value> properties(const model::TaskId& task) = 0;
-  /// As TaskHost::watch() says; returns at once.
+  /// Has `answered` called once the task's level differs from `question.seen`, or at the deadline; see
+  /// TaskHost::watch(). Returns at once.
   virtual void watch(const task_host::LevelQuestion& question, const Wait& wait,
                      task_host::LevelAnswer answered) = 0;
   virtual Result<task_host::TaskDetails> details(

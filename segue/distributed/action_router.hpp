@@ -23,12 +23,13 @@ class ActionRouter {
  public:
   explicit ActionRouter(Sites& sites) : sites_(sites) {}
 
-  /// As TaskHost::perform_in_order: one message for each computer, unless its actions have to wait for what
-  /// happens on another. What a sender has taken is delivered before its receivers stop and are disconnected.
+  /// Carries out actions in their partial order (TaskHost::perform_in_order), with one message for each
+  /// computer, unless its actions have to wait for something that happens on another. Samples that a sender
+  /// has taken are delivered before its receivers stop and are disconnected.
   void perform(std::vector<model::Action> actions, Duration action_deadline,
                const task_host::EarlyEnd& early_end, task_host::Completion completed);
 
-  /// As TaskHost::begin_all, of actions on each computer that may depend on each other.
+  /// Begins actions (TaskHost::begin_all); those on one computer may depend on each other.
   void begin(std::vector<model::Action> actions, Duration action_deadline, task_host::Completion completed);
   /// Waits until all actions that were begun are reported.
   void close();

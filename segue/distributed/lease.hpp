@@ -93,7 +93,7 @@ class Lease {
     return waiting_ > 0 || until_ > clock_.now();
   }
   [[nodiscard]] std::optional<Error> refusal_of_take_over(const Claim& claim) const SEGUE_REQUIRES(mutex_);
-  /// As refusal().
+  /// The reason why work under `epoch` is refused.
   [[nodiscard]] Error refusal_of_epoch(std::uint64_t epoch) const SEGUE_REQUIRES(mutex_);
 
   const std::string robot_;

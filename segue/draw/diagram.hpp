@@ -59,7 +59,7 @@ struct Diagram {
   std::vector<task_network::NamedActsAhead>
       ahead{};  ///< shown below: what may happen although something earlier fails
   std::vector<task_network::NamedSensesAhead>
-      senses_ahead{};          ///< likewise: what may sense before something earlier has acted
+      senses_ahead{};          ///< shown below: what may sense before something earlier has acted
   bool ahead_complete = true;  ///< else only the first nodes were examined for this
 
   struct Counts {

@@ -33,7 +33,7 @@ constexpr double kRow = 18;
 constexpr double kBar = 14;
 constexpr double kLeastBand = 128;
 constexpr double kLetter = 6.1;      ///< of text of size 11, generously
-constexpr double kBoldLetter = 6.9;  ///< likewise
+constexpr double kBoldLetter = 6.9;  ///< of bold text of size 11, generously
 constexpr std::size_t kLongestLabel = 60;
 constexpr std::string_view kSmall = "font-size=\"11\"";
 

@@ -27,9 +27,10 @@ class RemoteConnector {
   /// Makes processes map each other's memory ahead of connecting them. Failures are ignored: connect() tries
   /// again.
   void map_peers(const std::vector<ProcessPair>& pairs, TimePoint deadline);
-  /// As connect_all(). Endpoints that a dead process left in the way are removed first.
+  /// Connects in as few messages as possible (connect_all()). Endpoints that a dead process left in the way
+  /// are removed first.
   std::vector<Result<void>> connect(std::span<const RemoteConnection> connections, TimePoint deadline);
-  /// As disconnect_all().
+  /// Closes the writers' endpoints, then the readers' (disconnect_all()).
   std::vector<Result<void>> disconnect(std::span<const RemoteConnection> connections, TimePoint deadline);
   /// Closes endpoints whose counterparts are gone and dormant ones, but none of a connection that is just
   /// being worked on or that waits for the commit of the present transition.
@@ -61,7 +62,7 @@ class RemoteConnector {
   DamageLog damage_;
   mutable Mutex mutex_;
   Waiting waiting_ SEGUE_GUARDED_BY(mutex_);  ///< connections that begin with the commit; protected by mutex_
-  std::set<ConnectionClaims::Key> ending_ SEGUE_GUARDED_BY(mutex_);  ///< those that end with it; likewise
+  std::set<ConnectionClaims::Key> ending_ SEGUE_GUARDED_BY(mutex_);  ///< connections that end with it
 };
 
 }  // namespace segue::deploy::detail

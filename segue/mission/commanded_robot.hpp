@@ -54,7 +54,8 @@ class PortSamples {
   virtual ~PortSamples() = default;
   /// Those that came since the last call, oldest first. Waits for the robot, but for no sample.
   virtual Result<std::vector<type::Value>> take(const Wait& wait) = 0;
-  /// As take(), but answers as soon as there is a sample; with none at the end of the wait. Does not block.
+  /// Takes samples like take(), but answers as soon as there is one; with none at the end of the wait. Does
+  /// not block.
   virtual void next(const Wait& wait, SamplesAnswer answered) = 0;
 };
 

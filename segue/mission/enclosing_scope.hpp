@@ -48,8 +48,9 @@ struct Needs {
   ObservedNeedsPtr observed;           ///< of its facts
 };
 
-/// As footprint(); `action` may be what a container declares (CompiledState::required). InvalidArgument also
-/// if preconditions around contradict its own, or it changes the number of units that a container holds.
+/// The needs of an execution with these inputs, and the errors of footprint(). `action` may be the
+/// declarations of a container (CompiledState::required). InvalidArgument also if preconditions around
+/// contradict its own, or it changes the number of units that a container holds.
 Result<Needs> needs(const Mission& mission, const Action& action, std::span<const type::Value> inputs,
                     std::string_view path, const EnclosingScopePtr& around);
 

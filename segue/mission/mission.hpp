@@ -85,7 +85,7 @@ struct State {
   ActionName action;                     ///< Execution, Decider
   std::string library;                   ///< Library: "folder/name"
   std::vector<PortValue> input_values;   ///< of the action or library
-  std::vector<PortValue> output_values;  ///< likewise
+  std::vector<PortValue> output_values;  ///< of the action or library
 
   std::vector<Port> inputs;  ///< containers, from here on
   std::vector<Port> outputs;

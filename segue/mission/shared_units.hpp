@@ -37,7 +37,7 @@ class SharedUnits {
 
   const Program& program_;
   std::vector<Patterns> by_action_;              ///< of the resources that it uses
-  std::map<StateIndex, Patterns> by_container_;  ///< likewise
+  std::map<StateIndex, Patterns> by_container_;  ///< of the resources that it uses
   std::vector<StateIndex> first_user_;           ///< by action: the first state that has it
   using Known = std::map<std::pair<StateIndex, StateIndex>, bool>;
   Known known_;

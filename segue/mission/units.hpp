@@ -65,7 +65,7 @@ class Units {
   /// The execution that took them has ended. `done`: as expected, so that it has created and deleted what it
   /// declares; what it consumed is gone in either case.
   void give_back(std::span<const UnitUse> uses, bool done);
-  /// As if an execution that has given them back had never been.
+  /// Undoes an execution that has given them back: the units are as if it had never been.
   void undo(std::span<const UnitUse> uses, bool done);
 
  private:

@@ -35,9 +35,9 @@ struct UndoRecord {
   std::uint32_t position = 0;
   std::uint32_t item = History::kNone;
   std::vector<type::Value> inputs{};                     ///< of a leaf
-  World::Changes changed{};                              ///< likewise
-  bool refused = false;                                  ///< likewise
-  UnitsUsed units{};                                     ///< likewise
+  World::Changes changed{};                              ///< of a leaf
+  bool refused = false;                                  ///< of a leaf
+  UnitsUsed units{};                                     ///< of a leaf
   std::vector<std::pair<std::uint32_t, Slot>> before{};  ///< the values that its end replaced
   Outcome last = 0;                                      ///< `last` of the container before it
   std::string error{};

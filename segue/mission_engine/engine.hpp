@@ -40,7 +40,7 @@ struct MissionPart {
   Globals globals;           ///< shared with the creator
   std::shared_ptr<Iterations> iterations;
   WorldView world;      ///< when it begins
-  Units::Counts units;  ///< likewise
+  Units::Counts units;  ///< when it begins
   EnclosingScopePtr around{};
 };
 

@@ -61,7 +61,7 @@ class RunJournal {
     std::vector<std::string> erased;  ///< names of variables
     /// Of an opaque subtree: the facts that became true, and with "!" those that became false.
     std::vector<std::string> facts{};
-    UnitChanges units{};  ///< likewise, units that it has created or removed
+    UnitChanges units{};  ///< of an opaque subtree: units that it has created or removed
     /// Of an opaque subtree: how often states in it have begun since the mission began.
     std::map<StateIndex, std::uint32_t> begun{};
   };

@@ -144,7 +144,7 @@ std::optional<bool> FactObserver::look(Entry& /*entry*/, const OperationAnswers&
   return answer ? std::optional(*answer) : std::nullopt;
 }
 
-/// As a look shows it, or else as it was known last.
+/// The value of the fact as a look shows it, or else as it was known last.
 bool FactObserver::value_now(Entry& entry) {
   while (!look(entry)) {
     const bool may_still_come =

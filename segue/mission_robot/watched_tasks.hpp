@@ -37,7 +37,7 @@ class WatchedTasks {
   /// `patience`: how long a question waits. One that was gone is seen again when it runs. That it cannot be
   /// seen is an error of look().
   void follow(const std::string& task, std::uint64_t after, Duration patience = kPatience);
-  /// As follow(), but that the task cannot be seen is not an error.
+  /// Follows the task like follow(), but it is not an error of look() that the task cannot be seen.
   void follow_if_seen(const std::string& task, std::uint64_t after = 0, Duration patience = kPatience);
   /// Takes in the answers that have come. The error of a task that cannot be seen: where one is gone, the
   /// robot may have it anew, so only a question for its present level can fail.
@@ -57,7 +57,7 @@ class WatchedTasks {
   void note_gone(std::string_view task);
   /// Whether one that is gone has not been seen to run again.
   [[nodiscard]] bool lacks_any() const;
-  /// As of the last look(). Null: nothing is known yet.
+  /// The task as the last look() found it. Null: nothing is known yet.
   [[nodiscard]] const TaskView* view(std::string_view task) const;
   /// Counts answers.
   [[nodiscard]] std::uint64_t news(std::string_view task) const;

@@ -16,9 +16,9 @@
 namespace segue::mission {
 
 struct ScriptRobotOptions {
-  /// As ControllerOptions::unreachable.
+  /// Called where the robot cannot be reached any more; see ControllerOptions::unreachable.
   std::function<void(const Error& why)> unreachable{};
-  /// As ControllerOptions::notice, for what a script looks at.
+  /// How long it may take the robot to notice that a task is gone which a script looks at.
   Duration notice = std::chrono::seconds(3);
   /// How often to look whether a task that was lost is there again.
   Duration period = std::chrono::milliseconds(50);

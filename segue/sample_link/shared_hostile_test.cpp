@@ -64,7 +64,7 @@ struct Attacked {
   SharedRing ring;
 };
 
-/// As a writer does that lies on purpose.
+/// Seals the entry, as a writer does that lies on purpose.
 void seal(const SharedRing& ring, std::size_t index) {
   RingEntry& entry = ring.entries()[index];
   entry.seal = ring.seal_of(index, entry.offset, entry.size, entry.sequence);

@@ -60,7 +60,7 @@ class ControlPool : public std::enable_shared_from_this<ControlPool> {
   [[nodiscard]] std::optional<std::uint64_t> offset_of(const void* address) const noexcept;
   [[nodiscard]] const BlockPool& blocks() const noexcept { return *blocks_; }
   [[nodiscard]] const Descriptor& descriptor() const noexcept { return file_.descriptor; }
-  /// As that of PayloadPool; peers can overwrite this one.
+  /// Writes the header again, in case a peer has overwritten it: nobody could map the pool any more.
   void restore_header(Incarnation owner) noexcept;
 
   ControlPool(SealedFile file, std::unique_ptr<BlockPool> blocks)

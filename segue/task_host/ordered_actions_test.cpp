@@ -54,7 +54,7 @@ class Performers {
   }
 
  private:
-  /// As a host does: in their order, until one fails.
+  /// Carries out actions as a host does: in their order, until one fails.
   void begin(const std::vector<Action>& actions, const Completion& completed) {
     std::set<int> failed;
     for (std::size_t i = 0; i < actions.size(); ++i) {

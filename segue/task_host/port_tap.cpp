@@ -43,7 +43,7 @@ class Tap {
     return samples;
   }
 
-  /// As read(), and asks for a ring after the next update.
+  /// Reads samples, and has the watches rung after the task's next update.
   Result<std::vector<type::Value>> read_and_announce(std::size_t limit) {
     if (is_closed_.load()) return no_longer_wanted();
     const auto task = task_.lock();

@@ -123,7 +123,8 @@ class StandIn final : public task::Component {
   std::vector<std::unique_ptr<task::DynamicProperty>> properties_;
   std::vector<std::unique_ptr<task::DynamicOperation>> operations_;
   task::DynamicProperty* behaviour_property_ = nullptr;
-  /// As now_ says; operations may run in their callers' threads. Relaxed: it is all that these read.
+  /// A copy of `now_.hangs("operation")`, since operations may run in their callers' threads. Relaxed: these
+  /// read nothing else.
   std::atomic<bool> operations_hang_;
   TimePoint last_write_{};
   Duration interval_ = kShortestInterval;

@@ -65,8 +65,8 @@ inline constexpr std::array<std::string_view, 6> kStandInFailures = {"configure"
 inline constexpr std::array<std::string_view, 6> kStandInHangs = {"configure", "start",  "stop",
                                                                   "cleanup",   "update", "operation"};
 
-/// The entries of `value` (a map as above) over `base`. Unknown keys, wrong types, negative durations and
-/// rates beyond 10 kHz are errors; `path` begins the message.
+/// The entries of `value` (a map of the same keys) over `base`. Unknown keys, wrong types, negative durations
+/// and rates beyond 10 kHz are errors; `path` begins the message.
 Result<StandInBehaviour> read_behaviour(const type::Value& value, StandInBehaviour base,
                                         std::string_view path);
 

@@ -21,7 +21,8 @@ class TaskMaker {
   TaskMaker(const LibrarySet& libraries, const model::ComponentCatalog& catalog, LocalOptions options)
       : libraries_(libraries), catalog_(catalog), options_(std::move(options)) {}
 
-  /// As TaskHost::stands_in.
+  /// Whether tasks of the component are stand-ins (TaskHost::stands_in()), or may be, since its model is not
+  /// known.
   [[nodiscard]] bool is_unchecked(const model::ComponentName& component) const;
   Result<void> can_make(const model::ComponentName& component) const;
   /// Stand-ins made from now on have the ports that `network` names.

@@ -115,7 +115,7 @@ class AheadFinder {
   const Order& order_;
   const Paths& paths_;
   std::vector<std::uint32_t> passed_;    ///< by node: the last for which it has passed
-  std::vector<std::uint32_t> followed_;  ///< likewise: whose dependencies have been followed
+  std::vector<std::uint32_t> followed_;  ///< by node: the last whose dependencies have been followed
   std::vector<NodeId> open_;
   std::set<std::pair<std::uint32_t, std::uint32_t>>
       aside_;  ///< nodes and facts that they may leave as they are
@@ -269,8 +269,8 @@ class SensedFinder {
   const Order& order_;
   const Paths& paths_;
   std::vector<std::uint32_t> passed_;    ///< by node: the last for which it has passed
-  std::vector<std::uint32_t> begun_;     ///< likewise: for whose begin dependencies have been followed
-  std::vector<std::uint32_t> followed_;  ///< likewise: all of them
+  std::vector<std::uint32_t> begun_;     ///< by node: the last whose begin dependencies have been followed
+  std::vector<std::uint32_t> followed_;  ///< by node: the last for which all dependencies have been followed
   std::vector<NodeId> begun_list_;
   std::vector<NodeId> passed_list_;
   NodeId node_{};

@@ -87,7 +87,7 @@ inline constexpr std::uint32_t kAheadWithin = 1024;
                                                 const Paths& paths, std::span<const NodeId> nodes);
 
 /// All pairs that the order permits, by `senses`, then `acts`: of sensing nodes and irreversible ones, which
-/// do not lie in parallel. Time as above.
+/// do not lie in parallel. Takes time like acts_ahead().
 [[nodiscard]] std::vector<SensesAhead> senses_ahead(const TaskNetwork& network, const Order& order,
                                                     const Paths& paths);
 

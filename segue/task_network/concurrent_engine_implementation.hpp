@@ -175,7 +175,7 @@ class ConcurrentEngine::Implementation {
   std::uint32_t copies_ = 0;
   std::vector<SpeculativeHolders> speculative_;  ///< by resource
   std::vector<std::uint64_t> preempted_units_;   ///< by resource: held by cancelled runs that have not ended
-  std::uint32_t preempted_workers_ = 0;          ///< likewise
+  std::uint32_t preempted_workers_ = 0;          ///< held by cancelled runs that have not ended
   std::uint32_t passed_count_ = 0;
   NodeId last_done_{kNone};
   std::uint32_t prefix_ = 0;  ///< all nodes before have passed

@@ -54,7 +54,7 @@ class VersionedWorld {
 
   /// The facts that hold, in the order of their ids. Linear in the largest id.
   [[nodiscard]] std::vector<FactId> facts() const;
-  /// As texts, sorted.
+  /// The facts that hold as texts, sorted.
   [[nodiscard]] std::vector<std::string> texts(const FactTable& table) const;
 
   /// Whether the same facts hold; versions and user data aside. Does not look at what both share.

@@ -422,7 +422,8 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   }
 
  private:
-  /// As Caller::answer_value(), for a call that names a lease: PermissionDenied where it is of somebody else.
+  /// Answers like Caller::answer_value() a call that names a lease: PermissionDenied where it is of somebody
+  /// else.
   template <class Context, class Job>
   kj::Promise<void> answer_holder(Role needed, std::uint64_t lease, Context context, Job job) {
     const auto refusal = lease_owners_.refusal(lease, peer());

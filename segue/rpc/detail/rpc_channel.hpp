@@ -118,8 +118,8 @@ class RpcChannel {
   std::atomic<StreamId> next_stream_{1};
   EventLoop loop_;
   std::unique_ptr<Connection> connection_;  ///< used in the loop's thread only
-  std::unique_ptr<Failures> failures_;      ///< likewise
-  std::unique_ptr<kj::TaskSet> calls_;      ///< likewise
+  std::unique_ptr<Failures> failures_;      ///< used in the loop's thread only
+  std::unique_ptr<kj::TaskSet> calls_;      ///< used in the loop's thread only
 };
 
 template <class T, class Build>

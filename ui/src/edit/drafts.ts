@@ -132,7 +132,7 @@ export class Drafts {
     };
   }
 
-  /** As one step that can be undone. */
+  /** Replaces the text, as one step that can be undone. */
   replace(path: string, text: string): void {
     const draft = this.drafts.get(path);
     if (draft) this.dispatch(path, { changes: changeBetween(draft.state.doc.toString(), text), userEvent: 'input' });

@@ -210,7 +210,7 @@ export function flowEnds(mission: MissionText, libraries: Interface[], container
   return [...own(container, side === 'from' ? 'inputs' : 'outputs'), ...own(container, 'variables'), ...inner];
 }
 
-/** As mission::connects(). */
+/** Whether a value of type `from` can flow to a port of type `to`, by the rule of mission::connects(). */
 export function connects(from: string, to: string): boolean {
   return from === to || from === 'any' || to === 'any' || (from === 'int' && to === 'float');
 }

@@ -328,7 +328,7 @@ function linesOf(text: string, collection: Collection, item: Item): { from: numb
   return { from: beginOf(text, item), to: behind(text, item), column: columnOf(text, startOf(item)) };
 }
 
-/** As its lines stand, at another depth of indentation. */
+/** The text with the entry moved to another place; its lines stay as they are, at another depth of indentation. */
 function moved(text: string, document: Document, path: Path, target: Path, before: string | null): string | null {
   const from = nodeAt(document, path.slice(0, -1));
   const to = nodeAt(document, target);

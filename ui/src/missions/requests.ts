@@ -78,7 +78,7 @@ export function useRequests(mission: Mission | null, control: Control | null): R
   useEffect(() => {
     if (asked.length < all.length) setAll(asked);
   }, [asked, all]);
-  // Somebody else may have asked for the opposite before this browser saw what became of it.
+  // Somebody else may have asked for the opposite before this browser saw the result of its own request.
   useEffect(() => {
     if (says || asked.length === 0) return;
     const timer = setTimeout(() => setAll([]), longestAsked);
