@@ -21,7 +21,7 @@ class ConditionVariable {
     Held held(mutex);
     condition_.wait(held.lock, std::move(ready));
   }
-  /// Whether it is ready.
+  /// Waits until `ready` says so, or until the deadline; returns whether it is ready then.
   template <class Ready>
   bool wait_until(Mutex& mutex, TimePoint deadline, Ready ready) SEGUE_REQUIRES(mutex) {
     Held held(mutex);
@@ -32,7 +32,7 @@ class ConditionVariable {
     Held held(mutex);
     return condition_.wait_for(held.lock, longest, std::move(ready));
   }
-  /// Until somebody notifies, or without a reason.
+  /// Waits until somebody notifies; may also return without a reason.
   void wait(Mutex& mutex) SEGUE_REQUIRES(mutex) {
     Held held(mutex);
     condition_.wait(held.lock);

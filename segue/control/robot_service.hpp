@@ -38,8 +38,9 @@ struct SwitchOptions {
   bool take_over = false;   ///< from who holds the lease, if somebody else does
 };
 
-/// Who sets a property, calls an operation or writes a sample. Whoever holds the robot's lease says so; where
-/// somebody else does, it is refused unless it is wanted beside what that is doing, which is an event.
+/// The sender of a new property value, a call of an operation or a sample. Whoever holds the robot's lease
+/// names its number. While somebody else holds it, the request is refused unless `beside_mission` is set;
+/// then it is carried out and reported as an event.
 struct Sender {
   std::string who{};
   std::uint64_t lease = 0;      ///< RobotLease::number(); once it is lost, nothing is done with it any more

@@ -88,7 +88,8 @@ constexpr const VerbRule& rule_of(Verb verb) {
   return kVerbRules.at(static_cast<std::size_t>(verb));
 }
 
-/// Who takes the robot from whoever commands it decides more than what it does next.
+/// The role that a verb needs. To take the robot from whoever commands it needs a higher one than to command
+/// it.
 constexpr Role role_for(Verb verb, bool take_over = false) {
   return take_over ? Role::Administer : rule_of(verb).role;
 }

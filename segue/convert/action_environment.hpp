@@ -20,7 +20,7 @@ namespace segue::convert {
 /// directly.
 class ActionEnvironment final : public task_network::Environment {
  public:
-  /// Who is told of what begins; null: nobody.
+  /// The listeners to nodes that begin and end; null: none.
   struct Listeners {
     NodeJournal* journal;
     RunEvents* events;

@@ -65,7 +65,8 @@ class FactOrder {
       const bool opposite = second->writes ? second->value != first->value : second->needed != first->value;
       return opposite || surely_changes(*first, to, is_there);
     }
-    // Where it finds the fact as it makes it although it needs the opposite, it is refused, and does not act.
+    // A node that needs the opposite of the value to which it sets the fact is refused if the fact has that
+    // value already, and does not act.
     const bool refused_else = second->reads && second->needed != second->value;
     return second->writes && (refused_else || surely_changes(*second, from, is_there));
   }

@@ -102,7 +102,7 @@ struct ContainerRun;
 
 /// Which states have ended preemptive containers, and what an earlier run that is being resumed had recorded.
 struct RaceRecord {
-  /// That ended their containers, now or in the earlier run.
+  /// The states that have ended their containers, now or in the earlier run.
   std::set<mission::Execution> firsts{};
   /// Whether recorded executions in that state have not begun yet, or the node is to end as recorded: the
   /// state does not lose before.

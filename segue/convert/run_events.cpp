@@ -31,7 +31,7 @@ void RunEvents::begins(NodeId node) {
   if (planned.role == Role::Action) observe_({.path = planned.path, .iteration = planned.iteration});
 }
 
-/// Those of the containers, from the innermost on, in which nothing has begun before.
+/// Tells the begin of the containers, from the innermost on, in which nothing has begun before.
 void RunEvents::begin_containers(std::shared_ptr<ContainerRun> innermost) {
   std::vector<std::shared_ptr<ContainerRun>> begun;
   for (; innermost != nullptr && !innermost->told; innermost = innermost->around)

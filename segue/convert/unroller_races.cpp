@@ -202,7 +202,8 @@ void Unroller::skipped(NodeId node) {
   note_over(node);
 }
 
-/// It ends the mission, and the states that it belongs to as well: those that race with them are preempted.
+/// The failure of a node ends the mission, and also the states that the node belongs to, so the states that
+/// race with these are preempted.
 void Unroller::failed(NodeId node) {
   for (const auto& each : races_) {
     const auto race = each.lock();

@@ -33,7 +33,7 @@ class Endpoints {
   Result<void> close(const CloseEndpoint& what, TimePoint deadline);
   void close_all();
 
-  /// These endpoints end when the gate opens; the transition of the gates has ended.
+  /// end_at(): these endpoints end when the gate opens. settle(): the transition of the gates has ended.
   void end_at(const task::CommitGatePtr& gate, std::span<const ArmCommit::Endpoint> ending);
   void settle();
 

@@ -19,7 +19,7 @@ namespace {
 using deploy::detail::Which;
 using deploy::detail::which_of;
 
-/// Those receivers that go on as they are.
+/// The receivers that the transition leaves as they are.
 std::set<model::TaskId> kept_receivers(const model::Network& before, const model::Network& target) {
   const auto processes_before = model::task_processes(before);
   const auto processes = model::task_processes(target);

@@ -13,7 +13,7 @@
 namespace segue::distributed {
 
 struct DistributedOptions {
-  /// Who commands, and how processes are started on other hosts.
+  /// The runtime that commands the robot, and the way processes are started on other hosts.
   RobotRequest request;
   GatewaySettings gateways;
   /// Components are simulated where a host has no library for them; their samples carry no values.

@@ -67,7 +67,7 @@ class HostLink {
   /// Unavailable, with the reason, where the host cannot be reached; Superseded once the robot is lost.
   [[nodiscard]] Result<Reached> reach() const;
   [[nodiscard]] bool reachable() const;
-  /// Where the host can be reached but another runtime commands the robot there.
+  /// The refusal of a host that can be reached, but where another runtime commands the robot.
   struct Refusal {
     Error why;
     TimePoint when;  ///< the host was asked last

@@ -10,8 +10,8 @@
 
 namespace segue::distributed::detail {
 
-/// That another runtime has got the robot. One host that says so suffices, for all of them and for good.
-/// Thread safe.
+/// Knows whether another runtime has got the robot. One host that says so suffices, for all of them and for
+/// good. Thread safe.
 class RobotLoss {
  public:
   /// `lost` is called once, by whichever thread notes it first; must not block.

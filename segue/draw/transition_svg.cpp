@@ -275,7 +275,7 @@ class Picture {
     return static_cast<std::size_t>(row - rows_.begin());
   }
 
-  /// Where one action of the path ends and the next begins.
+  /// Draws a line wherever one action of the critical path ends and the next begins.
   void draw_critical_path() {
     const std::string style =
         fmt::format("stroke=\"{}\" stroke-width=\"1.5\" stroke-dasharray=\"3 2\"", kCriticalColour);

@@ -48,8 +48,8 @@ struct Suspect {
 struct DamagedConnection {
   model::Connection connection;
   std::uint64_t corrupt = 0;  ///< invalid entries that both endpoints have found
-  /// Those that can have overwritten it: the writer's where a sample itself is invalid; else the reader's,
-  /// whose memory it is, and all with connections to that.
+  /// The processes that can have overwritten it: the writer's where a sample itself is invalid; else the
+  /// reader's, whose memory it is, and all with connections to that.
   std::vector<Suspect> suspects;
 };
 

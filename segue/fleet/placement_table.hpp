@@ -76,8 +76,9 @@ class PlacementTable {
   void withdraw();
 
  private:
-  /// Those of one task. Invariants: `processes` is not empty; `next`, if set, is one of `processes` and not
-  /// `current`; `current` is one of `processes` unless it ended while there is a next one.
+  /// The incarnations of one task. Invariants: `processes` is not empty; `next`, if set, is one of
+  /// `processes` and not `current`; `current` is one of `processes` unless it ended while there is a next
+  /// one.
   struct Incarnations {
     std::vector<model::DeploymentKey> processes;
     model::DeploymentKey current;

@@ -37,7 +37,7 @@ class ConnectionTurn {
   ConnectionTurn(const ConnectionTurn&) = delete;
   ConnectionTurn& operator=(const ConnectionTurn&) = delete;
   explicit operator bool() const { return given_; }
-  /// Where it was not given.
+  /// The reason why the turn was not given.
   [[nodiscard]] Error error() const;
 
  private:
@@ -107,10 +107,10 @@ class ProcessRecord {
   /// caller's thread, where it does not answer now.
   void add(const SilenceWatch& watch);
 
-  /// It answers, but a transition has to replace it. False where it was known before.
+  /// Marks a process that answers but that a transition has to replace. False where this was known before.
   bool blame(std::string why);
 
-  /// It is being ended by request, so its silence and its end are not reported.
+  /// Says whether the process is being ended by request: then its silence and its end are not reported.
   void expect_end(bool expected);
   [[nodiscard]] bool end_expected() const;
   /// The process has ended. True for the first call only.

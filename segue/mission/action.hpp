@@ -83,7 +83,7 @@ struct Script {
   std::string file;
   std::string text;
   bool isolated = false;
-  /// Where the text begins; without a line, it is all of that file.
+  /// The place where the text begins; without a line, the script is the whole file.
   SourcePlace where{};
   friend bool operator==(const Script&, const Script&) = default;
 };

@@ -52,7 +52,7 @@ using SamplesAnswer = std::function<void(Result<std::vector<type::Value>>)>;
 class PortSamples {
  public:
   virtual ~PortSamples() = default;
-  /// Those that came since the last call, oldest first. Waits for the robot, but for no sample.
+  /// The samples that came since the last call, oldest first. Waits for the robot, but for no sample.
   virtual Result<std::vector<type::Value>> take(const Wait& wait) = 0;
   /// Takes samples like take(), but answers as soon as there is one; with none at the end of the wait. Does
   /// not block.

@@ -52,7 +52,8 @@ struct StateTransition {
   friend bool operator==(const StateTransition&, const StateTransition&) = default;
 };
 
-/// Whose ports a data flow connects: those of a child, or those of the container itself.
+/// The owner of the ports that a data flow connects: a child, or the container itself with its three kinds of
+/// ports.
 enum class Owner : std::uint8_t { Child, Inputs, Outputs, Variables };
 struct FlowPort {
   Owner owner = Owner::Child;

@@ -25,8 +25,8 @@ struct NextStep {
   Outcome outcome = 0;      ///< Leave: outcome of the parent
 };
 
-/// Where the value of a port comes from. A container has slots for its inputs, its variables, and the outputs
-/// of its children, in this order.
+/// The source of a port's value. A container has slots for its inputs, its variables, and the outputs of its
+/// children, in this order.
 struct PortSource {
   std::vector<std::uint32_t> slots;  ///< the most recently written one counts
   type::Value fallback;
@@ -64,7 +64,7 @@ struct CompiledState {
   StateIndex decider = kNoState;             ///< Barrier
   std::shared_ptr<const Action> required{};  ///< its preconditions and resources, with its inputs; null: none
 
-  /// Where the parent goes on after that outcome.
+  /// The step of the parent after that outcome.
   [[nodiscard]] const NextStep& next_after(Outcome outcome) const {
     return next[static_cast<std::size_t>(std::ptrdiff_t{outcome} + 2)];
   }

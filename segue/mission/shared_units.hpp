@@ -11,9 +11,9 @@
 
 namespace segue::mission {
 
-/// Who uses units that come and go: those of resources of which some action creates, consumes or deletes
-/// units, or which some container blocks. States of a barrier take these in program order, in sequential runs
-/// and concurrently, so that no race decides who goes short. For one thread.
+/// The states that use units whose number changes: those of resources of which some action creates, consumes
+/// or deletes units, or which some container blocks. States of a barrier take these in program order, in
+/// sequential runs and concurrently, so that no race decides which of them gets too few. For one thread.
 class SharedUnits {
  public:
   /// `program` must outlive this.

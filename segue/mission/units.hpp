@@ -44,7 +44,7 @@ class Units {
 
   explicit Units(const Counts& counts = {});
 
-  /// Those that exist, held or not, of all resources that are counted or have been used.
+  /// The existing units, held or not, of all resources that are counted or have been used.
   [[nodiscard]] Counts counts() const;
   /// The changes since the counts were these.
   [[nodiscard]] UnitChanges changes_since(const Counts& counts) const;
@@ -58,7 +58,7 @@ class Units {
   /// A container that has taken units of the resource lends them to what is in it: they exist as units of
   /// `name`.
   void lend(const std::string& resource, std::uint32_t count, const std::string& name);
-  /// They do not exist any more.
+  /// Ends the loan: these units of `name` do not exist any more.
   void take_back(const std::string& resource, std::uint32_t count, const std::string& name);
   /// Whether containers hold units that these uses must wait for: not only what runs now.
   [[nodiscard]] bool wait_for_container(std::span<const UnitUse> uses) const;

@@ -102,7 +102,7 @@ struct Timer {
   }
 };
 
-/// Where a hierarchy goes on once its child has been preempted.
+/// The place where a hierarchy goes on once its child has been preempted.
 struct Jump {
   Activation* at = nullptr;
   std::uint64_t generation = 0;

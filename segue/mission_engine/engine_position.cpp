@@ -168,7 +168,8 @@ bool EngineCore::take_jump(Activation& hierarchy) {
   return true;
 }
 
-/// There is no way back over a preempted state.
+/// Forgets the steps back in the hierarchy and around it: the mission cannot step back over a preempted
+/// state.
 void EngineCore::forget_done(Activation& hierarchy) {
   for (Activation* around = &hierarchy; around != nullptr; around = around->parent) {
     for (const UndoRecord& record : std::exchange(around->undo, {})) {

@@ -116,7 +116,7 @@ class ControlledRun {
 
   static Ending preempted() { return {kPreempted, {}}; }
 
-  /// Where the controller is gone, that is why.
+  /// The ending with this error; where the controller is gone, that is the reason instead.
   Ending aborted_by(const Error& error, const std::stop_token& stop) {
     if (stop.stop_requested()) return preempted();
     if (auto lost = loss(stop)) return *lost;
@@ -183,7 +183,8 @@ class ControlledRun {
     return !anew.empty();
   }
 
-  /// So that nothing that cannot be taken back is done twice in silence.
+  /// Logs that commands are given a second time, since a command that cannot be undone must not be repeated
+  /// unnoticed.
   void warn_of_telling_again(const std::string& task) const {
     log(LogLevel::Warning, task_.user.action.empty() ? "mission" : task_.user.action,
         "task " + quote(task) +
@@ -209,7 +210,7 @@ class ControlledRun {
     return {};
   }
 
-  /// Until a condition holds, the controller is lost, or the action is preempted.
+  /// Watches until a condition holds, the controller is lost, or the action is preempted.
   Ending watch(const std::stop_token& stop) {
     if (use_.until.empty()) return {0, {}};
     controller_.ask();
@@ -288,8 +289,8 @@ class ControlledRun {
     return std::nullopt;
   }
 
-  /// Those that do not will begin anew, and know nothing then of what they were told; one that is only silent
-  /// may still know it.
+  /// Whether all tasks run. A task that does not will begin anew, without its commands; one that only does
+  /// not answer may still have them.
   bool all_tasks_run(const std::stop_token& stop) {
     bool all = true;
     for (const std::string& id : tasks_.ids()) {

@@ -111,7 +111,7 @@ class ControllerUnion {
   [[nodiscard]] Members with(const Changes& changes) const SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool fits(const std::string& controller, const Members& members) const SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool disturbs(const std::string& kept, const std::string& used) const SEGUE_REQUIRES(mutex_);
-  // These ask the robot, without the mutex meanwhile.
+  // These two ask the robot, and give back the mutex meanwhile.
   Result<void> request(const Members& members, const Changes& changes) SEGUE_REQUIRES(mutex_);
   void learn_conflicts(const std::stop_token& end) SEGUE_REQUIRES(mutex_);
 

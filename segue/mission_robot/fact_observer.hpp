@@ -38,7 +38,7 @@ class FactObserver {
   };
   /// Begins to look, in a thread of its own.
   FactObserver(std::shared_ptr<CommandedRobot> robot, std::vector<ObservedFact> facts, Options options);
-  /// Those that watch are not called any more.
+  /// Watchers are not called any more.
   ~FactObserver();
   FactObserver(const FactObserver&) = delete;
   FactObserver& operator=(const FactObserver&) = delete;

@@ -42,7 +42,7 @@ class ObservedRun {
     complete_ = std::move(complete);
   }
 
-  /// It ends by itself at that time.
+  /// The execution ends by itself at that time.
   void ends_at(TimePoint when, Ending ending, std::vector<Value> outputs) {
     const Lock lock(mutex_);
     due_ = when;
@@ -106,7 +106,7 @@ class ObservedRun {
   /// empty.
   using Then = std::function<void()>;
 
-  /// Preempts it where a fact of its `while` is not so any more.
+  /// Preempts the action when a fact of its `while` does not hold any more.
   void guard() {
     if (during_.empty()) return;
     const auto lacking = observer_.first_false(during_);

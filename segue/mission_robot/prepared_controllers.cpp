@@ -66,7 +66,7 @@ void PreparedControllers::work(const std::stop_token& stop) {
     lock.lock();
   }
   lock.unlock();
-  // That the robot has released them is not waited for.
+  // Nobody waits until the robot has released them.
   if (!prepared_.empty()) [[maybe_unused]]
     const auto told = robot_->prepare({}, RealClock::instance().now());
 }

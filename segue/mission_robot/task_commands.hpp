@@ -25,7 +25,7 @@ class TaskCommands {
   Result<void> give(const std::stop_token& stop);
   /// Counts all as given, by an earlier run.
   void skip();
-  /// That task knows nothing any more of what it was told; false: it was told nothing.
+  /// Notes that the task does not have its commands any more; false: it had been given none.
   bool forget(const std::string& task);
   [[nodiscard]] bool are_given() const;
 

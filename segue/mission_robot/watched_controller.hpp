@@ -37,8 +37,8 @@ class WatchedController {
 
   /// Asks the robot.
   Result<ControllerTrouble> trouble(const Wait& wait);
-  /// Whether what was heard of a task says that the controller ran well, too: nothing had changed since the
-  /// robot was asked. No call.
+  /// Whether this answer of a task implies that the controller runs well, too: nothing had changed since the
+  /// robot was asked. Asks nothing.
   bool ran_well_when(const TaskView& heard);
 
  private:

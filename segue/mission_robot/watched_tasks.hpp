@@ -49,8 +49,8 @@ class WatchedTasks {
 
   /// Of all that are followed.
   [[nodiscard]] std::vector<std::string> ids() const;
-  /// Those that have begun anew since this was called last: they were gone, or have run before and do so
-  /// again, and know nothing of what they were told before. Their updates count from the beginning.
+  /// The tasks that have begun anew since the last call: they were gone, or have run before and do so again,
+  /// and have lost their commands. Their updates count from the beginning.
   [[nodiscard]] std::vector<std::string> take_begun_anew();
   [[nodiscard]] bool has_begun_anew() const;
   /// Somebody has seen that it does not run: once it does, it has begun anew.

@@ -13,8 +13,8 @@
 
 namespace segue::mission::detail {
 
-/// Whose persistent variables a Python process has kept, by state. The process itself has the values; it is
-/// told of each decision before its next execution. Thread safe; nothing blocks.
+/// Tells a Python process which executions' persistent variables count, by state. The process itself has the
+/// values; it is told of each decision before its next execution. Thread safe; nothing blocks.
 class ScriptMemory {
  public:
   /// The changes of an execution, kept aside. It began with the variables of the execution `from` (0: none).

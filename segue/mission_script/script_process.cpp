@@ -251,7 +251,8 @@ void ScriptProcess::end_messages() const {
 
 void ScriptProcess::kill() const {
   if (pid_ == 0) return;
-  // It must neither start more processes nor lose those that it has before they are found.
+  // Stopped first, so that it starts no more processes, and its children remain its own, until they are
+  // found.
   ::kill(pid_, SIGSTOP);
   kill_descendants(pid_, mark_);
   ::kill(-pid_, SIGKILL);

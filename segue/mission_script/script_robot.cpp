@@ -416,7 +416,7 @@ class RobotUse final : public ScriptRobot::Use {
     if (!lost_) lost_ = std::move(ending);
   }
 
-  /// Then the run ends as one that can be resumed.
+  /// The robot cannot be reached any more: the run ends as one that can be resumed.
   void lose_robot(const Error& why) {
     lose({kPreempted, to_string(why)});
     options_.unreachable(why);

@@ -24,7 +24,7 @@ struct Mission;
 /// computed of them.
 class ScriptedData final : public WorldData {
  public:
-  /// Where the functions are.
+  /// The functions, and the script that has them.
   struct Functions {
     DeclaredData declared;
     std::filesystem::path file;  ///< of the script, or where its text stands

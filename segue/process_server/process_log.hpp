@@ -32,7 +32,8 @@ class OutputLog {
   /// Becomes readable when there is output, so that a log is not seen to be too large only now and then; -1
   /// where nothing tells.
   [[nodiscard]] int changes() const { return changes_.get(); }
-  /// Where renaming fails, the output stays where it is. After this, `changes` waits for further output.
+  /// Renames the files and begins a new one; where that fails, the output stays in the old one. Afterwards
+  /// `changes` waits for further output.
   void rotate();
 
  private:

@@ -37,7 +37,7 @@ using Time = std::chrono::system_clock::time_point;
 
 /// "WHAT: the reason that OpenSSL noted last"; empties what it has noted.
 Error openssl_error(ErrorCode code, const std::string& what);
-/// Only that reason.
+/// The reason that OpenSSL noted last, alone.
 std::string openssl_reason();
 
 /// From PEM; ParseError names `file`. Keys must not be encrypted.

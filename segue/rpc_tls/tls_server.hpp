@@ -18,7 +18,7 @@ namespace segue::control {
 /// has changed, so ask for each connection.
 std::shared_ptr<ssl_ctx_st> server_context(const Credentials& credentials);
 
-/// Who is at the other end of a connection after its handshake; PermissionDenied: it has shown no
+/// The identity at the other end of a connection after its handshake; PermissionDenied: it has shown no
 /// certificate. ConnectionTable knows whether its owner may stay.
 Result<Identity> identity_at(const ssl_st& connection);
 

@@ -17,7 +17,7 @@ struct Counters {
   std::uint64_t read = 0;
   std::uint64_t dropped = 0;      ///< refused by a full buffer, or pushed out of a circular one
   std::uint64_t overwritten = 0;  ///< data: replaced by a newer value before it was read
-  /// Those that wait. Exact from any thread once the writer has ended.
+  /// The number of samples that wait. Exact from any thread once the writer has ended.
   [[nodiscard]] std::uint64_t waiting() const {
     const std::uint64_t gone = read + dropped + overwritten;
     return written > gone ? written - gone : 0;

@@ -85,7 +85,7 @@ class WordRing {
   std::uint64_t pull_newest() noexcept;
   std::uint64_t pull_oldest() noexcept;
   std::uint64_t pull_next() noexcept;
-  /// The number of pushes that *head_ names, unless it has gone back: then that of before, and it is
+  /// The number of pushes that *head_ names; where it has gone back, the number of before, and it counts as
   /// nonsense.
   std::uint64_t read_head() noexcept;
   void note_nonsense() noexcept {

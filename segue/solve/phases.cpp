@@ -68,7 +68,7 @@ class PhaseRule {
     return is_idle(connection.from) && is_idle(connection.to);
   }
 
-  /// Those that hold idle tasks only. An empty process may belong to what runs.
+  /// Finds the processes that hold idle tasks only. An empty process may belong to the running network.
   void find_idle_processes() {
     idle_processes_.resize(index_.processes.size());
     for (const bool idle : {true, false}) {

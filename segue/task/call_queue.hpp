@@ -24,7 +24,7 @@ class PendingCall {
   PendingCall(std::unique_ptr<OperationCall> call, std::string operation, TimePoint deadline)
       : call_(std::move(call)), operation_(std::move(operation)), deadline_(deadline) {}
 
-  /// Until when the caller waits; real time.
+  /// The time until which the caller waits; real time.
   [[nodiscard]] TimePoint deadline() const noexcept { return deadline_; }
 
   /// In the task's thread. Does nothing if the caller has abandoned the call.

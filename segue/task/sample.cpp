@@ -176,8 +176,8 @@ SampleSlot* SamplePool::acquire_flat(std::size_t size) {
     slot->value = memory_->allocate(size, alignof(SampleSlot));
     slot->shared = slot->value != nullptr;
   }
-  // Connections to other processes refuse what does not lie in the shared memory where that is full; those
-  // within this process can have it.
+  // Where the shared memory is full, connections to other processes refuse the sample; those within this
+  // process can have it.
   if (slot->value == nullptr) slot->value = ::operator new(size, std::align_val_t(alignof(SampleSlot)));
   slot->flat_size = size;
   return slot.detach();

@@ -108,7 +108,8 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   /// DeadlineExceeded.
   template <class Body>
   Result<void> exclusive(std::string_view verb, TimePoint deadline, Body body);
-  /// Until when a verb with this deadline waits: what is in progress may be overdue before.
+  /// The time until which a verb with this deadline waits: shorter where the work in progress is overdue
+  /// before.
   [[nodiscard]] TimePoint patience(TimePoint deadline) const;
   [[nodiscard]] Error too_late(std::string_view verb) const;
   [[nodiscard]] std::optional<std::string> overdue() const;

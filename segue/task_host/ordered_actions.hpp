@@ -71,7 +71,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   };
   using BatchPtr = std::shared_ptr<Batch>;
 
-  // Some give the mutex back in between.
+  // Begins actions that are ready, until there are none. Some functions here give the mutex back in between.
   /// Begins what is ready, until there is nothing left.
   void begin_ready() SEGUE_REQUIRES(mutex_);
   BatchPtr take_ready() SEGUE_REQUIRES(mutex_);

@@ -107,7 +107,7 @@ task::CommitGatePtr TaskConnections::arm(std::shared_ptr<const task::CommitWord>
   return gate;
 }
 
-/// Those that ended with an earlier transition, which did not come to disconnecting them.
+/// Disconnects the connections that ended with an earlier transition which did not get that far.
 void TaskConnections::drop_ended() {
   for (const ConnectionEntry& entry : table_.all_connections()) {
     const sample_link::PortConnection& connection = entry.handle.port_connection();

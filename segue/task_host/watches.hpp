@@ -54,7 +54,7 @@ class Watches {
 
   void wake() noexcept;
   void run();
-  /// Until when the next one waits.
+  /// Looks for all questions; returns the time of the next look.
   TimePoint look_at_all(TimePoint now);
   [[nodiscard]] End end_of(const Open& open, TimePoint now) const;
 

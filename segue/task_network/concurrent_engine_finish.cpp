@@ -52,7 +52,7 @@ void ConcurrentEngine::Implementation::take_end(CompletionQueue::End& end) {
   const bool ends_lost = state.lost && state.phase == Phase::Running;
   if (!state.cancelled || ends_lost || planted(EngineFault::CountsPreempted)) {
     park(node, std::move(end.report));
-    // It may decide a race before the units that it had are granted to a node that has lost.
+    // The node may decide a race before its units are granted to a node that has lost that race.
     if (expansion_ != nullptr && expansion_->races()) check(node);
     return;
   }
@@ -129,7 +129,8 @@ void ConcurrentEngine::Implementation::try_commit(NodeId node) {
   invalidate(node);
 }
 
-/// It cannot run again: if its result was based on what has changed meanwhile, it is as if it had not begun.
+/// Commits a node that has lost a race. It cannot run again: if its result was based on data that have
+/// changed meanwhile, it counts as one that has not begun.
 void ConcurrentEngine::Implementation::commit_lost(NodeId node) {
   const ReportPtr& report = reports_[index(node)];
   const PendingChanges* pending = report ? report->pending.get() : nullptr;

@@ -95,7 +95,7 @@ Result<void> may_change(const RobotFile& file) {
               quote(file.path) + " is a state machine of RAFCON; save it as a new mission");
 }
 
-/// So that what a page has saved can be read again.
+/// Checks that a file remains one of its kind, so that what a page has saved can be read again.
 Result<void> stays_file(const RobotFile& file, const std::string& text) {
   const bool stays = file.kind != RobotFileKind::Mission || file.is_named ||
                      model::kind_of_file(file.place, text) == model::FileKind::Mission;
@@ -407,7 +407,7 @@ Diagnostics FileVerbs::check_robot(const std::string& file, const std::string& t
     if (glob_files(robot->folder / pattern).empty())
       found.warning("no-such-file", "no file matches " + quote(pattern), robot->where);
   }
-  // Where something could not be read, that a host or controller is missing may follow from it.
+  // A missing host or controller may only be one that could not be read.
   if (!complete) return found;
   const auto networks = other_networks(*robot, {});
   Diagnostics of_robot = model::validate(*robot, networks);

@@ -27,7 +27,7 @@ struct Document {
   std::string change{};       ///< JSON of change_between() the version before and this; empty: no such change
 };
 
-/// Who looks at documents.
+/// A reader of documents.
 class Viewer {
  public:
   virtual ~Viewer() = default;

@@ -121,7 +121,7 @@ class Open {
   virtual ~Open() { shared_.connections.erase(this); }
   Open(const Open&) = delete;
   Open& operator=(const Open&) = delete;
-  /// It ends as soon as what it is doing has noticed.
+  /// Ends the connection as soon as its present operation has noticed.
   virtual void close() = 0;
 
  protected:
@@ -336,7 +336,7 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
               "There are too many connections already. Close some pages of the studio and try again.");
   }
 
-  /// Who has not come in is given nothing more.
+  /// Sends the last response on the connection, to a browser without access.
   void send_last(http::status status, const std::string& text) {
     auto response = response_of(request_, status, "text/html; charset=utf-8", message_page("", text));
     response.keep_alive(false);

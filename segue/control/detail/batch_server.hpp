@@ -13,7 +13,7 @@
 
 namespace segue::control::detail {
 
-/// Who gets early reports of a client's batches; nobody until the client says who.
+/// The receiver of early reports of a client's batches; none until the client names one.
 using Follower = std::shared_ptr<kj::Maybe<wire::BatchFollower::Client>>;
 
 /// Lets a service begin a batch, without waiting for its end.

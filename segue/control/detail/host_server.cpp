@@ -240,8 +240,8 @@ class HostServer final : public DecodingServer<wire::Host> {
       request.launch.deployment = {};  // of whichever process is deployed
       return service.acquire(request, deadline);
     };
-    // Who takes a robot away from a runtime that lives decides more than what it does next. A term says that
-    // it has done so, and keeps others from it.
+    // To take a robot away from another runtime that is alive needs a higher role than to command it. A term
+    // says that the runtime has taken the robot over, and keeps others from it.
     const bool takes_over = params.getTakeOver() || params.getTerm() > 0;
     return caller_.answer(takes_over ? Role::Administer : Role::Operate, context, std::move(job),
                           [caller = caller_](std::shared_ptr<HostedRobot>& robot, auto results) {

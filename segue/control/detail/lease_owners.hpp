@@ -12,8 +12,8 @@
 
 namespace segue::control::detail {
 
-/// Whose the leases are that a server has given out, so that a number that was found out serves nobody else.
-/// Thread safe.
+/// The owners of the leases that a server has given out, so that nobody else can use a number that was found
+/// out. Thread safe.
 class LeaseOwners {
  public:
   void add(std::uint64_t lease, const Peer& owner);

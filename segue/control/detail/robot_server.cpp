@@ -29,7 +29,8 @@ Result<Value> as_value(const Result<void>& outcome) {
   return Value();
 }
 
-/// Who asks: what a client says of itself, behind what is known of one from another computer.
+/// The name of the requester: the client's own statement, preceded by the verified identity of a client on
+/// another computer.
 template <class Params>
 std::string who_asks(const Params& params, const Peer& peer) {
   std::string who = as_string(params.getWho());

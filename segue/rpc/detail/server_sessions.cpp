@@ -106,7 +106,8 @@ class Session {
     refuse(why);
     cut_off_.fulfiller->fulfill();
   }
-  /// Those on this computer, who are one user, count as one person; a certificate has a name.
+  /// Enters the client in the table of connections. All clients on this computer count as one person, since
+  /// they are one user; others count by the name in their certificates.
   bool come_in() { return place_.enter(client_->peer.local ? std::string() : client_->peer.name); }
 
   void serve() { rpc_ = kj::heap<Rpc>(*this, owner_.core_); }
