@@ -181,7 +181,8 @@ int enrol(const CertificateOptions& options, const Context& context) {
   return kDone;
 }
 
-/// This user's own copy of the list, where it is of this authority, so that only the others must be copied.
+/// Renews this user's own copy of the list, if it is of this authority, so that only the other copies must be
+/// replaced by hand.
 Result<void> renew_own_list(const fs::path& authority) {
   const auto own = control::credentials_folder();
   if (!own) return {};

@@ -142,7 +142,7 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const mission_run::Sessio
   return plan.run(request, stop);
 }
 
-/// Also one that is stepped, which is asked for through a robot.
+/// Whether the run needs a robot; one that is stepped does, too, since the steps are requested through it.
 bool needs_robot(const mission_run::Session& plan, const MissionOptions& options) {
   if (plan.program() == nullptr) return false;
   const bool is_stepped = !options.breakpoints.empty() || options.steps_back;

@@ -162,7 +162,7 @@ int ask_state(control::RobotService& robot, const std::string& what, const std::
   return show_state(doing, text_at(*now, "mission"), ended, context);
 }
 
-/// It counts as stopped when the robot is at rest.
+/// Stops the mission; it counts as stopped when the robot is at rest.
 int stop_mission(control::RobotService& robot, const SteeringOptions& options, const Context& context) {
   const TimePoint deadline = deadline_in(options.timeout);
   const auto now = mission_of(robot);
@@ -209,7 +209,8 @@ int go_on_at(control::RobotService& robot, const SteeringOptions& options, const
                     context);
 }
 
-/// Those given are added to those that are set, or with `clear` taken away; none with `clear`: all.
+/// The breakpoints to be set: the given ones are added to those that are set, or with `clear` removed from
+/// them; none given with `clear`: all are removed.
 std::vector<std::string> wanted_breakpoints(std::vector<std::string> set, const SteeringOptions& options) {
   const auto& given = options.paths;
   const auto is_given = [&](const std::string& path) {

@@ -36,7 +36,7 @@ class Option {
   /// `problem` returns what is wrong with a value, or nothing.
   Option check(std::function<std::string(const std::string&)> problem) const;
 
-  /// After the parse: whether the command line has it.
+  /// Whether the command line has the option; after the parse.
   [[nodiscard]] bool given() const;
 
  private:
@@ -88,7 +88,7 @@ class Verb {
   /// With the verbs around it: "segue mission run".
   [[nodiscard]] std::string full_name() const;
   [[nodiscard]] std::string description() const;
-  /// Those that are not hidden, in the order in which they were added.
+  /// The verbs that are not hidden, in the order in which they were added.
   [[nodiscard]] std::vector<const Verb*> verbs() const;
   /// Null where it has no such verb.
   [[nodiscard]] const Verb* find(const std::string& name) const;

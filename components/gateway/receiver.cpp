@@ -138,7 +138,7 @@ class Receiver final : public Link {
   void know(dds_entity_t reader, dds_instance_handle_t writer) {
     known_writer_ = writer;
     dds_builtintopic_endpoint_t* endpoint = ::dds_get_matched_publication_data(reader, writer);
-    // It may be gone already; its samples are checked as all others are.
+    // The writer may be gone already; its samples are checked as all others are.
     trusted_ = endpoint == nullptr || !differs(*endpoint);
     WriterId id{};
     if (endpoint == nullptr) {

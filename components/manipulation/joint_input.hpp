@@ -33,7 +33,7 @@ class JointInput {
     }
     return sample_ && now - arrived_ <= timeout;
   }
-  /// These require that read() was true.
+  /// These functions require that read() was true.
   [[nodiscard]] double time() const { return sample_->time; }
   [[nodiscard]] std::span<const double> positions() const { return sample_->positions; }
   /// Of one joint; 0 where the driver does not know.

@@ -34,7 +34,7 @@ export interface PortGroup {
   group?: string;
   title: string;
   ports?: GraphPort[];
-  /** It can be selected, as nodes can. */
+  /** The group can be selected, as nodes can. */
   isEdited?: boolean;
 }
 export interface PortEdge {

@@ -22,7 +22,10 @@ export interface Asked {
   state: string;
 }
 
-/** Those that the mission has not heard yet; of one that does not say what it has heard, until its state changes. */
+/**
+ * The requests that the mission has not heard yet; of one that does not say what it has heard, those since its last
+ * change of state.
+ */
 export function unheard(asked: Asked[], mission: Mission, control: Control | null): Asked[] {
   return asked.filter((one) => {
     if (one.run !== mission.run || mission.state === 'ended') return false;

@@ -28,7 +28,7 @@ export interface Row {
   error: string;
   /** Part of the longest chain of nodes that waited for each other. */
   critical: boolean;
-  /** It began before it was certain to count, and does. */
+  /** The run began before it was certain to count, and counts. */
   ahead: boolean;
   bars: Bar[];
   waits: Wait[];

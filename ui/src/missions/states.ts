@@ -48,7 +48,7 @@ function visibleFor(path: string, open: Set<string>): string {
 /** Breakpoints as they are drawn; null: the mission cannot have any. */
 export interface Breaks {
   at: string[];
-  /** They can only be looked at. */
+  /** The breakpoints can only be looked at. */
   fixed: boolean;
 }
 

@@ -54,7 +54,7 @@ export class ValueAsker {
   took(number: number): void {
     if (this.pending) this.pending.number = number;
   }
-  /** It is not repeated at that position. */
+  /** The question failed, and is not repeated at that position. */
   failed(): void {
     if (!this.pending) return;
     const { path, position } = this.pending;

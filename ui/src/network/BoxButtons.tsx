@@ -6,7 +6,7 @@ export interface BoxMark {
   on: boolean;
   /** The kind of the mark and the name of the box. */
   label: string;
-  /** It is shown only. */
+  /** The mark is shown only; it cannot be changed. */
   fixed?: boolean;
 }
 

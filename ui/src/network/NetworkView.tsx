@@ -43,7 +43,7 @@ function useFolding(structure: Structure) {
     isFolded,
     toggle: (place: string) => set(!isFolded(place), [place]),
     setAll: (folded: boolean) => set(folded, structure.places.map((place) => place.id)),
-    /** So that a task can be seen. */
+    /** Unfolds the places around a task, so that it can be seen. */
     reveal: (task: string) => {
       if (!foldedAround(structure, task, isFolded)) return;
       const place = structure.placeOf.get(task);

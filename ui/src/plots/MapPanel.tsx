@@ -60,7 +60,7 @@ export function MapPanel({ panel, paused }: { panel: Panel; paused: boolean }) {
   const dark = useDark();
 
   const size = () => ({ width: canvas.current?.clientWidth ?? 0, height: canvas.current?.clientHeight ?? 0 });
-  /** So that everything is seen; as it was where that is so already. */
+  /** Moves the view so that everything is seen; leaves it where that is so already, unless `anyway`. */
   const fitAll = (scene: Scene, anyway: boolean) => {
     const corners = scene.grids.flatMap((grid) => [grid, { x: grid.x + grid.width * grid.resolution, y: grid.y + grid.height * grid.resolution }]);
     const points = [...scene.poses, ...scene.trails.flat(), ...scene.paths.flat(), ...scene.scans.flatMap((scan) => scan.points), ...corners];

@@ -16,7 +16,7 @@ export function keepKey(): void {
   }
 }
 
-/** That of the newest page of this studio, in whatever tab. */
+/** The key of the newest page of this studio, in whatever tab. */
 export function keptKey(): string | null {
   try {
     return window.localStorage.getItem(name);

@@ -58,7 +58,7 @@ export interface Status {
   commanded_by: string | null;
   /** The last halt, until something has been requested. */
   halt: Halt | null;
-  /** Who has stopped the robot until it is released. */
+  /** The person who has stopped the robot until it is released. */
   stopped_by: string | null;
   controllers: string[];
   ready: { controller: string; ready: boolean; reason: string }[];
