@@ -35,7 +35,7 @@ class RobotLease {
  public:
   virtual ~RobotLease() = default;
   [[nodiscard]] virtual std::uint64_t number() const = 0;
-  /// A look, as those of RobotService.
+  /// Whether the holder still commands the robot; a call that only looks, like those of RobotService.
   virtual Result<LeaseStanding> standing(const Wait& wait) = 0;
   Result<LeaseStanding> standing() { return standing(Wait(TimePoint::max())); }
   /// The requests to its holder since the last call (RobotService::send_command), oldest first.

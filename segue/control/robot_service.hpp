@@ -47,8 +47,8 @@ struct Sender {
   bool beside_mission = false;  ///< although somebody else commands the robot
 };
 
-/// How a task is, and the count of RobotService::changes() after that was seen. Where the count has not moved
-/// since running() was asked, what that has answered held at that moment, too.
+/// The state of a task, and the count of RobotService::changes() after that was seen. Where the count has not
+/// moved since running() was called, the answer of running() held at that moment, too.
 struct RobotLevel {
   task_host::TaskLevel level;
   std::uint64_t changes = 0;  ///< 0: an earlier version, which does not say
@@ -80,7 +80,8 @@ class RobotService {
   Result<type::Value> status() { return status(Wait(TimePoint::max())); }
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;
-  /// How a task is, once that is not as whoever asks has seen it; as task_host::TaskHost::watch().
+  /// Has `answered` called once the task's level is not as the caller has seen it; see
+  /// task_host::TaskHost::watch().
   virtual void watch(const task_host::LevelQuestion& question, const Wait& wait,
                      RobotLevelAnswer answered) = 0;
   /// {"controller", "unresolved"} of status(), and like the latter "in_repair", faults that are being mended,
@@ -122,7 +123,8 @@ class RobotService {
   Result<type::Value> conflicts(const std::vector<std::string>& controllers) {
     return conflicts(controllers, Wait(TimePoint::max()));
   }
-  /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
+  /// Takes the robot's lease; InvalidState while somebody else holds it. `holder` is named to whoever is
+  /// refused.
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
   /// Reports the work of the holder of that lease, for status(). InvalidState where it is not held any more.
   /// A mission says {"mission", "state", "running", "ended", "control", "at_end" ("keep": however its lease
@@ -148,15 +150,13 @@ class RobotService {
   virtual Result<type::Value> mission(std::uint64_t after, bool with_plan) = 0;
   /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; or a mission to "step"
   /// ({"how": "into", "over", "out" or "back"}), to have these breakpoints ("break", {"at": paths}), to
-  /// "go_on_at"
-  /// ({"at": path}), or for "values" ({"of": path}). It may take its time: what became of the request, whose
-  /// number is the answer, is in "control" of mission(). NotFound where nobody holds it, ResourceExhausted
-  /// where it does not hear what it is asked.
+  /// "go_on_at" ({"at": path}), or for "values" ({"of": path}). It may take its time: the result is in
+  /// "control" of mission(), under the number that is the answer. NotFound where nobody holds it,
+  /// ResourceExhausted where it does not take requests.
   virtual Result<std::uint64_t> send_command(std::string_view what, const type::Value& arguments) = 0;
-  /// The holder of that lease commands the robot no longer. Unless it is to `keep` running what it runs, a
-  /// robot that says what rest is comes to rest: {"at_rest", "duration_s", "stopped" (tasks with devices that
-  /// had to be stopped), "trouble" (why)} once it has, else null. A lease that ends without this halts it,
-  /// too.
+  /// Ends the command of the lease's holder. Unless the robot is to `keep` running its controller, a robot
+  /// with a configured halt comes to rest: {"at_rest", "duration_s", "stopped" (tasks with devices that had
+  /// to be stopped), "trouble" (why)} once it has, else null. A lease that ends without this halts it, too.
   virtual Result<type::Value> give_back(std::uint64_t lease, bool keep, TimePoint deadline) = 0;
   /// Brings the robot to rest, whoever commands it, and has it refuse whatever is requested until
   /// release_stop(). Answers as give_back(), once it is at rest or its devices are stopped.

@@ -50,7 +50,7 @@ struct VerbRule {
   Role role = Role::Administer;  ///< the least that may ask it
 };
 
-/// The one place that says who may do what. In the order of the verbs.
+/// The only table of who may do what, in the order of the verbs.
 inline constexpr std::array<VerbRule, 31> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},

@@ -46,7 +46,7 @@ class HostLink {
   /// Connects and gets the robot. Does nothing where it has it already. Superseded, without asking, once the
   /// robot is lost to another runtime. Blocks until `deadline` at most.
   Result<void> connect(const RobotRequest& request, TimePoint deadline);
-  /// The highest term of those that have had the robot there, asked over a connection of its own.
+  /// The highest term of all runtimes that have had the robot there; asks over a connection of its own.
   [[nodiscard]] Result<std::uint64_t> highest_term(const std::string& robot, TimePoint deadline);
   /// Extends the lease, and measures the round trip and the host's clock. An error: the connection is lost.
   Result<void> keep_alive();
@@ -85,12 +85,12 @@ class HostLink {
     std::shared_ptr<HostedRobot> robot;
     bool broken = false;
   };
-  /// A connection to the daemon, without the robot. acquire() gets that.
+  /// Opens a connection to the daemon, without the robot, which acquire() requests.
   Result<std::shared_ptr<Connection>> open(TimePoint deadline);
   Result<HostInfo> acquire(Connection& connection, const RobotRequest& request, TimePoint deadline);
   /// Hands the connection over to the caller, who destroys it without the lock.
   std::shared_ptr<Connection> take(std::optional<std::uint64_t> number, const std::string& why);
-  /// From now on it is what the host is asked over; Superseded where the robot was lost meanwhile.
+  /// Uses this connection for all further calls to the host; Superseded where the robot was lost meanwhile.
   Result<void> use(std::shared_ptr<Connection> made, HostInfo info);
   Result<void> measure(HostService& service);
   [[nodiscard]] bool is_connected() const SEGUE_REQUIRES(mutex_) {

@@ -89,7 +89,7 @@ class Lease {
   Result<void> keep(const Kept& kept) const;
   [[nodiscard]] std::optional<Error> refusal_of(const Claim& claim) const SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool is_of_last(const Claim& claim) const SEGUE_REQUIRES(mutex_);
-  /// Whether somebody has it, or is waiting for the end of what was begun before.
+  /// Whether a runtime has the lease, or is waiting for the end of earlier work.
   [[nodiscard]] bool is_wanted() const SEGUE_REQUIRES(mutex_) {
     return waiting_ > 0 || until_ > clock_.now();
   }
@@ -104,7 +104,7 @@ class Lease {
   ConditionVariable idle_;
   std::string holder_ SEGUE_GUARDED_BY(mutex_);  ///< empty: nobody commands the robot
   Kept last_ SEGUE_GUARDED_BY(mutex_);           ///< who has it, or had it last, and the present epoch
-  /// The epochs from this one on are all of who has it, or had it last.
+  /// All epochs from this one on are those of the present or last holder.
   std::uint64_t first_of_last_ SEGUE_GUARDED_BY(mutex_) = 0;
   TimePoint until_ SEGUE_GUARDED_BY(mutex_){};  ///< nobody but that one gets it before
   std::size_t working_ SEGUE_GUARDED_BY(mutex_) = 0;

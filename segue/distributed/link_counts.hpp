@@ -28,8 +28,9 @@ class LinkCounts {
   struct Seen {
     std::uint64_t taken = 0;      ///< by the sender
     std::uint64_t delivered = 0;  ///< by the receiver
-    /// How many more samples than delivered the sender has taken that the receiver owes nobody: those before
-    /// it was there. What halves counted before they were made anew is part of it.
+    /// The number of samples that the sender has taken beyond those delivered and that the receiver owes
+    /// nobody: those before the receiver existed. Samples that halves counted before they were made anew are
+    /// part of it.
     std::int64_t not_owed = 0;
   };
   std::map<Key, Seen> seen_;

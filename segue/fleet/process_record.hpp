@@ -156,7 +156,7 @@ class ProcessRecord {
   bool ended_ SEGUE_GUARDED_BY(mutex_) = false;
   std::vector<model::TaskId> hanging_ SEGUE_GUARDED_BY(mutex_);
   std::vector<std::weak_ptr<const std::function<void()>>> watches_ SEGUE_GUARDED_BY(mutex_);
-  /// With requested_ at that time.
+  /// Each with the value of requested_ at that time.
   std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_ SEGUE_GUARDED_BY(mutex_);
   std::set<sample_link::Incarnation> peers_ SEGUE_GUARDED_BY(mutex_);
 };

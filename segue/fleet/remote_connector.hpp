@@ -40,8 +40,9 @@ class RemoteConnector {
   std::vector<task_host::ConnectionReport> note_damage(const MergedView& seen);
   /// The connection ends with the commit of the present transition, which disconnects it afterwards.
   void will_end(const model::Connection& connection);
-  /// The transition has committed, so no connection waits for it any more; it was given up, so those that
-  /// would have begun are removed; it is over, so what has ended with it and is still there is an orphan.
+  /// settle(): the transition has committed, so no connection waits for it any more. give_up(): it was given
+  /// up, so connections that would have begun are removed. conclude(): it is over, so connections that ended
+  /// with it and still exist are orphans.
   void settle();
   void give_up(TimePoint deadline);
   void conclude();

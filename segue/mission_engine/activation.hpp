@@ -91,7 +91,7 @@ struct Activation {
   std::vector<UndoRecord> undo;
 };
 
-/// When a leaf ends by itself, or may take no longer to end; the first one is the largest.
+/// The time when a leaf ends by itself, or by which it must have ended; the first one is the largest.
 struct Timer {
   TimePoint when;
   std::uint64_t order = 0;

@@ -50,7 +50,8 @@ class RunJournal {
   /// refuse; go on with them where they are, and refuse if that is not possible; execute them again; take
   /// them as ended as expected, with default outputs; or as aborted.
   enum class UnderWay : std::uint8_t { Refuse, GoOn, Again, Skip, Abort };
-  /// Asked with GoOn: whether an action can go on from where it had got (null: it had told nobody anything).
+  /// Asked with GoOn: whether an action can go on from its recorded progress (null: it had commanded nothing
+  /// yet).
   using CanGoOn = std::function<Result<void>(const Action& action, const type::Value& progress)>;
   struct End {
     Outcome outcome = 0;

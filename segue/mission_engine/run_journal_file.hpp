@@ -80,7 +80,7 @@ class RunJournalFile {
   std::uint64_t run_ SEGUE_GUARDED_BY(mutex_) = 0;      ///< the checksum of the first line
   std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;     ///< the checksum of the last line
   std::uint64_t entries_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< how many there have been
-  /// Of which so many had to be on disk before something was done.
+  /// The number of entries that had to be on disk before an action could begin.
   std::uint64_t synced_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::size_t second_at_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< where the second line begins
   std::size_t length_ SEGUE_GUARDED_BY(mutex_) = 0;     ///< up to the end of the last entry that was written

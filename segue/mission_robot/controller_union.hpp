@@ -25,7 +25,7 @@ struct ControllerUser {
   std::uint64_t iteration = 0;
 };
 
-/// How long whoever asks for a controller wants it.
+/// A caller's interest in a controller: on behalf of whom, and for how long.
 struct ControllerWish {
   std::optional<ControllerUser> user{};  ///< for the record
   std::stop_token stop{};                ///< requested: no longer
@@ -50,7 +50,7 @@ class ControllerUnion {
     Duration deadline = std::chrono::seconds(60);  ///< of a request
   };
   ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options options);
-  /// Gives up what is asked of the robot. Nobody may wait here any more.
+  /// Gives up the request in progress. No caller may wait here any more.
   ~ControllerUnion();
   ControllerUnion(const ControllerUnion&) = delete;
   ControllerUnion& operator=(const ControllerUnion&) = delete;
@@ -60,14 +60,14 @@ class ControllerUnion {
   /// once, where it is wanted no longer: then it is not in use.
   Result<void> begin(const std::string& controller, std::vector<MemberValue> properties,
                      ControllerWish wish = {});
-  /// The robot runs it already, with these properties, for an action of an earlier run that goes on. As
-  /// begin(), but asks the robot for nothing, so it gets no lease.
+  /// Notes that the robot runs the controller already, with these properties, for an action of an earlier run
+  /// that goes on. Requests nothing from the robot, so it gets no lease.
   void take_over(const std::string& controller, std::vector<MemberValue> properties);
-  /// The action that had begun it has ended. `keep`: it runs on until something else is needed in its place;
-  /// otherwise the robot stops it, and this blocks until it has.
+  /// Ends the use of a controller by an action. `keep`: the controller runs on until something else is needed
+  /// in its place; otherwise the robot stops it, and this blocks until it has.
   Result<void> end(const std::string& controller, bool keep, std::optional<ControllerUser> user = {});
-  /// Somebody who uses it has asked the robot after `asked`, and it ran as it should, still when that was
-  /// heard at `seen`.
+  /// Notes that a user of the controller has asked the robot after `asked`, and that the controller ran as it
+  /// should, still when the answer came at `seen`.
   void note_runs(const std::string& controller, TimePoint asked, TimePoint seen);
   /// The network may have been changed otherwise than by a request: earlier observations of it count no
   /// longer.
@@ -125,7 +125,7 @@ class ControllerUnion {
   Changes served_ SEGUE_GUARDED_BY(mutex_);             ///< that the robot is asked for now
   std::stop_source unwanted_ SEGUE_GUARDED_BY(mutex_);  ///< stops that request
   bool has_lease_ SEGUE_GUARDED_BY(mutex_) = false;     ///< the robot has carried out a request of this
-  /// The robot was asked for another controller, or what runs was changed.
+  /// The time when the robot was asked for another controller, or its network was changed otherwise.
   TimePoint changed_at_ SEGUE_GUARDED_BY(mutex_){};
   std::jthread thread_;  ///< asks the robot
 };

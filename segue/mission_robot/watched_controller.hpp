@@ -16,8 +16,8 @@
 
 namespace segue::mission {
 
-/// Whether the robot runs the controller of an action as it should: it is asked where something has changed
-/// since, and not otherwise. That it does, the union hears. One thread uses this.
+/// Checks whether the robot runs the controller of an action as it should: asks the robot only where
+/// something has changed since, and tells the union when it does. One thread uses this.
 class WatchedController {
  public:
   /// `robot` and `controllers` must outlive this. News ring `bell`.

@@ -17,8 +17,8 @@
 
 namespace segue::mission {
 
-/// Follows how some tasks of a robot are: each by one question at a time, which is answered when the task has
-/// changed, so a process that is silent delays nothing of the others. One thread uses this.
+/// Follows the states of some tasks of a robot: each by one question at a time, which is answered when the
+/// task has changed, so a process that does not answer delays none of the others. One thread uses this.
 class WatchedTasks {
  public:
   /// Between questions for updates alone, at least.
@@ -47,15 +47,15 @@ class WatchedTasks {
   /// When ask() has something to do although the bell does not ring.
   [[nodiscard]] TimePoint next_question() const;
 
-  /// Of all that are followed.
+  /// The ids of all followed tasks.
   [[nodiscard]] std::vector<std::string> ids() const;
   /// The tasks that have begun anew since the last call: they were gone, or have run before and do so again,
   /// and have lost their commands. Their updates count from the beginning.
   [[nodiscard]] std::vector<std::string> take_begun_anew();
   [[nodiscard]] bool has_begun_anew() const;
-  /// Somebody has seen that it does not run: once it does, it has begun anew.
+  /// Notes that somebody has seen that the task does not run: once it does, it has begun anew.
   void note_gone(std::string_view task);
-  /// Whether one that is gone has not been seen to run again.
+  /// Whether a task that was gone has not been seen to run again.
   [[nodiscard]] bool lacks_any() const;
   /// The task as the last look() found it. Null: nothing is known yet.
   [[nodiscard]] const TaskView* view(std::string_view task) const;

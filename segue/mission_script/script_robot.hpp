@@ -64,11 +64,12 @@ class ScriptRobot::Use : public std::enable_shared_from_this<Use> {
   /// Carries out a request of a script: "call" is one of call, set, write, read, task, request and release.
   /// `answered` gets "value", or "error" and "code", on some thread.
   virtual void ask(type::Value request, Answered answered) = 0;
-  /// Whoever waits for the robot gets Cancelled, as does whoever asks for more than to look at it or to
-  /// release a controller afterwards: an action that was preempted commands nothing any more.
+  /// Ends all waits for the robot with Cancelled. Afterwards the script may only look at the robot and
+  /// release controllers; other requests are Cancelled, too, since an action that was preempted commands
+  /// nothing any more.
   virtual void preempt() = 0;
   /// The script has ended: gives back the controllers that it still uses, and then calls `ended` on some
-  /// thread with what the execution has come to: no script succeeds whose controller was lost.
+  /// thread with the execution's ending: no script succeeds whose controller was lost.
   virtual void end(Ending ending, std::function<void(Ending)> ended) = 0;
 };
 

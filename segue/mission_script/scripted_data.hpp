@@ -17,10 +17,10 @@ namespace segue::mission {
 
 struct Mission;
 
-/// Data that follow the facts of a run by functions in Python. What facts do to them is only noted, in
-/// constant time; a script that looks at the data has it computed, in its own process, from what was computed
-/// last. So the engine never waits for a process, a process that ends takes no data along, and a prediction
-/// that was wrong is forgotten with its notes. Copies share the notes that they have in common, and what was
+/// Data that follow the facts of a run by functions in Python. Changes of facts are only noted, in constant
+/// time; a script that looks at the data has them computed, in its own process, from the last computed value.
+/// So the engine never waits for a process, a process that ends takes no data along, and a prediction that
+/// was wrong is forgotten with its notes. Copies share the notes that they have in common, and what was
 /// computed of them.
 class ScriptedData final : public WorldData {
  public:

@@ -29,7 +29,7 @@ class Caller {
  public:
   Caller(ServerCore& core, std::shared_ptr<ClientState> client, CallLane lane = CallLane::Ordinary)
       : core_(core), client_(std::move(client)), lane_(lane) {}
-  /// Of the same client, for calls that nothing else may keep waiting.
+  /// A caller of the same client, for calls that nothing else may keep waiting.
   [[nodiscard]] Caller urgent() const { return {core_, client_, CallLane::Urgent}; }
 
   /// PermissionDenied, which is logged too, unless the client's role includes `needed`.
@@ -110,7 +110,7 @@ auto guarded(Job& job, std::string_view noun) -> std::invoke_result_t<Job&> {
   }
 }
 
-/// With the token where the job takes one.
+/// Calls the job, with the token where it takes one.
 template <class Job>
 auto run_job(Job& job, const std::stop_token& stop) {
   if constexpr (std::is_invocable_v<Job&, const std::stop_token&>) {
@@ -120,7 +120,7 @@ auto run_job(Job& job, const std::stop_token& stop) {
   }
 }
 
-/// `finish(outcome, results)` in the loop when `job` has ended or was refused.
+/// Runs the job; calls `finish(outcome, results)` in the loop when it has ended or was refused.
 template <class Context, class Job, class Finish>
 kj::Promise<void> Caller::begin_job(Role needed, Context context, Job job, Finish finish) {
   using Outcome = decltype(run_job(job, std::stop_token()));

@@ -11,8 +11,8 @@
 
 namespace segue::control::detail {
 
-/// Serves one service from a thread of its own, as control::Server says, which is this for the services that
-/// there are.
+/// Serves one service from a thread of its own; control::Server is an RpcServer for one of the existing
+/// services.
 class RpcServer {
  public:
   /// Listens at several places. The errors of control::Server::listen().
