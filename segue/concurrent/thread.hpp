@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <thread>
 
-/// Threads and what passes work between them. Built on base only.
+/// Threads, and ways to pass work between them. Built on base only.
 namespace segue::concurrent {
 
 /// Blocks all signals in the calling thread but those that report its own faults: signals are handled by the

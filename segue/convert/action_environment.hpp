@@ -40,7 +40,7 @@ class ActionEnvironment final : public task_network::Environment {
   [[nodiscard]] Duration patience() const override { return options_.preemption_grace; }
   /// From any thread: preempts an opaque subtree that occupies the engine's thread, as in virtual time.
   void stop();
-  /// Ends are ignored from now on. Blocks while one is being delivered.
+  /// Makes all later ends be ignored. Blocks while one is being delivered.
   void close();
 
   mission::Globals globals;

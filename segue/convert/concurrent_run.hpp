@@ -50,7 +50,7 @@ class Run {
 
   /// Blocks until the mission has ended.
   const mission::MissionResult& run();
-  /// From any thread, as the next three: preempts everything that runs; nothing new starts.
+  /// Preempts everything that runs; nothing new starts. From any thread, as the next three.
   void stop();
   /// No action begins any more; running ones continue. May be called before run().
   void pause();

@@ -36,7 +36,7 @@ struct Symbol {
   std::vector<Candidate> candidates;
   Defaults rest;
   std::uint64_t rest_turn = 0;
-  /// Nothing may have been written.
+  /// Whether nothing may have been written.
   [[nodiscard]] bool empty() const { return candidates.empty() && !rest; }
 };
 

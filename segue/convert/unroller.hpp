@@ -52,7 +52,7 @@ class Unroller {
   [[nodiscard]] std::shared_ptr<ContainerRun> container_of(task_network::NodeId node) const;
   /// The exit by which it has ended, once that is certain; null before.
   [[nodiscard]] const Exit* exit_of(const ContainerRun& container);
-  /// Once that is known for certain.
+  /// The value of a symbol, once it is known for certain.
   [[nodiscard]] std::optional<type::Value> value_of(const Symbol& symbol);
 
  private:

@@ -26,9 +26,9 @@ class TaskAccess {
  public:
   virtual ~TaskAccess() = default;
 
-  /// Begins to carry out actions on what is here that do not depend on each other, and returns without
-  /// waiting for hooks; `completed` as TaskHost::begin_all says. Where this is destroyed before all are
-  /// reported, its destructor waits for them or reports them as Unavailable.
+  /// Begins to carry out actions at this place that do not depend on each other, and returns without waiting
+  /// for hooks; `completed` as TaskHost::begin_all says. Where this is destroyed before all are reported, its
+  /// destructor waits for them or reports them as Unavailable.
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                          task_host::Completion completed) = 0;
   /// Carries out actions as begin_all() does and waits for all; outcomes in the order of `actions`.

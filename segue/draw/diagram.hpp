@@ -21,7 +21,8 @@ struct Diagram {
   /// The kind of a node. Join: tells whether one of several ways was taken. Copy: hands on a value under a
   /// condition. Global: reads a global variable.
   enum class Role : std::uint8_t { Irreversible, Pure, Sensing, OpaqueSubtree, Join, Copy, Global };
-  /// Why one comes after another. World: of a fact. Opaque, OpaqueSubtree: one of them may touch anything.
+  /// The reason why one node comes after another. World: a fact. Opaque, OpaqueSubtree: one of them may touch
+  /// anything.
   enum class Kind : std::uint8_t { Data, Condition, World, Resource, Group, Opaque, OpaqueSubtree };
   static constexpr std::size_t kKinds = 7;
 
@@ -75,7 +76,8 @@ std::string_view to_string(Diagram::Kind kind);
 /// "data pose -> goal", "world at(base): made true there, relied on here".
 std::string to_string(const Diagram::Cause& cause);
 
-/// The first `most` nodes, without `ahead`. `further`: what derive_order says of it.
+/// The diagram of the first `most` nodes, without `ahead`. `further`: the dependencies that derive_order()
+/// gives besides the order.
 Diagram diagram_of(const task_network::TaskNetwork& network, const task_network::Order& order,
                    const std::vector<task_network::Dependency>& further,
                    std::size_t most = task_network::kNone);
@@ -93,13 +95,13 @@ std::string senses_text(const std::vector<task_network::NamedSensesAhead>& sense
 type::Value senses_value(const std::vector<task_network::NamedSensesAhead>& senses);
 type::Value ahead_value(const std::vector<task_network::NamedActsAhead>& ahead);
 
-/// More are left out of pictures.
+/// The most nodes in a picture; further ones are left out.
 inline constexpr std::size_t kMostDrawn = 1000;
 
 /// A graph for Graphviz, with a cluster for each container; without what is implied.
 std::string to_dot(const Diagram& diagram);
-/// A drawing: whoever can start at once on the left, whoever comes after further right; without what is
-/// implied.
+/// A drawing: nodes that can start at once on the left, nodes that come after others further right; without
+/// implied dependencies.
 std::string to_svg(const Diagram& diagram);
 
 }  // namespace segue::draw

@@ -133,14 +133,14 @@ struct Action {
   std::string expected_outcome;  ///< empty: not known
   Procedure run;
   SourcePlace where;
-  /// The outcome with which its effects apply: the expected one if it is declared, or else the first. What
-  /// aborts or is preempted has no effects, also where that is expected.
+  /// The outcome with which its effects apply: the expected one if it is declared, or else the first. An
+  /// action that aborts or is preempted has no effects, also where that is expected.
   [[nodiscard]] std::string_view foreseen_outcome() const {
     const bool declared = std::ranges::find(outcomes, expected_outcome) != outcomes.end();
     return declared || outcomes.empty() ? std::string_view(expected_outcome) : outcomes.front();
   }
-  /// Journal, conversion and drawings all go by this. A decision is pure: it depends only on how states
-  /// ended.
+  /// The class by which journal, conversion and drawings treat the action. A decision is pure: it depends
+  /// only on how states ended.
   [[nodiscard]] ActionClass action_class() const {
     if (sensing) return ActionClass::Sensing;
     return pure || std::holds_alternative<Decision>(run) ? ActionClass::Pure : ActionClass::Irreversible;

@@ -12,7 +12,7 @@
 /// The parts of validate(). Internal; each reports all problems that it finds.
 namespace segue::mission::detail {
 
-/// All checks below.
+/// Makes all checks below.
 Diagnostics validate(const MissionIndex& index);
 /// Actions on their own: values, outcomes and placeholders.
 void check_actions(const Mission& mission, Diagnostics& diagnostics);

@@ -27,7 +27,7 @@ struct TaskView {
   friend bool operator==(const TaskView&, const TaskView&) = default;
 };
 
-/// A question for how a task is, from somebody who wants to hear of changes.
+/// A question for the level of a task, from a caller that waits for changes.
 struct TaskQuestion {
   std::string task;
   std::optional<TaskView> seen{};  ///< what whoever asks knows; nothing: the answer comes at once
@@ -90,7 +90,8 @@ struct ControllerConflicts {
   [[nodiscard]] bool influence(std::string_view a, std::string_view b) const;
 };
 
-/// Why the robot does not run a controller as it should; `why` is empty: it does, but for the tasks.
+/// The reason why the robot does not run a controller as it should; `why` is empty: it does, except for the
+/// tasks.
 struct ControllerTrouble {
   std::string why;
   struct Task {
@@ -123,18 +124,18 @@ class CommandedRobot {
  public:
   virtual ~CommandedRobot() = default;
 
-  /// Has the robot run that by one transition. Returns once it runs; the error says why it does not, and
-  /// what the robot runs then is as before. The first request takes the robot's lease, which ends with this:
-  /// meanwhile it refuses requests of others unless they take it over. InvalidState then, for good, which
-  /// says who has it.
-  /// Where the wait is stopped, a transition that is not past its commit is undone, which is not waited for.
+  /// Makes the robot run that network by one transition. Returns once it runs; the error says why it does
+  /// not, and then the robot runs the same network as before. The first request takes the robot's lease,
+  /// which ends with this: meanwhile it refuses requests of others unless they take it over. InvalidState
+  /// then, for good, which says who has it. Where the wait is stopped, a transition that is not past its
+  /// commit is undone, which is not waited for.
   virtual Result<void> request(const ControllerRequest& what, const Wait& wait) = 0;
   /// Whether the robot runs that controller, alone or beside others, without faults that could not be
   /// repaired.
   virtual Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) = 0;
-  /// Of all controllers of the robot.
+  /// The conflicts between all controllers of the robot.
   virtual Result<ControllerConflicts> conflicts(const Wait& wait) = 0;
-  /// Its pools of processes.
+  /// The robot's pools of processes.
   virtual Result<std::vector<PoolView>> pools(const Wait& /*wait*/) { return std::vector<PoolView>{}; }
   /// Keeps these prepared beside what runs, the likeliest first, in place of those named before, as far as
   /// the robot's budget permits. Returns when that is done; a request comes first.

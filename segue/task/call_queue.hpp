@@ -15,8 +15,8 @@ namespace segue::task::detail {
 
 /// A call that waits for the task's thread. Caller and thread share it, so either may leave first.
 ///
-/// Memory order: whoever changes state_ from kWaiting by compare-exchange decides what becomes of the call:
-/// the thread runs it or the caller abandons it, never both; an abandoned call's result is never touched.
+/// Memory order: whoever changes state_ from kWaiting by compare-exchange decides about the call: the thread
+/// runs it or the caller abandons it, never both; an abandoned call's result is never touched.
 /// - C1: finish() stores kDone with release after the result was written; wait() loads it with acquire before
 ///   it reads the result.
 class PendingCall {

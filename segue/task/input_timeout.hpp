@@ -33,7 +33,8 @@ class InputTimeout {
   /// Whether the input has gone without a sample for so long. For on_update and on_error, after they have
   /// read the input; real-time safe.
   [[nodiscard]] bool passed() const noexcept;
-  /// For how long; zero in the update that has read a sample. As passed().
+  /// How long the input has gone without a sample; zero in the update that has read one. To be called like
+  /// passed().
   [[nodiscard]] Duration age() const noexcept;
   [[nodiscard]] const InputPortBase& input() const { return input_; }
 

@@ -29,7 +29,7 @@ class Progress {
   }
   void end() noexcept { overdue_at_.store(kNothing, std::memory_order_release); }  // P1
 
-  /// When what is in progress will be overdue; kNever where nothing is.
+  /// The time when the work in progress will be overdue; kNever where there is none.
   [[nodiscard]] TimePoint overdue_at() const noexcept {
     return TimePoint(Duration(overdue_at_.load(std::memory_order_acquire)));  // pairs with P1
   }

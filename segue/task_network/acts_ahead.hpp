@@ -47,7 +47,8 @@ class Paths {
   virtual ~Paths() = default;
   /// Whether `other` is on the path of every run that has `node` on it.
   [[nodiscard]] virtual bool implies(NodeId node, NodeId other) const = 0;
-  /// Whether `other` is at least part of these runs, so that who waits for it waits for what it waits for.
+  /// Whether `other` is at least part of these runs, so that a node that waits for it waits for its
+  /// predecessors, too.
   [[nodiscard]] virtual bool comes_with(NodeId node, NodeId other) const = 0;
   /// Whether a run in which `dependency.to` is on the path certainly has that dependency.
   [[nodiscard]] virtual bool is_certain(const Dependency& dependency) const {

@@ -74,9 +74,10 @@ class ConcurrentEngine {
   /// Runs it to its end. A failure of the mission is part of the result. Blocks; call it once.
   RunResult run();
 
-  /// Ends the run soon: what runs is preempted, nothing new starts. On any thread, as the next three.
+  /// Ends the run soon: running nodes are preempted, and nothing new starts. On any thread, as the next
+  /// three.
   void stop();
-  /// No node begins any more; what runs goes on. May be called before run().
+  /// Lets no node begin any more; running nodes go on. May be called before run().
   void pause();
   /// Ends a pause.
   void resume();

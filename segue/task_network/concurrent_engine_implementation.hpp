@@ -20,8 +20,8 @@
 
 namespace segue::task_network {
 
-/// The engine proper. All state belongs to the thread that calls `run`; others only post to `events_`, set
-/// `stop_asked_` and ask `pause_`. What happens to a node puts those that it concerns into `work_`.
+/// All state belongs to the thread that calls `run`; others only post to `events_`, set `stop_asked_` and ask
+/// `pause_`. An event of a node puts the nodes that it concerns into `work_`.
 class ConcurrentEngine::Implementation {
  public:
   Implementation(const TaskNetwork& network, const Order& order, Environment& environment,

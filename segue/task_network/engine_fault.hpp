@@ -30,7 +30,7 @@ enum class EngineFault : std::uint8_t {
 };
 
 #ifdef SEGUE_CDTN_FAULTS
-/// The one that is planted; set between runs.
+/// The planted fault; set between runs.
 inline EngineFault planted_fault = EngineFault::None;
 inline bool planted(EngineFault fault) {
   return planted_fault == fault;

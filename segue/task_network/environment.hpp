@@ -68,8 +68,8 @@ class NodeContext {
   [[nodiscard]] virtual const type::Value* input(std::uint32_t name) const = 0;
   /// The value of a fact that the node declares to rely on: in reality, or as projected for a pure node.
   [[nodiscard]] virtual bool holds(FactId fact) const = 0;
-  /// The whole world as the node may take it to be: a snapshot that other threads may read. A node that does
-  /// not declare `reads_world` fails for asking.
+  /// The whole world as the node may assume it: a snapshot that other threads may read. A node that does not
+  /// declare `reads_world` fails by asking.
   [[nodiscard]] virtual VersionedWorld world() = 0;
   /// How many units of the resource there are. For an opaque node: others neither hold nor change them while
   /// it runs, but for groups.
@@ -116,7 +116,7 @@ class Environment {
     (void)node;
     (void)attempt;
   }
-  /// Whether a run in progress has read what nodes before it have changed since, beside the network.
+  /// Whether a run in progress has read data beside the network that nodes before it have changed since.
   [[nodiscard]] virtual bool outdated(NodeId node) const {
     (void)node;
     return false;
