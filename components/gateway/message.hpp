@@ -20,7 +20,7 @@ namespace gateway {
 /// The messages of one writer that Cyclone still holds: those that a reader has not acknowledged yet. Any
 /// thread.
 struct Unacknowledged {
-  std::atomic<std::uint64_t> messages{0};
+  std::atomic<std::uint64_t> messages{0};  ///< a statistic: it grows before the message is passed on
 
   /// Messages that this thread has freed since the last call, or since it freed messages of other writers.
   /// For the callback that tells that a reader has left: the thread that calls it has freed, just before,

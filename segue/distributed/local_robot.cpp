@@ -26,7 +26,7 @@ struct BatchWork {
 
   const Lease::Work work;
   const std::shared_ptr<LocalRobot> here;
-  std::atomic<std::size_t> left;
+  std::atomic<std::size_t> left;  ///< actions to be reported; the report that brings it to 0 ends the work
   const task_host::Completion completed;
 };
 

@@ -479,8 +479,8 @@ class ControllerRunner::Implementation {
 
  private:
   Shared shared_;
-  std::atomic<std::uint64_t> executions_ = 0;
-  ExecutionThreads threads_;  // destroyed first: they use the others
+  std::atomic<std::uint64_t> executions_ = 0;  ///< numbers differ, and order nothing
+  ExecutionThreads threads_;                   // destroyed first: they use the others
 };
 
 ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, const ControllerOptions& options,

@@ -447,7 +447,7 @@ class RobotUse final : public ScriptRobot::Use {
   const std::function<void()> preempt_;
 
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();  ///< of what watches the controllers
-  std::atomic<bool> uses_more_ = false;                          ///< since it last looked at them
+  std::atomic<bool> uses_more_ = false;  ///< since it last looked at them; set before the bell rings
 
   Mutex mutex_;  ///< protects all below; not held while the robot is asked
   ConditionVariable answered_;

@@ -70,8 +70,8 @@ class SharedState final {
   const Incarnation incarnation_;
   const std::shared_ptr<PayloadPool> payload_;
   const std::shared_ptr<ControlPool> control_;
-  std::atomic<std::uint64_t> generation_{0};
-  mutable Mutex mutex_;  ///< guards the members below
+  std::atomic<std::uint64_t> generation_{0};  ///< of the last ring; numbers differ, and order nothing
+  mutable Mutex mutex_;                       ///< guards the members below
   std::map<Incarnation, std::shared_ptr<const PeerMemory>> peers_ SEGUE_GUARDED_BY(mutex_);
   Endpoints connected_ SEGUE_GUARDED_BY(mutex_);
   Endpoints ended_ SEGUE_GUARDED_BY(mutex_);

@@ -37,6 +37,7 @@ class Pause {
   bool paused_ = false;
   bool told_ = false;
   std::uint32_t steps_ = 0;
+  // Requests, which the next take() reads; they order nothing else.
   std::atomic<bool> asked_{false};
   std::atomic<std::uint32_t> steps_asked_{0};
 };

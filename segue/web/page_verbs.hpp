@@ -60,7 +60,7 @@ class Verbs {
 
   RobotLink& link_;
   FileVerbs files_;
-  std::atomic<std::size_t> calls_of_observers_{0};  ///< in progress
+  std::atomic<std::size_t> calls_of_observers_{0};  ///< in progress; only a limit, which orders nothing
   concurrent::ThreadPool pool_{"segue-studio", {.threads = kMostCalls, .idle = 2}};
   concurrent::ThreadPool stops_{"segue-stops", {.threads = kMostStops, .idle = 1}};
 };

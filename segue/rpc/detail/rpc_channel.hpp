@@ -115,7 +115,7 @@ class RpcChannel {
   kj::Promise<End> stopped(const std::stop_token& stop);    ///< in the loop
   struct Failures;
   const std::string who_;
-  std::atomic<StreamId> next_stream_{1};
+  std::atomic<StreamId> next_stream_{1};  ///< numbers differ, and order nothing
   EventLoop loop_;
   std::unique_ptr<Connection> connection_;  ///< used in the loop's thread only
   std::unique_ptr<Failures> failures_;      ///< used in the loop's thread only
