@@ -50,7 +50,7 @@ void set_sender(wire::Sender::Builder builder, const Sender& sender) {
   builder.setBesideMission(sender.beside_mission);
 }
 
-/// Of requests that concern what runs.
+/// Writes the options of requests about the whole robot.
 template <class Request>
 void set_whole_robot_options(Request& request, const SwitchOptions& options) {
   request.setForce(options.force);
@@ -60,7 +60,7 @@ void set_whole_robot_options(Request& request, const SwitchOptions& options) {
   request.setTakeOver(options.take_over);
 }
 
-/// Of requests that may be dry runs.
+/// Writes the options of requests that may be dry runs.
 template <class Request>
 Result<void> set_options(Request& request, const SwitchOptions& options) {
   set_whole_robot_options(request, options);

@@ -220,7 +220,7 @@ class CloserLook {
     }
   }
 
-  /// Of the first `size` nodes those that are on the path under both conditions of the pair.
+  /// The nodes among the first `size` that are on the path under both conditions of the pair.
   [[nodiscard]] task_network::NetworkPart part_on_path(const ActsAhead& pair, std::uint32_t size) const {
     const BranchEdge acts = plan_[pair.acts].when;
     const BranchEdge fails = plan_[pair.fails].when;

@@ -56,10 +56,10 @@ class Run {
   void pause();
   /// Ends a pause.
   void resume();
-  /// During a pause: begins one more action, or opaque subtree, the first that can.
+  /// Begins one more action, or opaque subtree, during a pause: the first that can.
   void step();
 
-  /// After the run.
+  /// The result of the network and its order, after the run.
   [[nodiscard]] const task_network::RunResult& network_result() const;
   [[nodiscard]] const task_network::Order& order() const;
   [[nodiscard]] const MissionPlan& plan() const;

@@ -73,7 +73,8 @@ struct PlannedNode {
   std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
   std::string loops;            ///< as mission::Execution
   std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
-  /// By port. Of a Copy: the forwarded values, of which the newest counts that is not null.
+  /// The sources of inputs, by port. Of a Copy: the forwarded values, of which the newest that is not null
+  /// counts.
   std::vector<ValueSource> inputs;
   ValueSource error_before;
   ValueSource begun;  ///< how often the state has begun, if its action depends on it
@@ -91,7 +92,8 @@ struct PlannedNode {
 /// Names of outputs in addition to those of ports.
 inline constexpr std::string_view kOutcomeOutput = "#outcome";  ///< an OutcomeId, of nodes that branch
 inline constexpr std::string_view kErrorOutput = "#error";      ///< only if it aborted
-/// Of a subtree that has not aborted: why the last in it did, which is handled there.
+/// The output of a subtree that has not aborted, with the error of the last state in it, which is handled
+/// there.
 inline constexpr std::string_view kHandledErrorOutput = "#handled_error";
 inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kRecordOutput = "#record";  ///< for the journal (NodeJournal)
@@ -166,7 +168,7 @@ class MissionPlan final : public task_network::Expansion {
   /// The outcome of the state of that node.
   [[nodiscard]] mission::Outcome outcome(task_network::NodeId node, task_network::OutcomeId outcome) const;
 
-  /// Before the run.
+  /// Sets the record of races; before the run.
   void set_race_record(RaceRecord record);
   [[nodiscard]] const RaceRecord& race_record() const;
 

@@ -33,7 +33,7 @@ struct OpaqueSubtreeReason {
 /// "since watch in it reads the whole world, which the states beside it change"; "" for None.
 [[nodiscard]] std::string text_of(const OpaqueSubtreeReason& reason, const mission::Program& program);
 
-/// By state of the program.
+/// The reasons of all states of the program, by state.
 [[nodiscard]] std::vector<OpaqueSubtreeReason> find_opaque_subtrees(const mission::Program& program);
 
 }  // namespace segue::convert

@@ -14,7 +14,7 @@ namespace segue::convert {
 class SubtreeWatch {
  public:
   explicit SubtreeWatch(const mission::MissionPart& part);
-  /// After the run of the engine.
+  /// The changes of the subtree, after the run of the engine.
   [[nodiscard]] SubtreeChanges changes(const mission::Engine& engine) const;
 
  private:

@@ -46,7 +46,8 @@ class Slots {
  public:
   explicit Slots(std::size_t count) : slots_(count) {}
 
-  /// From here on the slot holds `value` if `when` is on the path. All candidates of `value` lie on `when`.
+  /// Writes to the slot: from here on it holds `value` if `when` is on the path. All candidates of `value`
+  /// lie on `when`.
   void write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditions& paths);
   /// The value that was written last to the slot, seen from `at`. If nothing may have been written, `rest` is
   /// null.

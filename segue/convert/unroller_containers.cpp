@@ -15,8 +15,8 @@ namespace segue::convert {
 using task_network::NodeId;
 using task_network::NodeSpec;
 
-/// From now on it is known when the container has ended. The mission itself, whose path is empty, ends with
-/// the run.
+/// Follows the container, so that it is known when it has ended. The mission itself, whose path is empty,
+/// ends with the run.
 void Unroller::follow(ContainerExecution& activation) {
   const StateEntry& entry = activation.entry;
   if (entry.path.empty()) return;

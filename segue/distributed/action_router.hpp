@@ -34,8 +34,8 @@ class ActionRouter {
   /// Waits until all actions that were begun are reported.
   void close();
 
-  /// From now on until end_transition(), only computers that can be reached now, through the connections of
-  /// now, take part.
+  /// Begins a transition: until end_transition(), only computers that can be reached now, through their
+  /// present connections, take part.
   void begin_transition(const model::Network& before, const model::Network& target);
   void end_transition();
   /// Whether a connection carries samples whenever it is there, not from commit to commit. What a new
@@ -75,7 +75,7 @@ class ActionRouter {
   mutable Mutex mutex_;  ///< protects everything below
   ConditionVariable idle_;
   std::size_t in_progress_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< actions that are not reported yet
-  /// Of the transition in progress.
+  /// The connections of the computers that take part in the transition in progress.
   std::optional<std::map<const Site*, std::uint64_t>> connections_ SEGUE_GUARDED_BY(mutex_);
   /// Receivers that the transition in progress leaves as they are.
   std::set<model::TaskId> kept_ SEGUE_GUARDED_BY(mutex_);

@@ -55,7 +55,7 @@ class HostLink {
   void lose(std::optional<std::uint64_t> number, const std::string& why);
   /// Gives up the lease, so that another runtime may have the robot at once.
   void release(const std::string& why);
-  /// After a call over connection `number` failed: where nobody answered, or another runtime has got the
+  /// Notes that a call over connection `number` failed: where nobody answered, or another runtime has got the
   /// robot, the connection is given up.
   void note(const Error& error, std::uint64_t number);
 

@@ -62,8 +62,8 @@ struct RobotRequest {
   bool take_over = false;  ///< although another runtime has a lease that has not run out
   /// The runtime has had the robot here before, and is refused as Superseded if another one has had it since.
   bool again = false;
-  /// Of a runtime that has taken the robot over, the same on all hosts and in all its requests: higher than
-  /// those of all runtimes before it (HostService::highest_term). 0: it has not taken it over.
+  /// The term of a runtime that has taken the robot over, the same on all hosts and in all its requests:
+  /// higher than those of all runtimes before it (HostService::highest_term). 0: it has not taken it over.
   std::uint64_t term = 0;
 };
 

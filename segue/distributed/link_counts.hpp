@@ -16,8 +16,9 @@ namespace segue::distributed::detail {
 /// which the host of a half is lost, and a half that is made anew. Not thread safe.
 class LinkCounts {
  public:
-  /// To be called in turn with each look at the connections, so that those that are new are seen early. Where
-  /// the look is not `complete`, because a host is lost, connections that are not seen are not forgotten.
+  /// Notes one look at the connections. To be called in turn with each look, so that new connections are seen
+  /// early. Where the look is not `complete`, because a host is lost, connections that are not seen are not
+  /// forgotten.
   void note(const std::vector<task_host::ConnectionReport>& reports, bool complete);
   /// Replaces the halves by whole connections, as without_gateways() does.
   [[nodiscard]] std::vector<task_host::ConnectionReport> condense(

@@ -43,8 +43,8 @@ class MachineGantt {
   }
 
  private:
-  /// Of an item: the last leaf in it to end, the leaf whose end let it begin, and its node; whether it only
-  /// watched.
+  /// The leaves of an item: the last leaf in it to end, the leaf whose end let it begin, and its node;
+  /// whether it only watched.
   struct Place {
     std::uint32_t last = kNone;
     std::uint32_t before = kNone;

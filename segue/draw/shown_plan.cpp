@@ -46,7 +46,7 @@ Value transitions_of(const State& state, const Placed& placed) {
   return next;
 }
 
-/// Between two children, once for each pair of ports.
+/// The data flows between two children, once for each pair of ports.
 Value flows_of(const State& container, const std::string& path) {
   Value::List flows;
   for (const mission::DataFlow& flow : container.flows) {

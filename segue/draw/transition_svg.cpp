@@ -46,7 +46,7 @@ struct Row {
 
 std::string subject_of(const Action& action) {
   std::string subject = action.label().substr(to_string(action.kind).size() + 1);
-  // Without the policy, so that a connection that is replaced stays in its row.
+  // The policy is left out, so that a connection that is replaced stays in its row.
   if (std::holds_alternative<model::ConnectionAction>(action.what))
     subject.resize(std::min(subject.size(), subject.find(" (")));
   return subject;

@@ -131,7 +131,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
 
   mutable Mutex mutex_;        ///< protects everything below except the thread
   ConditionVariable changed_;  ///< a process ended, or closed_ was set
-  /// Without the runtime's own; none of them has ended.
+  /// The processes without the runtime's own; none of them has ended.
   std::map<model::DeploymentKey, RecordPtr> records_ SEGUE_GUARDED_BY(mutex_);
   std::map<model::DeploymentKey, Starting> starting_ SEGUE_GUARDED_BY(mutex_);
   std::vector<model::Network> expected_ SEGUE_GUARDED_BY(mutex_);  ///< one of each name

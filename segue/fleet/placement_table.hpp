@@ -55,7 +55,8 @@ class PlacementTable {
   void put(const Place& place);
   /// The incarnation may have been created, but its process did not confirm it. Never makes it the next one.
   void put_unconfirmed(const Place& place);
-  /// To be called before a process is polled: later changes to this table are newer than the answer.
+  /// The number with which update() takes over a poll that begins now: later changes to this table are newer
+  /// than its answer.
   [[nodiscard]] std::uint64_t begin_poll() const;
   /// Takes over what a process reported in the poll that begin_poll() began: its other tasks are removed.
   /// Tasks that were put or dropped since then keep their state, since the report may be older.
@@ -111,7 +112,7 @@ class PlacementTable {
   std::map<model::DeploymentKey, Process> by_process_ SEGUE_GUARDED_BY(mutex_);
   std::uint64_t changes_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< counts puts and drops
   bool in_transition_ SEGUE_GUARDED_BY(mutex_) = false;
-  /// By the transition in progress.
+  /// The processes in which the transition in progress wants tasks.
   std::map<model::TaskId, model::DeploymentKey> wanted_ SEGUE_GUARDED_BY(mutex_);
   /// Their current incarnations have ended since the transition was planned.
   std::set<model::TaskId> ended_ SEGUE_GUARDED_BY(mutex_);

@@ -103,8 +103,8 @@ class ProcessRecord {
   /// The poll of that number took too long: the process counts as not answering, unless it just did.
   Change give_up_poll(std::uint64_t number);
   [[nodiscard]] bool answers() const;
-  /// From now on, `watch` is among those that are told when the process stops answering; at once, by the
-  /// caller's thread, where it does not answer now.
+  /// Adds `watch` to those that are told when the process stops answering; tells it at once, in the caller's
+  /// thread, where the process does not answer now.
   void add(const SilenceWatch& watch);
 
   /// Marks a process that answers but that a transition has to replace. False where this was known before.

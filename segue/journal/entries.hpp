@@ -69,7 +69,7 @@ struct TransitionEntry {
   std::string from;
   std::string to;
   std::string runs;  ///< the controller that runs since then
-  /// Of those three, model::Network::version; empty: none, or not known.
+  /// The versions of those three (model::Network::version); empty: none, or not known.
   std::string from_version{};
   std::string to_version{};
   std::string runs_version{};

@@ -68,7 +68,7 @@ struct Fact {
   SourcePlace where;
   friend bool operator==(const Fact&, const Fact&) = default;
 };
-/// Without the sign: "p(a,b)".
+/// The fact without its sign: "p(a,b)".
 std::string to_string(const Fact& fact);
 
 /// A C++ function that the program has registered under this name.

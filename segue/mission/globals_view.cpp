@@ -176,7 +176,7 @@ class Globals::Pending final : public PendingChanges {
     return last == nullptr ? 0 : last->number;
   }
 
-  /// By an action in a parallel branch.
+  /// Whether an action in a parallel branch has locked the variable meanwhile.
   [[nodiscard]] bool locked_meanwhile(const std::pair<const std::string, View::Use>& use) const
       SEGUE_REQUIRES(variables_->mutex) {
     const auto found = variables_->by_name.find(use.first);

@@ -20,7 +20,7 @@ struct FactParts {
   std::string predicate;
   std::vector<std::string> arguments;
 };
-/// Of a fact without blanks, as WorldView::facts() has them.
+/// The parts of a fact without blanks, as WorldView::facts() has it.
 [[nodiscard]] FactParts parts_of(std::string_view fact);
 
 /// The effects of changes of facts on data of type T that are attached to a world, such as a scene whose box
@@ -80,7 +80,8 @@ class DataWithEffects final : public WorldData {
   std::shared_ptr<const WorldEffects<T>> effects_;
 };
 
-/// To be attached to the world of a run: request.world_data.emplace("scene", world_data(scene, effects)).
+/// The data with their effects, to be attached to the world of a run: request.world_data.emplace("scene",
+/// world_data(scene, effects)).
 template <class T>
 [[nodiscard]] std::shared_ptr<const WorldData> world_data(T initial, WorldEffects<T> effects) {
   return std::make_shared<const DataWithEffects<T>>(

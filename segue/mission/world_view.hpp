@@ -25,7 +25,7 @@ class WorldData {
   /// The data as scripts see them, `self.world.data[name]`; null: not at all.
   [[nodiscard]] virtual type::Value shown() const { return {}; }
 };
-/// By the names under which actions ask for them.
+/// Data by the names under which actions ask for them.
 using AttachedData = std::map<std::string, std::shared_ptr<const WorldData>, std::less<>>;
 
 /// The world as one execution may take it to be. A snapshot: it does not change, and any thread may read it.

@@ -110,20 +110,20 @@ class Engine {
   /// Requires that run() has answered Ended.
   [[nodiscard]] const MissionResult& result() const;
 
-  /// From any thread: hierarchies stop before their next state. Running actions continue.
+  /// Makes hierarchies stop before their next state. Running actions continue. From any thread.
   void pause();
-  /// From any thread: preempts everything that runs; preemption handlers still execute. Breakpoints end.
+  /// Preempts everything that runs; preemption handlers still execute. Breakpoints end. From any thread.
   void stop();
-  /// From any thread: the thread of run() calls `task` there, between two steps of states; it may call all
-  /// functions of the engine but run().
+  /// Makes the thread of run() call `task` between two steps of states; it may call all functions of the
+  /// engine but run(). From any thread.
   void post(std::function<void()> task);
-  /// After run() has returned Held: blocks until something of the above has been asked for, which the next
-  /// run() heeds.
+  /// Blocks, after run() has returned Held, until one of the above has been requested, which the next run()
+  /// heeds.
   void wait_for_message();
 
-  /// Before which states the mission stops, as by a pause, in place of those set before: paths; of a state
-  /// that is begun together with others, only that one stops before it begins. Those that a journal says have
-  /// begun are passed. NotFound, InvalidArgument. While stepping, too.
+  /// Sets the states, by their paths, before which the mission stops as by a pause, in place of those set
+  /// before. Of states that begin together, only the named ones stop before they begin. States that have
+  /// begun according to a journal are passed. NotFound, InvalidArgument. Also while stepping.
   Result<void> set_breakpoints(const std::vector<std::string>& paths);
 
   /// How far the held states go on, called after run() has returned Held, before its first call, or while

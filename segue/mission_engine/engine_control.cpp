@@ -42,7 +42,7 @@ bool EngineCore::holds_branch(Activation& branch) {
   return true;
 }
 
-/// Before something is waited for that runs beside what is held.
+/// Tells which states are held, before the engine waits for others that run beside them.
 void EngineCore::tell_held() {
   if (std::exchange(held_changed_, false) && !held_.empty() && options.on_held) options.on_held();
 }
@@ -88,7 +88,7 @@ void EngineCore::mark_held(bool outside) {
   }
 }
 
-/// Of a concurrent state that is held before it begins: its own.
+/// The path of the next state; of a concurrent state that is held before it begins, its own.
 std::string EngineCore::next_path(const Activation& holder) const {
   std::string around = path(holder);
   if (holder.phase == Phase::Begin) return around;

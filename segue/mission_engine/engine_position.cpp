@@ -14,7 +14,7 @@ using type::ValueMap;
 
 namespace {
 
-/// Of what is shown of one value: items of a list or map, and characters.
+/// The most that is shown of one value: items of a list or map, and characters.
 constexpr std::size_t kMostItems = 20;
 constexpr std::size_t kLongestText = 1000;
 

@@ -41,7 +41,7 @@ class Mailbox {
     stop_ = true;
     changed();
   }
-  /// To be carried out by the engine's thread, between two steps.
+  /// Has the engine's thread carry out `task`, between two steps.
   void request(std::function<void()> task) {
     const Lock guard(mutex_);
     tasks_.push_back(std::move(task));

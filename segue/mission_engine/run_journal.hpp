@@ -60,10 +60,10 @@ class RunJournal {
     std::vector<type::Value> outputs;
     type::ValueMap globals;           ///< variables that were set
     std::vector<std::string> erased;  ///< names of variables
-    /// Of an opaque subtree: the facts that became true, and with "!" those that became false.
+    /// The facts that an opaque subtree made true, and with "!" those that it made false.
     std::vector<std::string> facts{};
     UnitChanges units{};  ///< of an opaque subtree: units that it has created or removed
-    /// Of an opaque subtree: how often states in it have begun since the mission began.
+    /// How often states in an opaque subtree have begun since the mission began.
     std::map<StateIndex, std::uint32_t> begun{};
   };
   using Warn = std::function<void(std::string)>;

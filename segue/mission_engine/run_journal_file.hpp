@@ -49,7 +49,7 @@ class RunJournalFile {
   /// file, or one of a version that cannot be read.
   static Result<std::unique_ptr<RunJournalFile>> open(const std::filesystem::path& path, Tell tell);
 
-  /// Of the file that was opened, once.
+  /// The content of the file that was opened; to be called once.
   [[nodiscard]] Contents take_contents();
   /// Cuts a damaged end off; entries can be added from then on.
   Result<void> continue_after_contents();

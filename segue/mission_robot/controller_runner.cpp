@@ -123,7 +123,7 @@ class ControlledRun {
     return aborted(error);
   }
 
-  /// Without its robot, the run ends as one that can be resumed.
+  /// The ending with this error; without its robot, the run ends as one that can be resumed.
   Ending failed(const Error& error, const std::stop_token& stop) {
     if (!options_.unreachable || robot_.trouble(use_.controller, look(stop))) return aborted(error);
     options_.unreachable(error);
@@ -150,7 +150,7 @@ class ControlledRun {
     }
   }
 
-  /// From when they have been told, their states count.
+  /// Gives the commands to the tasks; from then on their states count.
   Result<void> tell(const std::stop_token& stop) {
     if (!commands_.are_given()) record(ControllerProgress::Stage::Tells);
     if (auto given = commands_.give(stop); !given) return given;

@@ -72,7 +72,8 @@ class ObservedRun {
     if (then) then();
   }
 
-  /// On the observer's thread: when it is to be called again at the latest; nothing once it has ended.
+  /// The time when it is to be called again at the latest; nothing once it has ended. On the observer's
+  /// thread.
   std::optional<TimePoint> look() {
     const TimePoint now = clock_now();
     Then then;

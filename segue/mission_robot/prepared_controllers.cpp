@@ -31,7 +31,7 @@ void PreparedControllers::ended(std::uint64_t action) {
   if (found != running_.end()) found->second.has_ended = true;
 }
 
-/// Without those that run.
+/// The likeliest controllers ahead, without those that run.
 std::vector<std::string> PreparedControllers::likeliest() const {
   std::map<std::string, UpcomingController> all;
   for (const auto& [action, running] : running_) {

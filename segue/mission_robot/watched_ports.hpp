@@ -20,7 +20,7 @@ namespace segue::mission {
 /// are samples. One thread uses this.
 class WatchedPorts {
  public:
-  /// Between two questions for a port, at least.
+  /// The least time between two questions for a port.
   static constexpr Duration kBetweenSamples = std::chrono::milliseconds(10);
   /// How long a question waits; then it is asked again.
   static constexpr Duration kPatience = std::chrono::seconds(10);

@@ -21,12 +21,12 @@ namespace segue::mission {
 /// task has changed, so a process that does not answer delays none of the others. One thread uses this.
 class WatchedTasks {
  public:
-  /// Between questions for updates alone, at least.
+  /// The least time between questions for updates alone.
   static constexpr Duration kBetweenUpdates = std::chrono::milliseconds(10);
   /// How long a question waits; then it is asked again.
   static constexpr Duration kPatience = std::chrono::seconds(10);
 
-  /// Between questions for a task that cannot be seen.
+  /// The time between questions for a task that cannot be seen.
   static constexpr Duration kBetweenTries = std::chrono::milliseconds(250);
 
   /// `robot` must outlive this. Answers ring `bell`.

@@ -67,7 +67,7 @@ std::string new_mark() {
          std::to_string(++number);
 }
 
-/// Of a file of a process, which may end meanwhile: reading fails then.
+/// The content of a file of a process, which may end meanwhile: reading fails then.
 std::string content_of(const fs::path& file) {
   return read_file(file).value_or(std::string());
 }

@@ -25,7 +25,7 @@ using type::ValueMap;
 
 namespace {
 
-/// Of one execution at the same time: a script can have threads.
+/// The most requests of one execution at the same time: a script can have threads.
 constexpr std::size_t kMostAsked = 64;
 constexpr double kLongestTimeout = 24 * 3600;
 constexpr Duration kAnswer = std::chrono::seconds(10);

@@ -335,7 +335,7 @@ void ScriptWorker::refuse(const std::string& reason) {
   kill_at(monotonic_now(), reason);
 }
 
-/// Of several calls, the earliest time and its reason count.
+/// Kills the process at that time; of several calls, the earliest time and its reason count.
 void ScriptWorker::kill_at(TimePoint when, const std::string& reason) {
   if (killed_ || (kill_at_ && *kill_at_ <= when)) return;
   kill_at_ = when;

@@ -54,7 +54,7 @@ class ScriptedData final : public WorldData {
   void changed(const std::string& fact, bool holds) override;
 
   [[nodiscard]] const Functions& functions() const { return *functions_; }
-  /// At most `most` changes. From any thread, also while others note changes in copies.
+  /// The next changes to compute, `most` at most. From any thread, also while others note changes in copies.
   [[nodiscard]] Task next(std::size_t most) const;
   /// The outcome of a task; the changes that led to it are forgotten. From any thread.
   void computed(const Task& task, type::Value value) const;

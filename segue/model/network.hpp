@@ -102,8 +102,8 @@ struct Deployment {
   bool optional = false;  ///< run as Normal where the system does not permit the scheduler
   std::vector<std::pair<std::string, std::string>> environment;
   ResourceLimits limits{};
-  /// Of its tasks and of the process itself; nothing: the robot's policy. It does not affect what runs, so
-  /// same_process() and differences() ignore it; it is read from the requested network.
+  /// The policy for its tasks and for the process itself; nothing: the robot's policy. It does not affect
+  /// what runs, so same_process() and differences() ignore it; it is read from the requested network.
   std::optional<FailurePolicy> on_failure{};
   /// Component libraries that only this process loads, beside those of the robot. Their components are never
   /// replaced by stand-ins.

@@ -30,9 +30,9 @@ using StandsIn = std::function<bool(const ComponentName&)>;
 /// the model of a stand-in says holds for it, too: a value that has the wrong type is an error.
 Diagnostics validate(const Network& network, const ComponentCatalog& catalog, const StandsIn& stands_in);
 
-/// Of a network whose file has errors (read_network_parts()): only what it refers to by a name that does not
-/// exist, has another type or direction, or is used twice, as far as that does not follow from the parts that
-/// could not be read.
+/// The wrong references of a network whose file has errors (read_network_parts()): names that do not exist,
+/// that stand for a part of another type or direction, or that are used twice, as far as that does not follow
+/// from the parts that could not be read.
 Diagnostics validate_references(const Network& parts, const ComponentCatalog& catalog, Depth depth);
 
 /// All problems of a robot and its networks together: unknown hosts, controllers of one name, tasks and

@@ -70,7 +70,7 @@ class MissionRecord {
   std::uint64_t last_number_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::uint64_t lost_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::deque<Entry> waiting_ SEGUE_GUARDED_BY(mutex_);
-  /// Of what has not ended.
+  /// The begins of actions that have not ended.
   std::map<std::pair<std::string, std::uint64_t>, TimePoint> begins_ SEGUE_GUARDED_BY(mutex_);
 };
 

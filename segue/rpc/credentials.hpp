@@ -25,7 +25,7 @@ struct Identity {
   std::string serial;  ///< hexadecimal digits
   std::chrono::system_clock::time_point valid_from;
   std::chrono::system_clock::time_point valid_until;
-  /// Of a host: DNS names and IP addresses under which browsers may reach it; numbers as browsers write them.
+  /// The DNS names and IP addresses under which browsers may reach a host; numbers as browsers write them.
   std::vector<std::string> addresses{};
 };
 

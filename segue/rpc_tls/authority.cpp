@@ -32,7 +32,7 @@ struct Signer {
   tls::RevokedList revoked;
 };
 
-/// With mode 0700; one that is there stays as it is.
+/// Makes a folder with mode 0700; an existing one stays as it is.
 Result<void> make_folder(const fs::path& folder) {
   std::error_code failed;
   const fs::path parent = fs::absolute(folder, failed).lexically_normal().parent_path();

@@ -40,11 +40,11 @@ Error openssl_error(ErrorCode code, const std::string& what);
 /// The reason that OpenSSL noted last, alone.
 std::string openssl_reason();
 
-/// From PEM; ParseError names `file`. Keys must not be encrypted.
+/// Read PEM; ParseError names `file`. Keys must not be encrypted.
 Result<Certificate> certificate_from(std::string_view pem, const std::filesystem::path& file);
 Result<RevokedList> revoked_list_from(std::string_view pem, const std::filesystem::path& file);
 Result<Key> key_from(std::string_view pem, const std::filesystem::path& file);
-/// To PEM.
+/// Write PEM.
 std::string to_pem(X509* certificate);
 std::string to_pem(X509_CRL* list);
 std::string to_pem(EVP_PKEY* key);

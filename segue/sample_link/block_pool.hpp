@@ -61,7 +61,8 @@ class BlockPool {
 
   const std::size_t size_;
   const Mapping memory_;
-  /// By the first unit of a block: while it is free, the next free one + 1; else its class and references.
+  /// The state of each block, at its first unit: while it is free, the next free one + 1; else its class and
+  /// references.
   Link* const links_;
   struct alignas(64) List {
     std::atomic<std::uint64_t> head{0};  ///< first unit + 1; the upper 32 bits count changes

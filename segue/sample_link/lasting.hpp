@@ -13,7 +13,7 @@ class Lasting {
  public:
   static constexpr Duration kLongestChange = std::chrono::seconds(2);
 
-  /// At each look: whether it has been wrong long enough.
+  /// Notes one look; whether it has been wrong long enough.
   bool is(bool wrong, TimePoint now) noexcept {
     if (!wrong) {
       since_.reset();

@@ -17,8 +17,8 @@ struct Latency {
   friend bool operator==(const Latency&, const Latency&) = default;
 };
 
-/// Of samples that pass through both, one after the other. The worst is a bound: it may have been two
-/// samples.
+/// The latency of samples that pass through both, one after the other. The worst is a bound: it may have been
+/// two samples.
 Latency in_series(const Latency& first, const Latency& second);
 
 /// Collects a Latency: the reader adds, any thread reads. All is relaxed with one writer, so the figures of

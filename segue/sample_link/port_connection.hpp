@@ -52,7 +52,7 @@ class PortConnection {
   /// policy.init began, the reader gets the last sample now. Where it would have begun, it stays dormant.
   virtual void settle() = 0;
   [[nodiscard]] virtual bool dormant() const = 0;
-  /// Not dormant, and not ended with a commit.
+  /// Whether it carries samples: it is not dormant, and has not ended with a commit.
   [[nodiscard]] virtual bool carries() const = 0;
   /// Whether it has ended with a commit and samples that its buffer promised still wait for the reader;
   /// policy data promises only the newest value, which others replace. Exact after settle(), for the writer's

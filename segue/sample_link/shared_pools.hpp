@@ -99,8 +99,8 @@ struct DoorbellLine {
   static_assert(task::DoorbellWords::kLines == 1U << kLineBits);
   std::uint64_t offset = 0;  ///< in the reader's control pool
   unsigned line = 0;
-  /// With a seal in the upper bits, since whoever rings by a word that was overwritten writes to memory of
-  /// others.
+  /// The line as a word with a seal in the upper bits, since a ringer that uses an overwritten word would
+  /// write to memory of others.
   [[nodiscard]] std::uint64_t word() const {
     const std::uint64_t plain = offset / BlockPool::kUnit << kLineBits | line;
     return plain | seal_of(plain) << kPlainBits;

@@ -36,7 +36,7 @@ class ConflictSearch {
   }
 
  private:
-  /// Of an input: the ports that write to it, and whether a sample overwrites one that waits.
+  /// The writers of an input: the ports that write to it, and whether a sample overwrites one that waits.
   struct Writers {
     std::set<std::string> ports;
     bool overwrite = false;

@@ -25,7 +25,8 @@ class CommitGate {
   CommitGate(const CommitGate&) = delete;
   CommitGate& operator=(const CommitGate&) = delete;
 
-  /// From now on it is open as soon as `word` holds `number`, which is never 0. To be called once at most.
+  /// Arms the gate: from now on it is open as soon as `word` holds `number`, which is never 0. To be called
+  /// once at most.
   void arm(std::shared_ptr<const CommitWord> word, std::uint64_t number) {
     number_ = number;
     owner_ = std::move(word);

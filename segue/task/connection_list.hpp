@@ -91,7 +91,7 @@ class ConnectionList {
     bool committed_;
   };
 
-  /// With a gate, the connection begins when that opens.
+  /// Adds a connection; with a gate, it begins when that opens.
   void add(std::shared_ptr<End> end, const CommitGatePtr& gate = nullptr) {
     const Lock lock(mutex_);
     List next = copy(1);

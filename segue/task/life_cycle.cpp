@@ -157,7 +157,7 @@ void Task::Implementation::shut_down() {
   state_word.store(static_cast<std::uint32_t>(TaskState::PreOperational), std::memory_order_release);  // V1
 }
 
-/// After a hook threw or asked for it: undoes what was reached and enters Exception or Fatal.
+/// Undoes the steps up to `reached` and enters Exception or Fatal, after a hook threw or requested it.
 Result<void> Task::Implementation::collapse(std::string_view hook_name, Reached reached) {
   const bool is_fatal = request == Request::Fatal;
   const std::string why = message.load();

@@ -180,7 +180,8 @@ class InputPortBase : public PortBase {
  protected:
   /// The next sample, taking turns among connections; empty if none waits.
   SampleRef pull() noexcept;
-  /// Like pull(), but keeps the last sample if there is no new one and its connection still exists.
+  /// Fetches the next sample like pull(), but keeps the last one if there is no new one and its connection
+  /// still exists.
   ReadStatus fetch() noexcept;
   [[nodiscard]] const SampleRef& last() const { return last_; }
 

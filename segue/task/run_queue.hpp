@@ -41,11 +41,11 @@ class RunQueue {
   void fire(TimePoint now) noexcept;
   [[nodiscard]] TimePoint next_due() const noexcept { return timers_.next_due(); }
 
-  /// From any thread: asks the runner to forget the job; wait_retired() waits until it has. True as for
-  /// post().
+  /// Asks the runner to forget the job; wait_retired() waits until it has. From any thread. True: the runner
+  /// may have to be woken.
   bool post_retire(Job& job) noexcept;
   static void wait_retired(Job& job) noexcept;
-  /// From the runner's thread: forgets the job at once.
+  /// Forgets the job at once. From the runner's thread.
   void forget(Job& job) noexcept;
 
  private:

@@ -29,10 +29,10 @@ constexpr std::uint32_t kInFutex = 1;
 constexpr std::uint32_t kInPoll = 2;
 constexpr std::uint32_t kInDoorbell = 3;  ///< a futex that other processes can wake
 
-/// After so many jobs in a row, descriptors are polled even though jobs are ready.
+/// The number of jobs in a row after which descriptors are polled even though jobs are ready.
 constexpr int kJobsBetweenPolls = 32;
 
-/// While a thread spins, it reads the clock (and polls descriptors) after so many looks at memory.
+/// The number of looks at memory after which a thread that spins reads the clock (and polls descriptors).
 constexpr int kLooksBetweenReadings = 16;
 
 /// Tells the processor that this is a loop that waits, so that a sibling of its core gets on faster.

@@ -111,7 +111,7 @@ struct LocalTaskHost::Implementation {
   detail::TaskConnections connections{table, maker};
   detail::TaskActions actions{table, maker, connections, events, *watches};
   detail::WrittenSamples written;
-  /// Of the transitions that this host commits itself.
+  /// The word of the transitions that this host commits itself.
   const std::shared_ptr<task::CommitWord> word = std::make_shared<task::CommitWord>(0);
   std::atomic<std::uint64_t> transitions{0};
   std::atomic<std::uint64_t> armed{0};  ///< the one that can commit; 0: none. Whoever takes it out commits

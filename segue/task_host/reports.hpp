@@ -45,9 +45,10 @@ struct ConnectionReport {
   std::uint64_t written = 0;
   std::uint64_t read = 0;
   std::uint64_t dropped = 0;
-  /// From the write to the read. Between hosts without the way over the network: their clocks differ.
+  /// The time from the write to the read. Between hosts without the way over the network: their clocks
+  /// differ.
   sample_link::Latency latency{};
-  /// Not empty: it has been ended and is missing, and this is why.
+  /// The reason why the connection has been ended and is missing; empty: it is not.
   std::string error{};
 };
 

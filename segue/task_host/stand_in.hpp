@@ -73,7 +73,7 @@ Result<StandInBehaviour> read_behaviour(const type::Value& value, StandInBehavio
 /// Behaviours by component name, task id or "default".
 class StandInTable {
  public:
-  /// From the map under `stand_ins`. All problems at once.
+  /// Reads the map under `stand_ins`. Reports all problems at once.
   static std::optional<StandInTable> read(const type::Value& document, const std::string& file,
                                           Diagnostics& diagnostics);
   static std::optional<StandInTable> load(const std::filesystem::path& file, Diagnostics& diagnostics);

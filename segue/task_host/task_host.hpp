@@ -29,7 +29,7 @@
 /// Creates tasks, moves them through their life cycle and observes them.
 namespace segue::task_host {
 
-/// From when to when, since the begin of something.
+/// A begin and an end, relative to a common begin.
 struct Span {
   Duration begin{0};
   Duration end{0};

@@ -81,7 +81,7 @@ class ConcurrentEngine {
   void pause();
   /// Ends a pause.
   void resume();
-  /// During a pause: begins one more node, the first that can.
+  /// Begins one more node during a pause: the first that can.
   void step();
 
   /// The order that it runs by: the given one, or that of the network as far as it has grown.

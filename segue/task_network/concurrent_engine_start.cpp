@@ -266,7 +266,7 @@ const Access* ConcurrentEngine::Implementation::false_precondition(NodeId node) 
   return nullptr;
 }
 
-/// To be compared when the node commits, which may run again then.
+/// Notes the values that the node reads, to be compared when it commits, which may make it run again.
 void ConcurrentEngine::Implementation::note_what_is_read(NodeId node) {
   const auto accesses = network_.accesses(node);
   const bool pure = network_[node].kind == ActionClass::Pure;

@@ -48,9 +48,9 @@ struct Report {
   std::vector<NamedUnits> named_units{};
   std::shared_ptr<const type::Value> outputs;  ///< a map; may be null
   std::string error;                           ///< why, for `aborted`
-  /// Of pure and sensing nodes: what is beside the network, such as variables. Null: nothing. A run for which
-  /// it is not empty counts when every node before has passed, and only if it is valid then; else the node
-  /// runs again.
+  /// The changes of a pure or sensing node beside the network, such as of variables. Null: none. A run with
+  /// such changes counts when every node before has passed, and only if it is valid then; else the node runs
+  /// again.
   std::unique_ptr<PendingChanges> pending{};
 };
 /// Null: success, as predicted, without outputs.
@@ -91,7 +91,7 @@ class Completions {
   virtual void await(NodeId node, std::uint32_t attempt) = 0;
   /// The node has just ended. On any thread, while the engine runs. Does not block.
   virtual void finish(NodeId node, std::uint32_t attempt, ReportPtr report) = 0;
-  /// On the engine's thread only.
+  /// The present time. On the engine's thread only.
   [[nodiscard]] virtual TimePoint now() const = 0;
 };
 

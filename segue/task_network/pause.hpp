@@ -11,7 +11,7 @@ namespace segue::task_network {
 /// engine's thread, except ask() and ask_step().
 class Pause {
  public:
-  /// On any thread, as the next: heeded by the next take().
+  /// Requests a pause or its end; one more node. On any thread; heeded by the next take().
   void ask(bool paused) { asked_ = paused; }
   void ask_step() { ++steps_asked_; }
 

@@ -65,7 +65,7 @@ class Session final : public Viewer, public std::enable_shared_from_this<Session
   mutable Mutex mutex_;  ///< protects all below
   std::deque<std::string> answers_ SEGUE_GUARDED_BY(mutex_);
   std::size_t in_progress_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< calls
-  /// Of each document looked at; null: none yet.
+  /// The version of each watched document that was sent last; null: none yet.
   std::map<std::string, std::shared_ptr<const Document>> sent_ SEGUE_GUARDED_BY(mutex_);
   std::set<std::string> changed_ SEGUE_GUARDED_BY(mutex_);
   RefusalLog refusals_ SEGUE_GUARDED_BY(mutex_){"studio"};

@@ -136,7 +136,7 @@ struct RobotChange {
   }
 };
 
-/// After a file has come to `path`: the robot file follows, or `undo` is called.
+/// Changes the robot file after another file has come to `place`, or calls `undo`.
 Result<void> follow(const FileFolder& folder, const RobotChange& robot, const fs::path& place,
                     bool is_network, const std::function<void()>& undo) {
   Result<void> done;

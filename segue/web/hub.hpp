@@ -48,7 +48,8 @@ class Hub {
   struct Periods {
     Duration snapshots = std::chrono::milliseconds(500);  ///< status and tasks; also asked after events
     Duration ports = std::chrono::milliseconds(50);
-    /// Of each port; samples with many numbers, such as images, are read less often than `ports` says.
+    /// The limit for each port: samples with many numbers, such as images, are read less often than `ports`
+    /// says.
     double scalars_per_second = 2e6;
     Duration silence = std::chrono::seconds(2);  ///< after which a port is opened again
   };

@@ -63,7 +63,7 @@ Sender sender_of(wire::Sender::Reader sender, const Peer& peer) {
   return {who_asks(sender, peer), sender.getLease(), sender.getBesideMission()};
 }
 
-/// Of requests that concern what runs.
+/// The options of requests about the whole robot.
 template <class Params>
 SwitchOptions whole_robot_options(const Params& params, const Peer& peer) {
   return {.force = params.getForce(),
@@ -73,7 +73,7 @@ SwitchOptions whole_robot_options(const Params& params, const Peer& peer) {
           .take_over = params.getTakeOver()};
 }
 
-/// Of requests that may be dry runs.
+/// The options of requests that may be dry runs.
 template <class Params>
 Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
   SwitchOptions options = whole_robot_options(params, peer);
