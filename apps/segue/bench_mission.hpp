@@ -44,7 +44,8 @@ std::vector<MissionSetting> settings_of(const MissionExperiment& experiment);
 /// Times of a run, in seconds.
 struct MissionTimes {
   double makespan = 0;
-  /// Of a concurrent run in virtual time with the same durations of actions, where deciding takes no time.
+  /// The makespan of a concurrent run in virtual time with the same durations of actions, where deciding
+  /// takes no time.
   double ideal = 0;
 };
 

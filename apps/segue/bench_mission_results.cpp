@@ -247,7 +247,7 @@ std::string csv_of_missions(const MissionExperiment& experiment, const std::vect
   return text;
 }
 
-/// Of the cell's runs in that mode that were timed.
+/// The makespans of the cell's timed runs in that mode.
 std::vector<double> makespans_of(const MissionCell& cell, bool concurrent, BenchClock clock) {
   std::vector<double> makespans;
   for (const MissionRun& run : cell.runs) {
@@ -258,8 +258,8 @@ std::vector<double> makespans_of(const MissionCell& cell, bool concurrent, Bench
   return makespans;
 }
 
-/// By the first factor, whose values count as 1, 2, ... where one is not a number; a line for each mode and
-/// setting of the others.
+/// Makespans over the first factor, whose values count as 1, 2, ... where one is not a number; a line for
+/// each mode and setting of the others.
 draw::Chart chart_of_missions(const MissionExperiment& experiment, const std::vector<MissionCell>& cells) {
   const MissionFactor& first = experiment.factors.front();
   const BenchClock clock = has_robot_clock(cells) ? BenchClock::Robot : BenchClock::Wall;

@@ -38,7 +38,7 @@ class MissionRemote {
   MissionRemote(const MissionRemote&) = delete;
   MissionRemote& operator=(const MissionRemote&) = delete;
 
-  /// Of the run. From any thread.
+  /// Takes an event of the run. Any thread may call it.
   void observe(const mission::StateEvent& event);
   /// The run has ended, `error` says why it aborted. What it did is in the robot's journal once this is
   /// destroyed, as far as the robot could be reached.

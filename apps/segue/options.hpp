@@ -31,7 +31,7 @@ class Option {
 
   Option one_of(const std::vector<std::string>& choices) const;
   Option between(std::size_t lowest, std::size_t highest) const;
-  /// Of a duration.
+  /// Limits an option whose value is a duration.
   Option between(Duration lowest, Duration highest) const;
   /// `problem` returns what is wrong with a value, or nothing.
   Option check(std::function<std::string(const std::string&)> problem) const;
@@ -85,7 +85,7 @@ class Verb {
   Result<bool> parse(int count, char** arguments);
 
   [[nodiscard]] std::string name() const;
-  /// With the verbs around it: "segue mission run".
+  /// The name with the verbs around it: "segue mission run".
   [[nodiscard]] std::string full_name() const;
   [[nodiscard]] std::string description() const;
   /// The verbs that are not hidden, in the order in which they were added.

@@ -20,7 +20,7 @@ struct PairedSaving {
   double mean = 0;                   ///< of the savings of the pairs
   std::optional<double> half_width;  ///< of the 95 % confidence interval; nothing below two pairs
 };
-/// With Student's t for paired samples, which also holds for few pairs if their savings are about normally
+/// Uses Student's t for paired samples, which also holds for few pairs if their savings are about normally
 /// distributed.
 PairedSaving paired_saving(std::span<const MeasuredPair> pairs);
 

@@ -18,7 +18,7 @@ class PlannedNodes {
   /// An empty diagram where nothing is known in advance.
   explicit PlannedNodes(draw::Diagram plan);
 
-  /// By the node's name, with its iteration where that is not the first ("dig#2").
+  /// `name` is the node's name, with its iteration where that is not the first ("dig#2").
   void began(const std::string& name);
   void ended(const std::string& name, const std::string& outcome);
 

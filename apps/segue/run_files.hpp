@@ -31,7 +31,7 @@ Result<void> check_writable(const std::string& file);
 /// Whether all files of a run can be written; to be called before it. NotFound, PermissionDenied,
 /// InvalidArgument where one is not a file or two are the same.
 Result<void> check(const RunFiles& files);
-/// After it. Blocks.
+/// Writes all files of a run; to be called after it. Blocks.
 Result<void> write(const RunFiles& files, const draw::Gantt& gantt);
 
 }  // namespace segue::cli

@@ -18,7 +18,7 @@ namespace {
 
 /// Smaller blocks are the allocator's business.
 constexpr std::size_t kLeastKept = 256UL << 10U;
-/// Of all blocks that are kept.
+/// The most bytes of all blocks together that are kept.
 constexpr std::size_t kMostKept = 256UL << 20U;
 
 struct Free {

@@ -46,7 +46,7 @@ class Block {
 
 /// One sample as CDR with its encapsulation header. Reference counted by Cyclone.
 struct Message : ddsi_serdata {
-  /// With room for `size` bytes, which the caller writes. May throw std::bad_alloc.
+  /// Makes room for `size` bytes, which the caller writes. May throw std::bad_alloc.
   Message(const ddsi_sertype& message_type, ddsi_serdata_kind message_kind, std::size_t message_size);
   Message(const Message&) = delete;
   Message& operator=(const Message&) = delete;

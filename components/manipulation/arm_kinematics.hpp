@@ -12,7 +12,7 @@
 
 namespace manipulation {
 
-/// Of a chain of joints, by KDL. create() allocates, nothing else does. One thread at a time.
+/// Kinematics of a chain of joints, by KDL. create() allocates, nothing else does. One thread at a time.
 class ArmKinematics {
  public:
   static constexpr int kMostJoints = 16;

@@ -30,7 +30,7 @@ bool BoxQp::solve(const Matrix& H, const Vector& g, const Vector& lower, const V
   return false;
 }
 
-/// Of the free variables; zero for the others.
+/// The step of the free variables to the minimum; zero for the others.
 BoxQp::Vector BoxQp::step_to_minimum(const Matrix& H, const Vector& gradient) const {
   const Eigen::Index size = gradient.size();
   std::array<Eigen::Index, kMost> free{};

@@ -215,7 +215,7 @@ std::vector<double> averages(const std::vector<Point>& dense, const FastestPass&
   return set_points;
 }
 
-/// By how much the motion must become slower to keep all limits; at most 1: not at all.
+/// The factor by which the motion must become slower to keep all limits; at most 1 where it keeps them.
 double excess_of(const std::vector<double>& set_points, std::span<const JointLimits> limits, double period) {
   const std::size_t joints = limits.size();
   double excess = 0;

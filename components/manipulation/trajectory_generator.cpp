@@ -113,7 +113,7 @@ class TrajectoryGenerator final : public Component {
     return std::clamp(time - before, 0.0, kLongestUpdate);
   }
 
-  /// From where the arm is.
+  /// Begins from the positions and velocities that the arm has.
   void begin() {
     std::array<JointMotion, kMostJoints> motions{};
     for (std::size_t i = 0; i < trajectory_->size(); ++i)

@@ -42,9 +42,9 @@ class ArmScene {
   /// Requires a situation that makes sense (plan_request.hpp).
   void set(const Situation& situation);
 
-  /// Of each joint, rad.
+  /// The lowest and the highest position of each joint, rad.
   [[nodiscard]] static std::vector<std::pair<double, double>> limits();
-  /// Of the tool in the frame of the rover. Requires six positions, as all that follows.
+  /// The pose of the tool in the frame of the rover. This and the functions below require six positions.
   [[nodiscard]] Eigen::Isometry3d tool(const Positions& positions);
   /// A pair that touches, or comes closer than it may: "the arm and the room"; nothing if all is free.
   [[nodiscard]] std::optional<std::string> contact(const Positions& positions, const Tolerance& tolerance);

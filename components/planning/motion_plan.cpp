@@ -94,7 +94,7 @@ class MotionPlan {
     return {};
   }
 
-  /// From there to that pose of the tool, which has the same orientation, in small steps.
+  /// A straight line in small steps from `from` to the pose `to` of the tool, which has the same orientation.
   std::optional<std::vector<Positions>> straight(const Positions& from, const Eigen::Isometry3d& to) {
     const Eigen::Vector3d begin = scene_.tool(from).translation();
     const Eigen::Vector3d way = to.translation() - begin;

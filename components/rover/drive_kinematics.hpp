@@ -19,8 +19,8 @@ PerWheel steering_for(const messages::Twist2D& twist, const PerWheel& steering);
 /// in its direction. So wheels that are not yet steered as wanted do not drag the rover elsewhere.
 PerWheel speeds_for(const messages::Twist2D& twist, const PerWheel& steering);
 
-/// By how much the frame of the rover moved while its wheels turned by `angles` (rad), in its frame before
-/// that: the movement with the least squared slip of all wheels. For angles that are small.
+/// The movement of the rover's frame while its wheels turned by `angles` (rad), in that frame as it was
+/// before: the movement with the least squared slip of all wheels. Holds for small angles.
 messages::Pose2D movement_of(const PerWheel& angles, const PerWheel& steering);
 
 /// The pose after a movement in the frame of `pose`.

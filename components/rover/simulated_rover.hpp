@@ -21,7 +21,7 @@ struct SimulationOptions {
   double range_noise = 0.005;        ///< m, standard deviation
   double angular_noise = 0.002;      ///< rad/s, standard deviation
   double acceleration_noise = 0.02;  ///< m/s^2, standard deviation
-  /// By how much boxes lie elsewhere at the beginning, at most: m in the frame of the room, and rad.
+  /// The most by which boxes lie elsewhere at the beginning: m in the frame of the room, and rad.
   messages::Pose2D scatter{};
   bool loaded = false;  ///< the boxes lie on the deck at the beginning (kDeckPlaces), not on the table
 };

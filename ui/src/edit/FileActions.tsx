@@ -75,7 +75,7 @@ export function NewFile({ files, drafts, onFiles }: { files: FileEntry[]; drafts
   );
 }
 
-/** Of the file that is edited: another name, delete; of a machine of RAFCON: save as a mission. */
+/** Actions on the file that is edited: rename, delete, and save as a mission where it is a machine of RAFCON. */
 export function FileActions({ file, files, draft, drafts, onFiles }: { file: FileEntry; files: FileEntry[]; draft: Draft; drafts: Drafts; onFiles: (path: string | null) => void }) {
   const connection = useConnection();
   const [asked, setAsked] = useState<'rename' | 'delete' | 'save' | null>(null);

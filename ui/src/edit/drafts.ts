@@ -15,7 +15,7 @@ export interface Problem {
   severity: 'error' | 'warning';
   code: string;
   message: string;
-  /** From 1; 0: not known. */
+  /** Counted from 1; 0: not known. */
   line: number;
   column: number;
 }
@@ -23,7 +23,7 @@ export interface Problem {
 export interface FileEntry {
   path: string;
   kind: 'robot' | 'network' | 'mission' | 'rafcon';
-  /** By the robot file. */
+  /** Whether the robot file names it. */
   named: boolean;
   problem: string;
 }
@@ -37,7 +37,7 @@ export interface Draft {
   /** Lines end in CR LF in the file; here they never do. */
   carriageReturns: boolean;
   state: EditorState;
-  /** Of this text; null: not checked yet. */
+  /** The problems of this text; null: not checked yet. */
   problems: Problem[] | null;
   /** Why it could not be saved, or checked. */
   error: string;
@@ -239,7 +239,7 @@ export class Drafts {
 }
 
 const all = new WeakMap<Connection, Drafts>();
-/** Of this page: they stay while other views are shown. */
+/** The drafts of this page: they stay while other views are shown. */
 export function draftsOf(connection: Connection): Drafts {
   let drafts = all.get(connection);
   if (!drafts) all.set(connection, (drafts = new Drafts(connection)));

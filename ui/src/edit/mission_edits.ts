@@ -19,7 +19,7 @@ function removeIfThere(text: string, path: Path): string {
 
 export type NewState = { action: string } | { library: string } | { kind: string };
 
-/** At the end of a container; the first state of a hierarchy is where it starts. */
+/** Adds a state at the end of a container; a hierarchy starts with its first state. */
 export function addState(text: string, around: EditedState, name: string, what: NewState): string {
   checkName(name, around);
   const path = [...around.path, 'states', name];
@@ -51,7 +51,7 @@ function withoutMentions(text: string, state: EditedState): string {
   return around.start === state.name ? remove(left, [...around.path, 'start']) : left;
 }
 
-/** With the transitions to it and its data flows. */
+/** Removes the state with the transitions to it and its data flows. */
 export function removeState(text: string, state: EditedState): string {
   return remove(withoutMentions(text, state), state.path);
 }
@@ -71,7 +71,7 @@ function renameInRules(text: string, mission: MissionText, around: EditedState, 
   return left;
 }
 
-/** With all that names it. */
+/** Renames the state and all that names it. */
 export function renameState(text: string, mission: MissionText, state: EditedState, name: string): string {
   const around = state.parent;
   if (!around || name === state.name) return text;
@@ -146,7 +146,7 @@ export function setText(text: string, state: EditedState, key: 'title' | 'descri
   return value.trim() === '' ? removeIfThere(text, [...state.path, key]) : put(text, [...state.path, key], value.trim());
 }
 
-/** Of a container, or of a leaf: execution or decider. */
+/** Sets the kind of a container, or of a leaf: execution or decider. */
 export function setKind(text: string, state: EditedState, kind: string): string {
   const left = kind === 'hierarchy' || kind === 'execution' ? removeIfThere(text, [...state.path, 'kind']) : put(text, [...state.path, 'kind'], kind);
   return kind === 'hierarchy' || !isContainer(state) ? left : removeIfThere(left, [...state.path, 'start']);
@@ -162,7 +162,7 @@ export function addOutcome(text: string, container: Pick<EditedState, 'path' | '
   const path = [...container.path, 'outcomes'];
   return nodeAt(parsed(text), path) === undefined ? put(text, path, [...container.outcomes, name]) : add(text, path, name);
 }
-/** With the transitions of and to it. */
+/** Removes the outcome with the container's transition on it and its states' transitions to it. */
 export function removeOutcome(text: string, container: EditedState, name: string): string {
   if (container.outcomes.length === 1) throw new Error('a container has one outcome at least');
   let left = remove(text, [...container.path, 'outcomes', container.outcomes.indexOf(name)]);
@@ -178,7 +178,7 @@ export function addPort(text: string, container: PortHolder, which: 'inputs' | '
   if (name.trim() === '' || container[which].some((port) => port.name === name)) throw new Error('a port needs a name of its own');
   return put(text, [...container.path, which, name], type);
 }
-/** With its data flows in and around the container. */
+/** Removes the port with its data flows in and around the container. */
 export function removePort(text: string, container: EditedState, which: 'inputs' | 'outputs' | 'variables', name: string): string {
   let left = text;
   const drop = (holder: EditedState | null, ref: string) => {

@@ -11,7 +11,7 @@ export interface MissionGraph {
   edges: PortEdge[];
 }
 
-/** Of a machine with more states only the outermost containers are open at first. */
+/** A machine with more states shows only its outermost containers open at first. */
 const mostOpen = 40;
 
 export const stateNode = (id: string) => 'state:' + id;

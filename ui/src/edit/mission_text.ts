@@ -27,7 +27,7 @@ export interface ActionText extends Interface {
 }
 
 export interface EditedState {
-  /** Of its map in the text. */
+  /** The path of its map in the text. */
   path: Path;
   /** Names from the root of its machine, joined by '/'; '': that root. */
   id: string;
@@ -40,7 +40,7 @@ export interface EditedState {
   /** Target: a sibling, or "return OUTCOME". */
   on: { outcome: string; target: string }[];
   start: string;
-  /** Of containers. */
+  /** Ports that a container declares; empty for leaves. */
   inputs: MissionPort[];
   outputs: MissionPort[];
   variables: MissionPort[];
@@ -49,7 +49,7 @@ export interface EditedState {
   flows: ({ from: string; to: string } | null)[];
   children: EditedState[];
   parent: EditedState | null;
-  /** Of leaves and libraries: what takes the place of defaults, by port. */
+  /** The values that take the place of defaults in leaves and libraries, by port. */
   values: { inputs: Record<string, unknown>; outputs: Record<string, unknown> };
   at: number;
 }
@@ -156,7 +156,7 @@ export function stateIn(root: EditedState, id: string | null): EditedState | nul
   return id === null ? null : (statesOf(root).find((state) => state.id === id) ?? null);
 }
 
-/** Of the answer to `libraries`. */
+/** The libraries in the answer to the request `libraries`. */
 export function librariesOf(value: Json): Interface[] {
   const list = isRecord(value) ? value['libraries'] : null;
   return (Array.isArray(list) ? list : []).flatMap((one) => {
@@ -182,7 +182,10 @@ export function interfaceIn(mission: MissionText, libraries: Interface[], state:
   return mission.actions.find((one) => one.name === state.action) ?? null;
 }
 
-/** With those that have transitions, although what it stands for is not known or does not have them. */
+/**
+ * The outcomes of a state, with those that have transitions although the state's action or library is not known or does
+ * not have them.
+ */
 export function outcomesIn(mission: MissionText, libraries: Interface[], state: EditedState): string[] {
   const known = interfaceIn(mission, libraries, state)?.outcomes ?? [];
   return [...new Set([...known, ...state.on.map((one) => one.outcome)])];

@@ -47,7 +47,7 @@ export function record(value: unknown): Record<string, unknown> {
   return typeof value === 'object' && value !== null && !Array.isArray(value) ? (value as Record<string, unknown>) : {};
 }
 
-/** On one line, as it can stand in [] or {}. */
+/** The value on one line, as it can stand in [] or {}. */
 export const inFlow = (value: unknown) => stringify(value, { collectionStyle: 'flow', lineWidth: 0, flowCollectionPadding: false, defaultStringType: 'PLAIN' }).trimEnd();
 
 export function startOf(item: unknown): number {
@@ -375,7 +375,7 @@ export function move(text: string, path: Path, target: Path, before: string | nu
   return edited(text, change, [
     (document) => moved(text, document, path, target, before),
     (document) => {
-      // On one line: only what has no comments that would be lost.
+      // The pair is written on one line, which is possible only where it has no comments that would be lost.
       const pair = pairAt(document, path);
       if (!pair || text.slice(startOf(pair), endOf(pair)).includes('#')) return null;
       const item = inFlow(key) + ': ' + inFlow((pair.value as { toJS?: (of: Document) => unknown } | null)?.toJS?.(document) ?? null);

@@ -5,7 +5,7 @@ import type { LogLine, RobotEvent } from '../robot/types';
 export interface TaskEntry {
   key: string;
   time: string;
-  /** Of a line its level, else the kind of the event. */
+  /** The level of a line, or the kind of an event. */
   kind: string;
   text: string;
   isOwn: boolean;

@@ -85,7 +85,7 @@ export function GanttChart({ run, selected, onSelect, children }: Props) {
       draw.current();
     };
     dark.addEventListener('change', repaint);
-    // Not by React, whose listeners cannot keep the page from zooming.
+    // The listener is not one of React, whose listeners cannot keep the page from zooming.
     const turn = (event: WheelEvent) => {
       event.preventDefault();
       const window = windowNow();

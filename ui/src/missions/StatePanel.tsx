@@ -42,7 +42,7 @@ interface Props {
   mission: Mission;
   control: Control | null;
   lives: Map<string, Life>;
-  /** Of all states of the plan, by path. */
+  /** The kinds of all states of the plan, by path. */
   kinds: Map<string, string>;
   requests: Requests;
   breakpoints: string[];

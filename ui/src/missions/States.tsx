@@ -18,7 +18,7 @@ interface Props {
   lives: Map<string, Life>;
   selected: string | null;
   onSelect: (path: string | null) => void;
-  /** With those that have been asked for. */
+  /** The breakpoints as they will be once all requests are answered. */
   breakpoints: string[];
   mayBreak: boolean;
   onBreak: (path: string) => void;

@@ -11,7 +11,7 @@ export const thinRow = 6;
 export interface Window {
   from: number;
   until: number;
-  /** Of the first row that is seen, in rows. */
+  /** The number of the first row that is seen; it may have a fraction. */
   top: number;
   rowHeight: number;
 }
@@ -173,7 +173,7 @@ export interface Marks {
 
 const readableReason = 70;
 
-/** On the line of a wait, where there is room for it. */
+/** Writes the reason of a wait on its line, where there is room for it. */
 function writeReason(context: CanvasRenderingContext2D, because: string, left: number, middle: number, room: number, palette: Palette): void {
   if (room < readableReason) return;
   let text = because;
@@ -230,7 +230,7 @@ function drawRow(context: CanvasRenderingContext2D, bars: Bars, index: number, w
   context.globalAlpha = 1;
 }
 
-/** From the end of what it waited for, or waits for, to the row. */
+/** Draws lines to the selected row from the end of each row that it waited for, or waits for. */
 function drawReasons(context: CanvasRenderingContext2D, bars: Bars, window: Window, size: Size, palette: Palette, selected: number, now: number): void {
   const row = bars.rows[selected];
   if (!row) return;

@@ -83,7 +83,7 @@ function statusOf(outcome: string): RowStatus {
   return outcome === 'aborted' ? 'failed' : outcome === 'preempted' ? 'preempted' : outcome === 'lost' ? 'lost' : 'done';
 }
 
-/** From the row that ended last back along what each waited for. */
+/** Marks the row that ended last, the row that it waited for last, and so on back to the beginning. */
 function markCritical(rows: Row[]): void {
   let last: Row | undefined;
   for (const row of rows) {
@@ -120,7 +120,7 @@ function lastWait(row: Row, rows: Row[], candidates: { row: number; kind: string
   return found ? [found] : [];
 }
 
-/** Of the mission that runs at the robot, or the last one that did. */
+/** The run of the mission that runs at the robot, or of the last one that did. */
 export function runOfMission(mission: Mission): Run {
   const entries = entriesOf(mission);
   const began = entries[0]?.time_s ?? 0;
@@ -239,7 +239,7 @@ const statuses: Record<string, RowStatus> = {
 const text = (value: Json | undefined): string => (typeof value === 'string' ? value : '');
 const number = (value: Json | undefined): number => (typeof value === 'number' && Number.isFinite(value) ? value : 0);
 
-/** Of what `segue mission run --format json` has printed; throws an Error that says what is wrong with it. */
+/** The run in the output of `segue mission run --format json`; throws an Error that says what is wrong with it. */
 export function runOfFile(content: string): Run {
   let document: Json;
   try {

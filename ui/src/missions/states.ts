@@ -3,7 +3,7 @@ import type { BoxMark } from '../network/BoxButtons';
 import type { GraphEdge, GraphGroup, GraphNode } from '../network/drawn_graph';
 import { pathsTo, type Life, type Plan, type PlanState } from './mission';
 
-/** Of a plan with more states only the outermost are open at first. */
+/** A plan with more states shows only its outermost ones open at first. */
 const mostOpen = 40;
 
 export interface StateGraph {

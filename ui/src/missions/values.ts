@@ -68,7 +68,7 @@ export class ValueAsker {
   }
 }
 
-/** Between two questions, so that a mission that goes on fast is not kept busy by them. */
+/** The shortest time between two questions, so that a mission that goes on fast is not kept busy by them. */
 const shortestPause = 300;
 
 /** The values of these states as far as they are known; the mission is asked for them again wherever it has gone on. */

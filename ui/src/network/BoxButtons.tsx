@@ -17,7 +17,7 @@ export interface BoxActions {
 }
 export const BoxActionsContext = createContext<BoxActions>({ toggle: () => {}, mark: () => {} });
 
-/** By keyboard, the box itself has keys for both. */
+/** These buttons are for the pointer; at the keyboard the box itself has keys for both. */
 const byPointer = { type: 'button', tabIndex: -1 } as const;
 
 /** Opens and closes a box; nothing where it cannot be opened. */

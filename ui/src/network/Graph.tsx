@@ -78,9 +78,9 @@ const legible = 0.45;
 const marker = { type: MarkerType.ArrowClosed, width: 16, height: 16 };
 /** Above, only what can be seen is in the page. */
 const mostDrawn = 400;
-/** More edges are one drawing, without the dots behind it, which would be drawn anew in each frame while it moves. */
+/** Above, all edges are one drawing, without the dots behind it, which would be drawn anew in each frame while it moves. */
 const mostSingle = 40;
-/** Of more edges only those of the selected task have labels, and are drawn one by one. */
+/** Above, only the edges of the selected task have labels and are drawn one by one. */
 const mostLabelled = 150;
 
 /** A graph of tasks in their processes. It is laid out anew where its structure changes, not where values do. */

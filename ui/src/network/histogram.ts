@@ -10,7 +10,7 @@ export function durationOf(microseconds: number): string {
 }
 
 export interface Bar {
-  /** From 0 to 1, as the digits of the count. */
+  /** From 0 to 1, the highest bar: proportional to the logarithm of the count. */
   height: number;
   from: string;
   /** "" where the bin has no end. */

@@ -13,7 +13,7 @@ export interface Panel {
   id: number;
   kind: PanelKind;
   title: string;
-  /** Of three columns. */
+  /** The width in columns; the page has three. */
   columns: number;
   rows: number;
   /** How much of the past is shown: of plots over time and of trails in maps. */
@@ -26,7 +26,7 @@ export class LayoutError extends Error {}
 export const version = 1;
 export const mostPanels = 24;
 export const mostSources = 16;
-/** Of all panels; the studio lets a browser look at 64 documents. */
+/** The limit of all panels together; the studio lets a browser look at 64 documents. */
 export const mostPorts = 48;
 export const windows = [10, 30, 60, 300, 600];
 const longestFile = 1 << 18;

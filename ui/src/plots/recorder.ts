@@ -10,12 +10,12 @@ export interface Drawn {
   data: UPlot.AlignedData;
 }
 
-/** Of one list over time. */
+/** The limit of the lines that one list over time makes. */
 export const mostLinesOfList = 32;
 
 interface Record {
   times: number[];
-  /** By source and element: the values at `times`. */
+  /** The values at `times`, by source and element. */
   columns: Map<string, (number | null)[]>;
 }
 

@@ -27,7 +27,7 @@ export interface ConnectionStatus {
   dropped: number;
   /** How many samples the next two are of; none where the robot runs an older Segue. */
   measured?: number;
-  /** From the write of a sample to its read: the mean, and the worst, since the connection was made. */
+  /** The time from the write of a sample to its read: the mean, and the worst, since the connection was made. */
   latency_us?: number;
   latency_worst_us?: number;
 }
@@ -51,7 +51,7 @@ export interface Status {
   robot: string;
   controller: string;
   state: string;
-  /** Not of a robot that runs an older Segue. */
+  /** Absent where the robot runs an older Segue. */
   health?: { state: 'healthy' | 'in_transition' | 'in_trouble' | 'lost'; troubles: Trouble[] };
   /** Why this runtime commands the robot no longer: another one has got it. */
   lost?: string | null;
@@ -123,7 +123,7 @@ export interface LogLine {
   message: string;
 }
 
-/** From the first bin that has anything to the last one. */
+/** Its bins go from the first one that has anything to the last one. */
 export interface Histogram {
   p50_us: number;
   p99_us: number;
@@ -136,7 +136,7 @@ export interface RobotEvent {
   kind: string;
   subject: string;
   message: string;
-  /** Not of a robot that runs an older Segue. */
+  /** Absent where the robot runs an older Segue. */
   trouble?: boolean;
 }
 

@@ -77,7 +77,7 @@ function median(values: number[]): number {
   return sorted[Math.floor(sorted.length / 2)] ?? 0;
 }
 
-/** From how long these actions, or others of their kind, took in past transitions. */
+/** Estimates the time of a switch from how long these actions, or others of their kind, took in past transitions. */
 export function estimateOf(actions: Action[], history: Transition[]): Estimate {
   const times = new Map<string, number[]>();
   const note = (key: string, seconds: number) => times.set(key, [...(times.get(key) ?? []), seconds]);
