@@ -67,9 +67,9 @@ struct MissionCell {
   std::vector<MissionRun> runs;
 };
 
-/// Starts the robot afresh, runs the mission and stops the robot; blocks. That the mission fails is no
-/// error. NotFound, InvalidArgument and others where robot or mission cannot be loaded or do not have what is
-/// varied.
+/// Starts the robot afresh, runs the mission and stops the robot; blocks. A mission that fails is no error.
+/// NotFound, InvalidArgument and others where robot or mission cannot be loaded or do not have the factors
+/// that are varied.
 Result<MissionRun> run_mission_afresh(const MissionExperiment& experiment, const MissionSetting& setting,
                                       bool concurrent, std::uint64_t seed, const std::stop_token& stop);
 

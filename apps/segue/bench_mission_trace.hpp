@@ -52,8 +52,8 @@ class MissionTrace {
 
   /// How long no action was under way between `begin` and `end`.
   [[nodiscard]] Duration idle(TimePoint begin, TimePoint end) const;
-  /// Repeats the run: each execution takes as long as it did on the clock, and ends as it did. What was not
-  /// executed takes as long as expected. `time`: the seconds on a clock.
+  /// Repeats the run: each execution takes as long as it did on the clock, and ends as it did. Executions
+  /// that did not happen take as long as expected. `time`: the seconds on a clock.
   [[nodiscard]] std::shared_ptr<mission::ActionRunner> replay(
       const std::function<double(TimePoint)>& time) const;
 

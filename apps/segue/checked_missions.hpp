@@ -28,8 +28,8 @@ class CheckedMissions {
  public:
   explicit CheckedMissions(const std::vector<std::string>& libraries) : libraries_(libraries) {}
 
-  /// Reads and validates the file, and compiles its scripts; blocks. With `robot`, what the mission asks of
-  /// it too.
+  /// Reads and validates the file, and compiles its scripts; blocks. With `robot` it also checks all that the
+  /// mission asks of that robot.
   void check(const std::filesystem::path& file, Diagnostics& diagnostics,
              const RobotControllers* robot = nullptr);
   /// Prints the states that may act or sense ahead, for people.

@@ -17,8 +17,8 @@ namespace {
 using mission_run::RunControl;
 using type::Value;
 
-/// How often a mission hears what it shall do. What it does is reported as often, and as soon as it has
-/// followed a request.
+/// The period in which a mission hears requests to it and reports what it does; it also reports as soon as it
+/// has followed a request.
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
 
 RunControl::Step step_called(const std::string& how) {

@@ -40,7 +40,7 @@ class MissionRemote {
 
   /// Takes an event of the run. Any thread may call it.
   void observe(const mission::StateEvent& event);
-  /// The run has ended, `error` says why it aborted. What it did is in the robot's journal once this is
+  /// The run has ended, `error` says why it aborted. Its actions are in the robot's journal once this is
   /// destroyed, as far as the robot could be reached.
   void ended(std::string_view outcome, std::string_view error);
 

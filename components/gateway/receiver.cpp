@@ -28,10 +28,11 @@ class AnyOutput final : public OutputPortBase {
   using OutputPortBase::publish;
 };
 
-/// Writes what arrives from a topic to `out`, decoded into the memory where readers find it, in the thread in
-/// which Cyclone receives it: another thread would cost a wake-up for each sample. A lock keeps that to one
-/// thread at a time, and to the time between on_start and on_stop. What arrives before waits by policy. The
-/// task's own thread does nothing but operations, so all Receivers of a process share one.
+/// Writes the samples that arrive from a topic to `out`, decoded into the memory where readers find it, in
+/// the thread in which Cyclone receives it: another thread would cost a wake-up for each sample. A lock keeps
+/// that to one thread at a time, and to the time between on_start and on_stop. Samples that arrive before
+/// on_start wait by policy. The task's own thread does nothing but operations, so all Receivers of a process
+/// share one.
 class Receiver final : public Link {
  public:
   Receiver() : Link(Direction::Output, "out") {

@@ -32,7 +32,8 @@ class ScanMatcher {
   explicit ScanMatcher(std::size_t most_points);
 
   /// The pose of the sensor at which the scan was taken, close to `guess`. Nothing if fewer than ten beams
-  /// can be used. Of scans with more beams than the constructor was told, every second, third ... is used.
+  /// can be used. It uses every second, third ... beam of scans with more beams than the constructor was
+  /// told.
   std::optional<Match> match(const ClearanceMap& map, const messages::LaserScan& scan, const Pose2D& guess,
                              const MatchSettings& settings);
 

@@ -11,8 +11,9 @@ namespace rover {
 
 using PerWheel = std::array<double, 6>;
 
-/// Steering angles with which no wheel slips sideways at this velocity; as they are where the wheel need not
-/// move. Of two angles (wheels roll both ways) the one that is nearer to where the wheel points now.
+/// Steering angles with which no wheel slips sideways at this velocity; unchanged where the wheel need not
+/// move. Two angles are possible, since wheels roll both ways; it gives the one that is nearer to where the
+/// wheel points now.
 PerWheel steering_for(const messages::Twist2D& twist, const PerWheel& steering);
 
 /// Speeds in rad/s of wheels that point where `steering` says: the wanted velocity of each, as far as it lies

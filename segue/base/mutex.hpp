@@ -6,8 +6,8 @@
 /// Mutexes whose use clang checks when it compiles (-Wthread-safety, in all builds with clang; Hutchins et
 /// al. 2014, "C/C++ thread safety analysis"). A member says which mutex protects it (SEGUE_GUARDED_BY), a
 /// function which one its caller must hold (SEGUE_REQUIRES) or must not hold (SEGUE_EXCLUDES). Whoever
-/// touches a member without its mutex does not compile. What is protected in another way, such as by the
-/// order of events, has a comment that says so instead. Other compilers see plain std::mutex.
+/// touches a member without its mutex does not compile. A member that is protected in another way, such as by
+/// the order of events, has a comment that says so instead. Other compilers see plain std::mutex.
 #if defined(__clang__)
 #define SEGUE_THREAD_SAFETY(x) __attribute__((x))
 #else

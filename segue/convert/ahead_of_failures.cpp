@@ -33,10 +33,10 @@ const ValueSource* source_of(const PlannedNode& node, std::uint32_t input) {
   return found == node.inputs.end() ? nullptr : &*found;
 }
 
-/// Whether a run certainly has the dependency. Of the ways that a join waits for, some may be known to be off
-/// the path when a run plans what comes after; where the others are all ways from one state, it needs no
-/// join. Of several possible sources of a value, a run waits only for those that may still count; on one path
-/// that is the newest: `counts` tells whether a source is on the path.
+/// Whether a run certainly has the dependency. A join waits for several ways; some of them may be known to be
+/// off the path when a run plans what comes after, and where the others are all ways from one state, the run
+/// needs no join. Where a value has several possible sources, a run waits only for those that may still
+/// count; on one path that is the newest: `counts` tells whether a source is on the path.
 template <class Counts>
 bool is_certain(const PlannedNode& to, const task_network::Dependency& dependency, Counts&& counts) {
   if (dependency.reason() == task_network::Reason::Condition) return true;
@@ -163,9 +163,9 @@ bool executes(const PlannedNode& node) {
   return (node.role == Role::Action || node.role == Role::OpaqueSubtree) && node.refused.empty();
 }
 
-/// Where a node is left out because it is off the path, others wait for each other directly. So of each two
-/// conditions under which one may act although the other fails, that part of the plan is examined that is on
-/// the path under both.
+/// Where a node is left out because it is off the path, others wait for each other directly. Each pair of
+/// conditions, under which one node may act although the other fails, is examined in the part of the plan
+/// that is on the path under both.
 class CloserLook {
  public:
   CloserLook(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}

@@ -73,7 +73,7 @@ struct PlannedNode {
   std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
   std::string loops;            ///< as mission::Execution
   std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
-  /// The sources of inputs, by port. Of a Copy: the forwarded values, of which the newest that is not null
+  /// The sources of inputs, by port. A Copy has the forwarded values, of which the newest that is not null
   /// counts.
   std::vector<ValueSource> inputs;
   ValueSource error_before;

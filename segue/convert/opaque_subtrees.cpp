@@ -169,8 +169,8 @@ class Search {
            std::ranges::any_of(entry.children, [this](StateIndex child) { return races(child); });
   }
 
-  /// A state in the container that would have to wait for another one in it, since both touch the same. That
-  /// only costs time, unless it decides which state of a preemptive container ends first.
+  /// A state in the container that would have to wait for another one in it, since both touch the same. Such
+  /// a wait only costs time, unless it decides which state of a preemptive container ends first.
   [[nodiscard]] OpaqueSubtreeReason touching_the_same(StateIndex container) const {
     if (planted(ConversionFault::RacesConflict)) return {};
     StateIndex reader = kNoState;

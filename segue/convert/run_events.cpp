@@ -49,7 +49,8 @@ void RunEvents::ended(NodeId node, task_network::OutcomeId outcome, const type::
   if (is_told(node, outcome)) tell_end(node, outcome, outputs);
 }
 
-/// The inner ones first. What has lost a race has no exit that is planned, and ends with what is around it.
+/// Goes from the inner containers to the outer ones. A container that has lost a race has no exit that is
+/// planned, and ends with the one around it.
 void RunEvents::settle() {
   for (std::size_t i = begun_.size(); i-- > 0;) {
     const auto container = begun_[i];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // When containers end, and what they declare for everything in them. A node begins the container: it checks
-// the preconditions and takes the units that the container blocks, by a group lock. What is in the container
-// are members of that lock, which ends with the last of them. More members may be planned then, and take the
-// units again: whoever uses them later in program order begins after all members.
+// the preconditions and takes the units that the container blocks, by a group lock. The nodes in the
+// container are members of that lock, which ends with the last of them. More members may be planned then, and
+// take the units again: whoever uses them later in program order begins after all members.
 #include <segue/base/text.hpp>
 #include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>

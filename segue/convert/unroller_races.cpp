@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How the unroller plans preemptive containers: each of their states on a track of its own. What comes after
-// is planned once it is known which of them has ended first, and all that was running in the others has
-// ended.
+// How the unroller plans preemptive containers: each of their states on a track of its own. The nodes after
+// the container are planned once it is known which state has ended first, and all that was running in the
+// others has ended.
 #include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
 

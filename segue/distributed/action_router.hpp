@@ -38,10 +38,10 @@ class ActionRouter {
   /// present connections, take part.
   void begin_transition(const model::Network& before, const model::Network& target);
   void end_transition();
-  /// Whether a connection carries samples whenever it is there, not from commit to commit. What a new
-  /// receiver delivers begins and ends with what its sender gets on the other computer, so that no sample is
-  /// lost between the commits of both. A receiver that goes on delivers to each reader from commit to commit,
-  /// so that no sample gets to two readers of which one takes the other's place.
+  /// Whether a connection carries samples whenever it is there, not from commit to commit. A new receiver
+  /// delivers all samples that its sender gets on the other computer, so that no sample is lost between the
+  /// commits of both. A receiver that goes on delivers to each reader from commit to commit, so that no
+  /// sample gets to two readers of which one takes the other's place.
   [[nodiscard]] bool at_once(const model::Connection& connection) const;
   /// The computer as the transition in progress may use it; Unavailable where its connection is another one.
   Result<HostLink::Reached> reach(const Site& site) const;

@@ -10,10 +10,10 @@
 
 namespace segue::distributed::detail {
 
-/// Counts of samples of connections between hosts, from those of their halves. What a sender has taken since
-/// the receiver was first seen, and what no receiver delivered, counts as dropped, though some of it may be
-/// on its way. Latencies of the halves add up, without the way between the hosts. That outlives a time in
-/// which the host of a half is lost, and a half that is made anew. Not thread safe.
+/// Counts of samples of connections between hosts, from those of their halves. Samples that a sender has
+/// taken since the receiver was first seen, and that no receiver has delivered, count as dropped, though some
+/// may be on their way. Latencies of the halves add up, without the way between the hosts. The counts outlive
+/// a time in which the host of a half is lost, and a half that is made anew. Not thread safe.
 class LinkCounts {
  public:
   /// Notes one look at the connections. To be called in turn with each look, so that new connections are seen

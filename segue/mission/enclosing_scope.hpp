@@ -15,8 +15,8 @@ namespace segue::mission {
 /// The declarations of the containers around a state, which hold for everything in them. Immutable, so that
 /// states share it.
 struct EnclosingScope {
-  /// Units that a container holds from its begin to its end. What is in it uses these: they are the units of
-  /// a resource of their own, `lent`.
+  /// Units that a container holds from its begin to its end. The states in it use these units: they are those
+  /// of a resource of their own, `lent`.
   struct Held {
     std::string resource;
     std::string lent;   ///< "arm (held by fetch)"
@@ -39,7 +39,7 @@ struct ObservedNeeds {
 using ObservedNeedsPtr = std::shared_ptr<const ObservedNeeds>;
 
 /// The facts and units that an execution needs to begin and those that it changes, with the declarations
-/// around it. Of a container: its own needs only.
+/// around it. Those of a container are its own only.
 struct Needs {
   std::vector<GroundFact> preconditions;
   std::vector<GroundFact> effects;

@@ -168,8 +168,8 @@ class Globals::Pending final : public PendingChanges {
   }
 
  private:
-  /// The number of the last version by an action before this one. What those in parallel branches write may
-  /// come before or after, so it makes nothing wrong.
+  /// The number of the last version by an action before this one. Versions by actions in parallel branches
+  /// may come before or after, so they make nothing wrong.
   [[nodiscard]] std::uint64_t version(const std::string& name) const SEGUE_REQUIRES(variables_->mutex) {
     const auto found = variables_->by_name.find(name);
     const Version* last = found == variables_->by_name.end() ? nullptr : found->second.before(view_->place);

@@ -115,9 +115,10 @@ struct Library {
   friend bool operator==(const Library&, const Library&) = default;
 };
 
-/// A fact that changes by itself: it holds where the robot is like that. What relies on it is compared with
-/// the robot, and so are effects on it, which must show within `settle`. While it cannot be observed, since
-/// its task does not run, it keeps the value that was observed last, and effects change it like other facts.
+/// A fact that changes by itself: it holds while the condition `when` on the robot does. States that rely on
+/// it are checked against the robot, and so are effects on it, which must show within `settle`. While it
+/// cannot be observed, since its task does not run, it keeps the value that was observed last, and effects
+/// change it like other facts.
 struct ObservedFact {
   static constexpr Duration kSettle = std::chrono::seconds(1);
   Fact fact;  ///< without inputs

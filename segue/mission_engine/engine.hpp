@@ -122,8 +122,8 @@ class Engine {
   void wait_for_message();
 
   /// Sets the states, by their paths, before which the mission stops as by a pause, in place of those set
-  /// before. Of states that begin together, only the named ones stop before they begin. States that have
-  /// begun according to a journal are passed. NotFound, InvalidArgument. Also while stepping.
+  /// before. Where several states begin together, only the named ones stop before they begin. States that
+  /// have begun according to a journal are passed. NotFound, InvalidArgument. Also while stepping.
   Result<void> set_breakpoints(const std::vector<std::string>& paths);
 
   /// How far the held states go on, called after run() has returned Held, before its first call, or while
@@ -135,9 +135,9 @@ class Engine {
   void step_over();
   void step_out();
   void run_to(std::string path);
-  /// Goes on at that state, with the inputs that it would have now. What is under way in the innermost
-  /// running hierarchy around it is preempted; what runs beside that is not. Where the mission is held, it
-  /// stays held, before that state. Steps back end here. NotFound, InvalidArgument; Unsupported with a
+  /// Goes on at that state, with the inputs that it would have now. The innermost running hierarchy around it
+  /// preempts what it has under way; states that run beside that hierarchy go on. Where the mission is held,
+  /// it stays held, before that state. Steps back end here. NotFound, InvalidArgument; Unsupported with a
   /// journal, or where only a container of concurrent states can begin that state; InvalidState while it is
   /// being preempted.
   Result<void> go_on_at(std::string_view path);

@@ -7,8 +7,8 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
-/// Whether a breakpoint is at the state that `holder` would begin next; then everything else stops, too. What
-/// an earlier run did is done again without stopping.
+/// Whether a breakpoint is at the state that `holder` would begin next; then everything else stops, too.
+/// States that an earlier run executed are passed again without stopping.
 bool EngineCore::breaks_at(StateIndex state, const Activation& holder) const {
   if (options.journal != nullptr && replayed_count_ < options.journal->size()) return false;
   return breakpoints.has(state, [&] { return next_path(holder); });

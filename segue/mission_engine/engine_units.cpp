@@ -150,8 +150,9 @@ bool EngineCore::give_up_waiting() {
   return false;
 }
 
-/// Whether the leaf only waits until actions, which are under way, give units back. What it then takes nobody
-/// may take before. What waits for a container keeps nothing from others: the container may need it to end.
+/// Whether the leaf only waits until actions, which are under way, give units back. Then nobody else may take
+/// these units before it does. A leaf that waits for a container keeps no units from others: the container
+/// may need them to end.
 bool EngineCore::only_lacks_held(const Activation& leaf) {
   return is_in_turn(leaf) && !units.shortage(leaf.asked) && !units.wait_for_container(leaf.asked);
 }

@@ -13,7 +13,7 @@
 namespace segue::mission {
 
 struct ControllerOptions {
-  /// How often ports are read for outputs that have not come yet. What ends an action is told by the robot:
+  /// How often ports are read for outputs that have not come yet. The robot reports what ends an action:
   /// states of tasks when they change, samples when they come, every 10 ms at most; operations are called
   /// after updates of their tasks, every 10 ms at most.
   Duration period = std::chrono::milliseconds(20);

@@ -25,8 +25,8 @@ struct ScriptRobotOptions {
 };
 
 /// The robot as scripts command it (`self.robot`, docs/robot_missions.md): controllers are requested together
-/// with those of other actions, and a script whose controller is lost is preempted and aborts. What scripts
-/// ask is carried out in threads of its own. Thread safe.
+/// with those of other actions, and a script whose controller is lost is preempted and aborts. Requests of
+/// scripts are carried out in threads of this class. Thread safe.
 class ScriptRobot {
  public:
   /// One execution's rights and its use of the robot.

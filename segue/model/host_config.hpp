@@ -11,8 +11,8 @@
 
 namespace segue::model {
 
-/// The configuration file of a computer's daemon (`segue host`). What is empty has a default. Relative paths
-/// are relative to the file.
+/// The configuration file of a computer's daemon (`segue host`). Members that are empty have a default.
+/// Relative paths are relative to the file.
 struct HostConfig {
   std::string name;                   ///< what robot files call the computer
   std::string listen;                 ///< "0.0.0.0:7447"; empty: only the Unix socket

@@ -11,8 +11,8 @@
 #include <span>
 
 /// The layout of a connection between processes in shared memory. Both sides write to it, and other peers of
-/// the reader can; neither side trusts it. What one side writes it also keeps in private memory (KeptCount,
-/// SharedInput, SharedOutput), and compares.
+/// the reader can; neither side trusts it. Each side also keeps all that it writes in private memory
+/// (KeptCount, SharedInput, SharedOutput), and compares.
 namespace segue::sample_link {
 
 /// A count that one thread at a time adds to, kept in private memory and shown to the other process. Relaxed,

@@ -12,8 +12,8 @@
 
 namespace segue::task {
 
-/// A limit for how long an input may go without a sample. With one, the driver of an actuator learns that
-/// whoever commands it is gone, hangs, or cannot be reached. A member of the component, after the input:
+/// A limit for how long an input may go without a sample. By such a limit the driver of an actuator learns
+/// that whoever commands it is gone, hangs, or cannot be reached. A member of the component, after the input:
 ///
 ///   InputPort<Velocity> command_{*this, "command"};
 ///   InputTimeout timeout_{command_, "timeout", std::chrono::milliseconds(200)};

@@ -31,8 +31,8 @@ class TaskEvents {
 
     const model::TaskId id_;
     const std::weak_ptr<task::Task> task_;
-    /// One byte for each state, the latest in the lowest byte: its number + 1. Of more than eight, the oldest
-    /// are forgotten. A1: note() releases a state, take() acquires it.
+    /// One byte for each state, the latest in the lowest byte: its number + 1. It holds the latest eight;
+    /// older ones are forgotten. A1: note() releases a state, take() acquires it.
     std::atomic<std::uint64_t> states_{0};
     /// A2: acquire-release on both sides. Whoever sets it alone writes self_ and next_; take() has read both
     /// before it clears it. note() adds a state before, so whoever finds it set knows that take() sees that.

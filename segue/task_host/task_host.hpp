@@ -98,8 +98,8 @@ class TaskHost {
 
   /// The computers of the robot, where it has others than the runtime's own.
   [[nodiscard]] virtual std::vector<ComputerReport> computers() const;
-  /// Why the robot is lost, for good: another runtime commands it on other computers. What runs on this one
-  /// can still be brought to rest. Nothing: it is not lost.
+  /// Why the robot is lost, for good: another runtime commands it on other computers. Tasks on this one can
+  /// still be brought to rest. Nothing: it is not lost.
   [[nodiscard]] virtual std::optional<Error> loss() const { return std::nullopt; }
   /// A network as it runs here: with the tasks that carry samples between computers, which observe() shows,
   /// too. condensed() is the reverse. Both leave other networks as they are.

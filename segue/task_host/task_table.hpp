@@ -83,7 +83,7 @@ struct ConnectionEntry {
 };
 
 /// The tasks, processes and connections of this process. Thread safe; every function is short and calls no
-/// hook. What concerns one task takes a time that does not grow with the number of all others.
+/// hook. A function that concerns one task takes a time that does not grow with the number of all others.
 class TaskTable {
  public:
   /// NotFound, with the most similar name.

@@ -83,8 +83,9 @@ class AheadFinder {
                                [&](const Access& access) { return access.fact == fact && access.writes; });
   }
 
-  /// A dependency because of a resource says only that the other has begun. What begins has waited like what
-  /// has passed, since nodes that take units in program order never run speculatively.
+  /// A dependency because of a resource says only that the other has begun. A node that begins has waited for
+  /// all that a node which has passed has waited for, since nodes that take units in program order never run
+  /// speculatively.
   void take(const Dependency& dependency) {
     const std::uint32_t from = index(dependency.from);
     if (from < first_) return;

@@ -57,8 +57,8 @@ struct ConcurrentEngineOptions {
 /// Runs a network concurrently and speculatively, as far as its order, its resources and the predicted world
 /// allow, with the outcome of the sequential execution: the same end; unless that is a failure, the same
 /// values read, the same final world, the same resources consumed; the same order of irreversible nodes for
-/// each fact and resource. What may have been done besides where it fails: acts_ahead(). All decisions are
-/// made on the thread that calls `run`.
+/// each fact and resource. acts_ahead() tells which other nodes may have acted where it fails. All decisions
+/// are made on the thread that calls `run`.
 class ConcurrentEngine {
  public:
   /// All three must outlive the engine; `order` must cover the network.

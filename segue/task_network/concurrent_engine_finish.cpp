@@ -329,7 +329,7 @@ void ConcurrentEngine::Implementation::advance_prefix() {
   while (prefix_ < size && states_[prefix_].passed)
     ++prefix_;
   environment_.passed_before(NodeId{prefix_});
-  // Nothing before it can hold it up now. What runs and cannot run again is not held up.
+  // No node before this one can hold it up now. A run of an irreversible node is not held up anyway.
   if (prefix_ < size && !(irreversible(NodeId{prefix_}) && at(NodeId{prefix_}).phase == Phase::Running))
     work_.push_back(NodeId{prefix_});
   while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))

@@ -101,8 +101,8 @@ bool ConcurrentEngine::Implementation::settled(NodeId node) const {
 }
 
 /// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, for
-/// a strict one not even that. What is beside the network may change until all nodes before have passed; who
-/// takes units in program order has waited for them.
+/// a strict one not even that. Values beside the network may change until all nodes before have passed; a
+/// node that takes units in program order has waited for those nodes.
 bool ConcurrentEngine::Implementation::certain(NodeId node) const {
   const bool beside = at(node).reads_beside && prefix_ != index(node);
   return settled(node) && (!beside || takes_in_order(node)) && !risk_before(node);
@@ -186,8 +186,9 @@ void ConcurrentEngine::Implementation::claim(NodeId node) {
   if (!refuse_for_shortage(node) && certain(node)) preempt_for_units(node);
 }
 
-/// Once all nodes before have passed, nobody can provide what is lacking: what later nodes hold they give
-/// back, and where units come and go, later nodes have not begun. So the node aborts, as sequentially.
+/// Once all nodes before have passed, nobody can provide what is lacking: later nodes give back the units
+/// that they hold, and where units come and go, later nodes have not begun. So the node aborts, as
+/// sequentially.
 bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
   if (index(node) != prefix_ || pool_.has_granted(node)) return false;
   const auto shortage = pool_.shortage(network_.claims(node));

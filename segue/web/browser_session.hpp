@@ -25,8 +25,8 @@ using control::Role;
 ///   {"role", "robot"}                                 first,
 ///   {"document", "version", "skipped", "value" or "change" (from the version that it got before), "error"},
 ///   {"id", "result"} or {"id", "error": {"code", "message"}}.
-/// Of each document it is sent the newest version as soon as it has taken what was sent before; "skipped"
-/// says how many it missed meanwhile. So what waits for a slow browser is bounded. All functions may be
+/// It is sent the newest version of each document as soon as it has taken the one before; "skipped" says how
+/// many it missed meanwhile. So the data that wait for a slow browser are bounded. All functions may be
 /// called from any thread.
 class Session final : public Viewer, public std::enable_shared_from_this<Session> {
  public:

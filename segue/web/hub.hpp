@@ -67,7 +67,7 @@ class Hub {
   /// ResourceExhausted where too many are looked at.
   Result<void> look(const std::shared_ptr<Viewer>& viewer, const std::string& document);
   void look_away(const Viewer& viewer, const std::string& document);
-  /// From all documents. To be called before the viewer ends.
+  /// Takes the viewer off all documents. To be called before the viewer ends.
   void leave(const Viewer& viewer);
   /// Null where nobody looks at it or nothing is known yet.
   [[nodiscard]] std::shared_ptr<const Document> newest(const std::string& document) const;

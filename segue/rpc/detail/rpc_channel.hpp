@@ -56,8 +56,8 @@ class RpcChannel {
   using Begin = std::function<kj::Promise<void>(Connection&)>;
   using Failed = std::function<void(Error)>;
 
-  /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'". What
-  /// `first`, called in the loop, asks of the service travels with hello(), so that all of it takes one round
+  /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'". `first` is
+  /// called in the loop; its requests to the service travel with hello(), so that all of them take one round
   /// trip; its promise is waited for unless hello() is refused. `timeout` is for all of it: name, connection,
   /// TLS and hello.
   static Result<std::shared_ptr<RpcChannel>> open(const Endpoint& endpoint, const ServiceKind& kind,

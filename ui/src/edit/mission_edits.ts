@@ -95,8 +95,8 @@ export function renameState(text: string, mission: MissionText, state: EditedSta
 const containerValue = (text: string, container: EditedState): unknown => container.path.reduce<unknown>((value, step) => record(value)[step], parsed(text).toJS());
 
 /**
- * Into another container, or before another state of its own (null: last). What it has to do with its old siblings is
- * taken out; transitions to outcomes stay where the new container has them.
+ * Moves the state into another container, or before another state of its own (null: last). Transitions and data flows
+ * between it and its old siblings are taken out; transitions to outcomes stay where the new container has them.
  */
 export function moveState(text: string, state: EditedState, to: EditedState, before: string | null): string {
   if (state.parent && String(to.path) === String(state.parent.path)) return move(text, state.path, [...to.path, 'states'], before);

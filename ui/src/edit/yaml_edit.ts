@@ -285,7 +285,7 @@ export function add(text: string, path: Path, value: unknown): string {
   );
 }
 
-/** Takes out what is at the path. What was only for it stays empty, as {} or []. */
+/** Takes out the node at the path. A map or list that contained only that node stays empty, as {} or []. */
 export function remove(text: string, path: Path): string {
   const around = path.slice(0, -1);
   const key = path[path.length - 1] ?? '';

@@ -16,7 +16,7 @@ interface Props {
   children?: ReactNode;
 }
 
-/** A run on a canvas. What is seen follows a run that goes on, until somebody zooms or moves it. */
+/** A run on a canvas. The visible part follows a run that goes on, until somebody zooms or moves it. */
 export function GanttChart({ run, selected, onSelect, children }: Props) {
   const place = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);

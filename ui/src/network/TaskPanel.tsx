@@ -18,7 +18,10 @@ function reason(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
 }
 
-/** One property: its value as text, which is sent on Enter. What the robot says in between wins unless it is edited. */
+/**
+ * One property: its value as text, which is sent on Enter. A new value from the robot replaces the text unless somebody
+ * edits it.
+ */
 function Property({ task, name, value, fixed }: { task: string; name: string; value: Json; fixed: boolean }) {
   const connection = useConnection();
   const beside = useContext(BesideMission);

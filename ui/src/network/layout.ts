@@ -29,8 +29,8 @@ export interface Anchor {
 }
 
 /**
- * Size and ends of edges of a node for React Flow. What is said need not be measured: React Flow hides a node until it
- * has been measured, and misses that where nodes are replaced in between.
+ * Size and ends of edges of a node for React Flow. Sizes that are given need not be measured: React Flow hides a node
+ * until it has been measured, and misses that where nodes are replaced in between.
  */
 export function geometry(width: number, height: number, anchors: Anchor[]) {
   return {
@@ -192,8 +192,8 @@ function graphOf(input: LayoutInput): ElkNode {
 }
 
 /**
- * Places from left to right along the edges, and ways of the edges around them; computed in a worker. Of more than
- * mostRouted edges, those between tasks in different boxes are straight lines.
+ * Places from left to right along the edges, and ways of the edges around them; computed in a worker. With
+ * more than mostRouted edges, those between tasks in different boxes are straight lines.
  */
 export async function layOut(input: LayoutInput): Promise<Layout> {
   elk ??= new ElkApi({ workerUrl });
