@@ -68,7 +68,7 @@ std::string sentence(const Identity& identity) {
                      identity.host ? ", host" : "", moment(identity.valid_until));
 }
 
-/// --force is the way out of what is there already.
+/// Reports the error. Where files are there already, it adds the advice to use --force.
 int refused(const Context& context, Error error) {
   if (error.code == ErrorCode::AlreadyExists) error.message += "; --force replaces it";
   return failed(context, error);

@@ -152,7 +152,8 @@ void add_gantt(Verb& parent, Context& context) {
                         [options, network, &context] {
                           options->clock = "virtual";
                           options->simulate = true;
-                          // The chart is what it prints, unless it goes to a file; in JSON the run is.
+                          // In JSON it prints the run. Otherwise it prints the chart, unless that goes to a
+                          // file.
                           options->show = context.json();
                           if (options->files.svg.empty() && !context.json()) options->files.svg = "-";
                           return run_plan(*options, *network, context);

@@ -226,8 +226,8 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const remote_robo
     print_line(saving_line(seconds(saved.saved), saved.transitions));
 }
 
-/// The robot's pools carry out what is a call of one, and there are as many units as instances, unless the
-/// user has said how many.
+/// Lets the robot's pools carry out actions that are calls of pools. A pool has as many units as instances,
+/// unless the user has given another number.
 Result<void> add_pools(RunRequest& request, const mission_run::Session& plan,
                        const std::shared_ptr<remote_robot::ServedRobot>& robot,
                        const mission::ControllerOptions& how) {
@@ -351,7 +351,8 @@ bool leave(remote_robot::ServedRobot& robot, const Ran& run, const mission_run::
   return cli::is_at_rest(*rest);
 }
 
-/// The robot carries out what is a controller. The plan is made anew with what the robot can run at once.
+/// Lets the robot carry out actions that are controllers. The plan is made anew, since it depends on which
+/// controllers the robot can run at once.
 int run_on_robot(RunRequest request, const MissionOptions& options, control::RobotService& service,
                  const Context& context) {
   StopSignal signal;  // until the run has been shown

@@ -89,8 +89,8 @@ int show_mission(control::RobotService& robot, const Context& context) {
   return kDone;
 }
 
-/// Asks, and waits until `has_followed` is true of what the mission is doing. The error of what it refuses.
-/// NotFound once it has ended.
+/// Sends a request to the mission and waits until `has_followed` is true of its report. Returns the error of
+/// a request that it refuses. NotFound once it has ended.
 template <class Condition>
 Result<Value> ask(control::RobotService& robot, std::string_view what, const Value& arguments,
                   Duration timeout, Condition has_followed) {
@@ -117,7 +117,7 @@ Result<Value> ask(control::RobotService& robot, std::string_view what, const Val
   return doing;
 }
 
-/// `ended`: what a mission is called that has ended meanwhile; nothing: that is a failure.
+/// `ended`: the state to show for a mission that has ended meanwhile; empty: such an end is a failure.
 int show_state(const Result<Value>& doing, const std::string& name, const std::string& ended,
                const Context& context) {
   const bool has_ended = !doing && doing.error().code == ErrorCode::NotFound;

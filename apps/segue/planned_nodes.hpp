@@ -29,8 +29,8 @@ class PlannedNodes {
   /// Nodes that have not begun, in program order, the first `most`: those that wait for others. Nodes on ways
   /// that are not taken, as far as that is known by now, are left out. Linear in the plan.
   [[nodiscard]] std::vector<Waiting> waiting(std::size_t most) const;
-  /// Nodes on ways that are not taken, so that what began of them ahead of time is discarded. Linear in the
-  /// plan.
+  /// Nodes on ways that are not taken, so that their runs that began ahead of time are discarded. Linear in
+  /// the plan.
   [[nodiscard]] std::vector<std::string> off_path() const;
 
  private:

@@ -117,7 +117,8 @@ class Receiver final : public Link {
 
   void arrived(dds_entity_t reader, MessageRef message, dds_instance_handle_t writer) {
     if (writer != known_writer_) know(reader, writer);
-    // A writer that was lost from sight for a while sends again what it knows no acknowledgement of.
+    // A writer that was lost from sight for a while sends all samples again whose acknowledgement it has not
+    // got.
     if (message->sequence != 0 && message->sequence <= *sequence_) return;
     count_gap(message->sequence);
     if (!trusted_) {

@@ -92,7 +92,7 @@ void ArmScene::set(const Situation& situation) {
   move_to(situation.positions);
 }
 
-/// The box is one of what moves, and the fingers are as far apart as it is wide.
+/// The box moves with the hand from now on (-1: no box), and the fingers are as far apart as it is wide.
 void ArmScene::hold(std::int32_t box) {
   held_ = box;
   for (const int finger : fingers_)

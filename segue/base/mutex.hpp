@@ -15,7 +15,7 @@
 #endif
 /// Of a member: it is read and written only while that mutex is held.
 #define SEGUE_GUARDED_BY(mutex) SEGUE_THREAD_SAFETY(guarded_by(mutex))
-/// Of a pointer: what it points to is protected by that mutex.
+/// On a pointer: the object that it points to is protected by that mutex.
 #define SEGUE_POINTEE_GUARDED_BY(mutex) SEGUE_THREAD_SAFETY(pt_guarded_by(mutex))
 /// Of a function, also of a lambda (behind its parameters): the caller holds that mutex.
 #define SEGUE_REQUIRES(...) SEGUE_THREAD_SAFETY(requires_capability(__VA_ARGS__))

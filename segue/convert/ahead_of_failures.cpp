@@ -15,7 +15,7 @@ namespace {
 
 using task_network::ActsAhead;
 
-/// Nodes in the parts that are examined more closely; what would take more stays in the list.
+/// The most nodes in the parts that are examined more closely; pairs that would need more stay in the list.
 constexpr std::size_t kMostCompared = 2'000'000;
 
 /// The source of a value to which the input belongs; null for inputs that are not part of values.
@@ -48,9 +48,9 @@ bool is_certain(const PlannedNode& to, const task_network::Dependency& dependenc
   return newest != source->feeds.end() && newest->input == dependency.subject;
 }
 
-/// Whether a run certainly has a dependency because of a fact. Who makes a fact true that is known to be true
-/// already changes nothing: nobody waits for it, nor does it wait for who relies on the fact. Whether it is
-/// known depends on what else is on the path.
+/// Whether a run certainly has a dependency because of a fact. A node that makes a fact true that is known to
+/// be true already changes nothing: nobody waits for that node, nor does it wait for nodes that rely on the
+/// fact. Whether the fact is known depends on which other nodes are on the path.
 class FactOrder {
  public:
   FactOrder(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}
@@ -101,8 +101,8 @@ class FactOrder {
   const PathIndex& paths_;
 };
 
-/// The paths of an outline. A run plans no node that it knows to be off its path, so only who is on the path
-/// as well is certain to let others wait for what it waits for.
+/// The paths of an outline. A run plans no node that it knows to be off its path, so only nodes that are on
+/// the path as well are certain to let others wait for the nodes that they wait for.
 class OutlinePaths final : public task_network::Paths {
  public:
   OutlinePaths(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}

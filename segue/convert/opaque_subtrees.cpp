@@ -179,8 +179,9 @@ class Search {
     return child == kNoState ? OpaqueSubtreeReason() : OpaqueSubtreeReason{Kind::ConflictBeside, child};
   }
 
-  /// The first state in the container that touches something which stands so to what one before it touches.
-  /// `reader`: gets the first up to it that looks at all facts; the search ends there.
+  /// The first state in the container that touches something for which, together with something that a state
+  /// before it touches, `stand` is true. `reader` gets the first state up to that one that looks at all
+  /// facts; the search ends there.
   [[nodiscard]] StateIndex first_beside(StateIndex container,
                                         bool (*stand)(const Touched& a, const Touched& b),
                                         StateIndex* reader = nullptr) const {

@@ -81,8 +81,8 @@ struct ContainerExecution {
   std::shared_ptr<ContainerRun> run;  ///< itself, or that which a library or the mission is in
 };
 
-/// A state of a barrier or of a race that is being planned, for what is beside the network and for the
-/// network.
+/// The place of a state of a barrier or of a race that is being planned, both for values beside the network
+/// and for the network.
 struct BranchPlace {
   std::shared_ptr<const mission::ParallelBranch> place{};  ///< null: the mission itself
   std::uint32_t in_network = task_network::kNone;          ///< of TaskNetwork::add_parallel_branch()

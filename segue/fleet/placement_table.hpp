@@ -47,7 +47,7 @@ class PlacementTable {
   [[nodiscard]] model::TaskId name(const model::TaskId& task, const model::DeploymentKey& process) const;
   /// For every task the process of its current incarnation, all of one moment.
   [[nodiscard]] std::map<model::TaskId, model::DeploymentKey> current() const;
-  /// name() by what current() gave.
+  /// name() in a table that current() gave.
   [[nodiscard]] static model::TaskId name(const std::map<model::TaskId, model::DeploymentKey>& current,
                                           const model::TaskId& task, const model::DeploymentKey& process);
 

@@ -48,7 +48,8 @@ Globals::Variable Globals::Entry::seen_from(const Place& place) const {
   return seen->variable;
 }
 
-/// Keeps the last version, and what actions in branches beside it see, for which it does not come before.
+/// Keeps the last version, and for each branch around it the last version that actions in branches beside it
+/// see, since the last version of all does not come before those.
 void Globals::Entry::settle_before(std::uint64_t position) {
   if (const Version* last = last_before(position, [](const Version&) { return true; })) {
     std::vector<std::uint64_t> kept{last->number};

@@ -152,7 +152,7 @@ Result<Identity> Authority::enrol(const Enrolment& enrolment, const fs::path& ou
   auto identity = tls::identity_of(certificate->get());
   if (!identity) return identity;
   const std::string text = tls::to_pem(certificate->get());
-  // First what it takes to revoke it.
+  // The issued certificate is kept first, since revoking it needs that file.
   if (auto done = write_file(folder_ / kIssued / (identity->serial + ".crt"), text); !done)
     return done.error();
   if (auto made = make_folder(out); !made) return made.error();

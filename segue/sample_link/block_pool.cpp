@@ -55,7 +55,7 @@ std::uint64_t BlockPool::take(unsigned block_class) noexcept {
     unit = pop(++found);
   if (unit == kNone) unit = cut_off(found);
   if (unit == kNone) return kNone;
-  // Split what is too large; the upper parts become free.
+  // Splits a block that is too large; the upper parts become free.
   while (found > block_class) {
     --found;
     push(found, unit + bytes_of(found) / kUnit);

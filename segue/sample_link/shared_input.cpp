@@ -266,9 +266,9 @@ bool SharedInput::header_is_ours() const noexcept {
          is(header.doorbell, announced_);
 }
 
-/// Requires that it is open. Besides what this side has written, entries are counted: what it has
-/// read it holds, has returned, or the writer has taken back. Counted in this order, an entry on its way is
-/// counted twice rather than missed.
+/// Requires that it is open. It checks the words that this side has written, and counts entries: each entry
+/// that this side has read it holds or has returned, or the writer has taken it back. Counted in this order,
+/// an entry on its way is counted twice rather than missed.
 bool SharedInput::is_overwritten() noexcept {
   SharedRing& ring = **ring_;
   const std::uint64_t read = read_.get();

@@ -261,8 +261,9 @@ Damage SharedOutput::damage(TimePoint now) {
   return wrong_.is(is_overwritten(), now) || corrupt() > 0 ? Damage::Ring : Damage::None;
 }
 
-/// Besides what this side has written, samples are counted: each that went into the words was replaced, waits
-/// there, or was read. Counted in this order, one on its way is counted twice rather than missed.
+/// It checks the words that this side has written, and counts samples: each that went into the words was
+/// replaced, waits there, or was read. Counted in this order, one on its way is counted twice rather than
+/// missed.
 bool SharedOutput::is_overwritten() const noexcept {
   const std::uint64_t pushed = pushed_.load(std::memory_order_relaxed) + initial_.get();
   const std::uint64_t replaced = replaced_.load(std::memory_order_relaxed);

@@ -119,7 +119,8 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
 
   enum class Request { None, Exception, Fatal };
 
-  // First what each update uses, side by side: an update that finds it in few lines of the cache is quicker.
+  // The members that each update uses come first, side by side: an update that finds them in few lines of the
+  // cache is quicker.
   const std::shared_ptr<Executor> executor;
   const std::shared_ptr<Component> component;  ///< shared with retired implementations
   detail::Ownership ownership;                 ///< any thread

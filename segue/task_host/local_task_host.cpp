@@ -33,7 +33,7 @@ bool may_take_long(const model::Action& action) {
   return !std::holds_alternative<model::DeploymentAction>(action.what);
 }
 
-/// Connections that end with the commit: what is disconnected after it.
+/// The connections that are disconnected after the commit: they end with it.
 std::vector<model::Connection> ending_connections(const model::Transition& transition) {
   std::vector<model::Connection> ending;
   for (const auto& action : transition.actions) {

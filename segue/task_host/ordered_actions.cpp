@@ -10,7 +10,7 @@ namespace segue::task_host {
 
 namespace {
 
-/// Hosts report what is overdue themselves; only one that does not is given up.
+/// Hosts report overdue actions themselves; only a host that does not is given up.
 constexpr Duration kHostGrace = std::chrono::seconds(30);
 /// No longer chain is waited for, so that deadlines stay within the range of clocks.
 constexpr int kMostSteps = 10'000;

@@ -41,7 +41,7 @@ class Watches {
   void add(Wait wait, Look look);
   /// Something may have changed. Real-time safe, and free while nobody waits.
   void ring() noexcept;
-  /// Ends what waits; later questions end at once.
+  /// Ends all waits; later questions end at once.
   void close();
 
  private:

@@ -30,7 +30,7 @@ class Expansion {
   virtual void failed(NodeId node) { (void)node; }
   /// Whether there are races that have not been decided.
   [[nodiscard]] virtual bool races() const { return false; }
-  /// The nodes that have lost a race since the last call: what of them runs is preempted, and its end counts;
+  /// The nodes that have lost a race since the last call: those that run are preempted, and their ends count;
   /// the others are skipped (see skipped()). Asked whenever a node has ended or was appended.
   virtual std::vector<NodeId> take_lost() { return {}; }
   /// The node turned out to be off the path, or was in take_lost(), and will not end.

@@ -115,7 +115,7 @@ void ConcurrentEngine::Implementation::preempt(NodeId node) {
   work_.push_back(node);
 }
 
-/// Ends what has lost a race; false if nothing has.
+/// Ends nodes that have lost a race; false if there are none.
 bool ConcurrentEngine::Implementation::take_lost() {
   if (expansion_ == nullptr) return false;
   const std::vector<NodeId> lost = expansion_->take_lost();

@@ -73,7 +73,7 @@ bool OrderBuilder::known_to(const FactState& state, NodeId node) const {
   return false;
 }
 
-/// Whether all that the last flips may have left is the one value or what was before.
+/// Whether the last flips may only have left the one value or the value before.
 bool OrderBuilder::may_be_joined(const FactState& state) const {
   if (state.uncertain || state.now.flips == kNone) return false;
   for (std::uint32_t i = state.now.flips; i != kNone; i = members_[i].next) {

@@ -22,7 +22,7 @@ using TasksOf = std::function<wire::TaskAccess::Client(RpcChannel::Connection&)>
 class BatchClient {
  public:
   BatchClient(std::shared_ptr<RpcChannel> channel, TasksOf tasks);
-  /// Reports what has not ended as Unavailable.
+  /// Reports actions that have not ended as Unavailable.
   ~BatchClient();
   BatchClient(const BatchClient&) = delete;
   BatchClient& operator=(const BatchClient&) = delete;

@@ -21,7 +21,7 @@ class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public
  public:
   HostedRobotServer(const Caller& caller, std::shared_ptr<HostedRobot> robot)
       : TaskAccessServer(caller, robot), caller_(caller), robot_(std::move(robot)) {}
-  /// The client is gone: what it has asked for and has not begun is not wanted any more.
+  /// The client is gone: its requests that have not begun are not wanted any more.
   ~HostedRobotServer() noexcept {
     robot_->begin_no_more();
     robot_->set_listener({});
@@ -135,7 +135,7 @@ class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public
  private:
   using Events = Broadcast<task_host::HostEvent>;
 
-  /// The client does not wait for the answer to beginTransition(); what it asks next comes after that.
+  /// The client does not wait for the answer to beginTransition(); its next requests come after that.
   template <class Work>
   kj::Promise<void> in_turn(Work work) {
     return begun_.addBranch().then(std::move(work));
