@@ -161,7 +161,8 @@ void MissionRemote::heed(const control::HolderRequest& request) {
   }
 }
 
-/// The answers are looked at first: who sees that a step was followed must not see a position of before.
+/// The answers are looked at first, so that a reader which sees that a step was followed sees no position
+/// from before it.
 Value MissionRemote::steering() const {
   Value control = Value::map({});
   answers_->add_to(control.as_map());

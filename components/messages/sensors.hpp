@@ -51,8 +51,8 @@ struct Image {
 
 struct Marker {
   std::int32_t id = 0;
-  /// The pose of the marker's centre in the frame of the camera: x to the right and y downward for who reads
-  /// the marker upright, z into its surface.
+  /// The pose of the marker's centre in the frame of the camera: x to the right and y downward for a reader
+  /// of the upright marker, z into its surface.
   Pose pose;
 };
 

@@ -108,8 +108,8 @@ void Unroller::block(ContainerExecution& activation, NodeSpec& spec, const missi
     activation.memberships = std::make_shared<const std::vector<task_network::Claim>>(std::move(memberships));
 }
 
-/// The units exist as long as the plan; who takes them holds those of which they are part. Where a container
-/// inside blocks them in turn, they are taken in program order from the first user on.
+/// The units exist as long as the plan; a node that takes them holds the units of which they are part. Where
+/// a container inside blocks them in turn, they are taken in program order from the first user on.
 void Unroller::lend(const mission::EnclosingScope::Held& held) {
   task_network::ResourceRecord& lent = plan_.network_.resources[plan_.network_.resources.intern(held.lent)];
   lent.count = held.count;

@@ -168,8 +168,8 @@ bool EngineCore::is_overtaking(const Activation& leaf) {
   });
 }
 
-/// In a barrier, who uses units that come and go waits until the states before its own have begun their last
-/// use of them; with `to_the_end`, until they have ended.
+/// In a barrier, a leaf that uses units that come and go waits until the states before its own have begun
+/// their last use of them; with `to_the_end`, until they have ended.
 bool EngineCore::is_in_turn(const Activation& leaf, bool to_the_end) {
   if (!shared_.takes_in_order(leaf.state)) return true;
   const Activation* inner = &leaf;

@@ -59,8 +59,8 @@ class AheadFinder {
     }
   }
 
-  /// A node that writes a fact may turn out to leave it as it is. Then nobody waits for it because of that
-  /// fact, but for those for whom it waits because of it.
+  /// A node that writes a fact may turn out to leave it as it is. Then nobody waits for that node because of
+  /// the fact, but for the nodes for which it waits because of the fact.
   void take_those_of_fact(const Dependency& dependency) {
     std::vector<NodeId> open{dependency.from};
     while (!open.empty()) {

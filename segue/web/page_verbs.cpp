@@ -190,7 +190,7 @@ Result<Value> ask_events(const Request& request) {
   return request.robot.events(*after, Duration(0));
 }
 
-/// The newest of them.
+/// The newest transitions of the history.
 Result<Value> ask_history(const Request& request) {
   auto history = request.robot.history();
   if (!history || !history->is_list()) return history;

@@ -35,9 +35,9 @@ class Verbs {
  public:
   using Answer = std::function<void(Result<type::Value>)>;
 
-  /// At once; what is beyond is refused with ResourceExhausted.
+  /// The most calls at once; further ones are refused with ResourceExhausted.
   static constexpr std::size_t kMostCalls = 12;
-  /// Of them those of browsers that may only observe, so that they leave calls to those who operate.
+  /// The part of these for browsers that may only observe, so that they leave calls to those that operate.
   static constexpr std::size_t kMostCallsOfObservers = 8;
   /// Calls that stop the robot, beside the others: nothing keeps them waiting.
   static constexpr std::size_t kMostStops = 4;

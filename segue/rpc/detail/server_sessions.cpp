@@ -112,7 +112,7 @@ class Session {
 
   void serve() { rpc_ = kj::heap<Rpc>(*this, owner_.core_); }
 
-  /// The TLS handshake, then the service. Who is refused gets the time to read why.
+  /// The TLS handshake, then the service. A client that is refused gets the time to read why.
   kj::Promise<void> enter() {
     return secure_->handshake().then([this](Result<Identity>&& shown) -> kj::Promise<void> {
       if (!shown) {
