@@ -200,7 +200,7 @@ Result<Value> ask_history(const Request& request) {
   return history;
 }
 
-/// Of the robot's journal; it says itself what a question needs.
+/// Asks the journal of the robot, which says itself what a question needs.
 Result<Value> ask_past(const Request& request) {
   return request.robot.past(request.command.arguments());
 }
