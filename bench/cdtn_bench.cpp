@@ -122,7 +122,7 @@ void run_engine(benchmark::State& state, Kind kind) {
       static_cast<double>(network.bytes() + order.bytes() + bytes) / static_cast<double>(network.size());
 }
 
-/// Likewise, with making the network and its order.
+/// Runs a network, including the time to make it and its order.
 void run_once(benchmark::State& state, Kind kind) {
   const Graph graph(static_cast<std::uint32_t>(state.range(0)));
   for (auto _ : state) {

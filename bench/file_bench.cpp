@@ -47,8 +47,8 @@ model::Task make_task(const std::string& id) {
   return task;
 }
 
-/// As in solver_bench: a chain with a branch at every other task, ten tasks per process, 1.5 connections per
-/// task.
+/// The network of solver_bench: a chain with a branch at every other task, ten tasks per process, 1.5
+/// connections per task.
 model::Network make_network(int tasks) {
   model::Network network;
   network.name = model::NetworkName("bench");

@@ -33,7 +33,7 @@ constexpr std::array kRound = {
     "search_explore",     "goal_navigation",    "search_explore", "manipulation",    "search_explore",
     "manipulator_teleop", "goal_navigation",    "manipulation",   "goal_navigation", "manipulator_teleop",
     "manipulation",       "manipulator_teleop", "search_explore"};
-/// Of the paper's Table 6: cameras take long, other tasks tens of milliseconds.
+/// Durations from the paper's Table 6: cameras take long, other tasks tens of milliseconds.
 constexpr const char* kDurations = R"(stand_ins:
   default: {configure: 20ms, start: 3ms, stop: 8ms, cleanup: 5ms, rate: 0}
   camera_usb::Task: {configure: 150ms, start: 30ms, stop: 1.3s, cleanup: 20ms, rate: 0}

@@ -88,7 +88,7 @@ void actions(Table& table, Fleet& fleet, const DeploymentKey& process, const std
   life_cycles(table, fleet, kBatch, how, floor);
 }
 
-/// What one way of messages costs without Segue.
+/// The cost of one way of messages without Segue.
 struct Peers {
   Summary byte;
   std::optional<Summary> corba;

@@ -20,7 +20,7 @@ using model::ActionKind;
 
 constexpr std::size_t kRepeats = 100;
 constexpr std::size_t kOthers = 15;  ///< producers and consumers beside: all with all
-constexpr std::size_t kMany = 10;    ///< likewise: a hundred connections
+constexpr std::size_t kMany = 10;    ///< producers and consumers beside, all with all: a hundred connections
 
 std::vector<std::string> names(const std::string& stem, std::size_t count) {
   std::vector<std::string> made;

@@ -41,7 +41,7 @@ constexpr Duration kLong = std::chrono::seconds(60);
   std::exit(1);
 }
 
-/// Of this process: the runtime, and the mission's side of its socket.
+/// The processor time of this process: the runtime, and the mission's side of its socket.
 Duration processor_time() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);

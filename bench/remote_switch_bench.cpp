@@ -36,7 +36,8 @@ constexpr std::array kWalk = {
     "manipulator_teleop", "goal_navigation",    "manipulation",   "goal_navigation", "manipulator_teleop",
     "manipulation",       "manipulator_teleop", "search_explore"};
 
-/// What is measured: delays in one direction (there and back takes twice as long), and how many times.
+/// A condition of the measurement: delays in one direction (there and back takes twice as long), and how many
+/// times.
 struct Condition {
   milliseconds delay;
   int walks;
@@ -49,7 +50,7 @@ constexpr std::array kConditions = {Condition{milliseconds(0), 3}, Condition{mil
 /// loopback.
 class DelayedNetwork {
  public:
-  /// While this process has one thread.
+  /// To be called while this process has one thread.
   DelayedNetwork() {
     if (!TestNetwork::obstacle().empty()) return;
     std::vector<std::string> stations = {kRuntime};
@@ -82,11 +83,11 @@ class DelayedNetwork {
   std::unique_ptr<TestNetwork> network_;
 };
 
-/// What of a switch is measured: from the request to the result, then its phases.
+/// The measured parts of a switch: from the request to the result, then its phases.
 constexpr std::array kParts = {"all", "prepare", "commit", "retire"};
 using Times = std::array<Duration, kParts.size()>;
 
-/// Of each transition of the walk.
+/// The times of each transition of the walk.
 std::vector<Times> walk(runtime::Runtime& runtime) {
   std::vector<Times> times;
   for (std::size_t i = 1; i < kWalk.size(); ++i) {
@@ -97,7 +98,7 @@ std::vector<Times> walk(runtime::Runtime& runtime) {
   return times;
 }
 
-/// Of each transition the median of several walks.
+/// The median times of each transition over several walks.
 std::vector<Times> walks(runtime::Runtime& runtime, int count) {
   std::vector<std::vector<Times>> each;
   for (int i = 0; i < count; ++i)

@@ -219,7 +219,7 @@ class Rover {
         const Window window = switched_to(kWalk.at(i));
         transitions[std::string(kWalk.at(i - 1)) + " -> " + kWalk.at(i)].push_back(window);
         all_transitions.push_back(window);
-        // As long a time beside it, with the same motion.
+        // A window of the same length without a switch, with the same motion.
         std::this_thread::sleep_for(500ms);
         set_in_motion(kWalk.at(i));
         const double begin = seconds(RealClock::instance().now());
@@ -288,7 +288,7 @@ class Rover {
   bool there_ = false;
 };
 
-/// The same windows by the robot's clock.
+/// The windows with their times converted to the robot's clock.
 std::vector<Window> by_the_robots_clock(const std::vector<Update>& updates,
                                         const std::vector<Window>& windows) {
   std::vector<Window> found;

@@ -51,7 +51,7 @@ double number(const type::Value& sample, const char* field) {
   return sample.find(field)->as_double();
 }
 
-/// What a counter says of these numbers: lost and late.
+/// The counts of a counter that has noted these numbers: lost and late.
 std::pair<std::uint64_t, std::uint64_t> gaps_in(const std::vector<std::uint64_t>& numbers) {
   bench::GapCounter gaps;
   for (const std::uint64_t number : numbers)

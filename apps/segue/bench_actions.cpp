@@ -66,7 +66,8 @@ class ActionRun {
   Durations durations_;
 };
 
-/// Of actions in another process; there is none for those in this one, and none is known of another computer.
+/// Lower bounds of the times of actions in another process. Empty for actions in this process, and for those
+/// on another computer, of which no bound is known.
 struct ActionFloors {
   std::vector<double> spawn;
   std::vector<double> message;

@@ -38,7 +38,7 @@ model::Task make_producer(const ChainOptions& options) {
   return task;
 }
 
-/// Of each kind of samples, a measured chain drops what comes too fast: its latencies include no queue.
+/// A measured chain drops samples of either kind that come too fast, so that its latencies include no queue.
 model::Connection connect(const model::Task& from, const model::Task& to, const ChainOptions& options) {
   const std::string prefix = options.bytes > 0 ? "" : "fixed_";
   model::Connection connection;

@@ -26,7 +26,7 @@ struct BenchHost {
   [[nodiscard]] bool is_here() const { return address.empty(); }
 };
 
-/// What of the experiments to measure.
+/// The selection of experiments to measure.
 struct BenchSettings {
   std::vector<BenchTransport> transports{BenchTransport::Local, BenchTransport::SharedMemory,
                                          BenchTransport::Remote};

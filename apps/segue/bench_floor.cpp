@@ -120,7 +120,7 @@ class PipeChain {
     return {};
   }
 
-  /// There and back.
+  /// Sends a message through the chain and waits until it has come back.
   bool send(std::vector<char>& message) {
     return write_all(first_.get(), message.data(), message.size()) &&
            read_all(last_.get(), message.data(), message.size());

@@ -20,11 +20,11 @@ namespace segue::cli {
 Result<std::vector<double>> pipe_latencies(BenchTransport transport, std::size_t relays, std::size_t bytes,
                                            std::size_t repetitions, const std::function<bool()>& stopped);
 
-/// Until `count` new threads run.
+/// The times until `count` new threads run.
 std::vector<double> thread_starts(std::size_t count, std::size_t repetitions,
                                   const std::function<bool()>& stopped);
 
-/// Until `count` processes with the program `true` have been spawned, all at once, and have ended.
+/// The times until `count` processes with the program `true` have been spawned, all at once, and have ended.
 Result<std::vector<double>> program_runs(std::size_t count, std::size_t repetitions,
                                          const std::function<bool()>& stopped);
 

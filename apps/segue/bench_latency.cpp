@@ -14,7 +14,7 @@ namespace segue::cli {
 
 namespace {
 
-/// So slow that a sample has arrived before the next one is written, on a busy machine too.
+/// A period so long that a sample has arrived before the next one is written, on a busy machine too.
 Duration period_of(const ChainOptions& chain) {
   const bool remote = chain.transport == BenchTransport::Remote;
   const auto hops = static_cast<std::int64_t>(chain.relays) + 1;

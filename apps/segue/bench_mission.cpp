@@ -83,8 +83,8 @@ Result<void> measure_mission_cell(const MissionExperiment& experiment, MissionCe
   return {};
 }
 
-/// Measures one cell after the other into `cells`, and writes what there is after each. What was measured
-/// before a failure or an interruption stays.
+/// Measures one cell after the other into `cells`, and writes what there is after each. Measurements before a
+/// failure or an interruption stay.
 Result<void> measure_mission_cells(const MissionExperiment& experiment, std::vector<MissionCell>& cells,
                                    const std::string& folder, StopSignal& stop) {
   const auto settings = settings_of(experiment);

@@ -44,7 +44,8 @@ std::vector<MissionSetting> settings_of(const MissionExperiment& experiment);
 /// Times of a run, in seconds.
 struct MissionTimes {
   double makespan = 0;
-  /// Of a concurrent run in virtual time with the same durations of actions, where deciding takes no time.
+  /// The makespan of a concurrent run in virtual time with the same durations of actions, where deciding
+  /// takes no time.
   double ideal = 0;
 };
 
@@ -66,9 +67,9 @@ struct MissionCell {
   std::vector<MissionRun> runs;
 };
 
-/// Starts the robot afresh, runs the mission and stops the robot; blocks. That the mission fails is no
-/// error. NotFound, InvalidArgument and others where robot or mission cannot be loaded or do not have what is
-/// varied.
+/// Starts the robot afresh, runs the mission and stops the robot; blocks. A mission that fails is no error.
+/// NotFound, InvalidArgument and others where robot or mission cannot be loaded or do not have the factors
+/// that are varied.
 Result<MissionRun> run_mission_afresh(const MissionExperiment& experiment, const MissionSetting& setting,
                                       bool concurrent, std::uint64_t seed, const std::stop_token& stop);
 

@@ -62,7 +62,7 @@ ModeFigures mission_figures(const MissionCell& cell, bool concurrent, BenchClock
   return figures;
 }
 
-/// What a cell shows by one clock.
+/// The figures of a cell by one clock.
 struct CellFigures {
   ModeFigures sequential;
   ModeFigures concurrent;
@@ -147,7 +147,7 @@ std::string mission_table(const MissionExperiment& experiment, const std::vector
 std::string mode_name(bool concurrent) {
   return concurrent ? "concurrent" : "sequential";
 }
-/// As `segue mission run --mode` has it.
+/// The name of the mode, as in `segue mission run --mode`.
 std::string mode_key(bool concurrent) {
   return concurrent ? "concurrent" : "sequential";
 }
@@ -217,7 +217,7 @@ type::Value run_value(const MissionRun& run) {
   return value;
 }
 
-/// As RFC 4180 has it.
+/// The text as a field of CSV (RFC 4180).
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -245,7 +245,7 @@ std::string csv_of_missions(const MissionExperiment& experiment, const std::vect
   return text;
 }
 
-/// Of the cell's runs in that mode that were timed.
+/// The makespans of the cell's timed runs in that mode.
 std::vector<double> makespans_of(const MissionCell& cell, bool concurrent, BenchClock clock) {
   std::vector<double> makespans;
   for (const MissionRun& run : cell.runs) {
@@ -256,8 +256,8 @@ std::vector<double> makespans_of(const MissionCell& cell, bool concurrent, Bench
   return makespans;
 }
 
-/// By the first factor, whose values count as 1, 2, ... where one is not a number; a line for each mode and
-/// setting of the others.
+/// Makespans over the first factor, whose values count as 1, 2, ... where one is not a number; a line for
+/// each mode and setting of the others.
 draw::Chart chart_of_missions(const MissionExperiment& experiment, const std::vector<MissionCell>& cells) {
   const MissionFactor& first = experiment.factors.front();
   const BenchClock clock = has_robot_clock(cells) ? BenchClock::Robot : BenchClock::Wall;

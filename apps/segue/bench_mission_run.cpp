@@ -21,7 +21,7 @@ namespace {
 using mission_run::RunMode;
 using mission_run::RunRequest;
 
-/// What of a setting concerns the robot, and what the mission.
+/// A setting, divided into changes of the robot and inputs of the mission.
 struct DealtOut {
   model::RobotChanges robot;
   type::ValueMap inputs;
@@ -136,7 +136,7 @@ Result<double> ideal_makespan(const mission_run::Session& plan, RunRequest reque
   return seconds((*run)->overview().makespan);
 }
 
-/// What a run has taken by both clocks.
+/// Adds the times of a run by both clocks.
 Result<void> take_times(MissionRun& measured, const mission_run::Session& plan, const RunRequest& request,
                         const MissionTrace& trace, const RobotClock* clock, TimePoint begin, TimePoint end) {
   const auto wall = ideal_makespan(plan, request, trace, seconds_at);

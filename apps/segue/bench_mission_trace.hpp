@@ -28,8 +28,8 @@ class RobotClock {
 
   /// Reads once more, and no more.
   void stop();
-  /// After stop(): the robot's time, interpolated between two samples; before the first one as in that.
-  /// Nothing where none came, and then error() says why.
+  /// The robot's time at `when`, interpolated between two samples; before the first sample, the time in that
+  /// one. Nothing where no sample came; then error() says why. Requires stop().
   [[nodiscard]] std::optional<double> at(TimePoint when) const;
   [[nodiscard]] const std::string& error() const { return error_; }
 
@@ -52,8 +52,8 @@ class MissionTrace {
 
   /// How long no action was under way between `begin` and `end`.
   [[nodiscard]] Duration idle(TimePoint begin, TimePoint end) const;
-  /// Repeats the run: each execution takes as long as it did on the clock, and ends as it did. What was not
-  /// executed takes as long as expected. `time`: the seconds on a clock.
+  /// Repeats the run: each execution takes as long as it did on the clock, and ends as it did. Executions
+  /// that did not happen take as long as expected. `time`: the seconds on a clock.
   [[nodiscard]] std::shared_ptr<mission::ActionRunner> replay(
       const std::function<double(TimePoint)>& time) const;
 
@@ -73,8 +73,9 @@ class MissionTrace {
   mutable Mutex mutex_;  ///< protects what follows
   std::vector<Open> open_ SEGUE_GUARDED_BY(mutex_);
   std::vector<std::pair<TimePoint, TimePoint>> under_way_ SEGUE_GUARDED_BY(mutex_);
-  /// By path, in the order in which their iterations ended first. Of several with one iteration the last,
-  /// which is the one that counts. Modes and loops count iterations in different ways.
+  /// The executions of each path, in the order in which their iterations ended first. Of several executions
+  /// with one iteration it keeps the last, which is the one that counts. Modes and loops count iterations in
+  /// different ways.
   std::map<std::string, std::vector<Execution>> executions_ SEGUE_GUARDED_BY(mutex_);
 };
 

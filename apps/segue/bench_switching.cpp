@@ -112,7 +112,7 @@ Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, cons
   return {};
 }
 
-/// What a chain is exchanged for: the other relays, and whether they are prepared before.
+/// An exchange of a chain: the relays that replace its own, and whether they are prepared before.
 struct ExchangeKind {
   Exchange which;
   std::string name;

@@ -57,7 +57,7 @@ class Checker {
   [[nodiscard]] const std::vector<std::string>& shallow() const { return shallow_; }
 
  private:
-  /// What could be read of a network file.
+  /// The parts of a network file that could be read.
   struct Parts {
     model::Network network;
     bool complete = false;

@@ -28,11 +28,11 @@ class CheckedMissions {
  public:
   explicit CheckedMissions(const std::vector<std::string>& libraries) : libraries_(libraries) {}
 
-  /// Reads and validates the file, and compiles its scripts; blocks. With `robot`, what the mission asks of
-  /// it too.
+  /// Reads and validates the file, and compiles its scripts; blocks. With `robot` it also checks all that the
+  /// mission asks of that robot.
   void check(const std::filesystem::path& file, Diagnostics& diagnostics,
              const RobotControllers* robot = nullptr);
-  /// What may happen, for people.
+  /// Prints the states that may act or sense ahead, for people.
   void print() const;
   /// The fields of `diagnostics`, `ahead` and `senses_ahead`.
   [[nodiscard]] type::Value to_value(const Diagnostics& diagnostics) const;

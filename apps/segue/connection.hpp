@@ -36,12 +36,12 @@ Result<Address> resolve(control::RobotService& robot, std::string_view text, std
 std::vector<std::string> controller_names(const type::Value& status);
 std::vector<std::string> task_names(const type::Value& status);
 
-/// Who sets, calls or writes; `beside` what whoever commands the robot is doing.
+/// The sender of a command; `beside`: it may be carried out although somebody else commands the robot.
 control::Sender sender_of(std::string_view verb, bool beside);
 /// --beside-mission, for such verbs.
 void add_beside_option(Verb& verb, bool& beside);
 
-/// Who sends a request, for the journal: "segue switch (pid 12, uid 1000)".
+/// The sender of a request, for the journal: "segue switch (pid 12, uid 1000)".
 std::string sender(std::string_view verb);
 
 inline TimePoint deadline_in(Duration duration) {

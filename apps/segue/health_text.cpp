@@ -16,14 +16,15 @@ std::string health_state(const Value& status) {
   return health == nullptr ? std::string() : text_at(*health, "state");
 }
 
-/// The state of the runtime, unless something is wrong with the robot: nothing that is half dead is "idle".
+/// The state of the runtime, or of the robot where something is wrong with it: a robot with broken parts is
+/// not "idle".
 std::string state_text(const Value& status) {
   const std::string health = health_state(status);
   if (health == "lost") return coloured(Colour::Red, "lost");
   return health == "in_trouble" ? coloured(Colour::Red, "in trouble") : text_at(status, "state");
 }
 
-/// What is missing, since when, why, and what repairs it.
+/// The robot's troubles: each with its time, its reason and its repair.
 std::string troubles_text(const Value& status) {
   const Value* health = status.find("health");
   std::string text;

@@ -10,8 +10,8 @@
 
 namespace segue::cli {
 
-/// What a robot did, in the order in which it happened: missions and their actions, and transitions with
-/// "kind": "transition". The latest `limit` of the journal, oldest first, as JSON.
+/// The events of a robot, in the order in which they happened: missions and their actions, and transitions
+/// with "kind": "transition". The latest `limit` of the journal, oldest first, as JSON.
 Result<type::Value::List> what_happened(journal::JournalReader& reader, std::size_t limit);
 
 /// One of these as a line without its time: "patrol/there asked for go_to".

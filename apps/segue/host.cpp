@@ -101,7 +101,7 @@ Result<std::optional<control::TcpPlace>> tcp_place(const model::HostConfig& conf
   return std::optional(control::TcpPlace{std::move(*address), std::move(*credentials)});
 }
 
-/// What the daemon says once it serves.
+/// Prints the daemon's name and addresses once it serves.
 void announce(const model::HostConfig& config, const std::filesystem::path& socket, std::uint16_t port,
               const Context& context) {
   const int pid = ::getpid();

@@ -68,7 +68,7 @@ std::string sentence(const Identity& identity) {
                      identity.host ? ", host" : "", moment(identity.valid_until));
 }
 
-/// --force is the way out of what is there already.
+/// Reports the error. Where files are there already, it adds the advice to use --force.
 int refused(const Context& context, Error error) {
   if (error.code == ErrorCode::AlreadyExists) error.message += "; --force replaces it";
   return failed(context, error);
@@ -89,7 +89,7 @@ std::string present_host() {
   return text.substr(0, text.find('.'));
 }
 
-/// What init issues: the user's and, unless told otherwise, the host's.
+/// The certificates that init issues: the user's and, unless told otherwise, the host's.
 Result<std::vector<control::Enrolment>> first_enrolments(const CertificateOptions& options) {
   std::vector<control::Enrolment> all{{.name = present_user(), .role = control::Role::Administer}};
   if (options.no_host) return all;
@@ -181,7 +181,8 @@ int enrol(const CertificateOptions& options, const Context& context) {
   return kDone;
 }
 
-/// This user's own copy of the list, where it is of this authority, so that only the others must be copied.
+/// Renews this user's own copy of the list, if it is of this authority, so that only the other copies must be
+/// replaced by hand.
 Result<void> renew_own_list(const fs::path& authority) {
   const auto own = control::credentials_folder();
   if (!own) return {};

@@ -26,7 +26,7 @@ using type::Value;
 /// How long a host may take to answer.
 constexpr Duration kPatience = std::chrono::seconds(5);
 
-/// What one host says, or why it says nothing.
+/// The answer of one host, or the reason why there is none.
 struct Answer {
   model::Host host;
   std::optional<Error> error;

@@ -86,7 +86,7 @@ void add_mode_option(Verb& verb, MissionOptions& options) {
       .one_of({"sequential", "concurrent"});
 }
 
-/// How a run that can be resumed is recorded, and what becomes of one that was interrupted.
+/// Options for a run that records a journal, and for one that resumes an interrupted run.
 void add_journal_options(Verb& runner, MissionOptions& options, const Option& steps_back) {
   const Option journal =
       runner.option("--journal FILE", options.journal, "record the run, so that it can be resumed")
@@ -152,7 +152,8 @@ void add_gantt(Verb& parent, Context& context) {
                         [options, network, &context] {
                           options->clock = "virtual";
                           options->simulate = true;
-                          // The chart is what it prints, unless it goes to a file; in JSON the run is.
+                          // In JSON it prints the run. Otherwise it prints the chart, unless that goes to a
+                          // file.
                           options->show = context.json();
                           if (options->files.svg.empty() && !context.json()) options->files.svg = "-";
                           return run_plan(*options, *network, context);

@@ -25,7 +25,7 @@ class MissionProgress {
     None,
     Block,      ///< rewritten, at most ten times a second
     Lines,      ///< a line on standard error for each event
-    Events,     ///< likewise on standard output
+    Events,     ///< a line on standard output for each event
     JsonEvents  ///< a line of JSON for each event on standard output
   };
   /// `plan`: what is known of it in advance, empty if nothing. `with_time`: in real time.

@@ -17,8 +17,8 @@ namespace {
 using mission_run::RunControl;
 using type::Value;
 
-/// How often a mission hears what it shall do. What it does is reported as often, and as soon as it has
-/// followed a request.
+/// The period in which a mission hears requests to it and reports what it does; it also reports as soon as it
+/// has followed a request.
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
 
 RunControl::Step step_called(const std::string& how) {
@@ -161,7 +161,8 @@ void MissionRemote::heed(const control::HolderRequest& request) {
   }
 }
 
-/// The answers are looked at first: who sees that a step was followed must not see a position of before.
+/// The answers are looked at first, so that a reader which sees that a step was followed sees no position
+/// from before it.
 Value MissionRemote::steering() const {
   Value control = Value::map({});
   answers_->add_to(control.as_map());

@@ -26,8 +26,9 @@ namespace segue::cli {
 class MissionRemote {
  public:
   enum class PlanDetail { States, Whole };
-  /// What the mission will do (draw::shown_plan): its states are told in the beginning, so that a mission
-  /// that has ended can still be shown; the whole, which takes longer to make, when somebody wants to see it.
+  /// The plan of the mission (draw::shown_plan): its states are reported at the beginning, so that a mission
+  /// that has ended can still be shown; the whole plan, which takes longer to make, when somebody wants to
+  /// see it.
   using Plan = std::function<type::Value(PlanDetail)>;
 
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
@@ -37,14 +38,14 @@ class MissionRemote {
   MissionRemote(const MissionRemote&) = delete;
   MissionRemote& operator=(const MissionRemote&) = delete;
 
-  /// Of the run. From any thread.
+  /// Takes an event of the run. Any thread may call it.
   void observe(const mission::StateEvent& event);
-  /// The run has ended, `error` says why it aborted. What it did is in the robot's journal once this is
+  /// The run has ended, `error` says why it aborted. Its actions are in the robot's journal once this is
   /// destroyed, as far as the robot could be reached.
   void ended(std::string_view outcome, std::string_view error);
 
  private:
-  /// What became of what the mission was asked for.
+  /// The answers to the requests that the mission got.
   class Answers {
    public:
     void heard(std::uint64_t number, const Result<void>& outcome);

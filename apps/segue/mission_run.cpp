@@ -108,7 +108,7 @@ MissionProgress::Style style_of(const MissionOptions& options, const Context& co
   return errors_are_terminal() ? Style::Block : Style::Lines;
 }
 
-/// What is known before the run of what waits for what: nothing of a mission that runs sequentially.
+/// The plan of the run as it is known before; empty for a mission that runs sequentially.
 draw::Diagram known_plan(const mission_run::Session& plan, const RunRequest& request) {
   if (request.mode != RunMode::Concurrent) return {};
   mission_run::ConvertRequest wanted;
@@ -142,7 +142,7 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const mission_run::Sessio
   return plan.run(request, stop);
 }
 
-/// Also one that is stepped, which is asked for through a robot.
+/// Whether the run needs a robot; one that is stepped does, too, since the steps are requested through it.
 bool needs_robot(const mission_run::Session& plan, const MissionOptions& options) {
   if (plan.program() == nullptr) return false;
   const bool is_stepped = !options.breakpoints.empty() || options.steps_back;
@@ -226,8 +226,8 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const remote_robo
     print_line(saving_line(seconds(saved.saved), saved.transitions));
 }
 
-/// The robot's pools carry out what is a call of one, and there are as many units as instances, unless the
-/// user has said how many.
+/// Lets the robot's pools carry out actions that are calls of pools. A pool has as many units as instances,
+/// unless the user has given another number.
 Result<void> add_pools(RunRequest& request, const mission_run::Session& plan,
                        const std::shared_ptr<remote_robot::ServedRobot>& robot,
                        const mission::ControllerOptions& how) {
@@ -351,7 +351,8 @@ bool leave(remote_robot::ServedRobot& robot, const Ran& run, const mission_run::
   return cli::is_at_rest(*rest);
 }
 
-/// The robot carries out what is a controller. The plan is made anew with what the robot can run at once.
+/// Lets the robot carry out actions that are controllers. The plan is made anew, since it depends on which
+/// controllers the robot can run at once.
 int run_on_robot(RunRequest request, const MissionOptions& options, control::RobotService& service,
                  const Context& context) {
   StopSignal signal;  // until the run has been shown

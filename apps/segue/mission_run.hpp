@@ -17,7 +17,7 @@
 
 namespace segue::cli {
 
-/// What mostly matters to concurrent runs.
+/// Options that mostly matter to concurrent runs.
 struct NetworkOptions {
   std::string order = "epoch";
   std::uint64_t seed = 0;
@@ -49,17 +49,17 @@ struct MissionOptions {
   std::size_t look_ahead = 3;  ///< controllers of a robot that are kept prepared
 };
 
-/// The options for what is in NetworkOptions.
+/// Adds the options of NetworkOptions.
 void add_network_options(Verb& verb, NetworkOptions& options);
 /// --libraries
 void add_library_option(Verb& verb, MissionOptions& options);
 
-/// What --input says: "NAME=VALUE", the value as in YAML; of two with one name the last. InvalidArgument,
-/// ParseError.
+/// The inputs that --input options name: "NAME=VALUE", the value as in YAML; of two with one name the last
+/// counts. InvalidArgument, ParseError.
 Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts);
 
-/// The robot carries out what of the mission is a controller or a call of a pool, and is what observed facts
-/// are compared with. There are as many units of a pool as instances, unless the request has said how many.
+/// Lets the robot carry out actions that are controllers or calls of pools, and compares observed facts with
+/// it. A pool has as many units as instances, unless the request has given another number.
 Result<void> run_by_robot(mission_run::RunRequest& request, const mission_run::Session& plan,
                           const std::shared_ptr<remote_robot::ServedRobot>& robot,
                           const mission::ControllerOptions& how);

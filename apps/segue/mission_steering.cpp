@@ -40,7 +40,7 @@ std::vector<std::string> texts_at(const Value& map, std::string_view key) {
   return texts;
 }
 
-/// What the mission that commands the robot is doing. NotFound where none does.
+/// The report of the mission that commands the robot. NotFound where none does.
 Result<Value> mission_of(control::RobotService& robot) {
   auto status = robot.status();
   if (!status) return status.error();
@@ -89,8 +89,8 @@ int show_mission(control::RobotService& robot, const Context& context) {
   return kDone;
 }
 
-/// Asks, and waits until `has_followed` is true of what the mission is doing. The error of what it refuses.
-/// NotFound once it has ended.
+/// Sends a request to the mission and waits until `has_followed` is true of its report. Returns the error of
+/// a request that it refuses. NotFound once it has ended.
 template <class Condition>
 Result<Value> ask(control::RobotService& robot, std::string_view what, const Value& arguments,
                   Duration timeout, Condition has_followed) {
@@ -117,7 +117,7 @@ Result<Value> ask(control::RobotService& robot, std::string_view what, const Val
   return doing;
 }
 
-/// `ended`: what a mission is called that has ended meanwhile; nothing: that is a failure.
+/// `ended`: the state to show for a mission that has ended meanwhile; empty: such an end is a failure.
 int show_state(const Result<Value>& doing, const std::string& name, const std::string& ended,
                const Context& context) {
   const bool has_ended = !doing && doing.error().code == ErrorCode::NotFound;
@@ -162,7 +162,7 @@ int ask_state(control::RobotService& robot, const std::string& what, const std::
   return show_state(doing, text_at(*now, "mission"), ended, context);
 }
 
-/// It counts as stopped when the robot is at rest.
+/// Stops the mission; it counts as stopped when the robot is at rest.
 int stop_mission(control::RobotService& robot, const SteeringOptions& options, const Context& context) {
   const TimePoint deadline = deadline_in(options.timeout);
   const auto now = mission_of(robot);
@@ -209,7 +209,8 @@ int go_on_at(control::RobotService& robot, const SteeringOptions& options, const
                     context);
 }
 
-/// Those given are added to those that are set, or with `clear` taken away; none with `clear`: all.
+/// The breakpoints to be set: the given ones are added to those that are set, or with `clear` removed from
+/// them; none given with `clear`: all are removed.
 std::vector<std::string> wanted_breakpoints(std::vector<std::string> set, const SteeringOptions& options) {
   const auto& given = options.paths;
   const auto is_given = [&](const std::string& path) {

@@ -31,12 +31,12 @@ class Option {
 
   Option one_of(const std::vector<std::string>& choices) const;
   Option between(std::size_t lowest, std::size_t highest) const;
-  /// Of a duration.
+  /// Limits an option whose value is a duration.
   Option between(Duration lowest, Duration highest) const;
   /// `problem` returns what is wrong with a value, or nothing.
   Option check(std::function<std::string(const std::string&)> problem) const;
 
-  /// After the parse: whether the command line has it.
+  /// Whether the command line has the option; after the parse.
   [[nodiscard]] bool given() const;
 
  private:
@@ -85,10 +85,10 @@ class Verb {
   Result<bool> parse(int count, char** arguments);
 
   [[nodiscard]] std::string name() const;
-  /// With the verbs around it: "segue mission run".
+  /// The name with the verbs around it: "segue mission run".
   [[nodiscard]] std::string full_name() const;
   [[nodiscard]] std::string description() const;
-  /// Those that are not hidden, in the order in which they were added.
+  /// The verbs that are not hidden, in the order in which they were added.
   [[nodiscard]] std::vector<const Verb*> verbs() const;
   /// Null where it has no such verb.
   [[nodiscard]] const Verb* find(const std::string& name) const;

@@ -29,16 +29,16 @@ bool errors_are_terminal();
 /// Control characters are escaped as by printable(), but for what coloured() and kClearScreen wrote.
 void print(std::string_view text);
 void print_line(std::string_view text);  ///< with a line end, flushed
-/// To standard error, with control characters escaped; and a line end.
+/// Writes the text, with control characters escaped, and a line end to standard error.
 void print_error_line(std::string_view text);
-/// A file's content: unchanged into a pipe or a file, as print() to a terminal.
+/// Writes a file's content to standard output: unchanged into a pipe or a file, as print() to a terminal.
 void print_content(std::string_view text);
 /// Whether nobody reads standard output any more (its pipe or terminal is closed); waits for that at most
 /// `limit`. Verbs that follow something wait with it, since what is not printed to cannot report its end.
 bool reader_leaves_within(Duration limit);
-/// To the file, or to standard output by print_content() if `file` is empty. With --format json standard
-/// output gets JSON in any case: the content as a value, {"text": ...} of a drawing, or {"file": ...}.
-/// Returns the exit status.
+/// Writes to the file, or to standard output by print_content() if `file` is empty. With --format json
+/// standard output gets JSON in any case: the content as a value, {"text": ...} of a drawing, or {"file":
+/// ...}. Returns the exit status.
 int write_or_print(const Context& context, const std::string& file, std::string_view text);
 void print_json(const type::Value& value);
 /// One value a line, flushed: for streams.
@@ -60,8 +60,8 @@ int exit_status(const Error& error);
 int failed(const Context& context, const Error& error);
 
 double seconds(Duration duration);
-/// "1.25 ms", "3.2 s": three digits, for tables.
-/// The number at `key` of a map, 0 where there is none; likewise text.
+/// The number at `key` of a map, 0 where there is none; the text there, or ""; the list there, or an empty
+/// one.
 double number_at(const type::Value& map, std::string_view key);
 std::string text_at(const type::Value& map, std::string_view key);
 const type::Value::List& list_at(const type::Value& map, std::string_view key);

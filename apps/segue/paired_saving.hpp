@@ -8,19 +8,19 @@
 /// Statistics of measurements in pairs.
 namespace segue::cli {
 
-/// The same thing done in two ways under equal conditions, such as with the same seed.
+/// Measurements of one task done in two ways under equal conditions, such as with the same seed.
 struct MeasuredPair {
   double before = 0;  ///< above 0
   double after = 0;
 };
 
-/// What is saved of `before`: 0.2 is a fifth, below 0 is a loss.
+/// The saved share of `before`: 0.2 is a fifth, below 0 is a loss.
 struct PairedSaving {
   std::size_t pairs = 0;
   double mean = 0;                   ///< of the savings of the pairs
   std::optional<double> half_width;  ///< of the 95 % confidence interval; nothing below two pairs
 };
-/// With Student's t for paired samples, which also holds for few pairs if their savings are about normally
+/// Uses Student's t for paired samples, which also holds for few pairs if their savings are about normally
 /// distributed.
 PairedSaving paired_saving(std::span<const MeasuredPair> pairs);
 

@@ -11,13 +11,14 @@
 
 namespace segue::cli {
 
-/// What of a plan has begun and ended, and hence what waits for what. One thread at a time.
+/// The nodes of a plan, which of them have begun and ended, and hence which wait for which. One thread at a
+/// time.
 class PlannedNodes {
  public:
   /// An empty diagram where nothing is known in advance.
   explicit PlannedNodes(draw::Diagram plan);
 
-  /// By the node's name, with its iteration where that is not the first ("dig#2").
+  /// `name` is the node's name, with its iteration where that is not the first ("dig#2").
   void began(const std::string& name);
   void ended(const std::string& name, const std::string& outcome);
 
@@ -28,8 +29,8 @@ class PlannedNodes {
   /// Nodes that have not begun, in program order, the first `most`: those that wait for others. Nodes on ways
   /// that are not taken, as far as that is known by now, are left out. Linear in the plan.
   [[nodiscard]] std::vector<Waiting> waiting(std::size_t most) const;
-  /// Nodes on ways that are not taken, so that what began of them ahead of time is discarded. Linear in the
-  /// plan.
+  /// Nodes on ways that are not taken, so that their runs that began ahead of time are discarded. Linear in
+  /// the plan.
   [[nodiscard]] std::vector<std::string> off_path() const;
 
  private:

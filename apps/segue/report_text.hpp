@@ -10,7 +10,7 @@
 
 #include "command.hpp"
 
-/// What a robot reports, as text: transitions, their outcomes, and events.
+/// Reports of a robot as text: transitions, their outcomes, and events.
 namespace segue::cli {
 
 /// The empty network where a name is expected, as for `segue switch` and `segue diff`.
@@ -19,7 +19,7 @@ inline constexpr std::string_view kEmptyNetwork = "empty";
 /// A transition as text: a summary, the actions of each phase, the counts.
 std::string describe(const model::Transition& transition);
 
-/// The same from the JSON of `diff`, as a running robot sends it.
+/// A transition as text, from the JSON of `diff` that a running robot sends.
 std::string describe_transition(const type::Value& transition);
 
 /// "explore -> manual: done, 12 actions in 3.1 ms (commit 1.2 ms)"

@@ -171,7 +171,7 @@ int serve(EmbeddedRobot& robot, const RunOptions& options, StopSignal& stop, con
   const auto socket = control::socket_path(robot.robot().name);
   if (!socket) return failed(context, socket.error());
   runtime::RuntimeService service(runtime, &robot.files(), [&stop] { stop.request("asked to end"); });
-  // Before the server accepts requests of others.
+  // Requested before the server accepts requests of others.
   std::future<runtime::SwitchResult> first;
   if (!options.controller.empty()) first = runtime.request(model::NetworkName(options.controller));
   const auto server = control::Server::listen(*socket, &service);

@@ -28,9 +28,10 @@ void add_page_and_trace(Verb& verb, RunFiles& files);
 /// Whether the file can be written as far as that can be known. NotFound, PermissionDenied, InvalidArgument
 /// where it is not a file.
 Result<void> check_writable(const std::string& file);
-/// Likewise all of a run, before it. InvalidArgument also where two are the same.
+/// Whether all files of a run can be written; to be called before it. NotFound, PermissionDenied,
+/// InvalidArgument where one is not a file or two are the same.
 Result<void> check(const RunFiles& files);
-/// After it. Blocks.
+/// Writes all files of a run; to be called after it. Blocks.
 Result<void> write(const RunFiles& files, const draw::Gantt& gantt);
 
 }  // namespace segue::cli

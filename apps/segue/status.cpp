@@ -54,20 +54,21 @@ std::string status_heading(const Value& status) {
                      state_text(status));
 }
 
-/// Who holds the lease.
+/// The holder of the lease, as a line.
 std::string commander_text(const Value& status) {
   const std::string who = text_at(status, "commanded_by");
   return who.empty() ? who : fmt::format("commanded by: {}\n", printable(who));
 }
 
-/// That another runtime has got the robot.
+/// The loss of the robot to another runtime, as text; empty: it is not lost.
 std::string loss_text(const Value& status) {
   std::string why = text_at(status, "lost");
   if (why.empty()) return why;
   return coloured(Colour::Red, "lost: " + printable(why)) + "\nonly `segue run --take-over` gets it back\n";
 }
 
-/// That it was halted since it was commanded last, or is stopped until it is released.
+/// The halt of the robot since it was commanded last, and a stop until it is released, as text; empty:
+/// neither.
 std::string halt_text(const Value& status) {
   std::string text;
   if (const Value* halt = status.find("halt"); halt != nullptr && halt->is_map()) {
@@ -83,7 +84,8 @@ std::string halt_text(const Value& status) {
   return text.empty() ? text : coloured(Colour::Red, printable(text));
 }
 
-/// What the files of the robot have to do with what runs: nothing to say if they are what was loaded.
+/// The differences between the robot's files and the network that runs; empty if it runs what was loaded and
+/// the files have not changed since.
 std::string files_text(const Value& status) {
   const std::string controller = text_at(status, "controller");
   const std::string version = text_at(status, "version");

@@ -25,7 +25,7 @@ class StopSignal {
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
-  /// From any thread: has the effect of a signal.
+  /// Has the effect of a signal. Any thread may call it.
   void request(const std::string& reason);
   /// Blocks until there is a reason to end, or until `deadline`. Returns the reason.
   std::optional<std::string> wait(std::optional<TimePoint> deadline);

@@ -49,7 +49,7 @@ Result<web::PageFiles> page_of(const StudioOptions& options) {
   return web::PageFiles::read(*folder);
 }
 
-/// Those of this host, where other computers may come.
+/// The credentials of this host, if other computers may connect.
 Result<std::optional<control::Credentials>> credentials_of(const StudioOptions& options) {
   if (options.listen.empty()) return std::optional<control::Credentials>();
   const auto folder = options.credentials.empty() ? control::credentials_folder()

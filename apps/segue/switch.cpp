@@ -155,8 +155,8 @@ void suggest_controllers(control::RobotService& robot, const std::string& contro
     print_note(names.empty() ? "the robot has no controllers" : "the robot's controllers: " + listed(names));
 }
 
-/// As the robot is asked for it: "empty", where the robot has no controller of that name, and "-" are the
-/// empty network, as for `segue diff`.
+/// The name by which the robot is asked for the network: "empty", where the robot has no controller of that
+/// name, and "-" are the empty network, like for `segue diff`.
 std::string name_for(control::RobotService& robot, const std::string& said) {
   if (said == "-") return {};
   if (said != kEmptyNetwork) return said;

@@ -7,14 +7,14 @@
 
 namespace segue {
 
-/// What a deployment process has been given before it is known which one it will be.
+/// The parts of a deployment process that are made before it is known which process it will be.
 struct PreparedProcess {
   std::shared_ptr<sample_link::SharedMemory> memory;  ///< of the usual size; null: none yet
 };
 
-/// Makes what takes longest between a fork and the first answer: shared memory of the usual size, prefaulted,
-/// and the memory of the tasks' log. Starts no thread. What fails is left out, and deployment_process() says
-/// why.
+/// Makes the parts that take longest between a fork and the first answer: shared memory of the usual size,
+/// prefaulted, and the memory of the tasks' log. Starts no thread. A part that fails is left out, and
+/// deployment_process() says why.
 PreparedProcess prepare_deployment_process();
 
 /// Runs a deployment process with the descriptors that it inherits, and returns its exit status (both as in

@@ -17,7 +17,7 @@ bool has_omniorb();
 /// A byte there and back. To be called while this process has no threads.
 std::optional<Summary> byte_there_and_back(Way way, std::size_t repeat);
 
-/// From posix_spawn of a small program (/bin/true) to its end.
+/// The time from posix_spawn of a small program (/bin/true) to its end.
 Summary bare_spawn(std::size_t repeat);
 
 }  // namespace bench

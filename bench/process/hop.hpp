@@ -18,7 +18,8 @@ struct HopCase {
 /// before each. An error that says why if the transport failed or lost samples.
 segue::Result<Summary> latency(Transport& transport, const HopCase& wanted);
 
-/// Throughput with a few samples in flight: the time per sample, over several batches. Fails likewise.
+/// Throughput with a few samples in flight: the time per sample, over several batches. An error that says why
+/// if the transport failed or lost samples.
 segue::Result<Summary> throughput(Transport& transport, const HopCase& wanted);
 
 /// A table of transports, each compared with the first that is measured, which is the floor.

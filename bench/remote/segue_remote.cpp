@@ -77,7 +77,7 @@ std::unique_ptr<Writer> open_remote(const Route& route, std::size_t bytes) {
   return std::make_unique<LoanWriter<T>>(socket, bytes);
 }
 
-/// Receiver -> reader, likewise.
+/// Receiver -> reader: the former in a process of its own.
 template <class T>
 void read_remote(const Route& route, const End& end) {
   enter(route.reader);

@@ -23,7 +23,7 @@ class Hosts {
  public:
   explicit Hosts(const std::vector<Site>& sites);
 
-  /// As a robot file names them, reached over TCP and TLS, or by their Unix sockets.
+  /// The hosts as a robot file names them, reached over TCP and TLS, or by their Unix sockets.
   [[nodiscard]] segue::runtime::HostEntries over_tcp() const;
   [[nodiscard]] segue::runtime::HostEntries over_unix_sockets() const;
 

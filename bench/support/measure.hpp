@@ -26,7 +26,7 @@ Summary summarise(std::vector<Duration> durations);
 
 /// Durations of `work`, repeated `repeats` times after a few runs that are not counted.
 Summary measure(std::size_t repeats, const std::function<void()>& work);
-/// The same, with a preparation before each repetition that is not timed.
+/// Durations of `work`, with a preparation before each repetition that is not timed.
 Summary measure(std::size_t repeats, const std::function<void()>& prepare, const std::function<void()>& work);
 
 /// Waits without occupying a processor: looks every 50 us.

@@ -31,7 +31,7 @@ class GapCounter {
   }
   /// Numbers below the newest that have not arrived.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
-  /// Those that arrived after a newer one.
+  /// Numbers that arrived after a newer one.
   [[nodiscard]] std::uint64_t late() const { return late_; }
 
  private:

@@ -17,7 +17,7 @@ struct Sample {
   std::vector<std::uint8_t> payload;
 };
 
-/// The same with a payload of fixed size, so that it is copied as bytes.
+/// A sample with a payload of fixed size, so that it is copied as bytes.
 struct FixedSample {
   std::uint64_t sequence = 0;
   std::int64_t stamp = 0;

@@ -55,7 +55,7 @@ class Entity {
   dds_entity_t entity_ = 0;
 };
 
-/// What Sender and Receiver have in common.
+/// The base of Sender and Receiver.
 class Link : public segue::task::Component {
  protected:
   /// `direction` of the one dynamic port, named `port`.

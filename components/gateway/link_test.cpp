@@ -106,8 +106,8 @@ Peer receiving(const std::string& topic, const std::string& policy = "data", int
   return Peer({"receive", std::to_string(kDomain), topic, name_of<T>(), policy, std::to_string(size)});
 }
 
-/// As a robot waits for both halves: of what is sent before the receiver knows the sender, the first samples
-/// would be lost.
+/// Waits until both halves have found each other, as a robot does: the first samples that are sent before the
+/// receiver knows the sender would be lost.
 bool have_matched(Running& sender, Peer& receiver) {
   return sender.has_matched(1) && eventually([&] { return receiver.count("matched") > 0; });
 }

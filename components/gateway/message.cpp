@@ -18,7 +18,7 @@ namespace {
 
 /// Smaller blocks are the allocator's business.
 constexpr std::size_t kLeastKept = 256UL << 10U;
-/// Of all blocks that are kept.
+/// The most bytes of all blocks together that are kept.
 constexpr std::size_t kMostKept = 256UL << 20U;
 
 struct Free {
@@ -75,7 +75,7 @@ const Message& message_of(const ddsi_serdata* data) {
   return *static_cast<const Message*>(data);
 }
 
-/// What C code calls must not throw; nullptr means that the sample is lost.
+/// Makes a message without throwing, since C code calls this; nullptr means that the sample is lost.
 Message* make_message(const ddsi_sertype* type, ddsi_serdata_kind kind, std::size_t size) noexcept {
   try {
     return new Message(*type, kind, size);
@@ -241,7 +241,7 @@ Block::Block(std::size_t size) {
     data_ = static_cast<std::byte*>(::operator new(wanted));
     capacity_ = wanted;
   }
-  // What fills the last word travels as well.
+  // The padding of the last word is sent as well.
   std::memset(data_ + wanted - 4, 0, 4);
 }
 

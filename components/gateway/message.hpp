@@ -20,7 +20,7 @@ namespace gateway {
 /// The messages of one writer that Cyclone still holds: those that a reader has not acknowledged yet. Any
 /// thread.
 struct Unacknowledged {
-  std::atomic<std::uint64_t> messages{0};
+  std::atomic<std::uint64_t> messages{0};  ///< a statistic: it grows before the message is passed on
 
   /// Messages that this thread has freed since the last call, or since it freed messages of other writers.
   /// For the callback that tells that a reader has left: the thread that calls it has freed, just before,
@@ -46,7 +46,7 @@ class Block {
 
 /// One sample as CDR with its encapsulation header. Reference counted by Cyclone.
 struct Message : ddsi_serdata {
-  /// With room for `size` bytes, which the caller writes. May throw std::bad_alloc.
+  /// Makes room for `size` bytes, which the caller writes. May throw std::bad_alloc.
   Message(const ddsi_sertype& message_type, ddsi_serdata_kind message_kind, std::size_t message_size);
   Message(const Message&) = delete;
   Message& operator=(const Message&) = delete;

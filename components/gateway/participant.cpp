@@ -63,11 +63,10 @@ std::string general(const Settings& settings) {
                                 element("FragmentSize", kFragmentSize));
 }
 
-/// Large samples are what the defaults are not made for. The system limits the buffers of sockets
-/// (net.core.rmem_max); fragments that find them full are asked for soon, and sent again as many as are
-/// missing. Heartbeats ask for acknowledgements, which a Sender of a buffer waits for before it stops; at
-/// Cyclone's own 100 ms that would be most of what a switch takes. There are none while nothing is to be
-/// acknowledged.
+/// The defaults are not made for large samples. The system limits the buffers of sockets (net.core.rmem_max);
+/// fragments that find them full are asked for soon, and sent again as many as are missing. Heartbeats ask
+/// for acknowledgements, which a Sender of a buffer waits for before it stops; at Cyclone's own 100 ms that
+/// would be most of what a switch takes. There are none while nothing is to be acknowledged.
 std::string internal() {
   constexpr std::string_view kSocketBuffers =
       "<SocketReceiveBufferSize min=\"default\" max=\"16MiB\"/>"
@@ -78,7 +77,7 @@ std::string internal() {
                                  element("MaxQueuedRexmitMessages", "4096"));
 }
 
-/// What Cyclone says while the participant is created, and afterwards to the log.
+/// Collects the messages of Cyclone while the participant is created; afterwards they go to the log.
 class Words {
  public:
   static Words& instance() {

@@ -28,10 +28,11 @@ class AnyOutput final : public OutputPortBase {
   using OutputPortBase::publish;
 };
 
-/// Writes what arrives from a topic to `out`, decoded into the memory where readers find it, in the thread in
-/// which Cyclone receives it: another thread would cost a wake-up for each sample. A lock keeps that to one
-/// thread at a time, and to the time between on_start and on_stop. What arrives before waits by policy. The
-/// task's own thread does nothing but operations, so all Receivers of a process share one.
+/// Writes the samples that arrive from a topic to `out`, decoded into the memory where readers find it, in
+/// the thread in which Cyclone receives it: another thread would cost a wake-up for each sample. A lock keeps
+/// that to one thread at a time, and to the time between on_start and on_stop. Samples that arrive before
+/// on_start wait by policy. The task's own thread does nothing but operations, so all Receivers of a process
+/// share one.
 class Receiver final : public Link {
  public:
   Receiver() : Link(Direction::Output, "out") {
@@ -116,7 +117,8 @@ class Receiver final : public Link {
 
   void arrived(dds_entity_t reader, MessageRef message, dds_instance_handle_t writer) {
     if (writer != known_writer_) know(reader, writer);
-    // A writer that was lost from sight for a while sends again what it knows no acknowledgement of.
+    // A writer that was lost from sight for a while sends all samples again whose acknowledgement it has not
+    // got.
     if (message->sequence != 0 && message->sequence <= *sequence_) return;
     count_gap(message->sequence);
     if (!trusted_) {
@@ -138,7 +140,7 @@ class Receiver final : public Link {
   void know(dds_entity_t reader, dds_instance_handle_t writer) {
     known_writer_ = writer;
     dds_builtintopic_endpoint_t* endpoint = ::dds_get_matched_publication_data(reader, writer);
-    // It may be gone already; its samples are checked as all others are.
+    // The writer may be gone already; its samples are checked as all others are.
     trusted_ = endpoint == nullptr || !differs(*endpoint);
     WriterId id{};
     if (endpoint == nullptr) {

@@ -96,7 +96,7 @@ class Sender final : public Link {
     return {};
   }
 
-  /// What a reader that leaves has not acknowledged counts as lost, though it may have arrived.
+  /// Samples that a reader has not acknowledged when it leaves count as lost, though they may have arrived.
   void matched(const dds_publication_matched_status_t& status) {
     const std::uint64_t freed = unacknowledged_->take_freed_here();
     if (status.current_count_change < 0) lost_ += freed;

@@ -7,7 +7,8 @@
 
 namespace gateway {
 
-/// All counted since the task was configured. What was taken from `in` is sent + refused.
+/// All counted since the task was configured. sent + refused is the number of samples that were taken from
+/// `in`.
 struct SenderStatistics {
   std::uint64_t sent = 0;  ///< samples that Cyclone DDS took
   std::uint64_t refused =
@@ -19,8 +20,8 @@ struct SenderStatistics {
   std::uint64_t mismatched = 0;      ///< readers now that have the topic but another type
 };
 
-/// All counted since the task was configured. What a Sender sent, from the first sample on that arrived, is
-/// received + corrupt + lost, here or there.
+/// All counted since the task was configured. received + corrupt + lost is the number of samples that a
+/// Sender sent, from the first sample on that arrived, be they lost here or there.
 struct ReceiverStatistics {
   std::uint64_t received = 0;    ///< samples that arrived whole
   std::uint64_t refused = 0;     ///< of those received: a connection of `out` had no room

@@ -12,7 +12,7 @@
 
 namespace manipulation {
 
-/// Of a chain of joints, by KDL. create() allocates, nothing else does. One thread at a time.
+/// Kinematics of a chain of joints, by KDL. create() allocates, nothing else does. One thread at a time.
 class ArmKinematics {
  public:
   static constexpr int kMostJoints = 16;
@@ -30,7 +30,7 @@ class ArmKinematics {
   /// The pose of the tip in the frame of the base. Requires one position for each joint.
   [[nodiscard]] messages::Pose tip(std::span<const double> positions) const;
   /// Linear, then angular velocity of the tip for velocities of the joints, all in the frame of the base.
-  /// Requires as above.
+  /// Requires one position for each joint.
   [[nodiscard]] Jacobian jacobian(std::span<const double> positions) const;
 
  private:

@@ -30,7 +30,7 @@ bool BoxQp::solve(const Matrix& H, const Vector& g, const Vector& lower, const V
   return false;
 }
 
-/// Of the free variables; zero for the others.
+/// The step of the free variables to the minimum; zero for the others.
 BoxQp::Vector BoxQp::step_to_minimum(const Matrix& H, const Vector& gradient) const {
   const Eigen::Index size = gradient.size();
   std::array<Eigen::Index, kMost> free{};
@@ -55,7 +55,7 @@ BoxQp::Vector BoxQp::step_to_minimum(const Matrix& H, const Vector& gradient) co
   return step;
 }
 
-/// As far along `step` as the limits allow; the variable that meets its limit first stays there.
+/// Moves `x` along `step` as far as the limits allow; the variable that meets its limit first stays there.
 void BoxQp::move(const Vector& step, const Vector& lower, const Vector& upper, Vector& x) {
   double share = 1;
   Eigen::Index blocking = -1;

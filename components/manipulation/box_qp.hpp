@@ -21,7 +21,7 @@ class BoxQp {
   /// from one control cycle to the next, and leaves the solution there. False if it had to give up: x then is
   /// the best that was found.
   bool solve(const Matrix& H, const Vector& g, const Vector& lower, const Vector& upper, Vector& x);
-  /// That the last solve() needed.
+  /// The number of steps of the last solve().
   [[nodiscard]] int steps() const { return steps_; }
 
  private:

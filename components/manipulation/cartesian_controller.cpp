@@ -62,7 +62,7 @@ class CartesianController final : public Component {
     const PoseError error = error_between(pose_, compose(goal, *offset_));
     const double distance = error.translation.norm();
     const double angle = error.rotation.norm();
-    // What has been reached stays so while it swings a little.
+    // A target that has been reached stays so while the tool swings a little.
     const double slack = reached_ ? 2 : 1;
     reached_ = distance <= slack * *tolerance_ && angle <= slack * *angle_tolerance_;
     set_state(reached_ ? "reached" : "reaching");

@@ -48,7 +48,8 @@ class CommandSplitter final : public Component {
 
   void on_stop() override { write({}); }
 
-  /// A vehicle has two velocities: what it takes, the arm does not get where both are controlled.
+  /// A vehicle has two velocities only. Where both are controlled, the arm does not get those that the
+  /// vehicle takes.
   void write(const messages::Twist& twist) {
     messages::Twist2D drive;
     messages::Twist arm;

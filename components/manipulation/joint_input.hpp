@@ -33,10 +33,10 @@ class JointInput {
     }
     return sample_ && now - arrived_ <= timeout;
   }
-  /// These require that read() was true.
+  /// These functions require that read() was true.
   [[nodiscard]] double time() const { return sample_->time; }
   [[nodiscard]] std::span<const double> positions() const { return sample_->positions; }
-  /// Of one joint; 0 where the driver does not know.
+  /// The velocity of one joint; 0 where the driver does not know it.
   [[nodiscard]] double velocity(std::size_t joint) const {
     return joint < sample_->velocities.size() && std::isfinite(sample_->velocities[joint])
                ? sample_->velocities[joint]

@@ -72,7 +72,8 @@ class JointPathFollower final : public Component {
 
   void on_cleanup() override { timing_.reset(); }
 
-  /// Of a path that came before anything was known of the arm, that is not checked yet.
+  /// Begins the path. False, and the path is refused: the arm is too far from where it begins. follow() could
+  /// not check that where the path came before the first sample of the joints.
   bool begin() {
     begins_ = false;
     begin_ = time_;
@@ -89,7 +90,7 @@ class JointPathFollower final : public Component {
   [[nodiscard]] bool arrived() const {
     return time_ - begin_ >= timing_->duration() && distance(command_.positions) <= *tolerance_;
   }
-  /// Of the joint that is farthest from there.
+  /// The distance of the joint that is farthest from `positions`.
   [[nodiscard]] double distance(const std::vector<double>& positions) const {
     double farthest = 0;
     for (std::size_t joint = 0; joint < measured_.size(); ++joint)

@@ -109,8 +109,8 @@ class CruiseSearch {
     return direction_ * remaining_at(direction_ * speed) >= 0;
   }
 
-  /// The border between what `holds` for, at `low`, and what it does not, at `high`; from the side where it
-  /// does.
+  /// The border between the speeds for which `holds` is true, such as `low`, and those for which it is false,
+  /// such as `high`; from the side where it is true.
   template <class Holds>
   static double bisect(double low, double high, Holds holds) {
     constexpr int kHalvings = 60;

@@ -7,7 +7,7 @@
 /// Motions of one joint with bounded jerk. Real-time safe; any thread.
 namespace manipulation {
 
-/// Of one joint, in rad (or m) and seconds.
+/// The state of one joint, in rad (or m) and seconds.
 struct JointMotion {
   double position = 0;
   double velocity = 0;
@@ -34,20 +34,21 @@ class JointProfile {
   JointProfile() = default;
   explicit JointProfile(const JointMotion& start) : start_(start) {}
 
-  /// To a velocity in the shortest time, then on with it. Velocities between the present and the wanted one
-  /// only, but for what the present acceleration makes unavoidable.
+  /// A motion to a velocity in the shortest time, which then goes on with it. Its velocities lie between the
+  /// present and the wanted one, but for what the present acceleration makes unavoidable.
   static JointProfile to_velocity(const JointMotion& start, double velocity, const MotionLimits& limits);
-  /// To rest at a position, over a phase of constant velocity. Its duration is the shortest of such motions
-  /// whose cruising velocity does not exceed the limit and grows from zero (or very close to it; see the
-  /// source). Keeps the limits that `start` keeps; what exceeds them is brought back first.
+  /// A motion to rest at a position, over a phase of constant velocity. Its duration is the shortest of such
+  /// motions whose cruising velocity does not exceed the limit and grows from zero (or very close to it; see
+  /// the source). Keeps the limits that `start` keeps; what exceeds them is brought back first.
   static JointProfile to_position(const JointMotion& start, double position, const MotionLimits& limits);
-  /// The same in `duration` seconds, or in to_position()'s duration if that is longer.
+  /// A motion like that of to_position(), but in `duration` seconds, or in to_position()'s duration if that
+  /// is longer.
   static JointProfile to_position_within(const JointMotion& start, double position,
                                          const MotionLimits& limits, double duration);
 
-  /// From its beginning until it is at rest or at its final velocity, s.
+  /// The time from its beginning until it is at rest or at its final velocity, s.
   [[nodiscard]] double duration() const;
-  /// `time` seconds after its beginning.
+  /// The motion `time` seconds after its beginning.
   [[nodiscard]] JointMotion at(double time) const;
 
  private:

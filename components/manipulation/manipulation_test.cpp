@@ -325,7 +325,7 @@ class TeleOperation : public Arm {
     arm.connect(arm.output("splitter", "arm"), vehicle.tip);
     arm.start("splitter");
   }
-  /// What comes out 20 ms after the mouse has said this.
+  /// Moves the mouse and reads the outputs 20 ms later.
   void move(const messages::Twist& twist) {
     vehicle.mouse.write(twist);
     arm.advance(std::chrono::milliseconds(20));
@@ -439,7 +439,7 @@ TEST_F(Camera, UsesThePoseFromWhichTheImageWasTaken) {
   const Pose first = tip();
   for (int i = 0; i < 100; ++i) {
     hand.write({.time = 0, .positions = {}, .velocities = std::vector<double>(7, 0.3)});
-    // What the joints were at the beginning of this step is what the camera sees.
+    // The camera sees the joints as they were at the beginning of this step.
     const double time = arm.seconds();
     arm.step();
     images.push_back({time, seen_from(tip())});

@@ -137,7 +137,7 @@ class FastestPass {
     return speed;
   }
 
-  /// What can be reached at `index` from the speed at the neighbour.
+  /// Limits the speed at `index` to the highest that can be reached from the speed at the neighbour.
   void limit(std::size_t index, std::size_t neighbour, double length) {
     double acceleration = 1e6;
     const double squared = speeds_[neighbour] * speeds_[neighbour];
@@ -215,7 +215,7 @@ std::vector<double> averages(const std::vector<Point>& dense, const FastestPass&
   return set_points;
 }
 
-/// By how much the motion must become slower to keep all limits; at most 1: not at all.
+/// The factor by which the motion must become slower to keep all limits; at most 1 where it keeps them.
 double excess_of(const std::vector<double>& set_points, std::span<const JointLimits> limits, double period) {
   const std::size_t joints = limits.size();
   double excess = 0;
@@ -247,7 +247,8 @@ segue::Result<PathTiming> PathTiming::make(const std::vector<std::vector<double>
   const double passed = pass.times().back();
   if (!(passed < kLongest)) return refusal("to follow this path takes more than ten minutes");
 
-  // What averages do to the limits is an estimate for accelerations that change at once and often.
+  // The excess over the limits after averaging can only be estimated for accelerations that change at once
+  // and often, so it is measured.
   PathTiming made(limits.size(), options.period);
   double stretch = 1;
   double excess = 1;

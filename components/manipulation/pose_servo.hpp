@@ -3,13 +3,13 @@
 
 #include "../messages/geometry.hpp"
 
-/// From poses to velocities that lead there. Real-time safe; any thread.
+/// Computes velocities that lead to a pose. Real-time safe; any thread.
 namespace manipulation {
 
 using messages::Pose;
 using messages::Twist;
 
-/// Whether it consists of finite numbers and has an orientation, of whatever length.
+/// Whether the pose consists of finite numbers and has an orientation, of whatever length.
 [[nodiscard]] bool is_usable(const Pose& pose);
 
 /// `inner`, given in the frame of `outer`, in the frame in which `outer` is given.

@@ -70,7 +70,7 @@ bool Trajectory::move_to(std::span<const double> positions) {
   return true;
 }
 
-/// With this velocity to the end of the joint's range, where it stops.
+/// A motion with this velocity to the end of the joint's range, where it stops.
 JointProfile Trajectory::towards_end(std::size_t joint, double velocity) const {
   const JointLimits& limits = limits_[joint];
   const double wanted = std::clamp(velocity, -limits.motion.velocity, limits.motion.velocity);

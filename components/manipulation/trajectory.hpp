@@ -38,8 +38,8 @@ class Trajectory {
   /// All joints arrive at their positions, at rest, at the same time. Positions are limited to the joints'
   /// ranges. False, and no change, unless there is a finite position for each joint.
   [[nodiscard]] bool move_to(std::span<const double> positions);
-  /// Each joint takes on its velocity, and stops where its range ends. Velocities are limited as well.
-  /// False as above.
+  /// Each joint takes on its velocity, and stops where its range ends. Velocities are limited as well. False,
+  /// and no change, unless there is a finite velocity for each joint.
   [[nodiscard]] bool move_with(std::span<const double> velocities);
   /// Comes to rest as soon as the limits allow.
   void stop();

@@ -14,10 +14,9 @@ namespace manipulation {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// What stands between every controller and the joints: whatever is commanded, and when, the set points keep
-/// the limits of the joints. Without commands the arm stays where it is, and comes to rest where nobody is
-/// connected that could command it. The task that takes over from it
-/// goes on with its motion.
+/// Stands between every controller and the joints: whatever is commanded, and when, the set points keep the
+/// limits of the joints. Without commands the arm stays where it is, and comes to rest where nobody is
+/// connected that could command it. The task that takes over from it goes on with its motion.
 class TrajectoryGenerator final : public Component {
  public:
   TrajectoryGenerator() {
@@ -114,7 +113,7 @@ class TrajectoryGenerator final : public Component {
     return std::clamp(time - before, 0.0, kLongestUpdate);
   }
 
-  /// From where the arm is.
+  /// Begins from the positions and velocities that the arm has.
   void begin() {
     std::array<JointMotion, kMostJoints> motions{};
     for (std::size_t i = 0; i < trajectory_->size(); ++i)

@@ -24,7 +24,7 @@ struct JointDescription {
   double velocity = 1.0;                                  ///< rad/s or m/s, at most
 };
 
-/// What a joint may do, for the generation of trajectories.
+/// The limits of a joint, for the generation of trajectories.
 struct JointLimit {
   double lower = -3.1;        ///< rad or m; -.inf and .inf for joints that turn endlessly
   double upper = 3.1;         ///< rad or m
@@ -33,7 +33,7 @@ struct JointLimit {
   double jerk = 30.0;         ///< rad/s^3 or m/s^3
 };
 
-/// What one trajectory generator hands over to the next.
+/// The state that one trajectory generator hands over to the next.
 struct TrajectoryState {
   std::vector<double> positions;
   std::vector<double> velocities;

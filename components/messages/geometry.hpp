@@ -6,9 +6,9 @@
 
 #include <vector>
 
-/// What the components of mobile robots and arms say to each other. Lengths in metres, angles in radians,
-/// `time` in seconds of the robot's clock. Frames are right-handed: x forward, y to the left, z upward; those
-/// of cameras: x to the right, y downward, z forward.
+/// Messages between the components of mobile robots and arms. Lengths in metres, angles in radians, `time` in
+/// seconds of the robot's clock. Frames are right-handed: x forward, y to the left, z upward; those of
+/// cameras: x to the right, y downward, z forward.
 namespace messages {
 
 /// A pose in a plane; theta is measured counterclockwise from the x axis.

@@ -26,7 +26,7 @@ class RecentSamples {
   }
   void clear() { count_ = 0; }
   [[nodiscard]] bool empty() const { return count_ == 0; }
-  /// These require that it is not empty.
+  /// These functions require that it is not empty.
   [[nodiscard]] const Sample& oldest() const { return sample(0); }
   [[nodiscard]] const Sample& newest() const { return sample(count_ - 1); }
 

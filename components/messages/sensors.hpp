@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-/// What sensors and joints report, and what joints are told. Units and frames: geometry.hpp.
+/// Messages from sensors and joints, and commands to joints. Units and frames: geometry.hpp.
 namespace messages {
 
 /// The joints of one group, in the order of its driver. Vectors are empty where the driver does not know.
@@ -51,12 +51,12 @@ struct Image {
 
 struct Marker {
   std::int32_t id = 0;
-  /// Of the centre of the marker, in the frame of the camera: x to the right and y downward for who reads the
-  /// marker upright, z into its surface.
+  /// The pose of the marker's centre in the frame of the camera: x to the right and y downward for a reader
+  /// of the upright marker, z into its surface.
   Pose pose;
 };
 
-/// What was seen in one image; no markers where none was.
+/// The markers that were seen in one image; empty where none was.
 struct Markers {
   double time = 0;
   std::vector<Marker> markers;

@@ -24,12 +24,13 @@ class ClearanceMap {
   /// Requires fits().
   void update(const messages::OccupancyGrid& grid);
 
-  /// Of the grid of the last update(); width and height are 0 before.
+  /// The frame of the grid of the last update(); width and height are 0 before the first.
   [[nodiscard]] const GridFrame& frame() const { return frame_; }
   /// Metres from the centre of the cell to that of the nearest occupied one; 0: occupied; kNothingNear where
   /// no cell of the map is occupied.
   [[nodiscard]] float clearance(std::size_t index) const { return clearance_[index]; }
-  /// The same between the centres of cells, interpolated; kNothingNear outside of the map and at its edge.
+  /// The clearance in metres at a point between the centres of cells, interpolated; kNothingNear outside of
+  /// the map and at its edge.
   [[nodiscard]] double clearance_at(Point point) const;
   [[nodiscard]] bool known(std::size_t index) const { return known_[index] != 0; }
   [[nodiscard]] std::size_t most_cells() const { return clearance_.size(); }
@@ -41,7 +42,7 @@ class ClearanceMap {
   GridFrame frame_;
   std::vector<float> clearance_;
   std::vector<std::uint8_t> known_;
-  /// Of one row: the squared distances in columns, and the lower envelope of parabolas.
+  /// Memory for the work on one row: the squared distances in columns, and the lower envelope of parabolas.
   std::vector<double> square_;
   std::vector<double> border_;
   std::vector<int> vertex_;

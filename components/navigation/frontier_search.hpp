@@ -39,8 +39,8 @@ class FrontierSearch {
   /// drive.
   [[nodiscard]] bool worth_while(const ClearanceMap& map, const Pose2D& place,
                                  const FrontierSettings& settings) const;
-  /// Frontiers whose goals are closer than visit_radius to this place are not offered any more. Of more than
-  /// 256 such places the oldest are forgotten.
+  /// Frontiers whose goals are closer than visit_radius to this place are not offered any more. The oldest of
+  /// more than 256 such places are forgotten.
   void give_up(const Pose2D& place);
   /// Forgets the places that were given up.
   void reset() { given_up_count_ = 0; }

@@ -134,7 +134,7 @@ TEST_F(Navigation, ExploresTwoRoomsThenDrivesToAGoalAndTouchesNothing) {
   EXPECT_GT(closest, kVehicleRadius);
 }
 
-/// The same with odometry that is wrong, and a task that corrects it.
+/// A vehicle whose odometry is wrong, with a task that corrects it.
 class WrongOdometry : public Navigation {
  protected:
   WrongOdometry() : Navigation("localization") {

@@ -27,9 +27,9 @@ class OccupancyMap {
   [[nodiscard]] const GridFrame& frame() const { return frame_; }
   /// Forgets everything.
   void clear();
-  /// Enters a scan that was taken at `sensor`. Of each scan a cell takes one measurement: what a beam ended
-  /// in is not emptied by another that grazes it. Beams shorter than the scanner's minimum are ignored; those
-  /// that met nothing empty the cells up to the shortest of the maximum ranges.
+  /// Enters a scan that was taken at `sensor`. A cell takes one measurement of each scan: a cell in which a
+  /// beam ended is not emptied by another beam that grazes it. Beams shorter than the scanner's minimum are
+  /// ignored; those that met nothing empty the cells up to the shortest of the maximum ranges.
   void integrate(const messages::LaserScan& scan, const Pose2D& sensor);
   /// Percent, or -1 for cells that nothing is known of or that lie outside.
   [[nodiscard]] std::int8_t occupancy(Cell cell) const;

@@ -85,7 +85,7 @@ class PathPlanner final : public Component {
     report(problem);
   }
 
-  /// What has not arrived yet is no reason to give up.
+  /// Whether the pose or the map has not arrived yet, which is no reason to give up.
   static bool is_waiting(PlanProblem problem) {
     return problem == PlanProblem::NoPose || problem == PlanProblem::NoMap;
   }

@@ -9,7 +9,7 @@ namespace navigation {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// m, added to the radius: what is driven differs a little from what was wanted.
+/// m, added to the radius: the path that is driven differs a little from the one that was wanted.
 constexpr double kSideMargin = 0.02;
 
 /// The speed from which `distance` suffices to stop, if the present speed lasts for another `step`.

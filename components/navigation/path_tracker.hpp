@@ -28,7 +28,7 @@ struct TrackerSettings {
   double lookahead = 0.4;        ///< m along the path to the point that is driven at
   double turn_on_spot = 0.9;     ///< rad; farther away from its heading it turns before it drives
   double tolerance = 0.08;       ///< m; how close to the end of the path it has arrived
-  double angle_tolerance = 0.1;  ///< rad; likewise, from the heading of the last pose
+  double angle_tolerance = 0.1;  ///< rad; how close to the heading of the last pose it has arrived
   bool final_heading = true;     ///< whether it turns to the heading of the last pose
 };
 
@@ -67,7 +67,7 @@ class PathTracker {
   /// the settings do not change.
   messages::Twist2D update(const Pose2D& pose, std::span<const Point> obstacles,
                            const TrackerSettings& settings, double step);
-  /// The same where pose or obstacles are not known: brakes.
+  /// The velocity to command for the next `step` seconds where pose or obstacles are not known: brakes.
   messages::Twist2D brake(const TrackerSettings& settings, double step);
   /// Forgets path and velocity: the vehicle stands.
   void reset();

@@ -15,7 +15,7 @@ struct Point {
   double y = 0;
 };
 
-/// The same angle, from -pi to pi.
+/// The angle, wrapped to the range from -pi to pi.
 inline double wrapped(double angle) {
   return std::remainder(angle, 2 * M_PI);
 }

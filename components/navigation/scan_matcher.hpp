@@ -12,7 +12,7 @@ namespace navigation {
 
 struct MatchSettings {
   double window = 0.25;        ///< m to either side of the guess that is searched
-  double angle_window = 0.15;  ///< rad, likewise
+  double angle_window = 0.15;  ///< rad to either side of the guess that is searched
   double sharpness = 0.1;      ///< m: a beam that ends this far from what is occupied counts half
   double guess_weight = 0.05;  ///< how much worse a pose at the edge of the window is, so that it is not left
                                ///< for nothing, as along a corridor
@@ -32,7 +32,8 @@ class ScanMatcher {
   explicit ScanMatcher(std::size_t most_points);
 
   /// The pose of the sensor at which the scan was taken, close to `guess`. Nothing if fewer than ten beams
-  /// can be used. Of scans with more beams than the constructor was told, every second, third ... is used.
+  /// can be used. It uses every second, third ... beam of scans with more beams than the constructor was
+  /// told.
   std::optional<Match> match(const ClearanceMap& map, const messages::LaserScan& scan, const Pose2D& guess,
                              const MatchSettings& settings);
 

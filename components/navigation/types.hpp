@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-/// What the components of this folder report. Units and frames: messages/geometry.hpp.
+/// Reports of the components of this folder. Units and frames: messages/geometry.hpp.
 namespace navigation {
 
 /// Why there is no path.

@@ -25,7 +25,7 @@ Eigen::Matrix3d matrix_of(const mjtNum* matrices, std::ptrdiff_t object) {
 segue::Result<std::unique_ptr<ArmScene>> ArmScene::create() {
   auto model = rover::load_rover_model();
   if (!model) return std::move(model.error());
-  // As the simulation does: MuJoCo's own handler would write a file.
+  // Drops MuJoCo's warnings, as the simulation does: its own handler would write a file.
   mju_user_warning = [](const char*) {};
   return std::unique_ptr<ArmScene>(new ArmScene(std::move(*model)));
 }
@@ -92,7 +92,7 @@ void ArmScene::set(const Situation& situation) {
   move_to(situation.positions);
 }
 
-/// The box is one of what moves, and the fingers are as far apart as it is wide.
+/// The box moves with the hand from now on (-1: no box), and the fingers are as far apart as it is wide.
 void ArmScene::hold(std::int32_t box) {
   held_ = box;
   for (const int finger : fingers_)

@@ -25,7 +25,7 @@ inline messages::Pose pose_of(const Eigen::Isometry3d& frame) {
   return {frame.translation(), Eigen::Quaterniond(frame.linear())};
 }
 
-/// What may touch in a configuration.
+/// The contacts that a configuration may have.
 struct Tolerance {
   double clearance = 0.01;  ///< m, between what moves and what does not
   std::int32_t box = -1;    ///< this box may touch anything; -1: none
@@ -42,11 +42,11 @@ class ArmScene {
   /// Requires a situation that makes sense (plan_request.hpp).
   void set(const Situation& situation);
 
-  /// Of each joint, rad.
+  /// The lowest and the highest position of each joint, rad.
   [[nodiscard]] static std::vector<std::pair<double, double>> limits();
-  /// Of the tool in the frame of the rover. Requires six positions, as all that follows.
+  /// The pose of the tool in the frame of the rover. This and the functions below require six positions.
   [[nodiscard]] Eigen::Isometry3d tool(const Positions& positions);
-  /// What touches what, or comes closer than it may: "the arm and the room"; nothing if all is free.
+  /// A pair that touches, or comes closer than it may: "the arm and the room"; nothing if all is free.
   [[nodiscard]] std::optional<std::string> contact(const Positions& positions, const Tolerance& tolerance);
   /// Positions within the limits in which the tool has that pose, found from `near` by damped least squares
   /// (Buss, "Introduction to inverse kinematics", 2004); nothing where that does not get there.

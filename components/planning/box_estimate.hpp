@@ -23,7 +23,7 @@ class BoxEstimate {
   /// A box must be seen in `images` of the last three times as many.
   explicit BoxEstimate(std::size_t images) : images_(images) {}
 
-  /// What is added from now on is in another image.
+  /// Begins another image: poses that are added from now on are seen in it.
   void next_image() { ++image_; }
   /// A pose in the frame of the rover, as one image shows it. Poses that are not finite are ignored.
   void add(std::int32_t id, const messages::Pose& pose);

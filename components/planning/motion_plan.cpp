@@ -67,7 +67,7 @@ class MotionPlan {
     return {segue::ErrorCode::NotFound, "there is no path: " + why, {}, {}, {}};
   }
 
-  /// What touches what on straight lines; the box in question stands on something there.
+  /// The tolerance on straight lines, where the box in question stands on something.
   [[nodiscard]] Tolerance at_lines() const {
     return {0, request_.from.held >= 0 ? request_.from.held : request_.take};
   }
@@ -94,7 +94,7 @@ class MotionPlan {
     return {};
   }
 
-  /// From there to that pose of the tool, which has the same orientation, in small steps.
+  /// A straight line in small steps from `from` to the pose `to` of the tool, which has the same orientation.
   std::optional<std::vector<Positions>> straight(const Positions& from, const Eigen::Isometry3d& to) {
     const Eigen::Vector3d begin = scene_.tool(from).translation();
     const Eigen::Vector3d way = to.translation() - begin;
@@ -228,7 +228,7 @@ class MotionPlan {
     best_->after = after(best_->path.points.back());
   }
 
-  /// What the motion leaves.
+  /// The situation after the motion.
   Situation after(const Positions& end) {
     Situation situation = request_.from;
     situation.positions = end;

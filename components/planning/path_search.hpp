@@ -12,7 +12,7 @@ namespace planning {
 
 using Positions = std::vector<double>;
 
-/// What is searched: joints within their limits, of which some configurations are free.
+/// The space that is searched: joints within their limits, of which some configurations are free.
 struct SearchSpace {
   std::vector<std::pair<double, double>> limits;  ///< lower and upper of each joint
   std::function<bool(const Positions& positions)> is_free;

@@ -77,7 +77,7 @@ segue::Result<void> check(const Goal& goal, const Situation& from) {
   return {};
 }
 
-/// What the hand does at the end.
+/// Checks that the hand can do at the end what is requested of it.
 segue::Result<void> check_hand(const PlanRequest& request) {
   const Situation& from = request.from;
   if (request.take >= 0 && (box_of(from, request.take) == nullptr || from.held >= 0))

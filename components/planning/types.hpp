@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-/// What a planner of motions is asked and answers. Poses are in the frame of the rover unless they say
+/// Requests to a planner of motions and its answers. Poses are in the frame of the rover unless they say
 /// otherwise; that of a box lies in its centre. Units and frames: messages/geometry.hpp.
 namespace planning {
 

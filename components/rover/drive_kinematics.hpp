@@ -11,16 +11,17 @@ namespace rover {
 
 using PerWheel = std::array<double, 6>;
 
-/// Steering angles with which no wheel slips sideways at this velocity; as they are where the wheel need not
-/// move. Of two angles (wheels roll both ways) the one that is nearer to where the wheel points now.
+/// Steering angles with which no wheel slips sideways at this velocity; unchanged where the wheel need not
+/// move. Two angles are possible, since wheels roll both ways; it gives the one that is nearer to where the
+/// wheel points now.
 PerWheel steering_for(const messages::Twist2D& twist, const PerWheel& steering);
 
 /// Speeds in rad/s of wheels that point where `steering` says: the wanted velocity of each, as far as it lies
 /// in its direction. So wheels that are not yet steered as wanted do not drag the rover elsewhere.
 PerWheel speeds_for(const messages::Twist2D& twist, const PerWheel& steering);
 
-/// By how much the frame of the rover moved while its wheels turned by `angles` (rad), in its frame before
-/// that: the movement with the least squared slip of all wheels. For angles that are small.
+/// The movement of the rover's frame while its wheels turned by `angles` (rad), in that frame as it was
+/// before: the movement with the least squared slip of all wheels. Holds for small angles.
 messages::Pose2D movement_of(const PerWheel& angles, const PerWheel& steering);
 
 /// The pose after a movement in the frame of `pose`.

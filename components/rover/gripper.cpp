@@ -12,8 +12,8 @@ namespace rover {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// The driver of the gripper. What it was told last holds although the task is stopped: a box is not dropped
-/// by a switch.
+/// The driver of the gripper. The last set point stays in force while the task is stopped: a box is not
+/// dropped by a switch.
 class Gripper final : public Component {
  public:
   Gripper() {

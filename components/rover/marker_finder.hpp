@@ -18,8 +18,8 @@ class MarkerFinder {
   MarkerFinder(const MarkerFinder&) = delete;
   MarkerFinder& operator=(const MarkerFinder&) = delete;
 
-  /// Of markers that are there several times (a box has one on every side) the one that looks largest.
-  /// Nothing in an image whose data do not fit its size.
+  /// Finds all markers in the image. Of markers that are there several times (a box has one on every side) it
+  /// gives the one that looks largest. Finds nothing in an image whose data do not fit its size.
   void find(const messages::Image& image, messages::Markers& markers);
 
  private:

@@ -21,8 +21,8 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// With a caption in the lower left corner, where there is one (ASCII; lines end with \n). False, and
-  /// `image` is unchanged: the scene is not one of this model.
+  /// Draws the scene into `image`, with the caption in the lower left corner unless it is empty (ASCII; lines
+  /// end with \n). False, and `image` is unchanged: the scene is not one of this model.
   bool render(const SceneState& scene, messages::Image& image, const std::string& caption = {});
 
  private:

@@ -98,7 +98,7 @@ void SimulatedRover::step(int steps) {
 }
 
 void SimulatedRover::one_step() {
-  // As drivers of arms do, the servos bear the arm's own weight; what they hold counts as disturbance.
+  // The servos bear the arm's own weight, as drivers of arms do; loads that they hold count as disturbance.
   for (const int joint : arm_) {
     const int dof = model_->jnt_dofadr[joint];
     data_->qfrc_applied[dof] = data_->qfrc_bias[dof];

@@ -21,12 +21,12 @@ struct SimulationOptions {
   double range_noise = 0.005;        ///< m, standard deviation
   double angular_noise = 0.002;      ///< rad/s, standard deviation
   double acceleration_noise = 0.02;  ///< m/s^2, standard deviation
-  /// By how much boxes lie elsewhere at the beginning, at most: m in the frame of the room, and rad.
+  /// The most by which boxes lie elsewhere at the beginning: m in the frame of the room, and rad.
   messages::Pose2D scatter{};
   bool loaded = false;  ///< the boxes lie on the deck at the beginning (kDeckPlaces), not on the table
 };
 
-/// What a laser scanner measures, counterclockwise from `first_angle`. Zero lies ahead.
+/// The rays that a laser scanner measures, counterclockwise from `first_angle`. Zero lies ahead.
 struct ScanPattern {
   double first_angle = -2.356;
   double angle_step = 0.01745;
@@ -66,7 +66,7 @@ class SimulatedRover {
   void scan(const ScanPattern& pattern, messages::LaserScan& scan);
   void read_scene(SceneState& scene) const;
 
-  /// What no sensor knows. In the frame of the room.
+  /// The true poses, which no sensor knows, in the frame of the room.
   [[nodiscard]] messages::Odometry pose() const;
   [[nodiscard]] messages::Pose box(std::size_t number) const;
   [[nodiscard]] messages::Pose tool() const;

@@ -7,8 +7,8 @@ namespace rover {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// Stands for a button that latches: it stays pressed until it is released. What it stops is up to whoever
-/// reads it.
+/// Stands for a button that latches: it stays pressed until it is released. Whoever reads it decides what to
+/// stop.
 class StopButton final : public Component {
  public:
   StopButton() {

@@ -28,8 +28,8 @@ struct SceneState {
   std::vector<double> positions;  ///< in the order of the model's joints (mjData::qpos)
 };
 
-/// What an update of the simulation went by: how many updates ago the set points arrived, which is 0 where
-/// drivers keep up.
+/// The age of the set points that an update of the simulation used: how many updates ago they arrived, which
+/// is 0 where drivers keep up.
 struct SetPointAges {
   double time = 0;   ///< s, the robot's clock before the update
   double clock = 0;  ///< s, the computer's clock then

@@ -21,7 +21,7 @@ class ConditionVariable {
     Held held(mutex);
     condition_.wait(held.lock, std::move(ready));
   }
-  /// Whether it is ready.
+  /// Waits until `ready` says so, or until the deadline; returns whether it is ready then.
   template <class Ready>
   bool wait_until(Mutex& mutex, TimePoint deadline, Ready ready) SEGUE_REQUIRES(mutex) {
     Held held(mutex);
@@ -32,19 +32,20 @@ class ConditionVariable {
     Held held(mutex);
     return condition_.wait_for(held.lock, longest, std::move(ready));
   }
-  /// Until somebody notifies, or without a reason.
+  /// Waits until somebody notifies; may also return without a reason.
   void wait(Mutex& mutex) SEGUE_REQUIRES(mutex) {
     Held held(mutex);
     condition_.wait(held.lock);
   }
-  /// Likewise, at the latest at the deadline.
+  /// Waits until somebody notifies, until the deadline, or without a reason.
   void wait_until(Mutex& mutex, TimePoint deadline) SEGUE_REQUIRES(mutex) {
     Held held(mutex);
     condition_.wait_until(held.lock, deadline);
   }
 
  private:
-  /// What the standard's wait for a mutex that is held takes.
+  /// Adopts a mutex that the caller holds as the std::unique_lock that the standard's wait takes, and leaves
+  /// it locked at the end.
   struct Held {
     explicit Held(Mutex& mutex) : lock(mutex.mutex_, std::adopt_lock) {}
     ~Held() { static_cast<void>(lock.release()); }

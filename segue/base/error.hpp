@@ -51,7 +51,7 @@ struct Error {
   std::string subject;  ///< id of the task, connection or action; may be empty
   std::shared_ptr<const Error> cause;
 
-  /// This error, caused by `inner`.
+  /// This error with `inner` as its cause.
   [[nodiscard]] Error because_of(Error inner) &&;
 };
 

@@ -58,8 +58,8 @@ Result<void> replace_file(const fs::path& path, std::string_view content, mode_t
   return {};
 }
 
-/// What a shell gives a program to read (`<(...)`, /dev/stdin), or what is always empty. Any other pipe or
-/// device may keep its reader waiting for ever.
+/// Whether the path names input that a shell gives a program (`<(...)`, /dev/stdin), or /dev/null, which is
+/// always empty. Any other pipe or device may keep its reader waiting for ever.
 bool is_given_stream(const fs::path& path) {
   const std::string name = path.string();
   return name.starts_with("/dev/fd/") || name.starts_with("/proc/self/fd/") || name == "/dev/stdin" ||
@@ -97,7 +97,7 @@ Result<void> write_file(const fs::path& path, std::string_view content) {
 }
 
 Result<void> write_private_file(const fs::path& path, std::string_view content) {
-  // What is left of an interrupted attempt may have another mode.
+  // The rest of an interrupted attempt may have another mode.
   ::unlink(temporary_of(path).c_str());
   return replace_file(path, content, 0600, O_EXCL);
 }

@@ -15,7 +15,8 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t lim
 
 /// Replaces the file atomically (temporary file beside it, fsync, rename). Blocks.
 Result<void> write_file(const std::filesystem::path& path, std::string_view content);
-/// The same for a secret: at no time anybody but this user may read it (mode 0600).
+/// Replaces the file like write_file(), for a secret: at no time anybody but this user may read it (mode
+/// 0600).
 Result<void> write_private_file(const std::filesystem::path& path, std::string_view content);
 
 /// Files that match a pattern whose last part may contain '*' and '?', sorted; a plain path yields itself.

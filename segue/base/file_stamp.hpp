@@ -9,8 +9,9 @@
 
 namespace segue {
 
-/// What the file system says about a file's content without reading it. A file that was written or replaced
-/// has another stamp, unless both happened within a tick of the kernel's clock (10 ms at most).
+/// The file system's facts about a file, by which a change of its content is seen without reading it. A file
+/// that was written or replaced has another stamp, unless both happened within a tick of the kernel's clock
+/// (10 ms at most).
 struct FileStamp {
   std::uint64_t device = 0;
   std::uint64_t inode = 0;

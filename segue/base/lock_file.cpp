@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr mode_t kOwnerOnlyLock = 0600;
 constexpr int kAttempts = 100;
-/// Between two checks of a process that is ending.
+/// The pause between two checks of a process that is ending.
 constexpr auto kPause = std::chrono::milliseconds(1);
 /// Records are padded to this size, so that a full disk lets them be overwritten.
 constexpr std::size_t kRecordSize = 128;

@@ -27,7 +27,8 @@ std::filesystem::path lock_of(const std::filesystem::path& file);
 /// Does not block.
 Result<std::optional<Descriptor>> try_lock(const std::filesystem::path& lock);
 
-/// The same, but waits until `deadline` while the process named in its record is ending.
+/// Takes the lock like try_lock(), but waits until `deadline` while the process named in its record is
+/// ending.
 Result<std::optional<Descriptor>> lock_when_ended(const std::filesystem::path& lock, TimePoint deadline);
 
 /// Overwrites the record of a lock. Records have a fixed size, so this works on a full disk, too. False where

@@ -12,7 +12,7 @@
 namespace segue {
 namespace {
 
-std::atomic<LogLevel> threshold{LogLevel::Info};
+std::atomic<LogLevel> threshold{LogLevel::Info};  // relaxed: a line at the time of the change may be either
 
 struct Output {
   Mutex mutex;  ///< guards sink, and is held while it is called

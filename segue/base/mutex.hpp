@@ -6,8 +6,8 @@
 /// Mutexes whose use clang checks when it compiles (-Wthread-safety, in all builds with clang; Hutchins et
 /// al. 2014, "C/C++ thread safety analysis"). A member says which mutex protects it (SEGUE_GUARDED_BY), a
 /// function which one its caller must hold (SEGUE_REQUIRES) or must not hold (SEGUE_EXCLUDES). Whoever
-/// touches a member without its mutex does not compile. What is protected in another way, such as by the
-/// order of events, has a comment that says so instead. Other compilers see plain std::mutex.
+/// touches a member without its mutex does not compile. A member that is protected in another way, such as by
+/// the order of events, has a comment that says so instead. Other compilers see plain std::mutex.
 #if defined(__clang__)
 #define SEGUE_THREAD_SAFETY(x) __attribute__((x))
 #else
@@ -15,7 +15,7 @@
 #endif
 /// Of a member: it is read and written only while that mutex is held.
 #define SEGUE_GUARDED_BY(mutex) SEGUE_THREAD_SAFETY(guarded_by(mutex))
-/// Of a pointer: what it points to is protected by that mutex.
+/// On a pointer: the object that it points to is protected by that mutex.
 #define SEGUE_POINTEE_GUARDED_BY(mutex) SEGUE_THREAD_SAFETY(pt_guarded_by(mutex))
 /// Of a function, also of a lambda (behind its parameters): the caller holds that mutex.
 #define SEGUE_REQUIRES(...) SEGUE_THREAD_SAFETY(requires_capability(__VA_ARGS__))

@@ -5,8 +5,8 @@
 
 namespace segue {
 
-/// What a run of an action has read and changed beside its outputs while it was not certain to count. The
-/// changes are kept aside until the run counts; without apply() they are dropped on destruction. For one
+/// The reads and changes of a run of an action, other than its outputs, while it is not certain that the run
+/// counts. The changes are kept aside until then; without apply() they are dropped on destruction. For one
 /// thread; no function blocks.
 class PendingChanges {
  public:

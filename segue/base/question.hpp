@@ -24,7 +24,7 @@ class Bell {
     rung_ = true;
     changed_.notify_all();
   }
-  /// Until it has been rung since the last call, or the wait ends.
+  /// Waits until the bell has been rung since the last call, or the wait ends.
   void wait(const Wait& wait) {
     Lock lock(mutex_);
     changed_.wait_until(mutex_, wait.stop, wait.deadline, [this]() SEGUE_REQUIRES(mutex_) { return rung_; });
@@ -62,7 +62,7 @@ class Question {
         }));
   }
   [[nodiscard]] bool is_asked() const { return slot_ != nullptr; }
-  /// The answer, if it has come: nothing is asked then.
+  /// The answer, if it has come; then another question may be asked.
   std::optional<Result<T>> take() {
     if (!slot_) return std::nullopt;
     std::optional<Result<T>> answer;
@@ -99,7 +99,8 @@ Result<T> answer_to(const Wait& wait, const Ask& ask) {
   }
 }
 
-/// Answers once: as it is told first, or that where nobody has when the last copy of this ends.
+/// Answers exactly once: with the first result that it is called with, or with an error where there was none
+/// when its last copy ends.
 template <class T>
 class SureAnswer {
  public:

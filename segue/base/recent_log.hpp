@@ -20,8 +20,8 @@ struct LogLine {
   friend bool operator==(const LogLine&, const LogLine&) = default;
 };
 
-/// The newest lines of that source in this process, a hundred at the most, oldest first; of long ones the
-/// first 2000 bytes. What is below the log level is not kept. Lines of 256 sources are kept, those of the
+/// The newest lines of that source in this process, a hundred at the most, oldest first; long lines are cut
+/// after 2000 bytes. Lines below the log level are not kept. Lines of 256 sources are kept; those of the
 /// source that has been silent for the longest time are dropped first. Any thread; blocks as log() does.
 std::vector<LogLine> recent_log(std::string_view source);
 

@@ -10,7 +10,7 @@ namespace segue {
 struct SharedMemoryOptions {
   std::size_t prefault = std::size_t{1} << 20;  ///< bytes of the payload pool to prefault
   std::size_t payload = std::size_t{4} << 30;   ///< limit for samples; reserves address space, not memory
-  std::size_t control = std::size_t{64} << 20;  ///< the same for the rings of connections
+  std::size_t control = std::size_t{64} << 20;  ///< limit for rings of connections; reserves space only
 };
 
 }  // namespace segue

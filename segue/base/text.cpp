@@ -38,7 +38,7 @@ constexpr std::array<SizeUnit, 9> kSizeUnits = {{{"TiB", std::uint64_t{1} << 40}
                                                  {"kB", 1000},
                                                  {"B", 1}}};
 
-/// Of more, only the first are looked at: a file may have thousands of names, and as many mistakes.
+/// The most candidates that are compared: a file may have thousands of names, and as many mistakes.
 constexpr std::size_t kMostCandidates = 1000;
 
 /// `limit` where it is that large or larger.

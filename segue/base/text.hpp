@@ -40,7 +40,7 @@ std::string format_size(std::uint64_t bytes);
 /// Whether `text` is an identifier and cannot be a path: at most 255 bytes; a letter, digit or '_' first,
 /// then letters, digits, '_', '-', '.' or ':' (as in "demo::Filter").
 bool is_identifier(std::string_view text);
-/// What is_identifier() asks for, for messages.
+/// The rule of is_identifier(), for messages.
 inline constexpr std::string_view kIdentifierRule =
     "a letter, a digit or '_' first, then letters, digits, '_', '-', '.' and ':' only, at most 255";
 

@@ -5,7 +5,7 @@
 
 namespace segue {
 
-/// Without `blanks` around it.
+/// The text without `blanks` around it.
 inline std::string_view trimmed(std::string_view text, std::string_view blanks = " \t") {
   const auto first = text.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};

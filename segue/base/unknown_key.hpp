@@ -8,8 +8,8 @@
 
 namespace segue {
 
-/// What is wrong with a key of a file that means nothing there, or nothing if it is among `known` or begins
-/// with "x-": such keys belong to others.
+/// The problem of a key that has no meaning in a file; nothing if it is among `known` or begins with "x-":
+/// such keys belong to other programs.
 std::optional<std::string> problem_of_key(std::string_view key, std::span<const std::string> known);
 
 }  // namespace segue

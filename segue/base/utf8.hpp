@@ -15,7 +15,7 @@ constexpr std::string_view beginning_of(std::string_view text, std::size_t most)
   return text.substr(0, end);
 }
 
-/// Likewise its end.
+/// The end of a text in UTF-8: `most` bytes at most, and no part of a character at its beginning.
 constexpr std::string_view ending_of(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   std::size_t begin = text.size() - most;

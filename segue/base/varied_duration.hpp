@@ -11,7 +11,7 @@ namespace segue {
 /// The duration of one simulated execution: between half and twice the expected one, the same for the same
 /// three numbers. With seed 0 exactly as expected.
 [[nodiscard]] Duration varied(Duration expected, std::uint64_t seed, std::uint64_t what, std::uint64_t turn);
-/// Likewise, of something that has a name.
+/// The duration of one simulated execution of something that has a name, varied in the same way.
 [[nodiscard]] Duration varied(Duration expected, std::uint64_t seed, std::string_view what,
                               std::uint64_t turn);
 

@@ -27,7 +27,7 @@ struct Wait {
   [[nodiscard]] bool is_stopped() const { return stop.stop_requested(); }
 };
 
-/// What whoever is asked answers to a caller that waits no longer.
+/// The answer to a caller that does not wait any longer.
 inline Error no_longer_wanted() {
   return {ErrorCode::Cancelled, "whoever asked for it wants it no longer", {}, {}, {}};
 }

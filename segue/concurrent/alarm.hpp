@@ -30,8 +30,8 @@ class Alarm {
  private:
   Descriptor timer_;
   TimePoint when_ = TimePoint::max();
-  /// Read and written in order with the timer's system calls, which synchronise; so the order of the flag
-  /// itself is of no importance.
+  /// Set before a system call that rings the timer, read after the one that waits for it. These calls
+  /// synchronise, so the order of the flag itself is of no importance.
   std::atomic<bool> stopped_{false};
 };
 

@@ -20,7 +20,7 @@ void block_signals() {
 
 namespace {
 
-/// Of the calling thread, which begins.
+/// Sets up the calling thread, which begins.
 void set_up(const char* name) {
   block_signals();
   ::pthread_setname_np(::pthread_self(), name);

@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <thread>
 
-/// Threads and what passes work between them. Built on base only.
+/// Threads, and ways to pass work between them. Built on base only.
 namespace segue::concurrent {
 
 /// Blocks all signals in the calling thread but those that report its own faults: signals are handled by the
@@ -16,8 +16,8 @@ void block_signals();
 /// std::system_error where the system has no thread left.
 std::thread start_thread(const char* name, std::function<void()> work);
 
-/// As start_thread(), with a token by which `work` is asked to stop, at the latest where the thread is
-/// destroyed, which waits for its end.
+/// Starts a thread like start_thread(), with a token by which `work` is asked to stop, at the latest where
+/// the thread is destroyed, which waits for its end.
 std::jthread start_stoppable_thread(const char* name, std::function<void(const std::stop_token& stop)> work);
 
 }  // namespace segue::concurrent

@@ -36,7 +36,7 @@ class ThreadPool {
   /// Runs a job as soon as a thread is free; does not block. False after close(), or where there is no thread
   /// and none can be made: the job is dropped.
   bool submit(Job job);
-  /// The same, and false too where the job would have to wait for another one to end.
+  /// Runs a job like submit(), but is false, too, where the job would have to wait for another one to end.
   bool try_submit(Job job);
   /// Runs all jobs at the same time and returns when all have ended. The caller's thread takes part, so this
   /// works inside a job, beyond the limit and after close() too.

@@ -232,7 +232,7 @@ class DeploymentClient final : public detail::TaskAccessClient<deploy::Deploymen
   const std::shared_ptr<EventSlot> listener_;
 };
 
-/// What a client asks for when it connects.
+/// The answers to the questions that a client asks when it connects.
 struct Introduction {
   Result<deploy::DeploymentInfo> info = fail(ErrorCode::Unavailable, "the process has not said what it is");
   Result<void> listening;

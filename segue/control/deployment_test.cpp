@@ -489,7 +489,7 @@ TEST_F(DeploymentTest, AClientThatLeavesIsNotToldThatTheOtherWent) {
   EXPECT_EQ(gone, 0);
 }
 
-/// As the process server makes it: bound and listening before anybody serves.
+/// A socket like those that the process server makes: bound and listening before anybody serves.
 Descriptor listening_socket(const std::filesystem::path& path) {
   Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
   sockaddr_un address{};

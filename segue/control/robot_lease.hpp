@@ -13,7 +13,7 @@
 
 namespace segue::control {
 
-/// What the holder of a lease has been asked to do.
+/// A request to the holder of a lease.
 struct HolderRequest {
   std::uint64_t number = 0;  ///< rising over all that this holder has been asked
   std::string what;
@@ -35,10 +35,10 @@ class RobotLease {
  public:
   virtual ~RobotLease() = default;
   [[nodiscard]] virtual std::uint64_t number() const = 0;
-  /// A look, as those of RobotService.
+  /// Whether the holder still commands the robot; a call that only looks, like those of RobotService.
   virtual Result<LeaseStanding> standing(const Wait& wait) = 0;
   Result<LeaseStanding> standing() { return standing(Wait(TimePoint::max())); }
-  /// What its holder has been asked to do since the last call (RobotService::send_command), oldest first.
+  /// The requests to its holder since the last call (RobotService::send_command), oldest first.
   virtual Result<std::vector<HolderRequest>> asked() = 0;
 };
 

@@ -20,7 +20,7 @@ struct PropertySetting {
   type::Value value;
 };
 
-/// What a request says beside its network. The same value from whoever requests to the runtime.
+/// Options of a request, beside its network. The same value travels from the client to the runtime.
 struct RequestOptions {
   model::Order order = model::Order::Seamless;
   Duration action_deadline = std::chrono::seconds(30);  ///< for each action

@@ -32,11 +32,11 @@ using RobotLevelAnswer = std::function<void(Result<RobotLevel>)>;
 /// Gets the count, as RobotLevelAnswer.
 using ChangesAnswer = std::function<void(Result<std::uint64_t>)>;
 
-/// What a running robot offers. The same interface on both sides: the runtime implements it, the server
-/// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
-/// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
-/// Where a Wait is stopped, what has not begun does not begin any more; of what has, only a request for a
-/// controller is given up, as by cancel(). What only looks takes 10 s at most, with any Wait.
+/// The interface of a running robot, the same on both sides: the runtime implements it, the server carries it
+/// over a socket, and Client offers it in another process. Answers are Values with the fields of formats.md.
+/// Functions may be called from any thread; those with a deadline block until then at the most. Where a Wait
+/// is stopped, a call that has not begun does not begin any more; of those that have, only a request for a
+/// controller is given up, as by cancel(). Calls that only look take 10 s at most, with any Wait.
 class RobotService {
  public:
   virtual ~RobotService() = default;
@@ -53,7 +53,8 @@ class RobotService {
   Result<type::Value> status() { return status(Wait(TimePoint::max())); }
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
   virtual Result<type::Value> task(std::string_view id) = 0;
-  /// How a task is, once that is not as whoever asks has seen it; as task_host::TaskHost::watch().
+  /// Has `answered` called once the task's level is not as the caller has seen it; see
+  /// task_host::TaskHost::watch().
   virtual void watch(const task_host::LevelQuestion& question, const Wait& wait,
                      RobotLevelAnswer answered) = 0;
   /// {"controller", "unresolved"} of status(), and like the latter "in_repair", faults that are being mended,
@@ -77,11 +78,11 @@ class RobotService {
   /// As diff(), of switch_to_network().
   virtual Result<type::Value> diff_to_network(std::string_view text, std::string_view file,
                                               const RequestOptions& options, TimePoint deadline) = 0;
-  /// What apply() would do with the robot's files as they are now: {"outcome" ("done", or "refused" where the
-  /// files have errors), "controller", "from_version", "to_version", "changes", "diagnostics", and if there
-  /// is one "transition" (as of `diff`)}. The transition leads to `controller`, or where that is empty to the
-  /// new version of the controller that runs. Unsupported where the runtime has no files. Of the options
-  /// only order and force count.
+  /// The changes that apply() would make with the robot's files as they are now: {"outcome" ("done", or
+  /// "refused" where the files have errors), "controller", "from_version", "to_version", "changes",
+  /// "diagnostics", and if there is one "transition" (as of `diff`)}. The transition leads to `controller`,
+  /// or where that is empty to the new version of the controller that runs. Unsupported where the runtime has
+  /// no files. Of the options only order and force count.
   virtual Result<type::Value> plan(std::string_view controller, const RequestOptions& options,
                                    TimePoint deadline) = 0;
   /// Takes the robot's files as they are now, and then the controller that runs to its new version; answers
@@ -94,17 +95,18 @@ class RobotService {
   /// "prepared", "tasks", "reason"}.
   virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, std::uint64_t lease,
                                       const Wait& wait) = 0;
-  /// What keeps each two of these controllers (none: of all that the robot has) from running at once: a list
-  /// of {"a", "b", "what", "reason", "influence"}; where "influence" is true they can, but "a" changes what
+  /// The reasons why two of these controllers (none: of all that the robot has) cannot run at once: a list of
+  /// {"a", "b", "what", "reason", "influence"}; where "influence" is true they can, but "a" changes what
   /// tasks of "b" get.
   virtual Result<type::Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) = 0;
   Result<type::Value> conflicts(const std::vector<std::string>& controllers) {
     return conflicts(controllers, Wait(TimePoint::max()));
   }
-  /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
+  /// Takes the robot's lease; InvalidState while somebody else holds it. `holder` is named to whoever is
+  /// refused.
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
-  /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more. A
-  /// mission says {"mission", "state", "running", "ended", "control", "at_end" ("keep": however its lease
+  /// Reports the work of the holder of that lease, for status(). InvalidState where it is not held any more.
+  /// A mission says {"mission", "state", "running", "ended", "control", "at_end" ("keep": however its lease
   /// ends, the robot runs on), "at_stop" ("halt": it has nothing to do when it is stopped, so the robot comes
   /// to rest at once, and nothing is commanded with that lease any more, when it is asked to stop or says
   /// that its state is "stopping")}, and in "happened" what the robot's journal shall have: {"sent_ns" (the
@@ -127,15 +129,13 @@ class RobotService {
   virtual Result<type::Value> mission(std::uint64_t after, bool with_plan) = 0;
   /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; or a mission to "step"
   /// ({"how": "into", "over", "out" or "back"}), to have these breakpoints ("break", {"at": paths}), to
-  /// "go_on_at"
-  /// ({"at": path}), or for "values" ({"of": path}). It may take its time: what became of the request, whose
-  /// number is the answer, is in "control" of mission(). NotFound where nobody holds it, ResourceExhausted
-  /// where it does not hear what it is asked.
+  /// "go_on_at" ({"at": path}), or for "values" ({"of": path}). It may take its time: the result is in
+  /// "control" of mission(), under the number that is the answer. NotFound where nobody holds it,
+  /// ResourceExhausted where it does not take requests.
   virtual Result<std::uint64_t> send_command(std::string_view what, const type::Value& arguments) = 0;
-  /// The holder of that lease commands the robot no longer. Unless it is to `keep` running what it runs, a
-  /// robot that says what rest is comes to rest: {"at_rest", "duration_s", "stopped" (tasks with devices that
-  /// had to be stopped), "trouble" (why)} once it has, else null. A lease that ends without this halts it,
-  /// too.
+  /// Ends the command of the lease's holder. Unless the robot is to `keep` running its controller, a robot
+  /// with a configured halt comes to rest: {"at_rest", "duration_s", "stopped" (tasks with devices that had
+  /// to be stopped), "trouble" (why)} once it has, else null. A lease that ends without this halts it, too.
   virtual Result<type::Value> give_back(std::uint64_t lease, bool keep, TimePoint deadline) = 0;
   /// Brings the robot to rest, whoever commands it, and has it refuse whatever is requested until
   /// release_stop(). Answers as give_back(), once it is at rest or its devices are stopped.
@@ -168,8 +168,9 @@ class RobotService {
   virtual Result<type::Value> events(std::uint64_t after, Duration wait) = 0;
   /// A list of the JSON of `switch`, oldest first.
   virtual Result<type::Value> history() = 0;
-  /// What the robot's journal has, in answers of bounded size, as of journal::answer_about_past(). What
-  /// happened before the call is in its file then, if that can be written. Unsupported where none is kept.
+  /// Answers about the past from the robot's journal, of bounded size, as journal::answer_about_past() does.
+  /// Everything that happened before the call is in the journal's file then, if that can be written.
+  /// Unsupported where none is kept.
   virtual Result<type::Value> past(const type::Value& question) = 0;
   /// Asks the runtime to bring the robot to the empty network and end.
   virtual Result<void> shut_down() = 0;

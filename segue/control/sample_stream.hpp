@@ -20,7 +20,8 @@ class SampleStream {
   /// A look, as those of RobotService.
   virtual Result<std::vector<type::Value>> read(std::size_t limit, const Wait& wait) = 0;
   Result<std::vector<type::Value>> read(std::size_t limit) { return read(limit, Wait(TimePoint::max())); }
-  /// As read(), but answers as soon as there is a sample, as task_host::PortReader::next. Does not block.
+  /// Reads samples like read(), but answers as soon as there is one; with none at the end of the wait. Does
+  /// not block.
   virtual void next(std::size_t limit, const Wait& wait, task_host::SamplesAnswer answered) = 0;
   [[nodiscard]] virtual std::string type_name() const = 0;
 };

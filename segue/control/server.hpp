@@ -47,21 +47,21 @@ using Served = std::variant<RobotService*, deploy::DeploymentService*, process_s
                             distributed::HostService*>;
 
 /// Serves one service from a thread of its own: on a Unix socket (0600; the peer's uid must be ours or
-/// root's; who connects there administers), and on TCP with mutual TLS, where the client's certificate says
-/// what it may do (Role). Service calls run side by side on up to 64 threads, so a slow one delays nobody;
-/// what is beyond the limits (those of ConnectionTable for connections, where hello is how a client comes in;
-/// 16 calls at once and 256 open ports for each client, messages of 8 MiB) is refused with ResourceExhausted
-/// or closed. Who may only observe has 16 calls at once on all connections together, and all observers have
-/// 48, so that threads are left for those who operate. Refusals of clients from other computers are logged,
-/// with who, from where and why; at most one a second where they are many. A client whose certificate is
-/// revoked (ca.crl of the credentials is watched) or expires is disconnected within a second. Events of the
-/// service are reported to the clients that listen; one that does not keep up loses the oldest and learns how
-/// many.
+/// root's; clients there administer), and on TCP with mutual TLS, where the client's certificate says what it
+/// may do (Role). Service calls run side by side on up to 64 threads, so a slow one delays nobody; what is
+/// beyond the limits (those of ConnectionTable for connections, where hello is how a client comes in; 16
+/// calls at once and 256 open ports for each client, messages of 8 MiB) is refused with ResourceExhausted or
+/// closed. A person who may only observe has 16 calls at once on all connections together, and all observers
+/// have 48, so that threads are left for those who operate. Refusals of clients from other computers are
+/// logged, with who, from where and why; at most one a second where they are many. A client whose certificate
+/// is revoked (ca.crl of the credentials is watched) or expires is disconnected within a second. Events of
+/// the service are reported to the clients that listen; one that does not keep up loses the oldest and learns
+/// how many.
 class Server {
  public:
   /// AlreadyExists where a living server holds the socket; a stale one is replaced.
   static Result<std::unique_ptr<Server>> listen(const std::filesystem::path& socket, Served service);
-  /// The same at several places. Also AlreadyExists where the port is taken; Unsupported for a deployment
+  /// Listens at several places. AlreadyExists also where the port is taken; Unsupported for a deployment
   /// process on TCP, since it needs descriptors; InvalidArgument where there is no place, the address is not
   /// numeric or the credentials are not those of a host.
   static Result<std::unique_ptr<Server>> listen(const Places& places, Served service);

@@ -38,7 +38,7 @@ Descriptor bind_socket(const std::filesystem::path& path) {
   return socket;
 }
 
-/// What a killed server leaves behind.
+/// Makes the files that a killed server leaves behind.
 void leave_stale_socket(const std::filesystem::path& path) {
   bind_socket(path);
   std::ofstream(std::filesystem::path(path) += ".lock");

@@ -9,7 +9,7 @@
 
 namespace segue::control {
 
-/// What can be asked of a robot and its files, at whichever door: its runtime's server or the studio.
+/// A request about a robot and its files, through either server: its runtime's or the studio.
 enum class Verb : std::uint8_t {
   Status,
   Task,
@@ -50,7 +50,7 @@ struct VerbRule {
   Role role = Role::Administer;  ///< the least that may ask it
 };
 
-/// The one place that says who may do what. In the order of the verbs.
+/// The only table of who may do what, in the order of the verbs.
 inline constexpr std::array<VerbRule, 31> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},
@@ -88,7 +88,8 @@ constexpr const VerbRule& rule_of(Verb verb) {
   return kVerbRules.at(static_cast<std::size_t>(verb));
 }
 
-/// Who takes the robot from whoever commands it decides more than what it does next.
+/// The role that a verb needs. To take the robot from whoever commands it needs a higher one than to command
+/// it.
 constexpr Role role_for(Verb verb, bool take_over = false) {
   return take_over ? Role::Administer : rule_of(verb).role;
 }

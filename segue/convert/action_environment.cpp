@@ -29,7 +29,7 @@ using type::ValueMap;
 
 namespace {
 
-/// From "p(a)" or "!p(a)".
+/// The effect in a text such as "p(a)" or "!p(a)".
 task_network::NamedEffect named_effect(const std::string& text) {
   const bool value = !text.starts_with('!');
   return {text.substr(value ? 0 : 1), value};

@@ -20,7 +20,7 @@ namespace segue::convert {
 /// directly.
 class ActionEnvironment final : public task_network::Environment {
  public:
-  /// Who is told of what begins; null: nobody.
+  /// The listeners to nodes that begin and end; null: none.
   struct Listeners {
     NodeJournal* journal;
     RunEvents* events;
@@ -40,7 +40,7 @@ class ActionEnvironment final : public task_network::Environment {
   [[nodiscard]] Duration patience() const override { return options_.preemption_grace; }
   /// From any thread: preempts an opaque subtree that occupies the engine's thread, as in virtual time.
   void stop();
-  /// Ends are ignored from now on. Blocks while one is being delivered.
+  /// Makes all later ends be ignored. Blocks while one is being delivered.
   void close();
 
   mission::Globals globals;
@@ -57,7 +57,7 @@ class ActionEnvironment final : public task_network::Environment {
   struct Running {
     std::shared_ptr<Reporter> reporter;
     std::function<void()> preempt;                 ///< null: it ends by itself
-    std::shared_ptr<const type::Value> written{};  ///< likewise: the outputs with which it will end
+    std::shared_ptr<const type::Value> written{};  ///< outputs with which it ends; null: it ends by itself
   };
 
   bool replay(task_network::NodeContext& context, task_network::Completions& completions);
@@ -88,7 +88,7 @@ class ActionEnvironment final : public task_network::Environment {
   const std::vector<std::shared_ptr<mission::ActionRunner>> by_action_;
   const RunOptions options_;
   NodeJournal* const journal_;  ///< null: none
-  RunEvents* const events_;     ///< likewise
+  RunEvents* const events_;     ///< null: nobody follows
   const std::shared_ptr<mission::Iterations> iterations_;
   std::shared_ptr<EndReceiver> receiver_ = std::make_shared<EndReceiver>();
   std::unordered_map<std::uint32_t, Running> running_;  ///< by node: what can be preempted

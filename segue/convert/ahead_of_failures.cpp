@@ -15,7 +15,7 @@ namespace {
 
 using task_network::ActsAhead;
 
-/// Nodes in the parts that are examined more closely; what would take more stays in the list.
+/// The most nodes in the parts that are examined more closely; pairs that would need more stay in the list.
 constexpr std::size_t kMostCompared = 2'000'000;
 
 /// The source of a value to which the input belongs; null for inputs that are not part of values.
@@ -33,10 +33,10 @@ const ValueSource* source_of(const PlannedNode& node, std::uint32_t input) {
   return found == node.inputs.end() ? nullptr : &*found;
 }
 
-/// Whether a run certainly has the dependency. Of the ways that a join waits for, some may be known to be off
-/// the path when a run plans what comes after; where the others are all ways from one state, it needs no
-/// join. Of several possible sources of a value, a run waits only for those that may still count; on one path
-/// that is the newest: `counts` tells whether a source is on the path.
+/// Whether a run certainly has the dependency. A join waits for several ways; some of them may be known to be
+/// off the path when a run plans what comes after, and where the others are all ways from one state, the run
+/// needs no join. Where a value has several possible sources, a run waits only for those that may still
+/// count; on one path that is the newest: `counts` tells whether a source is on the path.
 template <class Counts>
 bool is_certain(const PlannedNode& to, const task_network::Dependency& dependency, Counts&& counts) {
   if (dependency.reason() == task_network::Reason::Condition) return true;
@@ -48,9 +48,9 @@ bool is_certain(const PlannedNode& to, const task_network::Dependency& dependenc
   return newest != source->feeds.end() && newest->input == dependency.subject;
 }
 
-/// Whether a run certainly has a dependency because of a fact. Who makes a fact true that is known to be true
-/// already changes nothing: nobody waits for it, nor does it wait for who relies on the fact. Whether it is
-/// known depends on what else is on the path.
+/// Whether a run certainly has a dependency because of a fact. A node that makes a fact true that is known to
+/// be true already changes nothing: nobody waits for that node, nor does it wait for nodes that rely on the
+/// fact. Whether the fact is known depends on which other nodes are on the path.
 class FactOrder {
  public:
   FactOrder(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}
@@ -65,7 +65,8 @@ class FactOrder {
       const bool opposite = second->writes ? second->value != first->value : second->needed != first->value;
       return opposite || surely_changes(*first, to, is_there);
     }
-    // Where it finds the fact as it makes it although it needs the opposite, it is refused, and does not act.
+    // A node that needs the opposite of the value to which it sets the fact is refused if the fact has that
+    // value already, and does not act.
     const bool refused_else = second->reads && second->needed != second->value;
     return second->writes && (refused_else || surely_changes(*second, from, is_there));
   }
@@ -100,8 +101,8 @@ class FactOrder {
   const PathIndex& paths_;
 };
 
-/// The paths of an outline. A run plans no node that it knows to be off its path, so only who is on the path
-/// as well is certain to let others wait for what it waits for.
+/// The paths of an outline. A run plans no node that it knows to be off its path, so only nodes that are on
+/// the path as well are certain to let others wait for the nodes that they wait for.
 class OutlinePaths final : public task_network::Paths {
  public:
   OutlinePaths(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}
@@ -162,9 +163,9 @@ bool executes(const PlannedNode& node) {
   return (node.role == Role::Action || node.role == Role::OpaqueSubtree) && node.refused.empty();
 }
 
-/// Where a node is left out because it is off the path, others wait for each other directly. So of each two
-/// conditions under which one may act although the other fails, that part of the plan is examined that is on
-/// the path under both.
+/// Where a node is left out because it is off the path, others wait for each other directly. Each pair of
+/// conditions, under which one node may act although the other fails, is examined in the part of the plan
+/// that is on the path under both.
 class CloserLook {
  public:
   CloserLook(const MissionPlan& plan, const PathIndex& paths) : plan_(plan), paths_(paths) {}
@@ -219,7 +220,7 @@ class CloserLook {
     }
   }
 
-  /// Of the first `size` nodes those that are on the path under both conditions of the pair.
+  /// The nodes among the first `size` that are on the path under both conditions of the pair.
   [[nodiscard]] task_network::NetworkPart part_on_path(const ActsAhead& pair, std::uint32_t size) const {
     const BranchEdge acts = plan_[pair.acts].when;
     const BranchEdge fails = plan_[pair.fails].when;

@@ -11,7 +11,8 @@
 
 namespace segue::convert {
 
-/// What may happen in a concurrent run although something earlier fails, or has not happened yet.
+/// The states that may act in a concurrent run although an earlier state fails, and those that may sense
+/// before an earlier state has acted.
 struct AheadOfFailures {
   std::vector<task_network::NamedActsAhead> pairs;  ///< paths of states
   std::vector<task_network::NamedSensesAhead>

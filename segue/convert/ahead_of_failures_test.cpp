@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// What is known before a run of what may happen in it although something earlier fails.
+/// The list, known before a run, of states that may act although an earlier one fails.
 namespace segue::convert {
 namespace {
 

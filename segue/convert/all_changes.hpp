@@ -10,7 +10,8 @@
 
 namespace segue::convert {
 
-/// What an action has changed: global variables, and whatever its runner keeps aside. Either may be null.
+/// All changes of an action: those of global variables, and those that its runner keeps aside. Either may be
+/// null.
 class AllChanges final : public PendingChanges {
  public:
   AllChanges(std::shared_ptr<PendingChanges> globals, std::shared_ptr<PendingChanges> other)

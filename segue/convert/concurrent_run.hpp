@@ -50,16 +50,16 @@ class Run {
 
   /// Blocks until the mission has ended.
   const mission::MissionResult& run();
-  /// From any thread, as the next three: preempts everything that runs; nothing new starts.
+  /// Preempts everything that runs; nothing new starts. From any thread, as the next three.
   void stop();
   /// No action begins any more; running ones continue. May be called before run().
   void pause();
   /// Ends a pause.
   void resume();
-  /// During a pause: begins one more action, or opaque subtree, the first that can.
+  /// Begins one more action, or opaque subtree, during a pause: the first that can.
   void step();
 
-  /// After the run.
+  /// The result of the network and its order, after the run.
   [[nodiscard]] const task_network::RunResult& network_result() const;
   [[nodiscard]] const task_network::Order& order() const;
   [[nodiscard]] const MissionPlan& plan() const;

@@ -207,7 +207,7 @@ TEST(ConcurrentMission, APlanRefusesWhatDoesNotFit) {
   EXPECT_EQ(refused({}, {{true, "at", {"{place}"}, {}}}), ErrorCode::InvalidArgument);
 }
 
-/// What is said of how an action is likely to end changes nothing about how the mission ends.
+/// The declaration of how an action is likely to end does not change how the mission ends.
 TEST(ExpectedEnds, OfActionsThatAreExpectedToAbortDecideNothing) {
   for (const std::string expected : {"ok", "aborted", "preempted"}) {
     const testing::VirtualRun run(R"x(

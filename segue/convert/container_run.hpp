@@ -10,9 +10,9 @@
 
 namespace segue::convert {
 
-/// One execution of a container in the plan, which has no node that stands for it: what those need who follow
-/// the run. It has ended once all its planned nodes are over and one of its exits is taken for certain, or
-/// with the container around it.
+/// One execution of a container in the plan, for followers of the run: no node stands for it. It has ended
+/// once all its planned nodes are over and one of its exits is taken for certain, or with the container
+/// around it.
 struct ContainerRun {
   std::shared_ptr<ContainerRun> around;  ///< null: the mission itself
   mission::StateIndex state = mission::kNoState;

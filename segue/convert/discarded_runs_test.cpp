@@ -339,8 +339,8 @@ class Using final : public mission::ActionRunner {
   const std::function<void(mission::Globals&)> use_;
 };
 
-/// What a branch sets may come before or after what the other one sees, so that is no reason to run again:
-/// the action would lose the arm to the container. What comes before the barrier is a reason.
+/// Writes of a branch may come before or after the reads of the other one, so they are no reason to run
+/// again: the action would lose the arm to the container. A write before the barrier is a reason.
 TEST(VariablesOfABarrier, AnActionIsNotRepeatedForWhatAParallelOneSets) {
   const std::string text = R"(
 mission: m

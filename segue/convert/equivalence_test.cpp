@@ -52,7 +52,7 @@ RunOptions options_of(std::uint64_t seed) {
   return options;
 }
 
-/// What became of both runs, for whoever looks for a fault.
+/// Prints both runs, for whoever looks for a fault.
 void show(const Ran& written, const ConcurrentRun& run) {
   for (const auto& [path, outcomes] : written.happened)
     fmt::print("{}: {}\n", path, fmt::join(outcomes, ", "));

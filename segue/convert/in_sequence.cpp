@@ -14,7 +14,7 @@ using task_network::NodeStatus;
 
 namespace {
 
-/// More are counted.
+/// The most names in a sentence; further ones are only counted.
 constexpr std::size_t kMostNames = 4;
 
 /// Why an action may touch anything.

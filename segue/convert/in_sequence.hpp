@@ -10,9 +10,8 @@
 
 namespace segue::convert {
 
-/// What kept a run that has ended from doing more at the same time, one sentence for each cause: actions that
-/// may touch anything, and states that ran sequentially. Nothing where facts, data and resources alone
-/// decided.
+/// The reasons why a run that has ended did not do more at the same time, one sentence for each: actions that
+/// may touch anything, and states that ran sequentially. Empty where facts, data and resources alone decided.
 [[nodiscard]] std::vector<std::string> why_in_sequence(const MissionPlan& plan,
                                                        const task_network::Order& order,
                                                        const task_network::RunResult& result);

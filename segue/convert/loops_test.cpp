@@ -53,7 +53,7 @@ TEST(LoopsInABarrier, DoNotKeepWhatFollowsFromRunningAhead) {
                           "search/both: success, 3 to 3", "plan: success, 0 to 4", "go: success, 4 to 5"));
 }
 
-/// What was planned behind is discarded when a loop goes on, and planned again at once.
+/// The plan behind a loop is discarded when the loop goes on, and is made again at once.
 TEST(LoopsInABarrier, GoOnAsSoonAsTheyMust) {
   EXPECT_THAT(VirtualRun(searches("nothing, nothing, found", "found")).executions(),
               ElementsAre("search/to_left/left: nothing, 0 to 2", "search/to_right/right: found, 0 to 3",

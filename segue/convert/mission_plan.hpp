@@ -73,7 +73,8 @@ struct PlannedNode {
   std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
   std::string loops;            ///< as mission::Execution
   std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
-  /// By port. Of a Copy: the forwarded values, of which the newest counts that is not null.
+  /// The sources of inputs, by port. A Copy has the forwarded values, of which the newest that is not null
+  /// counts.
   std::vector<ValueSource> inputs;
   ValueSource error_before;
   ValueSource begun;  ///< how often the state has begun, if its action depends on it
@@ -91,7 +92,8 @@ struct PlannedNode {
 /// Names of outputs in addition to those of ports.
 inline constexpr std::string_view kOutcomeOutput = "#outcome";  ///< an OutcomeId, of nodes that branch
 inline constexpr std::string_view kErrorOutput = "#error";      ///< only if it aborted
-/// Of a subtree that has not aborted: why the last in it did, which is handled there.
+/// The output of a subtree that has not aborted, with the error of the last state in it, which is handled
+/// there.
 inline constexpr std::string_view kHandledErrorOutput = "#handled_error";
 inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kRecordOutput = "#record";  ///< for the journal (NodeJournal)
@@ -102,7 +104,7 @@ struct ContainerRun;
 
 /// Which states have ended preemptive containers, and what an earlier run that is being resumed had recorded.
 struct RaceRecord {
-  /// That ended their containers, now or in the earlier run.
+  /// The states that have ended their containers, now or in the earlier run.
   std::set<mission::Execution> firsts{};
   /// Whether recorded executions in that state have not begun yet, or the node is to end as recorded: the
   /// state does not lose before.
@@ -115,9 +117,9 @@ struct RaceRecord {
 };
 
 /// How far a plan goes before anything is known. AsKnown: as runs need it, to the first decision or value
-/// that it must wait for. EveryEnd: likewise, also after aborts and preemptions that nothing handles.
-/// Outline: to the end of the mission, with three rounds of each loop; actions of which it is not known yet
-/// what they touch touch nothing.
+/// that it must wait for. EveryEnd: as far as AsKnown, also after aborts and preemptions that nothing
+/// handles. Outline: to the end of the mission, with three rounds of each loop; actions of which it is not
+/// known yet what they touch touch nothing.
 enum class PlanScope : std::uint8_t { AsKnown, EveryEnd, Outline };
 
 /// A mission that is being unrolled into a task network, which grows while it runs. Loops are unrolled ahead
@@ -148,7 +150,8 @@ class MissionPlan final : public task_network::Expansion {
   [[nodiscard]] const mission::Program& program() const { return *program_; }
   [[nodiscard]] const std::shared_ptr<const mission::Program>& shared_program() const { return program_; }
   [[nodiscard]] const PlannedNode& operator[](task_network::NodeId node) const { return nodes_[index(node)]; }
-  /// What must be known before it can plan further; empty if it had planned as much as was wanted.
+  /// The facts or values that must be known before it can plan further; empty if it had planned as much as
+  /// was wanted.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
   /// Whether the ends that are known so far keep the node off the path.
@@ -165,7 +168,7 @@ class MissionPlan final : public task_network::Expansion {
   /// The outcome of the state of that node.
   [[nodiscard]] mission::Outcome outcome(task_network::NodeId node, task_network::OutcomeId outcome) const;
 
-  /// Before the run.
+  /// Sets the record of races; before the run.
   void set_race_record(RaceRecord record);
   [[nodiscard]] const RaceRecord& race_record() const;
 
@@ -174,8 +177,8 @@ class MissionPlan final : public task_network::Expansion {
   [[nodiscard]] std::vector<type::Value> final_outputs();
   /// Why the mission aborted by a transition, or its last state aborted and that is handled; else empty.
   [[nodiscard]] std::string final_error();
-  /// The same mission with the same inputs, of which nothing is planned yet. It goes on after every abort and
-  /// preemption, too, up to the end of the mission, so it is for replays only.
+  /// A plan of this mission with these inputs, of which nothing is planned yet. It goes on after every abort
+  /// and preemption, too, up to the end of the mission, so it is for replays only.
   [[nodiscard]] std::unique_ptr<MissionPlan> from_the_beginning() const;
 
  private:

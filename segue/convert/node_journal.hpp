@@ -17,7 +17,8 @@
 
 namespace segue::convert {
 
-/// What an opaque subtree has changed beside its outputs and variables, as in mission::RunJournal::End.
+/// The changes that an opaque subtree has made beside its outputs and variables, as in
+/// mission::RunJournal::End.
 struct SubtreeChanges {
   std::vector<std::string> facts{};
   mission::UnitChanges units{};
@@ -28,7 +29,7 @@ struct SubtreeChanges {
 /// is recorded; an opaque subtree counts as one action. For the engine's thread.
 class NodeJournal {
  public:
-  /// What is recorded of an execution beside its outcome, outputs and error: the value of kRecordOutput.
+  /// The record of an execution beside its outcome, outputs and error: the value of kRecordOutput.
   [[nodiscard]] static type::Value record_of(const mission::Globals& used, const SubtreeChanges& changes);
 
   NodeJournal(const MissionPlan& plan, std::shared_ptr<mission::RunJournal> journal);
@@ -41,14 +42,15 @@ class NodeJournal {
   /// The node begins as soon as this returns. On disk, if it is potentially irreversible; others are not
   /// recorded, since they may be discarded.
   void began(task_network::NodeId node);
-  /// As ActionCall::progress() and recorder().
+  /// The progress of an earlier run with this node, and the function that records progress, as of
+  /// mission::ActionCall::progress() and recorder().
   [[nodiscard]] const type::Value& progress(task_network::NodeId node) const {
     return journal_->progress(execution(node));
   }
   [[nodiscard]] std::function<void(const type::Value&)> recorder(task_network::NodeId node) const;
   /// The end counts.
   void ended(task_network::NodeId node, task_network::OutcomeId outcome, const type::Value* outputs);
-  /// What the earlier run recorded of preemptive containers, and how this one records them.
+  /// The earlier run's records of preemptive containers, and the function by which this run records them.
   [[nodiscard]] RaceRecord races() const;
   /// The mission has ended, so that there is nothing to resume.
   void finished(const std::string& outcome);

@@ -169,8 +169,8 @@ class Search {
            std::ranges::any_of(entry.children, [this](StateIndex child) { return races(child); });
   }
 
-  /// A state in the container that would have to wait for another one in it, since both touch the same. That
-  /// only costs time, unless it decides which state of a preemptive container ends first.
+  /// A state in the container that would have to wait for another one in it, since both touch the same. Such
+  /// a wait only costs time, unless it decides which state of a preemptive container ends first.
   [[nodiscard]] OpaqueSubtreeReason touching_the_same(StateIndex container) const {
     if (planted(ConversionFault::RacesConflict)) return {};
     StateIndex reader = kNoState;
@@ -179,8 +179,9 @@ class Search {
     return child == kNoState ? OpaqueSubtreeReason() : OpaqueSubtreeReason{Kind::ConflictBeside, child};
   }
 
-  /// The first state in the container that touches something which stands so to what one before it touches.
-  /// `reader`: gets the first up to it that looks at all facts; the search ends there.
+  /// The first state in the container that touches something for which, together with something that a state
+  /// before it touches, `stand` is true. `reader` gets the first state up to that one that looks at all
+  /// facts; the search ends there.
   [[nodiscard]] StateIndex first_beside(StateIndex container,
                                         bool (*stand)(const Touched& a, const Touched& b),
                                         StateIndex* reader = nullptr) const {

@@ -18,7 +18,8 @@ struct OpaqueSubtreeReason {
     HandlesPreemption,  ///< `state` in it has a transition for its preemption
     OpaqueBeside,       ///< a barrier or preemptive container, and `state` in it may touch anything
     DeclaresInRace,     ///< a preemptive container, and `state`, it or one in it, declares what it needs
-    ReadsWorldBeside,  ///< likewise, and `state`, it or one in it, reads the whole world, which others change
+    ReadsWorldBeside,  ///< a preemptive container, and `state`, it or one in it, reads the whole world, which
+                       ///< others change
     ContradictedBeside,  ///< a barrier, and `state` in it takes away what one beside it needs, or reversely
     ConflictBeside  ///< what `state` in it touches decides which state of a preemptive container ends first
   };
@@ -32,7 +33,7 @@ struct OpaqueSubtreeReason {
 /// "since watch in it reads the whole world, which the states beside it change"; "" for None.
 [[nodiscard]] std::string text_of(const OpaqueSubtreeReason& reason, const mission::Program& program);
 
-/// By state of the program.
+/// The reasons of all states of the program, by state.
 [[nodiscard]] std::vector<OpaqueSubtreeReason> find_opaque_subtrees(const mission::Program& program);
 
 }  // namespace segue::convert

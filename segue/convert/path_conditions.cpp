@@ -13,7 +13,7 @@ using task_network::OutcomeId;
 
 namespace {
 
-/// More conditions at a node add little to the order and cost memory.
+/// The most conditions at a node: more add little to the order and cost memory.
 constexpr std::size_t kMostConditions = 8;
 /// Joins of more edges are not expanded.
 constexpr std::size_t kMostEdges = 64;

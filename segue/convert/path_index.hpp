@@ -17,8 +17,8 @@ class PathIndex {
 
   /// Whether the tree proves that `outer` is on the path whenever `inner` is.
   [[nodiscard]] bool implies(BranchEdge inner, BranchEdge outer) const;
-  /// Whether the tree proves that they cannot both be on the path. Of joins this takes into account which
-  /// edges they stand for, as far as that is found in a limited number of steps.
+  /// Whether the tree proves that they cannot both be on the path. It takes into account which edges joins
+  /// stand for, as far as that is found in a limited number of steps.
   [[nodiscard]] bool never_meet(BranchEdge a, BranchEdge b) const;
 
  private:

@@ -230,8 +230,8 @@ states:
   EXPECT_EQ(run.network_result().makespan, std::chrono::seconds(1));
 }
 
-/// What the loser has set in the earlier run counts, also where its way is known only after the first has
-/// ended.
+/// The variables that the loser set in the earlier run count, also where its way is known only after the
+/// first has ended.
 TEST(Races, AResumedRunKeepsWhatALoserHasDone) {
   const std::string text = R"x(
 mission: m

@@ -23,7 +23,7 @@ using type::ValueMap;
 
 const std::filesystem::path kMachines = segue::paths::in_sources("/tests/rafcon");
 
-/// What came of a run.
+/// The result of a run.
 struct Ran {
   MissionResult result;
   Value globals;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What scripts and missions take over from RAFCON, in sequential and concurrent runs alike.
+// The semantics that scripts and missions take over from RAFCON, in sequential and concurrent runs alike.
 #include <segue/convert/concurrent_run.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_script/script_runner.hpp>

@@ -31,7 +31,7 @@ void RunEvents::begins(NodeId node) {
   if (planned.role == Role::Action) observe_({.path = planned.path, .iteration = planned.iteration});
 }
 
-/// Those of the containers, from the innermost on, in which nothing has begun before.
+/// Tells the begin of the containers, from the innermost on, in which nothing has begun before.
 void RunEvents::begin_containers(std::shared_ptr<ContainerRun> innermost) {
   std::vector<std::shared_ptr<ContainerRun>> begun;
   for (; innermost != nullptr && !innermost->told; innermost = innermost->around)
@@ -49,7 +49,8 @@ void RunEvents::ended(NodeId node, task_network::OutcomeId outcome, const type::
   if (is_told(node, outcome)) tell_end(node, outcome, outputs);
 }
 
-/// The inner ones first. What has lost a race has no exit that is planned, and ends with what is around it.
+/// Goes from the inner containers to the outer ones. A container that has lost a race has no exit that is
+/// planned, and ends with the one around it.
 void RunEvents::settle() {
   for (std::size_t i = begun_.size(); i-- > 0;) {
     const auto container = begun_[i];
@@ -68,7 +69,7 @@ void RunEvents::settle() {
   }
 }
 
-/// What ended the run leads nowhere in the plan.
+/// Tells the ends that lead nowhere in the plan: those that ended the run.
 void RunEvents::finish(const task_network::RunResult& result) {
   for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
     const NodeStatus status = result.nodes[i].status;

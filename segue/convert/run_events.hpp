@@ -14,21 +14,21 @@
 
 namespace segue::convert {
 
-/// Tells whoever follows a concurrent run which states begin and end (RunOptions::observe), and warns of
+/// Tells the followers of a concurrent run which states begin and end (RunOptions::observe), and warns of
 /// states that abort again and again. For the engine's thread.
 class RunEvents {
  public:
   RunEvents(MissionPlan& plan, const RunOptions& options);
 
-  /// An action or an opaque subtree begins, which tells of itself.
+  /// An action or an opaque subtree begins; the subtree tells of its own states.
   void begins(task_network::NodeId node);
-  /// Its end will be as in the run that is being resumed, which nobody is told.
+  /// The end of the node will be replayed from the run that is being resumed, so nobody is told of it.
   void replays(task_network::NodeId node) { replayed_.insert(node); }
-  /// Its end counts. Before the plan is told of it. `outputs` may be null.
+  /// The node's end counts. To be called before the plan is told of it. `outputs` may be null.
   void ended(task_network::NodeId node, task_network::OutcomeId outcome, const type::Value* outputs);
   /// Tells of containers that have ended, after the plan has changed.
   void settle();
-  /// The run has ended: tells of what has ended with it.
+  /// The run has ended: tells of the states that have ended with it.
   void finish(const task_network::RunResult& result);
 
  private:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What those hear who follow a mission, whichever way it runs: of actions and containers that begin and end,
-// and of what may not begin.
+// The events that followers of a mission get, whichever way it runs: actions and containers that begin and
+// end, and those that may not begin.
 #include <segue/base/virtual_clock.hpp>
 #include <segue/convert/concurrent_run.hpp>
 #include <segue/mission/mission_io.hpp>
@@ -27,7 +26,7 @@ std::shared_ptr<const mission::Program> compiled(std::string_view text) {
   return mission::Program::compile(std::move(*mission)).value();
 }
 
-/// What a run tells.
+/// Collects the events of a run.
 struct Told {
   std::vector<std::string> ends{};
   std::vector<std::string> of_containers{};

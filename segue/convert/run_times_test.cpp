@@ -26,7 +26,7 @@ using task_network::NodeResult;
 /// Really slept: what is tested is that time is measured where it passes.
 constexpr Duration kNap = 20ms;
 
-/// What actions measured of themselves, in the order of their ends.
+/// The times that actions measured themselves, in the order of their ends.
 class Stopwatch {
  public:
   struct Span {
@@ -161,7 +161,7 @@ class TimesSideBySide : public ::testing::Test {
 };
 class Times : public TimesSideBySide, public ::testing::WithParamInterface<Kind> {};
 
-/// What holds of every recorded run.
+/// Expects the order of times that holds of every recorded run.
 void expect_order(const ConcurrentRun& run) {
   const auto& result = run.network_result();
   for (const NodeResult& node : result.nodes) {

@@ -10,11 +10,11 @@
 
 namespace segue::convert {
 
-/// What there was when an opaque subtree began, so that it can be told what that has changed.
+/// The state at the begin of an opaque subtree, by which its changes are found at its end.
 class SubtreeWatch {
  public:
   explicit SubtreeWatch(const mission::MissionPart& part);
-  /// After the run of the engine.
+  /// The changes of the subtree, after the run of the engine.
   [[nodiscard]] SubtreeChanges changes(const mission::Engine& engine) const;
 
  private:

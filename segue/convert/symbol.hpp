@@ -36,7 +36,7 @@ struct Symbol {
   std::vector<Candidate> candidates;
   Defaults rest;
   std::uint64_t rest_turn = 0;
-  /// Nothing may have been written.
+  /// Whether nothing may have been written.
   [[nodiscard]] bool empty() const { return candidates.empty() && !rest; }
 };
 
@@ -46,9 +46,11 @@ class Slots {
  public:
   explicit Slots(std::size_t count) : slots_(count) {}
 
-  /// From here on the slot holds `value` if `when` is on the path. All candidates of `value` lie on `when`.
+  /// Writes to the slot: from here on it holds `value` if `when` is on the path. All candidates of `value`
+  /// lie on `when`.
   void write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditions& paths);
-  /// What was written last to the slot, seen from `at`. If nothing may have been written, `rest` is null.
+  /// The value that was written last to the slot, seen from `at`. If nothing may have been written, `rest` is
+  /// null.
   [[nodiscard]] Symbol read(std::uint32_t slot, BranchEdge at, PathConditions& paths) const;
 
  private:

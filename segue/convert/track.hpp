@@ -81,8 +81,8 @@ struct ContainerExecution {
   std::shared_ptr<ContainerRun> run;  ///< itself, or that which a library or the mission is in
 };
 
-/// A state of a barrier or of a race that is being planned, for what is beside the network and for the
-/// network.
+/// The place of a state of a barrier or of a race that is being planned, both for values beside the network
+/// and for the network.
 struct BranchPlace {
   std::shared_ptr<const mission::ParallelBranch> place{};  ///< null: the mission itself
   std::uint32_t in_network = task_network::kNone;          ///< of TaskNetwork::add_parallel_branch()
@@ -104,10 +104,11 @@ struct Frame {
     std::size_t iterations = 1;
     std::vector<std::vector<BranchEdge>>
         open{};  ///< by uncertain iteration: the edges on which it is entered
-    /// Of an alternative: the ways back to the head. What is planned as if the loop had ended must not take
-    /// them, or the number of an iteration would depend on how far that has come.
+    /// Of an alternative: the ways back to the head. States that are planned as if the loop had ended must
+    /// not take them, or the number of an iteration would depend on the progress of that plan.
     std::vector<Arrival> back{};
-    /// How far it is ahead of what is under way: looked at in this iteration, when there were so many nodes.
+    /// The iteration in which it was checked last how far the plan is ahead of the run, and the number of
+    /// nodes then.
     std::size_t looked = 1;
     std::uint32_t nodes = 0;
     std::optional<task_network::NodeId>

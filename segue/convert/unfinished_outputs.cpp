@@ -95,7 +95,7 @@ class Replay {
       auto global = output.global.empty() ? std::nullopt : globals_.get(output.global);
       outputs.append((*state.output_ports)[i].name, std::move(global).value_or(output.fallback));
     }
-    // What handles its abort would go on, which the run did not.
+    // A node that handles the abort would go on, but the run did not.
     const bool aborts = result_.failed && !again_->network()[node].handles_abort;
     end(node, aborts ? task_network::kAborted : task_network::kPreempted,
         &given_.emplace_back(std::move(outputs)));

@@ -117,7 +117,7 @@ std::string Unroller::path_of(const ContainerExecution& around, StateIndex child
   return around.entry.path.empty() ? id : around.entry.path + "/" + id;
 }
 
-/// With what a state of the container at the frame is entered on that edge, but for errors.
+/// The data with which a state of the container at the frame is entered on that edge, except for errors.
 StateEntry Unroller::entry_of(const Frame& frame, StateIndex child, BranchEdge when) {
   ContainerExecution& around = *frame.activation;
   StateEntry entry;

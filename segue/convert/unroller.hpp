@@ -52,7 +52,7 @@ class Unroller {
   [[nodiscard]] std::shared_ptr<ContainerRun> container_of(task_network::NodeId node) const;
   /// The exit by which it has ended, once that is certain; null before.
   [[nodiscard]] const Exit* exit_of(const ContainerRun& container);
-  /// Once that is known for certain.
+  /// The value of a symbol, once it is known for certain.
   [[nodiscard]] std::optional<type::Value> value_of(const Symbol& symbol);
 
  private:
@@ -150,7 +150,7 @@ class Unroller {
   [[nodiscard]] Result<mission::Needs> needs_of(const StateEntry& entry);
   void look_up(const mission::Needs& needs, Touch& touch);
 
-  // What containers declare, and when they end (unroller_containers.cpp)
+  // The declarations of containers, and their ends (unroller_containers.cpp)
   void begin_container(ContainerExecution& activation);
   void follow(ContainerExecution& activation);
   void put_in(const std::shared_ptr<ContainerRun>& container, task_network::NodeId node);
@@ -184,7 +184,7 @@ class Unroller {
   std::vector<const Track*>
       before_;  ///< of the states beside and before the one that is being planned: open ones
   std::vector<std::string> varying_;         ///< patterns of resources that are created or removed
-  std::vector<std::string> blocked_within_;  ///< likewise, mission::resources_blocked_within()
+  std::vector<std::string> blocked_within_;  ///< patterns of mission::resources_blocked_within()
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // When containers end, and what they declare for everything in them. A node begins the container: it checks
-// the preconditions and takes the units that the container blocks, by a group lock. What is in the container
-// are members of that lock, which ends with the last of them. More members may be planned then, and take the
-// units again: whoever uses them later in program order begins after all members.
+// the preconditions and takes the units that the container blocks, by a group lock. The nodes in the
+// container are members of that lock, which ends with the last of them. More members may be planned then, and
+// take the units again: whoever uses them later in program order begins after all members.
 #include <segue/base/text.hpp>
 #include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
@@ -15,8 +15,8 @@ namespace segue::convert {
 using task_network::NodeId;
 using task_network::NodeSpec;
 
-/// From now on it is known when the container has ended. The mission itself, whose path is empty, ends with
-/// the run.
+/// Follows the container, so that it is known when it has ended. The mission itself, whose path is empty,
+/// ends with the run.
 void Unroller::follow(ContainerExecution& activation) {
   const StateEntry& entry = activation.entry;
   if (entry.path.empty()) return;
@@ -108,8 +108,8 @@ void Unroller::block(ContainerExecution& activation, NodeSpec& spec, const missi
     activation.memberships = std::make_shared<const std::vector<task_network::Claim>>(std::move(memberships));
 }
 
-/// The units exist as long as the plan; who takes them holds those of which they are part. Where a container
-/// inside blocks them in turn, they are taken in program order from the first user on.
+/// The units exist as long as the plan; a node that takes them holds the units of which they are part. Where
+/// a container inside blocks them in turn, they are taken in program order from the first user on.
 void Unroller::lend(const mission::EnclosingScope::Held& held) {
   task_network::ResourceRecord& lent = plan_.network_.resources[plan_.network_.resources.intern(held.lent)];
   lent.count = held.count;

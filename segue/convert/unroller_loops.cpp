@@ -14,8 +14,8 @@ using mission::StateIndex;
 
 namespace {
 
-/// Rounds of a loop in an outline: what a round may overtake is in it or in the one before, and the first
-/// round may change facts that later ones leave as they are.
+/// Rounds of a loop in an outline: the actions that a round may overtake are in it or in the one before, and
+/// the first round may change facts that later ones leave as they are.
 constexpr std::size_t kOutlinedRounds = 3;
 /// Iterations of a loop that are planned, at least, while something before them is under way. Twice as many
 /// are never reached: iterations that end without beginning anything, or that take no time, would go on for
@@ -52,7 +52,8 @@ void Unroller::take_alternatives(Track& track) {
   }
 }
 
-/// Whether it is certain that what was planned behind is the way, or that neither is.
+/// Whether it is certain that the nodes that were planned behind the loop are on the path, or that neither
+/// they nor the loop are.
 bool Unroller::has_lapsed(Alternative& alternative) {
   Frame& frame = alternative.frames.back();
   const auto base = paths_.live(frame.activation->inside);

@@ -168,8 +168,8 @@ void Unroller::declare(const StateEntry& entry, NodeSpec& spec, PlannedNode& pla
     spec.claims.insert(spec.claims.end(), entry.memberships->begin(), entry.memberships->end());
 }
 
-/// Instead of the facts that are not known yet, a fact of its own, so that it changes something but depends
-/// on nothing.
+/// Declares a fact of the node's own instead of the facts that are not known yet, so that it changes
+/// something but depends on nothing.
 void Unroller::declare_unknown(const StateEntry& entry, NodeSpec& spec) {
   const std::string name = "unknown(" + std::to_string(plan_.network_.size()) + ")";
   const auto fact = plan_.network_.facts.intern_named(name);
@@ -177,8 +177,8 @@ void Unroller::declare_unknown(const StateEntry& entry, NodeSpec& spec) {
   if (fact && (!what.effects.empty() || !what.resources.empty())) spec.effects.push_back({*fact, true});
 }
 
-/// With what is declared around the state; an error if a name cannot be formed. Requires that the values that
-/// names consist of are known.
+/// The needs of the state with the declarations around it; an error if a name cannot be formed. Requires that
+/// the values that names consist of are known.
 Result<mission::Needs> Unroller::needs_of(const StateEntry& entry) {
   const auto values = naming_values(entry);
   assert(values);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How the unroller plans preemptive containers: each of their states on a track of its own. What comes after
-// is planned once it is known which of them has ended first, and all that was running in the others has
-// ended.
+// How the unroller plans preemptive containers: each of their states on a track of its own. The nodes after
+// the container are planned once it is known which state has ended first, and all that was running in the
+// others has ended.
 #include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
 
@@ -118,7 +118,7 @@ void Unroller::leave_race(ContainerExecution& activation, StateIndex child, cons
     const auto live = paths_.live(exit.arrival.when);
     if (!live || (scope_ == PlanScope::AsKnown && !live->always())) continue;
     const NextStep& step = node(child).next_after(exit.outcome);
-    // As the run in sequence has it, what was handled inside of the state that ends the race is over.
+    // An error that was handled inside of the state that ends the race is over, like in the sequential run.
     if (exit.outcome >= 0) exit.arrival.errors.clear();
     exit.arrival.errors = errors_of(child, exit, step);
     const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : exit.outcome;
@@ -202,7 +202,8 @@ void Unroller::skipped(NodeId node) {
   note_over(node);
 }
 
-/// It ends the mission, and the states that it belongs to as well: those that race with them are preempted.
+/// The failure of a node ends the mission, and also the states that the node belongs to, so the states that
+/// race with these are preempted.
 void Unroller::failed(NodeId node) {
   for (const auto& each : races_) {
     const auto race = each.lock();

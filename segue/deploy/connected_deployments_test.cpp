@@ -450,7 +450,7 @@ TEST_F(ConnectedDeployments, stand_a_storm_of_connections) {
   EXPECT_TRUE(arrives_after(pair::last + 10));
 }
 
-/// What a runtime does around the commit of a transition that gives `flow_` another policy.
+/// Does what a runtime does around the commit of a transition that gives `flow_` another policy.
 class CommittingDeployments : public ConnectedDeployments {
  protected:
   CommittingDeployments() {
@@ -459,7 +459,7 @@ class CommittingDeployments : public ConnectedDeployments {
     EXPECT_TRUE(arrives_after(pair::last + 10));
   }
 
-  /// As actions of Prepare do.
+  /// Does what actions of Prepare do.
   void prepare(const model::Connection& connection) {
     const auto origin = describe(connection);
     ASSERT_TRUE(origin);

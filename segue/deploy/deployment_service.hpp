@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-/// Deployments: processes that hold tasks. What such a process offers, and one TaskHost over all of them.
+/// Deployments: processes that hold tasks, their interface, and one TaskHost over all of them.
 namespace segue::deploy {
 
 /// The identity of a deployment process.
@@ -79,8 +79,8 @@ struct CloseEndpoint {
   sample_link::Incarnation peer = 0;
 };
 
-/// What ends in a process when a transition commits. What begins are all connections that actions before the
-/// commit make.
+/// The connections of a process that end when a transition commits. Those that begin then are all connections
+/// that actions before the commit make.
 struct ArmCommit {
   std::shared_ptr<const sample_link::CommitPage> page;  ///< of the runtime
   std::uint64_t number = 0;                             ///< of the transition, on that page
@@ -94,8 +94,8 @@ struct ArmCommit {
 };
 
 /// The interface of a process that holds tasks: LocalDeployment in the process itself, a client (control/)
-/// elsewhere. As TaskAccess says; lists of outcomes have one entry for each request, in the order of the
-/// requests.
+/// elsewhere. Threads and deadlines as for TaskAccess; lists of outcomes have one entry for each request, in
+/// the order of the requests.
 class DeploymentService : public TaskAccess {
  public:
   virtual Result<DeploymentInfo> info() = 0;
@@ -133,7 +133,7 @@ class DeploymentService : public TaskAccess {
   virtual void set_listener(Listener listener) = 0;
 };
 
-/// A deployment process that somebody has connected to, and what it said of itself then.
+/// A deployment process with a connection, and its description of itself when it was connected.
 struct ConnectedDeployment {
   std::unique_ptr<DeploymentService> service;  ///< never null
   DeploymentInfo info;

@@ -19,7 +19,7 @@ class Endpoints {
   Endpoints(task_host::LocalTaskHost& host, std::shared_ptr<sample_link::SharedMemory> memory)
       : host_(host), memory_(std::move(memory)) {}
 
-  /// The memory of this process for others, and the reverse; see DeploymentService.
+  /// Offers the memory of this process to others, and admits theirs; see DeploymentService.
   [[nodiscard]] Result<sample_link::MemoryOffer> offer() const;
   Result<void> admit(const sample_link::MemoryOffer& peer);
   Result<void> forget(sample_link::Incarnation peer);
@@ -33,7 +33,7 @@ class Endpoints {
   Result<void> close(const CloseEndpoint& what, TimePoint deadline);
   void close_all();
 
-  /// These endpoints end when the gate opens; the transition of the gates has ended.
+  /// end_at(): these endpoints end when the gate opens. settle(): the transition of the gates has ended.
   void end_at(const task::CommitGatePtr& gate, std::span<const ArmCommit::Endpoint> ending);
   void settle();
 

@@ -28,7 +28,7 @@ class InFlightGuard {
     const bool inside_;
   };
 
-  /// Lets nothing more begin, and waits for what is in flight; false where some of it still is at `deadline`.
+  /// Lets no work begin any more, and waits for the work in flight; false where some is left at `deadline`.
   bool close(TimePoint deadline) {
     Lock lock(mutex_);
     closed_ = true;

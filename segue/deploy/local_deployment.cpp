@@ -131,7 +131,7 @@ LocalDeployment::~LocalDeployment() {
 }
 
 bool LocalDeployment::shut_down(TimePoint deadline) {
-  // Half of the time for what is under way, half for what is to be stopped then.
+  // Half of the time is for calls that are under way, half for tasks that are stopped then.
   const TimePoint now = RealClock::instance().now();
   implementation_->in_flight.close(std::min(deadline, now + (deadline - now) / 2));
   const bool stopped = detail::shut_down(implementation_->host, implementation_->last_actions, deadline);

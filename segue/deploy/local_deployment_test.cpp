@@ -309,7 +309,7 @@ TEST_F(LocalDeploymentTest, goes_down_in_order) {
 
 TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
   hooks::reset();
-  // As in a process that ends by std::_Exit: nothing is destroyed that the hanging thread needs.
+  // Nothing is destroyed that the hanging thread needs, like in a process that ends by std::_Exit.
   static const model::ComponentCatalog& catalog = *new model::ComponentCatalog;
   static const task_host::LibrarySet& libraries = *new task_host::LibrarySet;
   static auto& kept = *new std::vector<task_host::LocalTaskHost*>;

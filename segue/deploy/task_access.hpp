@@ -18,17 +18,17 @@
 
 namespace segue::deploy {
 
-/// What can be done with the tasks of one place: of a deployment process, or of all processes of a robot on a
-/// host. Functions may be called from any thread and block until their deadline at most. Those without a
-/// deadline return quickly; a client (control/) answers Unavailable where the other side is gone and
-/// DeadlineExceeded where it does not answer.
+/// Access to the tasks of one place: of a deployment process, or of all processes of a robot on a host.
+/// Functions may be called from any thread and block until their deadline at most. Those without a deadline
+/// return quickly; a client (control/) answers Unavailable where the other side is gone and DeadlineExceeded
+/// where it does not answer.
 class TaskAccess {
  public:
   virtual ~TaskAccess() = default;
 
-  /// Begins to carry out actions on what is here that do not depend on each other, and returns without
-  /// waiting for hooks; `completed` as TaskHost::begin_all says. Where this is destroyed before all are
-  /// reported, its destructor waits for them or reports them as Unavailable.
+  /// Begins to carry out actions at this place that do not depend on each other, and returns without waiting
+  /// for hooks; `completed` as TaskHost::begin_all says. Where this is destroyed before all are reported, its
+  /// destructor waits for them or reports them as Unavailable.
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                          task_host::Completion completed) = 0;
   /// Carries out actions as begin_all() does and waits for all; outcomes in the order of `actions`.
@@ -44,7 +44,8 @@ class TaskAccess {
 
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;
   virtual Result<type::Value> properties(const model::TaskId& task) = 0;
-  /// As TaskHost::watch() says; returns at once.
+  /// Has `answered` called once the task's level differs from `question.seen`, or at the deadline; see
+  /// TaskHost::watch(). Returns at once.
   virtual void watch(const task_host::LevelQuestion& question, const Wait& wait,
                      task_host::LevelAnswer answered) = 0;
   virtual Result<task_host::TaskDetails> details(

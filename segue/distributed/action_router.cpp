@@ -19,7 +19,7 @@ namespace {
 using deploy::detail::Which;
 using deploy::detail::which_of;
 
-/// Those receivers that go on as they are.
+/// The receivers that the transition leaves as they are.
 std::set<model::TaskId> kept_receivers(const model::Network& before, const model::Network& target) {
   const auto processes_before = model::task_processes(before);
   const auto processes = model::task_processes(target);
@@ -59,8 +59,9 @@ std::set<int> waits_for(int id, const std::map<int, const model::Action*>& actio
   return all;
 }
 
-/// What a sender had taken is delivered before its receivers stop and are disconnected, on other computers,
-/// unless the order of the actions has it the other way round.
+/// Makes the receivers of link tasks wait for their senders: samples that a sender has taken are delivered
+/// before its receivers stop and are disconnected, on other computers, unless the order of the actions has it
+/// the other way round.
 void let_receivers_wait(std::vector<model::Action>& actions) {
   struct Stop {
     int id = 0;

@@ -23,24 +23,25 @@ class ActionRouter {
  public:
   explicit ActionRouter(Sites& sites) : sites_(sites) {}
 
-  /// As TaskHost::perform_in_order: one message for each computer, unless its actions have to wait for what
-  /// happens on another. What a sender has taken is delivered before its receivers stop and are disconnected.
+  /// Carries out actions in their partial order (TaskHost::perform_in_order), with one message for each
+  /// computer, unless its actions have to wait for something that happens on another. Samples that a sender
+  /// has taken are delivered before its receivers stop and are disconnected.
   void perform(std::vector<model::Action> actions, Duration action_deadline,
                const task_host::EarlyEnd& early_end, task_host::Completion completed);
 
-  /// As TaskHost::begin_all, of actions on each computer that may depend on each other.
+  /// Begins actions (TaskHost::begin_all); those on one computer may depend on each other.
   void begin(std::vector<model::Action> actions, Duration action_deadline, task_host::Completion completed);
   /// Waits until all actions that were begun are reported.
   void close();
 
-  /// From now on until end_transition(), only computers that can be reached now, through the connections of
-  /// now, take part.
+  /// Begins a transition: until end_transition(), only computers that can be reached now, through their
+  /// present connections, take part.
   void begin_transition(const model::Network& before, const model::Network& target);
   void end_transition();
-  /// Whether a connection carries samples whenever it is there, not from commit to commit. What a new
-  /// receiver delivers begins and ends with what its sender gets on the other computer, so that no sample is
-  /// lost between the commits of both. A receiver that goes on delivers to each reader from commit to commit,
-  /// so that no sample gets to two readers of which one takes the other's place.
+  /// Whether a connection carries samples whenever it is there, not from commit to commit. A new receiver
+  /// delivers all samples that its sender gets on the other computer, so that no sample is lost between the
+  /// commits of both. A receiver that goes on delivers to each reader from commit to commit, so that no
+  /// sample gets to two readers of which one takes the other's place.
   [[nodiscard]] bool at_once(const model::Connection& connection) const;
   /// The computer as the transition in progress may use it; Unavailable where its connection is another one.
   Result<HostLink::Reached> reach(const Site& site) const;
@@ -74,7 +75,7 @@ class ActionRouter {
   mutable Mutex mutex_;  ///< protects everything below
   ConditionVariable idle_;
   std::size_t in_progress_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< actions that are not reported yet
-  /// Of the transition in progress.
+  /// The connections of the computers that take part in the transition in progress.
   std::optional<std::map<const Site*, std::uint64_t>> connections_ SEGUE_GUARDED_BY(mutex_);
   /// Receivers that the transition in progress leaves as they are.
   std::set<model::TaskId> kept_ SEGUE_GUARDED_BY(mutex_);

@@ -15,8 +15,8 @@ namespace {
 
 /// How long a link may take to answer, besides the wait itself.
 constexpr Duration kAnswering = std::chrono::seconds(2);
-/// At the same time, far fewer than the calls that a process takes from one client. Links find each other
-/// without being asked, so it makes no difference in which order they are.
+/// The most waits at the same time, far fewer than the calls that a process takes from one client. Links find
+/// each other without being asked, so the order of the waits makes no difference.
 constexpr std::size_t kMostWaits = 4;
 
 }  // namespace

@@ -14,8 +14,7 @@
 
 namespace segue::distributed {
 
-/// The deployments of a robot on this computer as a HostedRobot, without a lease: whoever has this commands
-/// them.
+/// The deployments of a robot on this computer as a HostedRobot without a lease: its owner commands them.
 class CommitParticipant final : public HostedRobot {
  public:
   /// `tasks` must outlive this. `clock` is what promises to commit are measured with.
@@ -70,7 +69,7 @@ class CommitParticipant final : public HostedRobot {
   Result<void> wait_for(const LinkWait& link, TimePoint deadline);
 
   Mutex stop_mutex_;  ///< protects the member below
-  /// Of what begin_in_order() has been given since the last begin_no_more().
+  /// Stops the actions that begin_in_order() was given since the last begin_no_more().
   std::stop_source stop_ SEGUE_GUARDED_BY(stop_mutex_);
   Mutex mutex_;  ///< protects the members below; held while a transition commits
   std::uint64_t armed_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< the transition that can commit; 0: none

@@ -115,7 +115,8 @@ Result<void> DistributedCommit::commit() {
 
 Result<void> DistributedCommit::promise(const std::set<const Site*>& sites, std::uint64_t number) const {
   const TimePoint begin = clock_.now();
-  // The first promises must last until all have got the order. So an answer may take no more than half.
+  // The first promises must last until all have got the order, so an answer may take no more than half of
+  // that time.
   const auto vote = [&](const Site&, HostedRobot& robot) -> Result<void> {
     auto voted = robot.vote(number, promise_);
     const Duration took = clock_.now() - begin;

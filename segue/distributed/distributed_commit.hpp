@@ -29,7 +29,7 @@ class DistributedCommit {
 
  private:
   using Ask = std::function<Result<void>(const Site& site, HostedRobot& robot)>;
-  /// What follows from an error of a call over the connection of that number.
+  /// Handles an error of a call over the connection of that number.
   using Failed = std::function<void(const Site& site, const Error& error, std::uint64_t number)>;
   /// Asks `sites` at the same time; the first error, which names its host.
   Result<void> ask_all(const std::set<const Site*>& sites, const std::string& what, const Ask& ask,

@@ -54,7 +54,8 @@ struct DistributedTaskHost::Implementation {
   void look_after(const Site& site);
   void report(const Site& site, bool reachable, const std::string& message);
   [[nodiscard]] SampleType type_of(const model::Task& writer, const std::string& port) const;
-  /// What all hosts say that can be reached, with the counts of connections noted; which `lock` protects.
+  /// The views of all hosts that can be reached, in one, with the counts of connections condensed. Blocks;
+  /// one caller at a time.
   HostView look_and_note();
   template <class Ask>
   auto at(const model::TaskId& task, Ask ask) const -> decltype(ask(std::declval<HostedRobot&>()));

@@ -13,7 +13,7 @@
 namespace segue::distributed {
 
 struct DistributedOptions {
-  /// Who commands, and how processes are started on other hosts.
+  /// The runtime that commands the robot, and the way processes are started on other hosts.
   RobotRequest request;
   GatewaySettings gateways;
   /// Components are simulated where a host has no library for them; their samples carry no values.
@@ -26,18 +26,18 @@ struct DistributedOptions {
   Duration patience = std::chrono::seconds(4);
   /// How long a host that has voted for a commit waits for it.
   Duration promise = std::chrono::seconds(2);
-  /// What measures promises on the runtime's computer; outlives the host.
+  /// Measures promises to commit on the runtime's computer; outlives the host.
   const Clock* clock = &RealClock::instance();
 };
 
 /// One TaskHost over the deployments of a robot on several computers: the runtime's own and those of daemons.
 ///
-/// What a phase asks of one host is one message, unless it has to wait for what happens on another: hosts
-/// carry out their actions in their partial order by themselves. All hosts prepare a transition; its commit
-/// takes two rounds: each host that takes part promises to commit within a time limit, and then all are told
-/// to. A host that does not promise, or promises too late, keeps all of them from committing. One that falls
-/// silent in between may have committed or not: commit() fails, and once the host is back, observe() shows
-/// what it did.
+/// A phase sends each host one message, unless it has to wait for something that happens on another host:
+/// hosts carry out their actions in their partial order by themselves. All hosts prepare a transition; its
+/// commit takes two rounds: each host that takes part promises to commit within a time limit, and then all
+/// are told to. A host that does not promise, or promises too late, keeps all of them from committing. One
+/// that falls silent in between may have committed or not: commit() fails, and once the host is back,
+/// observe() shows what it did.
 ///
 /// A host that says that another runtime has got the robot since speaks for all of them: the robot is lost,
 /// for good. Leases on other hosts are given up, no host is asked again, and loss() says why.

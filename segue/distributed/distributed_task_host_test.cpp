@@ -121,7 +121,7 @@ struct Commander {
     return options;
   }
 
-  /// As the runtime does.
+  /// Switches in the steps in which the runtime does.
   Result<void> switch_to(const model::Network& network) {
     const model::Network observed = host.observe();
     const model::Network target = host.expanded(network);

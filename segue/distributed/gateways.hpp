@@ -28,9 +28,9 @@ struct GatewaySettings {
   std::string robot;                 ///< begins the names of topics
   int domain = 0;                    ///< DDS domain
   std::vector<model::HostName> own;  ///< further names of the runtime's own computer
-  /// Of each host, where its samples come and go; without, Cyclone DDS chooses. What others have is none of a
-  /// task's properties: where the robot gets another host or the runtime another computer, tasks stay as they
-  /// are.
+  /// The addresses at which hosts exchange samples; without one, Cyclone DDS chooses. Addresses of other
+  /// hosts are not properties of tasks, so tasks stay as they are where the robot gets another host or the
+  /// runtime another computer.
   std::map<model::HostName, std::string> addresses;
 };
 
@@ -46,7 +46,8 @@ using TypeOf = std::function<SampleType(const model::Task& writer, const std::st
 /// same policy, and one receiver those on its host. Linear in the size of the network.
 model::Network with_gateways(model::Network network, const GatewaySettings& settings, const TypeOf& type_of);
 
-/// The reverse. A connection between hosts is there where both of its halves are.
+/// The network without gateways: the inverse of with_gateways(). A connection between hosts exists where both
+/// of its halves do.
 model::Network without_gateways(model::Network network);
 
 /// Whether a task is a sender or receiver, by its id, which no file can contain.

@@ -46,16 +46,16 @@ class HostLink {
   /// Connects and gets the robot. Does nothing where it has it already. Superseded, without asking, once the
   /// robot is lost to another runtime. Blocks until `deadline` at most.
   Result<void> connect(const RobotRequest& request, TimePoint deadline);
-  /// The highest term of those that have had the robot there, asked over a connection of its own.
+  /// The highest term of all runtimes that have had the robot there; asks over a connection of its own.
   [[nodiscard]] Result<std::uint64_t> highest_term(const std::string& robot, TimePoint deadline);
   /// Extends the lease, and measures the round trip and the host's clock. An error: the connection is lost.
   Result<void> keep_alive();
-  /// What is asked of the host from now on fails, until connect() succeeds. Does nothing where the connection
-  /// of that number has been replaced already: a call that fails late says nothing of the present one.
+  /// Makes all further calls to the host fail until connect() succeeds. Does nothing where the connection of
+  /// that number has been replaced already: a call that fails late says nothing of the present one.
   void lose(std::optional<std::uint64_t> number, const std::string& why);
   /// Gives up the lease, so that another runtime may have the robot at once.
   void release(const std::string& why);
-  /// After a call over connection `number` failed: where nobody answered, or another runtime has got the
+  /// Notes that a call over connection `number` failed: where nobody answered, or another runtime has got the
   /// robot, the connection is given up.
   void note(const Error& error, std::uint64_t number);
 
@@ -67,7 +67,7 @@ class HostLink {
   /// Unavailable, with the reason, where the host cannot be reached; Superseded once the robot is lost.
   [[nodiscard]] Result<Reached> reach() const;
   [[nodiscard]] bool reachable() const;
-  /// Where the host can be reached but another runtime commands the robot there.
+  /// The refusal of a host that can be reached, but where another runtime commands the robot.
   struct Refusal {
     Error why;
     TimePoint when;  ///< the host was asked last
@@ -75,7 +75,7 @@ class HostLink {
   [[nodiscard]] std::optional<Refusal> refusal() const;
   [[nodiscard]] HostInfo info() const;
   [[nodiscard]] task_host::ComputerReport report() const;
-  /// What the host held when it was last seen.
+  /// Notes the view of the host, which last_seen() then returns.
   void note(const HostView& view);
   [[nodiscard]] HostView last_seen() const;
 
@@ -85,12 +85,12 @@ class HostLink {
     std::shared_ptr<HostedRobot> robot;
     bool broken = false;
   };
-  /// A connection to the daemon, without the robot. acquire() gets that.
+  /// Opens a connection to the daemon, without the robot, which acquire() requests.
   Result<std::shared_ptr<Connection>> open(TimePoint deadline);
   Result<HostInfo> acquire(Connection& connection, const RobotRequest& request, TimePoint deadline);
   /// Hands the connection over to the caller, who destroys it without the lock.
   std::shared_ptr<Connection> take(std::optional<std::uint64_t> number, const std::string& why);
-  /// From now on it is what the host is asked over; Superseded where the robot was lost meanwhile.
+  /// Uses this connection for all further calls to the host; Superseded where the robot was lost meanwhile.
   Result<void> use(std::shared_ptr<Connection> made, HostInfo info);
   Result<void> measure(HostService& service);
   [[nodiscard]] bool is_connected() const SEGUE_REQUIRES(mutex_) {

@@ -21,7 +21,7 @@ struct LibraryInfo {
   friend bool operator==(const LibraryInfo&, const LibraryInfo&) = default;
 };
 
-/// What a host says of itself.
+/// A host's description of itself.
 struct HostInfo {
   model::HostName name;
   std::string software;      ///< version of Segue
@@ -30,7 +30,7 @@ struct HostInfo {
   std::vector<LibraryInfo> libraries;
 };
 
-/// Who commands a robot on a host.
+/// The lease of the runtime that commands a robot on a host.
 struct LeaseInfo {
   std::string robot;
   std::string holder;       ///< names one run of a runtime: "HOST/PID/NUMBER"
@@ -52,7 +52,7 @@ struct LogRequest {
   std::optional<process_server::LogPosition> after{};  ///< instead: what was printed after this
 };
 
-/// What a runtime needs to command a robot on a host.
+/// The request of a runtime that wants to command a robot on a host.
 struct RobotRequest {
   std::string holder;      ///< see LeaseInfo
   std::string secret{};    ///< of that run of the runtime, by which it gets its lease anew; never shown
@@ -60,10 +60,10 @@ struct RobotRequest {
   process_server::Launch launch;  ///< for each process; without models, which lie on another computer
   std::vector<ModelFile> models;
   bool take_over = false;  ///< although another runtime has a lease that has not run out
-  /// It has had the robot here before: Superseded if another runtime has had it since.
+  /// The runtime has had the robot here before, and is refused as Superseded if another one has had it since.
   bool again = false;
-  /// Of a runtime that has taken the robot over, the same on all hosts and in all its requests: higher than
-  /// those of all runtimes before it (HostService::highest_term). 0: it has not taken it over.
+  /// The term of a runtime that has taken the robot over, the same on all hosts and in all its requests:
+  /// higher than those of all runtimes before it (HostService::highest_term). 0: it has not taken it over.
   std::uint64_t term = 0;
 };
 

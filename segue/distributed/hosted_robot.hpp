@@ -40,26 +40,27 @@ class HostedRobot : public deploy::TaskAccess {
 
   virtual Result<HostView> look() = 0;
   virtual Result<void> expect(const model::Network& target) = 0;
-  /// Does not wait for the host: what is called afterwards comes after it there.
+  /// Begins a transition. Does not wait for the host, which carries out later calls after this one.
   virtual Result<void> begin_transition(const model::Network& before, const model::Network& target) = 0;
   /// Begins to carry out actions in their partial order, and returns without waiting; `completed` as
   /// TaskHost::perform_in_order says, but it may be called by several threads at the same time.
   virtual void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
                               task_host::Completion completed) = 0;
-  /// Nothing more of what begin_in_order() has been given begins. Does not block.
+  /// Lets no further action of begin_in_order() begin. Does not block.
   virtual void begin_no_more() = 0;
-  /// Waits too until all `links` have found their counterparts on other hosts, until `deadline` at most;
-  /// DeadlineExceeded where one has not.
+  /// Makes the host ready for `target`, and waits until all `links` have found their counterparts on other
+  /// hosts, until `deadline` at most; DeadlineExceeded where one has not.
   virtual Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
                                  TimePoint deadline) = 0;
-  /// `transition` with the actions of this host; `number` names it in vote() and commit().
+  /// Arms the host for `transition`, which has the actions of this host only; `number` names it in vote() and
+  /// commit().
   virtual Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
                                   TimePoint deadline) = 0;
   /// Whether the host can commit transition `number` now. If so, it promises to do so whenever commit()
   /// arrives within `validity` from now on its own clock, and refuses a later one.
   virtual Result<void> vote(std::uint64_t number, Duration validity) = 0;
-  /// Connections begin and end. InvalidState where the host has not promised, or not for this transition, or
-  /// the promise is too old: nothing has changed then.
+  /// Commits: connections begin and end. InvalidState where the host has not promised, or not for this
+  /// transition, or the promise is too old: nothing has changed then.
   virtual Result<void> commit(std::uint64_t number) = 0;
   virtual Result<void> conclude(const model::Transition& transition) = 0;
   virtual Result<void> withdraw() = 0;

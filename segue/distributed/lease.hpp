@@ -15,7 +15,7 @@
 
 namespace segue::distributed {
 
-/// Who wants a lease.
+/// A request for a lease.
 struct Claim {
   std::string holder;      ///< for people
   std::string key{};       ///< nobody else can know it; empty: never the same as who has it
@@ -24,14 +24,14 @@ struct Claim {
   std::uint64_t term = 0;  ///< see RobotRequest::term
 };
 
-/// Who may command a robot on this host. Every runtime that gets the lease has a higher epoch than the ones
-/// before, also those before a restart of the daemon (the last epoch is kept in a file, with who had it), and
-/// what comes with a lower epoch than the present one is refused. So a runtime that was cut off, and whose
-/// messages arrive late, does no harm (fencing). After a restart, whoever had it gets it before all others.
-/// Whoever had it and finds that somebody else has had it since is superseded, however it asks. Of runtimes
-/// that take a robot over at the same moment, the same one wins on all hosts, in whichever order they reach
-/// these: the one with the higher term, as leaders are elected in Raft (Ongaro and Ousterhout 2014,
-/// section 5.1). Thread safe.
+/// The right of one runtime to command a robot on this host. Every runtime that gets the lease has a higher
+/// epoch than the ones before, also those before a restart of the daemon (the last epoch and its holder are
+/// kept in a file), and requests with a lower epoch than the present one are refused. So a runtime that was
+/// cut off, and whose messages arrive late, does no harm (fencing). After a restart, the last holder gets it
+/// before all others. A former holder that asks for it again after somebody else has had it is superseded,
+/// however it asks. Of runtimes that take a robot over at the same moment, the same one wins on all hosts, in
+/// whichever order they reach these: the one with the higher term, as leaders are elected in Raft (Ongaro and
+/// Ousterhout 2014, section 5.1). Thread safe.
 class Lease {
  public:
   /// How long a lease lasts that is not renewed. Runtimes renew it once a second.
@@ -46,7 +46,8 @@ class Lease {
   /// kept: then nobody gets it. DeadlineExceeded where work under the former epoch has not ended; nobody has
   /// the lease then.
   Result<std::uint64_t> acquire(const Claim& claim, TimePoint deadline);
-  /// Where the epoch is not the present one, or was released: what refusal() says.
+  /// Renews or releases the lease; the error of refusal() where the epoch is not the present one, or was
+  /// released.
   Result<void> renew(std::uint64_t epoch);
   Result<void> release(std::uint64_t epoch);
   /// The daemon ends: nobody has the lease any more, nor gets it. Blocks until all work has ended.
@@ -75,7 +76,7 @@ class Lease {
 
  private:
   [[nodiscard]] Duration left() const SEGUE_REQUIRES(mutex_);
-  /// What the file has.
+  /// The content of the lease's file.
   struct Kept {
     std::uint64_t epoch = 0;
     std::string key{};  ///< of who had it last
@@ -88,12 +89,12 @@ class Lease {
   Result<void> keep(const Kept& kept) const;
   [[nodiscard]] std::optional<Error> refusal_of(const Claim& claim) const SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool is_of_last(const Claim& claim) const SEGUE_REQUIRES(mutex_);
-  /// Whether somebody has it, or is waiting for the end of what was begun before.
+  /// Whether a runtime has the lease, or is waiting for the end of earlier work.
   [[nodiscard]] bool is_wanted() const SEGUE_REQUIRES(mutex_) {
     return waiting_ > 0 || until_ > clock_.now();
   }
   [[nodiscard]] std::optional<Error> refusal_of_take_over(const Claim& claim) const SEGUE_REQUIRES(mutex_);
-  /// As refusal().
+  /// The reason why work under `epoch` is refused.
   [[nodiscard]] Error refusal_of_epoch(std::uint64_t epoch) const SEGUE_REQUIRES(mutex_);
 
   const std::string robot_;
@@ -103,7 +104,7 @@ class Lease {
   ConditionVariable idle_;
   std::string holder_ SEGUE_GUARDED_BY(mutex_);  ///< empty: nobody commands the robot
   Kept last_ SEGUE_GUARDED_BY(mutex_);           ///< who has it, or had it last, and the present epoch
-  /// The epochs from this one on are all of who has it, or had it last.
+  /// All epochs from this one on are those of the present or last holder.
   std::uint64_t first_of_last_ SEGUE_GUARDED_BY(mutex_) = 0;
   TimePoint until_ SEGUE_GUARDED_BY(mutex_){};  ///< nobody but that one gets it before
   std::size_t working_ SEGUE_GUARDED_BY(mutex_) = 0;

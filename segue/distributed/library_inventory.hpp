@@ -16,7 +16,8 @@ namespace segue::distributed {
 /// again only when it has changed. Thread safe.
 class LibraryInventory {
  public:
-  /// By name. Those whose component models cannot be read have no components. Blocks for the file system.
+  /// The libraries, sorted by name. A library whose component models cannot be read has no components. Blocks
+  /// for the file system.
   std::vector<LibraryInfo> list();
 
  private:

@@ -16,12 +16,12 @@ class LinkMatching {
  public:
   LinkMatching(const Sites& sites, const ActionRouter& router) : sites_(sites), router_(router) {}
 
-  /// A transition from `before` begins. What is linked there carries samples already.
+  /// Notes the begin of a transition from `before`, whose links carry samples already.
   void begin_transition(const model::Network& before);
   /// Lets all hosts get ready for `target`, and blocks until all links of it that are new have found each
   /// other, for ten seconds at most. One message for each host.
   void get_ready(const model::Network& target);
-  /// Which link of the last get_ready() has not found its counterparts.
+  /// The result of the last get_ready(): an error for the links that have not found their counterparts.
   [[nodiscard]] Result<void> outcome() const;
 
  private:

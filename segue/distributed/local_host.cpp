@@ -242,7 +242,7 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
   if (!one) {
     return fail(ErrorCode::DeadlineExceeded, "another runtime is getting the robot still", name);
   }
-  // Bound to who asks, so that a secret that was found out serves nobody else.
+  // Bound to the client that asks, so that a secret that was found out serves nobody else.
   const std::string key = request.secret.empty() ? "" : sha256(request.secret + '\n' + request.identity);
   const auto epoch =
       robot->lease.acquire({request.holder, key, request.take_over, request.again, request.term}, deadline);

@@ -14,7 +14,7 @@ namespace segue::distributed {
 struct LocalHostOptions {
   model::HostName name;         ///< as robot files call this computer
   std::filesystem::path state;  ///< a folder for epochs and model files, which outlive the daemon
-  /// What leases and promises to commit are measured with; must outlive the daemon and its robots.
+  /// Measures leases and promises to commit; must outlive the daemon and its robots.
   const Clock& clock = RealClock::instance();
 };
 

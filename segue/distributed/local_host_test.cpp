@@ -239,7 +239,7 @@ TEST(LocalHost, RefusesNamesThatArePaths) {
   EXPECT_TRUE(computer.local->robots().value().empty());
 }
 
-/// As many robots as a host has room for may come after those that have gone.
+/// A host forgets robots that have gone, and has room for as many new ones.
 TEST(LocalHost, ForgetsRobotsThatNobodyCommandsAnyMore) {
   Computer computer("left");
   const auto request_for = [](int number) {

@@ -18,7 +18,7 @@ deploy::DeploymentInfo daemon_info(const process_server::Launch& launch) {
   return info;
 }
 
-/// What a batch keeps until all of its actions are reported.
+/// The data of a batch, kept until all of its actions are reported.
 struct BatchWork {
   BatchWork(Lease::Work begun, std::shared_ptr<LocalRobot> robot, std::size_t count,
             task_host::Completion report)
@@ -26,7 +26,7 @@ struct BatchWork {
 
   const Lease::Work work;
   const std::shared_ptr<LocalRobot> here;
-  std::atomic<std::size_t> left;
+  std::atomic<std::size_t> left;  ///< actions to be reported; the report that brings it to 0 ends the work
   const task_host::Completion completed;
 };
 

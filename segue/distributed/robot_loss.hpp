@@ -10,14 +10,15 @@
 
 namespace segue::distributed::detail {
 
-/// That another runtime has got the robot. One host that says so suffices, for all of them and for good.
-/// Thread safe.
+/// Knows whether another runtime has got the robot. One host that says so suffices, for all of them and for
+/// good. Thread safe.
 class RobotLoss {
  public:
   /// `lost` is called once, by whichever thread notes it first; must not block.
   explicit RobotLoss(std::function<void(const Error& why)> lost) : lost_(std::move(lost)) {}
 
-  /// What a host has answered; errors other than Superseded say nothing of this.
+  /// Notes the error that a host has answered; errors other than Superseded do not mean that the robot is
+  /// lost.
   void note(const model::HostName& host, const Error& error);
   /// Nothing: the robot is not lost.
   [[nodiscard]] std::optional<Error> why() const;

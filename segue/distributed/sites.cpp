@@ -249,7 +249,7 @@ std::vector<task_host::TaskReport> Sites::with_lost(std::vector<task_host::TaskR
       continue;
     }
     for (auto& report : site->link()->last_seen().tasks) {
-      // It may have been replaced on another host meanwhile.
+      // The task may have been replaced on another host meanwhile.
       report.id = placements().name(task_host::plain_id(report.id), report.process);
       report.unknown = true;
       report.error = "unknown: host " + quote(site->name().str()) + " cannot be reached";

@@ -28,7 +28,7 @@ class Site {
   [[nodiscard]] HostLink* link() const { return link_.get(); }
   [[nodiscard]] Result<HostLink::Reached> reach() const;
   [[nodiscard]] bool reachable() const { return link_ == nullptr || link_->reachable(); }
-  /// As HostLink::note().
+  /// Notes that a call over connection `number` failed (HostLink::note()).
   void note(const Error& error, std::uint64_t number) const;
 
  private:
@@ -61,8 +61,8 @@ class Sites {
   using Work = std::function<Result<void>(const Site& site, HostedRobot& robot)>;
   void for_all(const Work& work) const;
 
-  /// What all sites hold, tasks named by the placement table, which learns from it. Blocks until all have
-  /// answered or are given up.
+  /// The views of all sites in one, with tasks named by the placement table, which learns from it. Blocks
+  /// until all sites have answered or are given up.
   struct Look {
     HostView view;
     bool complete = false;  ///< all sites have answered
@@ -86,7 +86,7 @@ class Sites {
   std::vector<std::unique_ptr<Site>> sites_;
   mutable deploy::detail::PlacementTable placements_;
   mutable Mutex mutex_;  ///< protects the member below
-  /// As seen last.
+  /// The processes of each site when it was seen last.
   mutable std::map<const Site*, std::set<model::DeploymentKey>> processes_ SEGUE_GUARDED_BY(mutex_);
 };
 

@@ -25,7 +25,7 @@ struct Chart {
 /// The chart as an SVG file, without lines that have no points. Texts may hold any characters.
 std::string to_svg(const Chart& chart);
 
-/// Requires at least one value; they need not be sorted.
+/// The median. Requires at least one value; they need not be sorted.
 double median_of(std::vector<double> values);
 
 }  // namespace segue::draw

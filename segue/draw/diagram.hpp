@@ -18,10 +18,11 @@ namespace segue::draw {
 /// A task network before it runs, as lists and pictures show it: what its nodes are, what each comes after,
 /// and why. Numbers are in program order. A plain value; one thread at a time.
 struct Diagram {
-  /// What a node is. Join: tells whether one of several ways was taken. Copy: hands on a value under a
+  /// The kind of a node. Join: tells whether one of several ways was taken. Copy: hands on a value under a
   /// condition. Global: reads a global variable.
   enum class Role : std::uint8_t { Irreversible, Pure, Sensing, OpaqueSubtree, Join, Copy, Global };
-  /// Why one comes after another. World: of a fact. Opaque, OpaqueSubtree: one of them may touch anything.
+  /// The reason why one node comes after another. World: a fact. Opaque, OpaqueSubtree: one of them may touch
+  /// anything.
   enum class Kind : std::uint8_t { Data, Condition, World, Resource, Group, Opaque, OpaqueSubtree };
   static constexpr std::size_t kKinds = 7;
 
@@ -59,7 +60,7 @@ struct Diagram {
   std::vector<task_network::NamedActsAhead>
       ahead{};  ///< shown below: what may happen although something earlier fails
   std::vector<task_network::NamedSensesAhead>
-      senses_ahead{};          ///< likewise: what may sense before something earlier has acted
+      senses_ahead{};          ///< shown below: what may sense before something earlier has acted
   bool ahead_complete = true;  ///< else only the first nodes were examined for this
 
   struct Counts {
@@ -75,31 +76,32 @@ std::string_view to_string(Diagram::Kind kind);
 /// "data pose -> goal", "world at(base): made true there, relied on here".
 std::string to_string(const Diagram::Cause& cause);
 
-/// The first `most` nodes, without `ahead`. `further`: what derive_order says of it.
+/// The diagram of the first `most` nodes, without `ahead`. `further`: the dependencies that derive_order()
+/// gives besides the order.
 Diagram diagram_of(const task_network::TaskNetwork& network, const task_network::Order& order,
                    const std::vector<task_network::Dependency>& further,
                    std::size_t most = task_network::kNone);
 
 /// A line for each node and each node that it comes after; what is implied comes last, and is marked.
 std::string to_text(const Diagram& diagram);
-/// The same as a map.
+/// The nodes, and for each the nodes that it comes after, as a map.
 type::Value to_value(const Diagram& diagram);
-/// What may happen although something earlier fails, a line for each state or node that acts; "" if nothing.
+/// The states or nodes that may act although something earlier fails, a line for each; "" if there are none.
 std::string ahead_text(const std::vector<task_network::NamedActsAhead>& ahead, bool complete);
-/// What may sense before something earlier has acted, a line for each state or node that senses; "" if
-/// nothing.
+/// The states or nodes that may sense before something earlier has acted, a line for each; "" if there are
+/// none.
 std::string senses_text(const std::vector<task_network::NamedSensesAhead>& senses);
-/// The same as lists.
+/// Those that may sense ahead, and those that may act ahead, as lists.
 type::Value senses_value(const std::vector<task_network::NamedSensesAhead>& senses);
 type::Value ahead_value(const std::vector<task_network::NamedActsAhead>& ahead);
 
-/// More are left out of pictures.
+/// The most nodes in a picture; further ones are left out.
 inline constexpr std::size_t kMostDrawn = 1000;
 
 /// A graph for Graphviz, with a cluster for each container; without what is implied.
 std::string to_dot(const Diagram& diagram);
-/// A drawing: whoever can start at once on the left, whoever comes after further right; without what is
-/// implied.
+/// A drawing: nodes that can start at once on the left, nodes that come after others further right; without
+/// implied dependencies.
 std::string to_svg(const Diagram& diagram);
 
 }  // namespace segue::draw

@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-/// What pictures of a diagram share.
+/// The style that all pictures of a diagram share.
 namespace segue::draw {
 
 struct RoleStyle {
@@ -30,11 +30,12 @@ inline std::string_view colour_of(Diagram::Kind kind) {
   return kColours.at(static_cast<std::size_t>(kind));
 }
 
-/// All that is to be said of a dependency, for whoever points at it.
+/// The text about a dependency that is shown while a pointer rests on it.
 std::string tooltip_of(const Diagram& diagram, const Diagram::Dependency& dependency, std::uint32_t to);
 /// "irreversible, 2 s"
 std::string tooltip_of(const Diagram::Node& node);
-/// "the first 1000 of 5000 nodes", what is implied, and why it does not go on; "" where all is shown.
+/// "the first 1000 of 5000 nodes", the implied dependencies, and why the plan does not go on; "" where all is
+/// shown.
 std::string caption_of(const Diagram& diagram);
 
 }  // namespace segue::draw

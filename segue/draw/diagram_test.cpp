@@ -193,7 +193,7 @@ TEST(Diagram, ConditionsAreImpliedByConditionsOnly) {
   EXPECT_FALSE(diagram.nodes[3].before[0].implied) << "data does not take a node off the path";
 }
 
-/// What must have passed before what, by dependencies that are not left out.
+/// For each node, the nodes that must have passed before, by dependencies that are not left out.
 std::vector<std::vector<bool>> reachable(const Diagram& diagram, bool all) {
   std::vector<std::vector<bool>> before(diagram.nodes.size(), std::vector<bool>(diagram.nodes.size()));
   for (std::size_t to = 0; to < diagram.nodes.size(); ++to) {

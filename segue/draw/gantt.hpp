@@ -52,7 +52,7 @@ struct Gantt {
   void arrange();
 };
 
-/// Of the nodes that are `listed`, in program order.
+/// The chart of a network's run, with the nodes that are `listed`, in program order.
 Gantt gantt_of(const task_network::TaskNetwork& network, const task_network::Order& order,
                const task_network::RunResult& result, std::span<const task_network::NodeId> listed,
                const task_network::RunSummary& summary);

@@ -18,7 +18,7 @@ constexpr int kWidth = 900;
 constexpr int kTop = 56;
 constexpr std::string_view kSpeculative = "fill='#e6a700'";
 
-/// Of a name.
+/// The longest name, in characters.
 constexpr std::size_t kLongest = 26;
 
 class Drawing {

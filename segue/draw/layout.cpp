@@ -179,8 +179,8 @@ class LayoutMaker {
     }
   }
 
-  /// By row: what its heights are moved by, so that each row is below the one before. The last one is where
-  /// another row would begin.
+  /// The offset of the heights of each row, so that it is below the one before. The last one is where another
+  /// row would begin.
   [[nodiscard]] std::vector<double> row_offsets() const {
     struct Extent {
       double top = 0;

@@ -43,8 +43,8 @@ class MachineGantt {
   }
 
  private:
-  /// Of an item: the last leaf in it to end, the leaf whose end let it begin, and its node; whether it only
-  /// watched.
+  /// The leaves of an item: the last leaf in it to end, the leaf whose end let it begin, and its node;
+  /// whether it only watched.
   struct Place {
     std::uint32_t last = kNone;
     std::uint32_t before = kNone;
@@ -57,8 +57,8 @@ class MachineGantt {
     return items()[item].ended ? items()[item].end : end_;
   }
 
-  /// Items come after their containers, so the walk is from the end. Who was preempted since another one had
-  /// ended is not what others waited for.
+  /// Items come after their containers, so the walk is from the end. Others did not wait for a state that was
+  /// preempted because another one had ended.
   void find_ends() {
     for (auto i = static_cast<std::uint32_t>(items().size()); i-- > 0;) {
       const History::Item& item = items()[i];

@@ -10,7 +10,7 @@
 namespace segue::draw {
 
 /// The chart of a sequential run of a state machine: a node for each execution of a leaf, which waited for
-/// the outcome of the leaf before it. Of concurrent states, the critical chain contains the last to end. The
+/// the outcome of the leaf before it. The critical chain contains the last of concurrent states to end. The
 /// sequential time is the sum of all leaves. `end` is the end of leaves that have not ended.
 Gantt gantt_of(const mission::Program& program, const mission::History& history,
                const mission::Outcome& outcome, TimePoint begin, TimePoint end);

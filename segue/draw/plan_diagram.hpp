@@ -6,7 +6,7 @@
 
 namespace segue::draw {
 
-/// The plan as far as it has got, in the words of the mission.
+/// The diagram of the plan as far as it has been made, in the terms of the mission.
 Diagram diagram_of(const convert::MissionPlan& plan);
 
 }  // namespace segue::draw

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a mission becomes and why: a mission for each reason.
+// The nodes of a mission and the reasons of their dependencies: a mission for each reason.
 #include <segue/convert/concurrent_run.hpp>
 #include <segue/draw/plan_diagram.hpp>
 #include <segue/mission/mission_io.hpp>

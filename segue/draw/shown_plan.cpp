@@ -25,7 +25,7 @@ std::string below(const std::string& path, std::string_view id) {
   return path.empty() ? std::string(id) : path + "/" + std::string(id);
 }
 
-/// What is inside: of a library state, what its library has.
+/// The state whose content is inside: of a library state, that of its library.
 StateIndex content_of(const Program& program, StateIndex state) {
   const auto& node = program.node(state);
   return node.kind == mission::StateKind::Library ? node.library : state;
@@ -46,7 +46,7 @@ Value transitions_of(const State& state, const Placed& placed) {
   return next;
 }
 
-/// Between two children, once for each pair of ports.
+/// The data flows between two children, once for each pair of ports.
 Value flows_of(const State& container, const std::string& path) {
   Value::List flows;
   for (const mission::DataFlow& flow : container.flows) {

@@ -7,7 +7,7 @@
 
 namespace segue::draw {
 
-/// More states than that are not shown.
+/// The most states that are shown.
 inline constexpr std::size_t kMostShownStates = 5000;
 
 /// The plan of a mission, for programs that show how it runs: {"mission", "states", "complete" (else there

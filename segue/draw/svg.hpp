@@ -15,7 +15,7 @@ using Out = std::back_insert_iterator<std::string>;
 void begin(Out out, double width, double height, double font_size = 13, std::string_view title = {});
 inline constexpr std::string_view kEnd = "</svg>\n";
 
-/// A name of `most` bytes at most, cut in front: what a path ends with tells more than what it begins with.
+/// A name of `most` bytes at most, cut in front: the end of a path tells more than its beginning.
 std::string shortened(std::string_view name, std::size_t most);
 
 /// `anchor`: start, middle or end.

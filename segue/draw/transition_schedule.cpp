@@ -58,7 +58,7 @@ class Scheduler {
     return found_.measured ? std::chrono::duration<double>(durations_[i]).count() : 1;
   }
 
-  /// From the phase's last action back to one that waits for nothing in it.
+  /// Adds the critical path of a phase: from its last action back to one that waits for nothing in the phase.
   void add_critical(int last) {
     const auto old = static_cast<std::ptrdiff_t>(found_.critical.size());
     for (int i = last; i >= 0; i = decider_[static_cast<std::size_t>(i)])

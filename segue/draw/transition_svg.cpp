@@ -33,7 +33,7 @@ constexpr double kRow = 18;
 constexpr double kBar = 14;
 constexpr double kLeastBand = 128;
 constexpr double kLetter = 6.1;      ///< of text of size 11, generously
-constexpr double kBoldLetter = 6.9;  ///< likewise
+constexpr double kBoldLetter = 6.9;  ///< of bold text of size 11, generously
 constexpr std::size_t kLongestLabel = 60;
 constexpr std::string_view kSmall = "font-size=\"11\"";
 
@@ -46,7 +46,7 @@ struct Row {
 
 std::string subject_of(const Action& action) {
   std::string subject = action.label().substr(to_string(action.kind).size() + 1);
-  // Without the policy, so that a connection that is replaced stays in its row.
+  // The policy is left out, so that a connection that is replaced stays in its row.
   if (std::holds_alternative<model::ConnectionAction>(action.what))
     subject.resize(std::min(subject.size(), subject.find(" (")));
   return subject;
@@ -275,7 +275,7 @@ class Picture {
     return static_cast<std::size_t>(row - rows_.begin());
   }
 
-  /// Where one action of the path ends and the next begins.
+  /// Draws a line wherever one action of the critical path ends and the next begins.
   void draw_critical_path() {
     const std::string style =
         fmt::format("stroke=\"{}\" stroke-width=\"1.5\" stroke-dasharray=\"3 2\"", kCriticalColour);

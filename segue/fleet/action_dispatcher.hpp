@@ -17,9 +17,9 @@ namespace segue::deploy::detail {
 Result<void> check_link(const model::Connection& connection, const model::DeploymentKey& from,
                         const model::DeploymentKey& to);
 
-/// Sends every action to where it has to be carried out, by plain ids: of a task that a transition moves,
-/// Recover, Stop, Cleanup and Disconnect mean the incarnation that stands, all others the new one where there
-/// is one. Thread safe.
+/// Sends every action to the process that has to carry it out, by plain ids: of a task that a transition
+/// moves, Recover, Stop, Cleanup and Disconnect mean the present incarnation, all others the new one where
+/// there is one. Thread safe.
 class ActionDispatcher {
  public:
   ActionDispatcher(Fleet& fleet, RemoteConnector& connector, CommitCoordinator& commits)
@@ -36,14 +36,14 @@ class ActionDispatcher {
  private:
   using Indices = std::vector<std::size_t>;
 
-  /// From a task of one process to one of another.
+  /// A hand-over of state from a task of one process to a task of another.
   struct HandOver {
     std::size_t index = 0;
     Fleet::Located from;
     Fleet::Located to;
   };
 
-  /// Which part of a batch is carried out where.
+  /// The actions of a batch, divided by the place where each is carried out.
   struct Plan {
     std::map<RecordPtr, Indices> at_process;
     Indices processes;  ///< deploy, undeploy
@@ -57,7 +57,7 @@ class ActionDispatcher {
     /// The actions that need an answer of a process, other than to begin or to end.
     [[nodiscard]] std::map<RecordPtr, Indices> by_process() const;
   };
-  /// Kept by all that works on it.
+  /// The state of a batch, kept by everything that works on it.
   struct Batch {
     Batch(std::vector<model::Action> all, TimePoint until, task_host::Completion completed, Plan placed)
         : actions(std::move(all)),
@@ -82,8 +82,8 @@ class ActionDispatcher {
   Result<void> place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const;
   static void watch_silence(const BatchPtr& batch);
   void begin_at(const RecordPtr& record, const Indices& indices, const BatchPtr& batch);
-  /// What blocks, on threads of the fleet: processes that begin or end, hand-overs and connections between
-  /// processes.
+  /// Begins the actions that block, on threads of the fleet: processes that begin or end, hand-overs and
+  /// connections between processes.
   void begin_blocking(const BatchPtr& batch);
   void begin_connections(const BatchPtr& batch);
   void run(const concurrent::ThreadPool::Job& job);

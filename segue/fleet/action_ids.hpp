@@ -10,7 +10,7 @@ namespace segue::deploy::detail {
 /// Actions that take down mean the current incarnation of a task, all others the next one.
 Which which_of(model::ActionKind kind);
 
-/// With plain task ids, as processes know them.
+/// The connection with plain task ids, as processes know them.
 model::Connection plain(model::Connection connection);
 model::Action plain(model::Action action);
 

@@ -23,15 +23,16 @@ class CommitCoordinator {
  public:
   CommitCoordinator(Fleet& fleet, RemoteConnector& connector) : fleet_(fleet), connector_(connector) {}
 
-  /// Connections of these processes wait for the commit.
+  /// Notes that connections of these processes wait for the commit.
   void note_waiting(std::initializer_list<RecordPtr> records);
 
-  /// Before the first action of Commit. A process that was not told which of its connections begin and end is
-  /// an error, unless it has ended and none begins there: the others ended with it.
+  /// Tells processes which of their connections end; to be called before the first action of Commit. A
+  /// process that could not be told is an error, unless it has ended and no connection of it begins: its
+  /// connections ended with it.
   Result<void> arm(const model::Transition& transition, TimePoint deadline);
-  /// The store.
+  /// Commits by one store to the page.
   void commit();
-  /// Instead of commit(): what was to begin with it is removed.
+  /// Gives the transition up instead of commit(): connections that would have begun are removed.
   void give_up();
   /// Tells processes that a transition has ended, if they have not heard of it yet.
   void settle();

@@ -77,7 +77,7 @@ void ask(const RecordPtr& record, const Indices& indices, TimePoint deadline, Ma
   }
 }
 
-/// Of an output that is yet to be described: anything but 0, which stands for no type.
+/// The size of an output that is yet to be described: anything but 0, which stands for no type.
 constexpr std::size_t kAnySize = 1;
 
 /// Whether the request may have been carried out in spite of the error.
@@ -156,8 +156,8 @@ class ConnectionBatch {
     }
   }
 
-  /// At the same time: nearly every output has a type, so inputs are opened for one that has. Only describe()
-  /// writes the origins, and only open() the rest of an attempt.
+  /// Describes outputs and opens inputs at the same time: nearly every output has a type, so inputs are
+  /// opened for one that has. Only describe() writes the origins, and only open() the rest of an attempt.
   void describe_and_open() {
     for (auto& attempt : attempts_) {
       if (!attempt.failed() && attempt.has_both_processes()) {

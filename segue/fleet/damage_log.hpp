@@ -32,7 +32,7 @@ class DamageLog {
     std::vector<Culprit> culprits;
   };
   Found note(const MergedView& seen, TimePoint now);
-  /// A transition is complete: what it wanted is there.
+  /// Forgets all damage: a transition is complete, so all connections that it wanted exist.
   void clear();
   /// The connections, with `error`.
   [[nodiscard]] std::vector<task_host::ConnectionReport> reports() const;

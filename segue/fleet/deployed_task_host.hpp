@@ -45,7 +45,7 @@ class DeployedTaskHost final : public task_host::TaskHost {
   DeployedTaskHost(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
                    process_server::Launch launch, const task_host::TaskHost& local,
                    const DeployedOptions& options = {});
-  /// The processes run on.
+  /// Stops watching; the processes run on.
   ~DeployedTaskHost() override;
 
   /// One message for each process and kind of work, all processes at the same time; three for connections

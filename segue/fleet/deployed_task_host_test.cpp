@@ -420,7 +420,8 @@ TEST(DeployedTaskHost, KillsAProcessWithoutAskingWhatItHolds) {
   EXPECT_EQ(text(robot.wrong()), "");
 }
 
-/// As when it is undone that a task could not be configured, since its process crashed at that moment.
+/// The process crashes just before it was to end, as where a transition is undone since a task could not be
+/// configured.
 TEST(DeployedTaskHost, SaysWhyAProcessEndedThatEndedJustBeforeItWasToEnd) {
   FakeWorld world;
   Robot robot(world);

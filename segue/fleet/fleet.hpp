@@ -105,9 +105,9 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   bool runs(const ProcessRecord& record);
   void on_disconnected(const std::weak_ptr<ProcessRecord>& which);
   void on_exit(const process_server::ProcessInfo& process);
-  /// The process ended by itself: reports it and its tasks.
+  /// Handles the end of a process that ended by itself: reports it and its tasks.
   void handle_end(const RecordPtr& record, const process_server::ExitReason& reason);
-  /// Of a process that was to end: reports it if it had to be killed, or had ended by a defect before.
+  /// Reports a process that was to end, if it had to be killed, or had ended by a defect before.
   void report_defect(const ProcessRecord& record, const process_server::ExitReason& reason);
   /// Removes a process that has ended from the tables and returns its tasks; nothing where that was done
   /// before.
@@ -131,7 +131,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
 
   mutable Mutex mutex_;        ///< protects everything below except the thread
   ConditionVariable changed_;  ///< a process ended, or closed_ was set
-  /// Without the runtime's own; none of them has ended.
+  /// The processes without the runtime's own; none of them has ended.
   std::map<model::DeploymentKey, RecordPtr> records_ SEGUE_GUARDED_BY(mutex_);
   std::map<model::DeploymentKey, Starting> starting_ SEGUE_GUARDED_BY(mutex_);
   std::vector<model::Network> expected_ SEGUE_GUARDED_BY(mutex_);  ///< one of each name

@@ -78,7 +78,8 @@ Result<RecordPtr> Fleet::start(const model::Deployment& deployment, TimePoint de
   launch.deployment.tasks.clear();
   auto process = processes_.start(launch, deadline);
   if (!process && process.error().code == ErrorCode::AlreadyExists) {
-    // It is in no table, so it is a leftover (of another version, for example) and gives way.
+    // The existing process is in no table, so it is a leftover (of another version, for example) and is
+    // replaced.
     (void)processes_.stop(launch.robot, deployment.key(), part_until(deadline, kOrderly));
     process = processes_.start(launch, deadline);
   }

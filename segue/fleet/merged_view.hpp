@@ -21,7 +21,8 @@ struct ProcessView {
       snapshot;  ///< the latest one; may be null where the process does not answer
   bool answers = true;
   std::string fault{};  ///< why a transition replaces it although it answers; "" where none does
-  /// Not the runtime's own, which is only busy then: what it said last counts.
+  /// Whether the process does not answer. Never true of the runtime's own process, which is only busy then:
+  /// its last answer counts.
   [[nodiscard]] bool is_silent() const { return !answers && !deployment.key().is_runtime(); }
   [[nodiscard]] bool is_to_be_replaced() const { return is_silent() || !fault.empty(); }
 };
@@ -48,8 +49,8 @@ struct Suspect {
 struct DamagedConnection {
   model::Connection connection;
   std::uint64_t corrupt = 0;  ///< invalid entries that both endpoints have found
-  /// Those that can have overwritten it: the writer's where a sample itself is invalid; else the reader's,
-  /// whose memory it is, and all with connections to that.
+  /// The processes that can have overwritten it: the writer's where a sample itself is invalid; else the
+  /// reader's, whose memory it is, and all with connections to that.
   std::vector<Suspect> suspects;
 };
 

@@ -47,7 +47,7 @@ class PlacementTable {
   [[nodiscard]] model::TaskId name(const model::TaskId& task, const model::DeploymentKey& process) const;
   /// For every task the process of its current incarnation, all of one moment.
   [[nodiscard]] std::map<model::TaskId, model::DeploymentKey> current() const;
-  /// name() by what current() gave.
+  /// name() in a table that current() gave.
   [[nodiscard]] static model::TaskId name(const std::map<model::TaskId, model::DeploymentKey>& current,
                                           const model::TaskId& task, const model::DeploymentKey& process);
 
@@ -55,7 +55,8 @@ class PlacementTable {
   void put(const Place& place);
   /// The incarnation may have been created, but its process did not confirm it. Never makes it the next one.
   void put_unconfirmed(const Place& place);
-  /// To be called before a process is polled: later changes to this table are newer than the answer.
+  /// The number with which update() takes over a poll that begins now: later changes to this table are newer
+  /// than its answer.
   [[nodiscard]] std::uint64_t begin_poll() const;
   /// Takes over what a process reported in the poll that begin_poll() began: its other tasks are removed.
   /// Tasks that were put or dropped since then keep their state, since the report may be older.
@@ -76,8 +77,9 @@ class PlacementTable {
   void withdraw();
 
  private:
-  /// Those of one task. Invariants: `processes` is not empty; `next`, if set, is one of `processes` and not
-  /// `current`; `current` is one of `processes` unless it ended while there is a next one.
+  /// The incarnations of one task. Invariants: `processes` is not empty; `next`, if set, is one of
+  /// `processes` and not `current`; `current` is one of `processes` unless it ended while there is a next
+  /// one.
   struct Incarnations {
     std::vector<model::DeploymentKey> processes;
     model::DeploymentKey current;
@@ -89,7 +91,7 @@ class PlacementTable {
     void settle();
   };
   using Table = std::map<model::TaskId, Incarnations>;
-  /// What one process holds: the same facts as in the table, the other way round.
+  /// The content of one process: the same facts as in the table, the other way round.
   struct Process {
     std::set<model::TaskId> tasks;
     std::map<model::TaskId, std::uint64_t>
@@ -110,7 +112,7 @@ class PlacementTable {
   std::map<model::DeploymentKey, Process> by_process_ SEGUE_GUARDED_BY(mutex_);
   std::uint64_t changes_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< counts puts and drops
   bool in_transition_ SEGUE_GUARDED_BY(mutex_) = false;
-  /// By the transition in progress.
+  /// The processes in which the transition in progress wants tasks.
   std::map<model::TaskId, model::DeploymentKey> wanted_ SEGUE_GUARDED_BY(mutex_);
   /// Their current incarnations have ended since the transition was planned.
   std::set<model::TaskId> ended_ SEGUE_GUARDED_BY(mutex_);

@@ -14,7 +14,7 @@ namespace segue::deploy::detail {
 
 namespace {
 
-/// Those of `all` that are not among `others`.
+/// The tasks in `all` that are not among `others`.
 std::vector<model::TaskId> without(const std::vector<model::TaskId>& all,
                                    const std::vector<model::TaskId>& others) {
   std::vector<model::TaskId> left;

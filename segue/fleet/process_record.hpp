@@ -37,7 +37,7 @@ class ConnectionTurn {
   ConnectionTurn(const ConnectionTurn&) = delete;
   ConnectionTurn& operator=(const ConnectionTurn&) = delete;
   explicit operator bool() const { return given_; }
-  /// Where it was not given.
+  /// The reason why the turn was not given.
   [[nodiscard]] Error error() const;
 
  private:
@@ -45,10 +45,10 @@ class ConnectionTurn {
   const bool given_;
 };
 
-/// What has to be told once a process stops answering; forgotten when the last copy goes.
+/// Called once a process stops answering; forgotten when the last copy goes.
 using SilenceWatch = std::shared_ptr<const std::function<void()>>;
 
-/// What the runtime knows of one deployment process: its connection, its latest snapshot, the polls that are
+/// The runtime's knowledge of one deployment process: its connection, its latest snapshot, the polls that are
 /// under way and whether it has ended. Thread safe: one mutex protects everything that changes, and nobody is
 /// called with it held.
 ///
@@ -72,7 +72,7 @@ class ProcessRecord {
   std::shared_ptr<DeploymentService> set_service(std::shared_ptr<DeploymentService> service,
                                                  std::optional<DeploymentInfo> info);
 
-  /// What a poll has changed, to be reported.
+  /// The changes that a poll has found, to be reported.
   struct Change {
     bool silent = false;  ///< it stopped answering
     bool answers_again = false;
@@ -103,14 +103,14 @@ class ProcessRecord {
   /// The poll of that number took too long: the process counts as not answering, unless it just did.
   Change give_up_poll(std::uint64_t number);
   [[nodiscard]] bool answers() const;
-  /// From now on, `watch` is among those that are told when the process stops answering; at once, by the
-  /// caller's thread, where it does not answer now.
+  /// Adds `watch` to those that are told when the process stops answering; tells it at once, in the caller's
+  /// thread, where the process does not answer now.
   void add(const SilenceWatch& watch);
 
-  /// It answers, but a transition has to replace it. False where it was known before.
+  /// Marks a process that answers but that a transition has to replace. False where this was known before.
   bool blame(std::string why);
 
-  /// It is being ended by request, so its silence and its end are not reported.
+  /// Says whether the process is being ended by request: then its silence and its end are not reported.
   void expect_end(bool expected);
   [[nodiscard]] bool end_expected() const;
   /// The process has ended. True for the first call only.
@@ -156,7 +156,7 @@ class ProcessRecord {
   bool ended_ SEGUE_GUARDED_BY(mutex_) = false;
   std::vector<model::TaskId> hanging_ SEGUE_GUARDED_BY(mutex_);
   std::vector<std::weak_ptr<const std::function<void()>>> watches_ SEGUE_GUARDED_BY(mutex_);
-  /// With requested_ at that time.
+  /// Each with the value of requested_ at that time.
   std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_ SEGUE_GUARDED_BY(mutex_);
   std::set<sample_link::Incarnation> peers_ SEGUE_GUARDED_BY(mutex_);
 };

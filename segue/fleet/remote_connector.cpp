@@ -75,7 +75,8 @@ void RemoteConnector::remove_blocking_endpoints(std::span<const RemoteConnection
       blocked.push_back(connections[i]);
     }
   }
-  // Where both are there, the output is the first orphan, and the input is one when that is closed.
+  // Where both endpoints exist, the output is the first orphan, and the input becomes one when that is
+  // closed.
   for (int round = 0; round < 2 && !blocked.empty(); ++round) {
     auto orphaned = fleet_.poll_merged().orphaned;
     std::erase_if(orphaned, [&](const OrphanedEndpoint& endpoint) {
@@ -152,7 +153,7 @@ void RemoteConnector::give_up(TimePoint deadline) {
   if (!connections.empty()) {
     disconnect(connections, deadline);
   }
-  // What cannot be reached now is an orphan later.
+  // A connection that cannot be reached now is an orphan later.
 }
 
 void RemoteConnector::remove_orphaned(TimePoint deadline) {
@@ -166,8 +167,8 @@ void RemoteConnector::remove_orphaned(TimePoint deadline) {
     keys.push_back(key_of(endpoint.connection));
   }
   const ConnectionClaims::Claim claim(claims_, std::move(keys), watch);
-  // Also where the peer seems to be gone: one that was started and connected during the poll is not in its
-  // list.
+  // An endpoint is closed only if nobody else works on it, even where its peer seems to be gone: a peer that
+  // was started and connected during the poll is not in its list.
   std::erase_if(orphaned, [&](const OrphanedEndpoint& endpoint) {
     const auto key = key_of(endpoint.connection);
     return !claim.has(key) || kept.contains(key);

@@ -27,19 +27,22 @@ class RemoteConnector {
   /// Makes processes map each other's memory ahead of connecting them. Failures are ignored: connect() tries
   /// again.
   void map_peers(const std::vector<ProcessPair>& pairs, TimePoint deadline);
-  /// As connect_all(). Endpoints that a dead process left in the way are removed first.
+  /// Connects in as few messages as possible (connect_all()). Endpoints that a dead process left in the way
+  /// are removed first.
   std::vector<Result<void>> connect(std::span<const RemoteConnection> connections, TimePoint deadline);
-  /// As disconnect_all().
+  /// Closes the writers' endpoints, then the readers' (disconnect_all()).
   std::vector<Result<void>> disconnect(std::span<const RemoteConnection> connections, TimePoint deadline);
   /// Closes endpoints whose counterparts are gone and dormant ones, but none of a connection that is just
   /// being worked on or that waits for the commit of the present transition.
   void remove_orphaned(TimePoint deadline);
-  /// What was ended because its memory was overwritten, and is missing since, `seen` included.
+  /// Reports the connections that were ended because their memory was overwritten, those in `seen` included,
+  /// and that are missing since.
   std::vector<task_host::ConnectionReport> note_damage(const MergedView& seen);
   /// The connection ends with the commit of the present transition, which disconnects it afterwards.
   void will_end(const model::Connection& connection);
-  /// The transition has committed, so no connection waits for it any more; it was given up, so those that
-  /// would have begun are removed; it is over, so what has ended with it and is still there is an orphan.
+  /// settle(): the transition has committed, so no connection waits for it any more. give_up(): it was given
+  /// up, so connections that would have begun are removed. conclude(): it is over, so connections that ended
+  /// with it and still exist are orphans.
   void settle();
   void give_up(TimePoint deadline);
   void conclude();
@@ -60,7 +63,7 @@ class RemoteConnector {
   DamageLog damage_;
   mutable Mutex mutex_;
   Waiting waiting_ SEGUE_GUARDED_BY(mutex_);  ///< connections that begin with the commit; protected by mutex_
-  std::set<ConnectionClaims::Key> ending_ SEGUE_GUARDED_BY(mutex_);  ///< those that end with it; likewise
+  std::set<ConnectionClaims::Key> ending_ SEGUE_GUARDED_BY(mutex_);  ///< connections that end with it
 };
 
 }  // namespace segue::deploy::detail

@@ -54,7 +54,7 @@ struct PreparedAhead {
   std::size_t tasks = 0;
   Duration unprepared{0};
 
-  /// What that saved of a transition whose prepare phase took `prepare`; at least zero.
+  /// The time that preparing ahead saved a transition whose prepare phase took `prepare`; at least zero.
   [[nodiscard]] Duration saved(Duration prepare) const { return std::max(unprepared - prepare, Duration(0)); }
   friend bool operator==(const PreparedAhead&, const PreparedAhead&) = default;
 };
@@ -69,7 +69,7 @@ struct TransitionEntry {
   std::string from;
   std::string to;
   std::string runs;  ///< the controller that runs since then
-  /// Of those three, model::Network::version; empty: none, or not known.
+  /// The versions of those three (model::Network::version); empty: none, or not known.
   std::string from_version{};
   std::string to_version{};
   std::string runs_version{};
@@ -86,7 +86,7 @@ struct TransitionEntry {
   std::optional<PreparedAhead> ahead{};  ///< nothing: it found no tasks prepared
   std::string cancelled_by{};            ///< outcome "cancelled"
   std::optional<Duration> lasted{};      ///< its execution, undoing included; nothing: not recorded
-  /// What ran before and afterwards, as written by network_text(); empty: not recorded.
+  /// The networks that ran before and afterwards, as written by network_text(); empty: not recorded.
   std::string before{};
   std::string after{};
   std::vector<ActionEntry> actions;
@@ -104,8 +104,8 @@ struct RequestEntry {
   friend bool operator==(const RequestEntry&, const RequestEntry&) = default;
 };
 
-/// What happened in a mission that commanded the robot: the mission or one of its actions began or ended, or
-/// an action asked for a controller.
+/// An event of a mission that commanded the robot: the mission or one of its actions began or ended, or an
+/// action asked for a controller.
 struct MissionEntry {
   enum class Kind { Began, Asked, Ended };
 

@@ -73,7 +73,7 @@ class Journal {
   void add(VersionEntry entry);
   void add(MissionEntry entry);
   void add(RunningEntry entry);
-  /// Of entries that were lost before they came here.
+  /// Adds a gap: entries that were lost before they came here.
   void add(GapEntry entry);
 
   /// The statistics of all transitions of the robot's folder written so far, removed ones included; never

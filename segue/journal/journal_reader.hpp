@@ -32,9 +32,10 @@ class JournalReader {
   Result<std::vector<VersionEntry>> versions(std::size_t limit);
   Result<std::vector<MissionEntry>> missions(std::size_t limit);
   Result<std::vector<GapEntry>> gaps(std::size_t limit);
-  /// Of the robot folder that learned last.
+  /// The learned times of the robot folder that learned last.
   Result<model::ActionTimes> times();
-  /// Of the robot folder that the file is in, or is; of that which learned last, if it is in none.
+  /// The learned times of the robot folder that the file is in, or is; of the folder that learned last, if it
+  /// is in none.
   Result<model::ActionTimes> times_near(const std::filesystem::path& file);
 
   /// Checks every page and row. ParseError names the first damage.

@@ -82,7 +82,7 @@ TEST(JournalReader, AVersionIsRecordedOnce) {
   EXPECT_EQ(all_of(folder / "j").at(0), done);
 }
 
-/// As a Segue left it that knew that many steps.
+/// Makes a journal as an older Segue left it, which knew that many steps of the schema.
 void leave_older_file(const std::filesystem::path& path, std::size_t steps, const std::string& sql) {
   auto old = detail::Database::open(path, detail::Database::Mode::Write);
   ASSERT_TRUE(old && detail::bring_up_to_date(*old, detail::schema_steps().first(steps)));

@@ -72,7 +72,7 @@ Result<std::vector<std::string>> words_in(const Value& question) {
   return words;
 }
 
-/// Adds up what the rows of a started statement give.
+/// Collects the values of all rows of a started statement.
 template <class Convert>
 Result<Value::List> list_of(Statement& rows, Convert convert) {
   Value::List list;
@@ -190,7 +190,7 @@ Result<Value> span(Database& database) {
   return Value::map({{"first_s", first}, {"last_s", last}, {"marks", std::move(*marks)}});
 }
 
-/// What the journal has of one time.
+/// The journal's record of one time.
 class Moment {
  public:
   Moment(Database& database, std::int64_t time) : database_(database), time_(time) {}
@@ -226,7 +226,7 @@ class Moment {
     return *found ? std::optional<Statement>(std::move(*rows)) : std::nullopt;
   }
 
-  /// The last entry before that time that says what ran.
+  /// The last entry before that time that says which network ran.
   Result<void> find_evidence() {
     auto row = first_row(
         R"(SELECT time, runs, runs_version, after, 0 FROM "transition" WHERE time <= ? AND after IS NOT NULL
@@ -247,7 +247,7 @@ class Moment {
     return {};
   }
 
-  /// The one in progress; until it ended, nothing else says what ran.
+  /// The transition in progress; until it has ended, no other entry says which network runs.
   Result<void> find_transition() {
     auto row = first_row(
         R"(SELECT id, before, source, source_version FROM "transition"

@@ -22,15 +22,15 @@ inline constexpr std::string_view kSelectTransition =
 
 std::chrono::system_clock::time_point time_in(const Statement& row, int column);
 
-/// Of a row of kSelectTransition, without its networks and actions.
+/// The transition in a row of kSelectTransition, without its networks and actions.
 TransitionEntry transition_in(const Statement& row);
 
 /// Adds the actions of the transition of that id; `invalid` counts rows that are none.
 Result<void> read_actions(Database& database, std::int64_t transition, TransitionEntry& entry,
                           std::uint64_t& invalid);
 
-/// Of a row "time, kind, who, mission, action, iteration, controller, outcome, error, duration"; nothing: it
-/// is invalid.
+/// The entry in a row "time, kind, who, mission, action, iteration, controller, outcome, error, duration";
+/// nothing: it is invalid.
 std::optional<MissionEntry> mission_in(const Statement& row);
 
 }  // namespace segue::journal::detail

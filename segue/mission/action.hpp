@@ -45,10 +45,9 @@ struct Resource {
   friend bool operator==(const Resource&, const Resource&) = default;
 };
 
-/// What an action does with `count` units of a resource. "{port}" in the name stands for the value of that
-/// input. `parameters` must equal those of the resource; "{port}" as a parameter is the value of that input.
-/// A block ends with the action; with `keep`, if it ends as expected, only with an action that releases the
-/// units.
+/// An action's use of `count` units of a resource. "{port}" in the name stands for the value of that input.
+/// `parameters` must equal those of the resource; "{port}" as a parameter is the value of that input. A block
+/// ends with the action; with `keep`, if it ends as expected, only with an action that releases the units.
 struct ResourceUse {
   ResourceOperation operation = ResourceOperation::Block;
   std::string resource;
@@ -69,7 +68,7 @@ struct Fact {
   SourcePlace where;
   friend bool operator==(const Fact&, const Fact&) = default;
 };
-/// Without the sign: "p(a,b)".
+/// The fact without its sign: "p(a,b)".
 std::string to_string(const Fact& fact);
 
 /// A C++ function that the program has registered under this name.
@@ -84,7 +83,7 @@ struct Script {
   std::string file;
   std::string text;
   bool isolated = false;
-  /// Where the text begins; without a line, it is all of that file.
+  /// The place where the text begins; without a line, the script is the whole file.
   SourcePlace where{};
   friend bool operator==(const Script&, const Script&) = default;
 };
@@ -112,7 +111,7 @@ struct Decision {
 using Procedure =
     std::variant<std::monostate, Callback, Script, Simulated, Decision, ControllerUse, PoolCall>;
 
-/// What a leaf of the state machine does, and what is declared about it.
+/// A leaf of the state machine: its work, and the declarations about it.
 struct Action {
   ActionName name;
   std::string description;
@@ -134,14 +133,14 @@ struct Action {
   std::string expected_outcome;  ///< empty: not known
   Procedure run;
   SourcePlace where;
-  /// The outcome with which its effects apply: the expected one if it is declared, or else the first. What
-  /// aborts or is preempted has no effects, also where that is expected.
+  /// The outcome with which its effects apply: the expected one if it is declared, or else the first. An
+  /// action that aborts or is preempted has no effects, also where that is expected.
   [[nodiscard]] std::string_view foreseen_outcome() const {
     const bool declared = std::ranges::find(outcomes, expected_outcome) != outcomes.end();
     return declared || outcomes.empty() ? std::string_view(expected_outcome) : outcomes.front();
   }
-  /// Journal, conversion and drawings all go by this. A decision is pure: it depends only on how states
-  /// ended.
+  /// The class by which journal, conversion and drawings treat the action. A decision is pure: it depends
+  /// only on how states ended.
   [[nodiscard]] ActionClass action_class() const {
     if (sensing) return ActionClass::Sensing;
     return pure || std::holds_alternative<Decision>(run) ? ActionClass::Pure : ActionClass::Irreversible;

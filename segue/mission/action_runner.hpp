@@ -91,9 +91,9 @@ class ActionCall {
   /// Records how far the execution has got, for a run that is resumed: from any thread; on disk when it
   /// returns. Null where the run has no journal.
   [[nodiscard]] virtual std::function<void(const type::Value&)> recorder() const { return {}; }
-  /// Which of its facts are observed; null: none, or the run is not observed.
+  /// The observed facts among those that it needs; null: none, or the run is not observed.
   [[nodiscard]] virtual const ObservedNeeds* observed() const { return nullptr; }
-  /// The action is to be undone; one that cannot be undone simply ends.
+  /// Whether the action is to be undone; one that cannot be undone simply ends.
   [[nodiscard]] virtual bool backward() const = 0;
 
   /// Lets the execution continue after start() has returned nothing. `preempt` is called at most once, when
@@ -123,11 +123,11 @@ class ActionCall {
 class ActionRunner {
  public:
   virtual ~ActionRunner() = default;
-  /// Whether it has what every execution needs. Called before a run; NotFound refuses that run.
+  /// Whether the runner has everything that executions need. Called before a run; NotFound refuses that run.
   [[nodiscard]] virtual Result<void> check() const { return {}; }
-  /// Whether an execution that an earlier run had begun can go on from where it had got
-  /// (ActionCall::recorder); takes charge of what it has left. Called before a run that is resumed;
-  /// Unsupported where it cannot.
+  /// Whether an execution that an earlier run had begun can go on from its recorded progress
+  /// (ActionCall::recorder); takes charge of what the execution has left behind. Called before a run that is
+  /// resumed; Unsupported where it cannot.
   virtual Result<void> go_on(const Action& action, const type::Value& progress);
   /// Begins an execution, or goes on with it. Either returns its ending, or arranges for it by
   /// ActionCall::defer or ActionCall::end_after and returns nothing. Called on the engine's thread; must not

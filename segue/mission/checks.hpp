@@ -12,7 +12,7 @@
 /// The parts of validate(). Internal; each reports all problems that it finds.
 namespace segue::mission::detail {
 
-/// All checks below.
+/// Makes all checks below.
 Diagnostics validate(const MissionIndex& index);
 /// Actions on their own: values, outcomes and placeholders.
 void check_actions(const Mission& mission, Diagnostics& diagnostics);
@@ -22,9 +22,9 @@ void check_facts(const Mission& mission, Diagnostics& diagnostics);
 void check_declared_data(const Mission& mission, Diagnostics& diagnostics);
 /// Resources that an action needs but that can never exist.
 void check_resources(const Mission& mission, Diagnostics& diagnostics);
-/// What actions that are controllers say about their inputs, outputs and outcomes.
+/// Inputs, outputs and outcomes of actions that are controllers: whether they fit the controllers.
 void check_controllers(const Mission& mission, Diagnostics& diagnostics);
-/// What actions that are calls of a pool say about their inputs and outputs.
+/// Inputs and outputs of actions that are calls of a pool: whether they fit the operations.
 void check_pools(const Mission& mission, Diagnostics& diagnostics);
 /// Inputs that "{input}" names anywhere in the value, which the action does not have.
 void check_inputs(const Action& action, const type::Value& value, const SourcePlace& where,

@@ -18,7 +18,7 @@
 
 namespace segue::mission {
 
-/// What a task of the robot says of itself.
+/// A task of the robot as the robot reports it.
 struct TaskView {
   std::string state;       ///< "running", "stopped", ...
   std::string state_name;  ///< one that its component declares ("arrived"); may be empty
@@ -27,7 +27,7 @@ struct TaskView {
   friend bool operator==(const TaskView&, const TaskView&) = default;
 };
 
-/// A question for how a task is, from somebody who wants to hear of changes.
+/// A question for the level of a task, from a caller that waits for changes.
 struct TaskQuestion {
   std::string task;
   std::optional<TaskView> seen{};  ///< what whoever asks knows; nothing: the answer comes at once
@@ -52,13 +52,14 @@ using SamplesAnswer = std::function<void(Result<std::vector<type::Value>>)>;
 class PortSamples {
  public:
   virtual ~PortSamples() = default;
-  /// Those that came since the last call, oldest first. Waits for the robot, but for no sample.
+  /// The samples that came since the last call, oldest first. Waits for the robot, but for no sample.
   virtual Result<std::vector<type::Value>> take(const Wait& wait) = 0;
-  /// As take(), but answers as soon as there is a sample; with none at the end of the wait. Does not block.
+  /// Takes samples like take(), but answers as soon as there is one; with none at the end of the wait. Does
+  /// not block.
   virtual void next(const Wait& wait, SamplesAnswer answered) = 0;
 };
 
-/// What the robot is to run: the union of these controllers, with these properties in place of theirs.
+/// A request for a network: the union of these controllers, with these properties in place of theirs.
 struct ControllerRequest {
   std::vector<std::string> controllers;  ///< none: the empty network
   std::vector<MemberValue> properties;
@@ -89,7 +90,8 @@ struct ControllerConflicts {
   [[nodiscard]] bool influence(std::string_view a, std::string_view b) const;
 };
 
-/// Why the robot does not run a controller as it should; `why` is empty: it does, but for the tasks.
+/// The reason why the robot does not run a controller as it should; `why` is empty: it does, except for the
+/// tasks.
 struct ControllerTrouble {
   std::string why;
   struct Task {
@@ -122,18 +124,18 @@ class CommandedRobot {
  public:
   virtual ~CommandedRobot() = default;
 
-  /// Has the robot run that by one transition. Returns once it runs; the error says why it does not, and
-  /// what the robot runs then is as before. The first request takes the robot's lease, which ends with this:
-  /// meanwhile it refuses requests of others unless they take it over. InvalidState then, for good, which
-  /// says who has it.
-  /// Where the wait is stopped, a transition that is not past its commit is undone, which is not waited for.
+  /// Makes the robot run that network by one transition. Returns once it runs; the error says why it does
+  /// not, and then the robot runs the same network as before. The first request takes the robot's lease,
+  /// which ends with this: meanwhile it refuses requests of others unless they take it over. InvalidState
+  /// then, for good, which says who has it. Where the wait is stopped, a transition that is not past its
+  /// commit is undone, which is not waited for.
   virtual Result<void> request(const ControllerRequest& what, const Wait& wait) = 0;
   /// Whether the robot runs that controller, alone or beside others, without faults that could not be
   /// repaired.
   virtual Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) = 0;
-  /// Of all controllers of the robot.
+  /// The conflicts between all controllers of the robot.
   virtual Result<ControllerConflicts> conflicts(const Wait& wait) = 0;
-  /// Its pools of processes.
+  /// The robot's pools of processes.
   virtual Result<std::vector<PoolView>> pools(const Wait& /*wait*/) { return std::vector<PoolView>{}; }
   /// Keeps these prepared beside what runs, the likeliest first, in place of those named before, as far as
   /// the robot's budget permits. Returns when that is done; a request comes first.

@@ -35,7 +35,8 @@ Duration read_positive(Fields& fields, std::string_view key, Duration otherwise,
   return duration;
 }
 
-/// What the keys of an entry of `until` say; nothing, with an error, unless exactly one way is given.
+/// The way in which an entry of `until` ends an action; nothing, with an error, unless exactly one way is
+/// given.
 std::optional<decltype(EndCondition::when)> read_when(Fields& fields, const Source& source) {
   std::vector<RobotCondition> found = read_conditions(fields, source);
   const bool is_time = fields.find("after") != nullptr;

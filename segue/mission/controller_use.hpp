@@ -20,8 +20,8 @@ using model::RobotCondition;
 using model::SampleShows;
 using model::TaskReaches;
 
-/// What a property is set to, or an operation is called with. The text "{input}", at any depth, stands for
-/// the value of that input.
+/// A value for a property or for a call of an operation. The text "{input}", at any depth, stands for the
+/// value of that input.
 struct MemberValue {
   Member member;
   type::Value value;

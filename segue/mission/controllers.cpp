@@ -73,7 +73,8 @@ std::vector<Names> groups_of(const std::set<Edge>& edges) {
   return groups;
 }
 
-/// As few as are easily found: those that keep most pairs apart first, until all are.
+/// A small set of exclusions, as far as it is found easily: those that keep most pairs apart come first,
+/// until all pairs are apart.
 std::vector<Exclusion> exclusions(const ControllerConflicts& conflicts, const Names& used) {
   std::map<std::string, std::set<Edge>> edges_of;
   for (const auto& pair : conflicts.pairs) {

@@ -16,8 +16,8 @@
 /// Actions that controllers of the robot carry out.
 namespace segue::mission {
 
-/// Where it is not known which controllers can run at once, each action that uses one holds this resource, of
-/// which there is one unit, from its begin to its end.
+/// The resource of actions that use a controller, where it is not known which controllers can run at once:
+/// there is one unit of it, which each such action holds from its begin to its end.
 inline constexpr std::string_view kControllerResource = "the robot's controller";
 
 [[nodiscard]] bool uses_controllers(const Mission& mission);

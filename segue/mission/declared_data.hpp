@@ -10,8 +10,8 @@
 
 namespace segue::mission {
 
-/// What a change of a fact does to the data: "+holding" calls that function with the data and the fact's
-/// arguments when a fact of that name becomes true, "-holding" when it becomes false.
+/// A function that a change of a fact applies to the data: "+holding" calls that function with the data and
+/// the fact's arguments when a fact of that name becomes true, "-holding" when it becomes false.
 struct DataEffect {
   std::string of;
   std::string function;

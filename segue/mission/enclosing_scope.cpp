@@ -24,7 +24,7 @@ Result<void> add_required(std::vector<GroundFact>& preconditions, const Enclosin
   return {};
 }
 
-/// Those of the facts that the mission observes.
+/// The facts among these that the mission observes.
 std::vector<GroundFact> observed_of(const Mission& mission, const std::vector<GroundFact>& facts) {
   std::vector<GroundFact> found;
   std::ranges::copy_if(facts, std::back_inserter(found),

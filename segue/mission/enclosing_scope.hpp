@@ -12,10 +12,11 @@
 
 namespace segue::mission {
 
-/// What the containers around a state declare for everything in them. Immutable, so that states share it.
+/// The declarations of the containers around a state, which hold for everything in them. Immutable, so that
+/// states share it.
 struct EnclosingScope {
-  /// Units that a container holds from its begin to its end. What is in it uses these: they are the units of
-  /// a resource of their own, `lent`.
+  /// Units that a container holds from its begin to its end. The states in it use these units: they are those
+  /// of a resource of their own, `lent`.
   struct Held {
     std::string resource;
     std::string lent;   ///< "arm (held by fetch)"
@@ -37,8 +38,8 @@ struct ObservedNeeds {
 /// Null: none is.
 using ObservedNeedsPtr = std::shared_ptr<const ObservedNeeds>;
 
-/// What an execution needs to begin and what it changes, with what is declared around it. Of a container:
-/// what it needs itself.
+/// The facts and units that an execution needs to begin and those that it changes, with the declarations
+/// around it. Those of a container are its own only.
 struct Needs {
   std::vector<GroundFact> preconditions;
   std::vector<GroundFact> effects;
@@ -47,12 +48,13 @@ struct Needs {
   ObservedNeedsPtr observed;           ///< of its facts
 };
 
-/// As footprint(); `action` may be what a container declares (CompiledState::required). InvalidArgument also
-/// if preconditions around contradict its own, or it changes the number of units that a container holds.
+/// The needs of an execution with these inputs, and the errors of footprint(). `action` may be the
+/// declarations of a container (CompiledState::required). InvalidArgument also if preconditions around
+/// contradict its own, or it changes the number of units that a container holds.
 Result<Needs> needs(const Mission& mission, const Action& action, std::span<const type::Value> inputs,
                     std::string_view path, const EnclosingScopePtr& around);
 
-/// What is around the states in a container of this path that has these needs.
+/// The scope of the states in a container of this path that has these needs.
 EnclosingScopePtr inside(const Needs& container, std::string_view path, const EnclosingScopePtr& around);
 
 }  // namespace segue::mission

@@ -16,7 +16,7 @@ namespace segue::mission {
 /// waits for them. Thread safe.
 class ExecutionThreads {
  public:
-  /// What an execution does until it ends or is asked to stop. It writes its outputs, which have their
+  /// The work of an execution until it ends or is asked to stop. It writes its outputs, which have their
   /// defaults at first.
   using Body = std::function<Ending(const std::stop_token& stop, std::vector<type::Value>& outputs)>;
 

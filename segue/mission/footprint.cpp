@@ -130,7 +130,8 @@ class Grounding {
     return port && *port < inputs_.size() ? &inputs_[*port] : nullptr;
   }
 
-  /// What is kept of a resource that is not declared would exist once, like any other.
+  /// Checks that the resource of kept units is declared; otherwise it would exist once, like any other
+  /// resource that is not declared.
   Result<void> check_kept(const std::string& name) {
     if (!is_kept_name(name) ||
         std::ranges::find(mission_.resources, name, &Resource::name) != mission_.resources.end())

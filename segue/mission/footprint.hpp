@@ -18,7 +18,7 @@ struct GroundFact {
   friend bool operator==(const GroundFact&, const GroundFact&) = default;
 };
 
-/// What one execution of an action relies on and what it changes.
+/// The facts, resources and data that one execution of an action relies on, and those that it changes.
 struct Footprint {
   std::vector<GroundFact> preconditions;  ///< no duplicates; with those of `while`
   std::vector<GroundFact> during;         ///< those of `while`, no duplicates

@@ -18,7 +18,7 @@
 
 namespace segue::mission {
 
-/// What a variable can hold in place of a value: something that only its maker can use, such as an object of
+/// The content of a variable that is not a value: something that only its maker can use, such as an object of
 /// a Python process. It ends with the last variable, copy or version that refers to it. Thread safe.
 class GlobalObject {
  public:
@@ -26,7 +26,7 @@ class GlobalObject {
   virtual ~GlobalObject() = default;
   GlobalObject(const GlobalObject&) = delete;
   GlobalObject& operator=(const GlobalObject&) = delete;
-  /// What everybody else sees of it: a copy, or a text that says what it is.
+  /// The content that everybody else sees: a copy, or a text that describes it.
   [[nodiscard]] virtual type::Value shown() const = 0;
 };
 
@@ -52,7 +52,7 @@ class Globals {
   /// TypeMismatch; PermissionDenied if the variable is locked and `key` is not its key. A missing variable is
   /// created, of type `type` or else of the type of the value.
   Result<void> set(const std::string& name, type::Value value, Key key = 0, std::string_view type = {});
-  /// Likewise; the object is one of type `kind`.
+  /// Sets the variable to an object of type `kind`. Fails and creates variables like set().
   Result<void> set_object(const std::string& name, std::shared_ptr<const GlobalObject> object,
                           std::string_view kind, Key key = 0, std::string_view type = {});
   /// PermissionDenied if it is locked. Erasing a missing variable is not an error.
@@ -77,13 +77,13 @@ class Globals {
   /// A handle for an execution that may be discarded: it sees what actions before `place` have written and
   /// what it has written itself. See pending_changes().
   [[nodiscard]] Globals kept_aside_at(Place place) const;
-  /// What has been used through this handle; null unless it was made by kept_aside_at().
+  /// The variables that were used through this handle; null unless it was made by kept_aside_at().
   [[nodiscard]] std::shared_ptr<PendingChanges> pending_changes() const;
   struct Changes {
     type::ValueMap set;
     std::vector<std::string> erased;
   };
-  /// What was changed through a handle made by at() or kept_aside_at(), with the last values.
+  /// The changes that were made through a handle of at() or kept_aside_at(), with the last values.
   [[nodiscard]] Changes changes() const;
   /// The execution has ended: a handle made by kept_aside_at() changes nothing any more (InvalidState).
   void close();

@@ -23,7 +23,7 @@ struct Globals::Variable {
   Key holder = 0;  ///< of the lock; 0: nobody
 };
 
-/// What a variable was after the write of an action.
+/// A variable as the write of an action has left it.
 struct Globals::Version {
   std::uint64_t position = 0;
   std::shared_ptr<const ParallelBranch> branch;
@@ -40,7 +40,8 @@ struct Globals::Entry {
 
   /// The last version by an action before `place`, those in parallel branches aside; null if there is none.
   [[nodiscard]] const Version* before(const Place& place) const;
-  /// What an action at `place` sees: also what actions in parallel branches have written since.
+  /// The variable as an action at `place` sees it, with the writes that actions in parallel branches have
+  /// made since.
   [[nodiscard]] Variable seen_from(const Place& place) const;
   /// Drops versions and users that no action from `position` on asks for.
   void settle_before(std::uint64_t position);

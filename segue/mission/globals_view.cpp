@@ -48,7 +48,8 @@ Globals::Variable Globals::Entry::seen_from(const Place& place) const {
   return seen->variable;
 }
 
-/// Keeps the last version, and what actions in branches beside it see, for which it does not come before.
+/// Keeps the last version, and for each branch around it the last version that actions in branches beside it
+/// see, since the last version of all does not come before those.
 void Globals::Entry::settle_before(std::uint64_t position) {
   if (const Version* last = last_before(position, [](const Version&) { return true; })) {
     std::vector<std::uint64_t> kept{last->number};
@@ -78,7 +79,7 @@ void Globals::Variables::write(Entry& entry, const Place* place, Variable variab
   unlocked.notify_all();
 }
 
-/// What the execution sees now, unless it has changed the variable itself.
+/// The variable as the execution sees it now, unless it has changed the variable itself.
 Globals::View::Use& Globals::View::use(const Variables& variables, std::string_view name) {
   const auto entry = variables.by_name.find(name);
   const bool known = entry != variables.by_name.end();
@@ -168,15 +169,15 @@ class Globals::Pending final : public PendingChanges {
   }
 
  private:
-  /// The number of the last version by an action before this one. What those in parallel branches write may
-  /// come before or after, so it makes nothing wrong.
+  /// The number of the last version by an action before this one. Versions by actions in parallel branches
+  /// may come before or after, so they make nothing wrong.
   [[nodiscard]] std::uint64_t version(const std::string& name) const SEGUE_REQUIRES(variables_->mutex) {
     const auto found = variables_->by_name.find(name);
     const Version* last = found == variables_->by_name.end() ? nullptr : found->second.before(view_->place);
     return last == nullptr ? 0 : last->number;
   }
 
-  /// By an action in a parallel branch.
+  /// Whether an action in a parallel branch has locked the variable meanwhile.
   [[nodiscard]] bool locked_meanwhile(const std::pair<const std::string, View::Use>& use) const
       SEGUE_REQUIRES(variables_->mutex) {
     const auto found = variables_->by_name.find(use.first);

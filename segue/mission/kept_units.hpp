@@ -9,7 +9,8 @@
 
 namespace segue::mission {
 
-/// What is kept of a resource after the action that blocked it, as a resource of its own: "arm (kept)".
+/// The name of the resource of units that are kept after the action that blocked them has ended: "arm
+/// (kept)".
 std::string kept_name(std::string_view resource);
 bool is_kept_name(std::string_view resource);
 /// The resource of which the use keeps or releases units, or refers to those that are kept.

@@ -52,7 +52,8 @@ struct StateTransition {
   friend bool operator==(const StateTransition&, const StateTransition&) = default;
 };
 
-/// Whose ports a data flow connects: those of a child, or those of the container itself.
+/// The owner of the ports that a data flow connects: a child, or the container itself with its three kinds of
+/// ports.
 enum class Owner : std::uint8_t { Child, Inputs, Outputs, Variables };
 struct FlowPort {
   Owner owner = Owner::Child;
@@ -85,7 +86,7 @@ struct State {
   ActionName action;                     ///< Execution, Decider
   std::string library;                   ///< Library: "folder/name"
   std::vector<PortValue> input_values;   ///< of the action or library
-  std::vector<PortValue> output_values;  ///< likewise
+  std::vector<PortValue> output_values;  ///< of the action or library
 
   std::vector<Port> inputs;  ///< containers, from here on
   std::vector<Port> outputs;
@@ -102,7 +103,7 @@ struct State {
   friend bool operator==(const State&, const State&) = default;
 };
 
-/// What a container declares for everything in it, as an action with its inputs; nothing if it declares
+/// The declarations of a container for everything in it, as an action with its inputs; nothing if it declares
 /// nothing.
 std::optional<Action> declared_by(const State& container);
 
@@ -114,9 +115,10 @@ struct Library {
   friend bool operator==(const Library&, const Library&) = default;
 };
 
-/// A fact that changes by itself: it holds where the robot is like that. What relies on it is compared with
-/// the robot, and so are effects on it, which must show within `settle`. While it cannot be observed, since
-/// its task does not run, it keeps the value that was observed last, and effects change it like other facts.
+/// A fact that changes by itself: it holds while the condition `when` on the robot does. States that rely on
+/// it are checked against the robot, and so are effects on it, which must show within `settle`. While it
+/// cannot be observed, since its task does not run, it keeps the value that was observed last, and effects
+/// change it like other facts.
 struct ObservedFact {
   static constexpr Duration kSettle = std::chrono::seconds(1);
   Fact fact;  ///< without inputs

@@ -21,7 +21,8 @@ std::optional<Mission> read_mission(std::string_view text, const std::string& fi
 /// The exact inverse of read_mission.
 std::string write_mission(const Mission& mission);
 
-/// Whether a file that a mission names may be looked at; null: any. What may not counts as missing.
+/// Whether a file that a mission names may be looked at; null: any. A file that may not be looked at counts
+/// as missing.
 using MayUse = std::function<bool(const std::filesystem::path& file)>;
 
 /// Reads the library files that the mission names but does not contain, and those that they name in turn:
@@ -48,7 +49,8 @@ std::optional<Mission> load_mission(const std::filesystem::path& file,
                                     const std::vector<std::filesystem::path>& library_folders,
                                     Diagnostics& diagnostics);
 
-/// The same of a text that takes the place of the file's.
+/// Reads and validates the text as if it were the content of `file`, with the file's libraries. Nothing if
+/// there are errors. Blocks on files.
 std::optional<Mission> load_mission_text(std::string_view text, const std::filesystem::path& file,
                                          const std::vector<std::filesystem::path>& library_folders,
                                          Diagnostics& diagnostics, const MayUse& may_use = {});

@@ -54,7 +54,7 @@ const type::Type* type_of(const type::Type* type, std::string_view field) {
   return type;
 }
 
-/// What one action asks of a pool.
+/// Checks that a pool has the operation that one action calls, with fitting inputs and outputs.
 class CallCheck {
  public:
   CallCheck(const Action& action, const PoolCall& call, Diagnostics& diagnostics)

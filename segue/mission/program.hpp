@@ -17,7 +17,7 @@ using Outcome = std::int32_t;
 inline constexpr Outcome kAborted = -1;
 inline constexpr Outcome kPreempted = -2;
 
-/// What follows an outcome.
+/// The next step after an outcome.
 struct NextStep {
   enum class Kind : std::uint8_t { Nowhere, Child, Leave };
   Kind kind = Kind::Nowhere;
@@ -25,8 +25,8 @@ struct NextStep {
   Outcome outcome = 0;      ///< Leave: outcome of the parent
 };
 
-/// Where the value of a port comes from. A container has slots for its inputs, its variables, and the outputs
-/// of its children, in this order.
+/// The source of a port's value. A container has slots for its inputs, its variables, and the outputs of its
+/// children, in this order.
 struct PortSource {
   std::vector<std::uint32_t> slots;  ///< the most recently written one counts
   type::Value fallback;
@@ -64,7 +64,7 @@ struct CompiledState {
   StateIndex decider = kNoState;             ///< Barrier
   std::shared_ptr<const Action> required{};  ///< its preconditions and resources, with its inputs; null: none
 
-  /// Where the parent goes on after that outcome.
+  /// The step of the parent after that outcome.
   [[nodiscard]] const NextStep& next_after(Outcome outcome) const {
     return next[static_cast<std::size_t>(std::ptrdiff_t{outcome} + 2)];
   }
@@ -81,14 +81,14 @@ class Program {
   static Result<std::shared_ptr<const Program>> compile(Mission mission,
                                                         const ControllerConflicts* conflicts = nullptr);
 
-  /// As it was written, but for units that are kept (move_kept_units) and for what controllers need
-  /// (claim_controllers).
+  /// The mission as it was written, except for units that are kept (move_kept_units) and units that
+  /// controllers need (claim_controllers).
   [[nodiscard]] const Mission& mission() const { return mission_; }
   /// By StateIndex.
   [[nodiscard]] const std::vector<CompiledState>& nodes() const { return nodes_; }
   [[nodiscard]] const CompiledState& node(StateIndex state) const { return nodes_[state]; }
   [[nodiscard]] const State& state(StateIndex state) const { return mission_.states[state]; }
-  /// What a leaf or a container declares; null if a container declares nothing, and for libraries.
+  /// The declarations of a leaf or a container; null if a container declares nothing, and for libraries.
   [[nodiscard]] const Action* declared(StateIndex state) const {
     const CompiledState& node = nodes_[state];
     return is_leaf(node.kind) ? &mission_.actions[node.action] : node.required.get();
@@ -99,7 +99,7 @@ class Program {
   /// The error of a container that aborts because its state ended with an outcome of its own that leads
   /// there.
   [[nodiscard]] std::string abort_text(StateIndex child, Outcome outcome) const;
-  /// Likewise, where its start leads there.
+  /// The error of a container that aborts because its start leads there.
   [[nodiscard]] std::string start_abort_text(StateIndex container) const;
   /// The position of the mission's input of that name. NotFound; TypeMismatch where it does not take `value`.
   [[nodiscard]] Result<std::size_t> input_for(std::string_view name, const type::Value& value) const;

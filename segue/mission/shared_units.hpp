@@ -11,9 +11,9 @@
 
 namespace segue::mission {
 
-/// Who uses units that come and go: those of resources of which some action creates, consumes or deletes
-/// units, or which some container blocks. States of a barrier take these in program order, in sequential runs
-/// and concurrently, so that no race decides who goes short. For one thread.
+/// The states that use units whose number changes: those of resources of which some action creates, consumes
+/// or deletes units, or which some container blocks. States of a barrier take these in program order, in
+/// sequential runs and concurrently, so that no race decides which of them gets too few. For one thread.
 class SharedUnits {
  public:
   /// `program` must outlive this.
@@ -25,7 +25,8 @@ class SharedUnits {
   /// that contain inputs may stand for any resource that fits. The first call for two is linear in the states
   /// within.
   [[nodiscard]] bool shared(StateIndex state, StateIndex user);
-  /// Likewise, whether a state may that can follow this one in its hierarchy.
+  /// Whether a state that can follow this one in its hierarchy may use such units of a resource that the user
+  /// may use as well.
   [[nodiscard]] bool shared_after(StateIndex state, StateIndex user);
 
  private:
@@ -36,7 +37,7 @@ class SharedUnits {
 
   const Program& program_;
   std::vector<Patterns> by_action_;              ///< of the resources that it uses
-  std::map<StateIndex, Patterns> by_container_;  ///< likewise
+  std::map<StateIndex, Patterns> by_container_;  ///< of the resources that it uses
   std::vector<StateIndex> first_user_;           ///< by action: the first state that has it
   using Known = std::map<std::pair<StateIndex, StateIndex>, bool>;
   Known known_;

@@ -181,7 +181,7 @@ std::string resource_pattern(std::string_view resource) {
 
 namespace {
 
-/// Of what the container blocks.
+/// The names of the resources that the container blocks.
 std::vector<std::string> blocked_patterns(const State& container) {
   std::vector<std::string> patterns;
   for (const ResourceUse& use : container.resources) {

@@ -17,7 +17,7 @@
 
 namespace segue::mission {
 
-/// What one execution does with units of a resource, whose name is complete.
+/// One execution's use of units of a resource, whose name is complete.
 struct UnitUse {
   ResourceOperation operation = ResourceOperation::Block;
   std::string resource;
@@ -30,7 +30,8 @@ using UnitCounts = std::vector<std::pair<std::string, std::uint32_t>>;
 /// How many more units of some resources there are than before, or fewer.
 using UnitChanges = std::vector<std::pair<std::string, std::int64_t>>;
 
-/// As in a journal: the change by the resource; entries that are not numbers are left out.
+/// Changes as a map, as journals have them: the change by the resource; entries that are not numbers are left
+/// out.
 type::Value to_value(const UnitChanges& changes);
 UnitChanges unit_changes(const type::ValueMap& map);
 
@@ -43,9 +44,9 @@ class Units {
 
   explicit Units(const Counts& counts = {});
 
-  /// Those that exist, held or not, of all resources that are counted or have been used.
+  /// The existing units, held or not, of all resources that are counted or have been used.
   [[nodiscard]] Counts counts() const;
-  /// What has changed since there were so many.
+  /// The changes since the counts were these.
   [[nodiscard]] UnitChanges changes_since(const Counts& counts) const;
   /// Why these uses cannot be had even if every execution gave back what it holds; nothing if they can.
   [[nodiscard]] std::optional<std::string> shortage(std::span<const UnitUse> uses) const;
@@ -57,14 +58,14 @@ class Units {
   /// A container that has taken units of the resource lends them to what is in it: they exist as units of
   /// `name`.
   void lend(const std::string& resource, std::uint32_t count, const std::string& name);
-  /// They do not exist any more.
+  /// Ends the loan: these units of `name` do not exist any more.
   void take_back(const std::string& resource, std::uint32_t count, const std::string& name);
   /// Whether containers hold units that these uses must wait for: not only what runs now.
   [[nodiscard]] bool wait_for_container(std::span<const UnitUse> uses) const;
   /// The execution that took them has ended. `done`: as expected, so that it has created and deleted what it
   /// declares; what it consumed is gone in either case.
   void give_back(std::span<const UnitUse> uses, bool done);
-  /// As if an execution that has given them back had never been.
+  /// Undoes an execution that has given them back: the units are as if it had never been.
   void undo(std::span<const UnitUse> uses, bool done);
 
  private:

@@ -87,7 +87,7 @@ void check_inputs(const Action& action, const Value& value, const SourcePlace& w
 
 namespace {
 
-/// What a script may use of a robot.
+/// Checks that an action that uses a robot may do so: it is a script that is not pure.
 void check_script(const Action& action, Diagnostics& diagnostics) {
   const auto error = [&](std::string code, const std::string& message) {
     diagnostics.error(std::move(code), "action " + quote(action.name.str()) + ": " + message, action.where);

@@ -16,7 +16,7 @@ struct End {
   std::uint32_t child = 0;   ///< its position among the children, if it belongs to one
   std::uint32_t number = 0;  ///< of the port
   const Port* port = nullptr;
-  /// Whose it is, in their order.
+  /// Orders ends by the owner of the port and its number.
   friend auto operator<=>(const End& a, const End& b) {
     return std::tie(a.owner, a.child, a.number) <=> std::tie(b.owner, b.child, b.number);
   }

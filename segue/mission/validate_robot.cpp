@@ -10,7 +10,7 @@ namespace segue::mission {
 
 namespace {
 
-/// What an action asks of one controller.
+/// Checks the properties, operations and ports by which an action uses one controller.
 void check_use(const ControllerUse& use, model::MemberCheck check) {
   for (const MemberValue& one : use.set)
     check.property(one.member, one.where);

@@ -35,8 +35,8 @@ class World {
                                               const std::function<bool(const GroundFact&)>& counts) const;
 
   Changes apply(std::span<const GroundFact> effects);
-  /// Those that were made and not undone, in their order, also where a fact had that value already: "p(a)",
-  /// "!q(b)".
+  /// The changes that were made and not undone, in their order, also where a fact had that value already:
+  /// "p(a)", "!q(b)".
   [[nodiscard]] std::vector<std::string> changes() const;
   /// Undoes these changes as if they had never been made; later ones remain.
   void undo(Changes changes);

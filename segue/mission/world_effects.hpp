@@ -20,14 +20,14 @@ struct FactParts {
   std::string predicate;
   std::vector<std::string> arguments;
 };
-/// Of a fact without blanks, as WorldView::facts() has them.
+/// The parts of a fact without blanks, as WorldView::facts() has it.
 [[nodiscard]] FactParts parts_of(std::string_view fact);
 
-/// What changes of facts do to data of type T that are attached to a world, such as a scene whose box moves
-/// into the gripper with "+holding(box)". Functions are called on the engine's thread, in both modes, also
-/// ahead of time for what is predicted, each time with a copy of its own; so they depend on nothing but the
-/// data and the arguments, change nothing else, do not block and do not throw. Changes come in the order of
-/// the mission, but for those of states side by side that run sequentially, which come as these end:
+/// The effects of changes of facts on data of type T that are attached to a world, such as a scene whose box
+/// moves into the gripper with "+holding(box)". Functions are called on the engine's thread, in both modes,
+/// also ahead of time for predicted worlds, each time with a copy of its own; so they depend on nothing but
+/// the data and the arguments, change nothing else, do not block and do not throw. Changes come in the order
+/// of the mission, but for those of states side by side that run sequentially, which come as these end:
 /// functions must come to the same data then, as where each fact has a part of the data for itself.
 template <class T>
 class WorldEffects {
@@ -80,15 +80,16 @@ class DataWithEffects final : public WorldData {
   std::shared_ptr<const WorldEffects<T>> effects_;
 };
 
-/// To be attached to the world of a run: request.world_data.emplace("scene", world_data(scene, effects)).
+/// The data with their effects, to be attached to the world of a run: request.world_data.emplace("scene",
+/// world_data(scene, effects)).
 template <class T>
 [[nodiscard]] std::shared_ptr<const WorldData> world_data(T initial, WorldEffects<T> effects) {
   return std::make_shared<const DataWithEffects<T>>(
       std::move(initial), std::make_shared<const WorldEffects<T>>(std::move(effects)));
 }
 
-/// What world_data() has attached under that name, as it is in this world; null if there is no such, or it is
-/// of another type.
+/// The data that world_data() has attached under that name, as they are in this world; null if there are
+/// none, or they are of another type.
 template <class T>
 [[nodiscard]] std::shared_ptr<const T> data_of(const WorldView& world, std::string_view name) {
   const auto attached = world.attached<DataWithEffects<T>>(name);

@@ -22,10 +22,10 @@ class WorldData {
   /// The fact "at(box,table)" has become true or false. On the engine's thread; not for facts that keep
   /// their value, and for those of an opaque subtree at its end.
   virtual void changed(const std::string& fact, bool holds) = 0;
-  /// As scripts see them, `self.world.data[name]`; null: not at all.
+  /// The data as scripts see them, `self.world.data[name]`; null: not at all.
   [[nodiscard]] virtual type::Value shown() const { return {}; }
 };
-/// By the names under which actions ask for them.
+/// Data by the names under which actions ask for them.
 using AttachedData = std::map<std::string, std::shared_ptr<const WorldData>, std::less<>>;
 
 /// The world as one execution may take it to be. A snapshot: it does not change, and any thread may read it.
@@ -61,7 +61,7 @@ class SharedWorldData {
     if (!own_) own_ = shared_->clone();
     own_->changed(fact, holds);
   }
-  /// As they are now: what is returned does not change any more.
+  /// The data as they are now; the returned object does not change any more.
   [[nodiscard]] std::shared_ptr<const WorldData> share() const {
     if (own_) shared_ = std::exchange(own_, nullptr);
     return shared_;

@@ -24,7 +24,7 @@ struct Slot {
   std::uint64_t stamp = 0;
 };
 
-/// What a leaf has done with units, for when that is undone. `done`: it ended as expected.
+/// The units that a leaf has used, so that this can be undone. `done`: it ended as expected.
 struct UnitsUsed {
   std::vector<UnitUse> uses{};
   bool done = false;
@@ -35,9 +35,9 @@ struct UndoRecord {
   std::uint32_t position = 0;
   std::uint32_t item = History::kNone;
   std::vector<type::Value> inputs{};                     ///< of a leaf
-  World::Changes changed{};                              ///< likewise
-  bool refused = false;                                  ///< likewise
-  UnitsUsed units{};                                     ///< likewise
+  World::Changes changed{};                              ///< of a leaf
+  bool refused = false;                                  ///< of a leaf
+  UnitsUsed units{};                                     ///< of a leaf
   std::vector<std::pair<std::uint32_t, Slot>> before{};  ///< the values that its end replaced
   Outcome last = 0;                                      ///< `last` of the container before it
   std::string error{};
@@ -91,7 +91,7 @@ struct Activation {
   std::vector<UndoRecord> undo;
 };
 
-/// When a leaf ends by itself, or may take no longer to end; the first one is the largest.
+/// The time when a leaf ends by itself, or by which it must have ended; the first one is the largest.
 struct Timer {
   TimePoint when;
   std::uint64_t order = 0;
@@ -102,7 +102,7 @@ struct Timer {
   }
 };
 
-/// Where a hierarchy goes on once its child has been preempted.
+/// The place where a hierarchy goes on once its child has been preempted.
 struct Jump {
   Activation* at = nullptr;
   std::uint64_t generation = 0;

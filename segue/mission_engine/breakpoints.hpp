@@ -10,8 +10,8 @@
 
 namespace segue::mission::detail {
 
-/// Before which states a run stops. Paths are compared only for states that some breakpoint is at: states of
-/// a library have several paths.
+/// The states before which a run stops. Paths are compared only for states that some breakpoint is at: states
+/// of a library have several paths.
 class Breakpoints {
  public:
   struct Place {
@@ -20,7 +20,7 @@ class Breakpoints {
   };
 
   void set(std::vector<Place> places) { places_ = std::move(places); }
-  /// One that goes as soon as it, or another one, is met.
+  /// Sets a breakpoint that is removed as soon as it, or another one, is met.
   void set_once(Place place) { once_ = std::move(place); }
   void forget_once() { once_ = {}; }
   void clear() {

@@ -40,7 +40,7 @@ struct MissionPart {
   Globals globals;           ///< shared with the creator
   std::shared_ptr<Iterations> iterations;
   WorldView world;      ///< when it begins
-  Units::Counts units;  ///< likewise
+  Units::Counts units;  ///< when it begins
   EnclosingScopePtr around{};
 };
 
@@ -57,7 +57,7 @@ struct EngineOptions {
   std::vector<Fact> facts{};
   /// How many units of some resources there are, in place of what the mission declares.
   UnitCounts resources{};
-  /// What actions that read the world find attached to it.
+  /// The data attached to the world, for actions that read the world.
   AttachedData world_data{};
   /// Receives warnings, such as that an input is not of the declared type, or that a state aborts again and
   /// again (RetryWatch). On the engine's thread.
@@ -110,20 +110,20 @@ class Engine {
   /// Requires that run() has answered Ended.
   [[nodiscard]] const MissionResult& result() const;
 
-  /// From any thread: hierarchies stop before their next state. Running actions continue.
+  /// Makes hierarchies stop before their next state. Running actions continue. From any thread.
   void pause();
-  /// From any thread: preempts everything that runs; preemption handlers still execute. Breakpoints end.
+  /// Preempts everything that runs; preemption handlers still execute. Breakpoints end. From any thread.
   void stop();
-  /// From any thread: the thread of run() calls `task` there, between two steps of states; it may call all
-  /// functions of the engine but run().
+  /// Makes the thread of run() call `task` between two steps of states; it may call all functions of the
+  /// engine but run(). From any thread.
   void post(std::function<void()> task);
-  /// After run() has returned Held: blocks until something of the above has been asked for, which the next
-  /// run() heeds.
+  /// Blocks, after run() has returned Held, until one of the above has been requested, which the next run()
+  /// heeds.
   void wait_for_message();
 
-  /// Before which states the mission stops, as by a pause, in place of those set before: paths; of a state
-  /// that is begun together with others, only that one stops before it begins. Those that a journal says have
-  /// begun are passed. NotFound, InvalidArgument. While stepping, too.
+  /// Sets the states, by their paths, before which the mission stops as by a pause, in place of those set
+  /// before. Where several states begin together, only the named ones stop before they begin. States that
+  /// have begun according to a journal are passed. NotFound, InvalidArgument. Also while stepping.
   Result<void> set_breakpoints(const std::vector<std::string>& paths);
 
   /// How far the held states go on, called after run() has returned Held, before its first call, or while
@@ -135,9 +135,9 @@ class Engine {
   void step_over();
   void step_out();
   void run_to(std::string path);
-  /// Goes on at that state, with the inputs that it would have now. What is under way in the innermost
-  /// running hierarchy around it is preempted; what runs beside that is not. Where the mission is held, it
-  /// stays held, before that state. Steps back end here. NotFound, InvalidArgument; Unsupported with a
+  /// Goes on at that state, with the inputs that it would have now. The innermost running hierarchy around it
+  /// preempts what it has under way; states that run beside that hierarchy go on. Where the mission is held,
+  /// it stays held, before that state. Steps back end here. NotFound, InvalidArgument; Unsupported with a
   /// journal, or where only a container of concurrent states can begin that state; InvalidState while it is
   /// being preempted.
   Result<void> go_on_at(std::string_view path);
@@ -161,7 +161,7 @@ class Engine {
   [[nodiscard]] Globals& globals();
   /// The facts that hold: the initial ones, changed by the actions that ended as expected.
   [[nodiscard]] const World& world() const;
-  /// What is left of the units of resources.
+  /// The remaining units of resources.
   [[nodiscard]] const Units& units() const;
   /// How many executions of states have begun, actions and containers alike.
   [[nodiscard]] std::uint64_t executions() const;

@@ -7,8 +7,8 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
-/// Whether a breakpoint is at the state that `holder` would begin next; then everything else stops, too. What
-/// an earlier run did is done again without stopping.
+/// Whether a breakpoint is at the state that `holder` would begin next; then everything else stops, too.
+/// States that an earlier run executed are passed again without stopping.
 bool EngineCore::breaks_at(StateIndex state, const Activation& holder) const {
   if (options.journal != nullptr && replayed_count_ < options.journal->size()) return false;
   return breakpoints.has(state, [&] { return next_path(holder); });
@@ -42,7 +42,7 @@ bool EngineCore::holds_branch(Activation& branch) {
   return true;
 }
 
-/// Before something is waited for that runs beside what is held.
+/// Tells which states are held, before the engine waits for others that run beside them.
 void EngineCore::tell_held() {
   if (std::exchange(held_changed_, false) && !held_.empty() && options.on_held) options.on_held();
 }
@@ -88,7 +88,7 @@ void EngineCore::mark_held(bool outside) {
   }
 }
 
-/// Of a concurrent state that is held before it begins: its own.
+/// The path of the next state; of a concurrent state that is held before it begins, its own.
 std::string EngineCore::next_path(const Activation& holder) const {
   std::string around = path(holder);
   if (holder.phase == Phase::Begin) return around;

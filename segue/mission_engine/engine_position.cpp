@@ -14,7 +14,7 @@ using type::ValueMap;
 
 namespace {
 
-/// Of what is shown of one value: items of a list or map, and characters.
+/// The most that is shown of one value: items of a list or map, and characters.
 constexpr std::size_t kMostItems = 20;
 constexpr std::size_t kLongestText = 1000;
 
@@ -168,7 +168,8 @@ bool EngineCore::take_jump(Activation& hierarchy) {
   return true;
 }
 
-/// There is no way back over a preempted state.
+/// Forgets the steps back in the hierarchy and around it: the mission cannot step back over a preempted
+/// state.
 void EngineCore::forget_done(Activation& hierarchy) {
   for (Activation* around = &hierarchy; around != nullptr; around = around->parent) {
     for (const UndoRecord& record : std::exchange(around->undo, {})) {

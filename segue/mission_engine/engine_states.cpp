@@ -188,7 +188,7 @@ std::uint64_t EngineCore::iteration_of(const Activation& activation) const {
   return state->iteration;
 }
 
-/// Of an action.
+/// Tells the begin of an action.
 void EngineCore::tell_begin(const Activation& leaf) {
   tell_around(leaf);
   const std::string at = path(leaf);
@@ -210,7 +210,7 @@ void EngineCore::tell_around(const Activation& state) {
   }
 }
 
-/// Of an action, or of a container.
+/// Tells the end of an action or of a container.
 void EngineCore::tell_end(Activation& activation) {
   if (backward_) return;
   const bool is_retried = !std::exchange(activation.told, false);  // or else something in it is

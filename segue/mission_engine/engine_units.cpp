@@ -33,7 +33,7 @@ Activation* EngineCore::ask(Activation& activation) {
   return is_leaf(program->node(activation.state).kind) ? begin_leaf(activation) : begin_container(activation);
 }
 
-/// What it needs and changes; false if it may not begin: its error says why.
+/// Looks up the needs and changes of the state; false if it may not begin, with the reason as its error.
 bool EngineCore::look_up(Activation& activation) {
   const Action& declared = *program->declared(activation.state);
   const std::string at = path(activation);
@@ -83,7 +83,7 @@ void EngineCore::keep_blocked(Activation& container) {
     units.lend(held.taken, held.count, held.lent);
 }
 
-/// What the container itself has blocked and lends to the states in it.
+/// The units that the container itself has blocked and lends to the states in it.
 std::span<const EnclosingScope::Held> EngineCore::lent_by(const Activation& container) {
   if (container.inside == container.around) return {};
   const std::size_t outer = container.around == nullptr ? 0 : container.around->held.size();
@@ -150,8 +150,9 @@ bool EngineCore::give_up_waiting() {
   return false;
 }
 
-/// Whether the leaf only waits until actions, which are under way, give units back. What it then takes nobody
-/// may take before. What waits for a container keeps nothing from others: the container may need it to end.
+/// Whether the leaf only waits until actions, which are under way, give units back. Then nobody else may take
+/// these units before it does. A leaf that waits for a container keeps no units from others: the container
+/// may need them to end.
 bool EngineCore::only_lacks_held(const Activation& leaf) {
   return is_in_turn(leaf) && !units.shortage(leaf.asked) && !units.wait_for_container(leaf.asked);
 }
@@ -167,8 +168,8 @@ bool EngineCore::is_overtaking(const Activation& leaf) {
   });
 }
 
-/// In a barrier, who uses units that come and go waits until the states before its own have begun their last
-/// use of them; with `to_the_end`, until they have ended.
+/// In a barrier, a leaf that uses units that come and go waits until the states before its own have begun
+/// their last use of them; with `to_the_end`, until they have ended.
 bool EngineCore::is_in_turn(const Activation& leaf, bool to_the_end) {
   if (!shared_.takes_in_order(leaf.state)) return true;
   const Activation* inner = &leaf;

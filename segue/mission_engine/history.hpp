@@ -42,7 +42,7 @@ class History {
     items_.push_back(item);
     return static_cast<std::uint32_t>(items_.size() - 1);
   }
-  /// It had to wait before it could begin, which it does now.
+  /// Sets the begin of an item that had to wait.
   void begin_late(std::uint32_t item, TimePoint when) { items_[item].began = when; }
   void end(std::uint32_t item, Outcome outcome, TimePoint when, const std::string& error) {
     items_[item].outcome = outcome;

@@ -41,14 +41,14 @@ class Mailbox {
     stop_ = true;
     changed();
   }
-  /// To be carried out by the engine's thread, between two steps.
+  /// Has the engine's thread carry out `task`, between two steps.
   void request(std::function<void()> task) {
     const Lock guard(mutex_);
     tasks_.push_back(std::move(task));
     changed();
   }
 
-  /// Whether take() would return anything. Takes no lock: the engine asks before every step.
+  /// Whether take() would return anything. Takes no lock: the engine asks before every step. Pairs with MB1.
   [[nodiscard]] bool has_messages() const { return pending_.load(std::memory_order_acquire); }
 
   struct Messages {
@@ -80,10 +80,10 @@ class Mailbox {
   }
 
  private:
-  /// The store releases what was written before it to whoever sees has_messages() without
-  /// the lock; what is then taken is read under the lock.
+  /// MB1: the store releases what was written before it to whoever sees has_messages() without the lock; the
+  /// messages themselves are read under the lock.
   void changed() {
-    pending_.store(true, std::memory_order_release);
+    pending_.store(true, std::memory_order_release);  // MB1
     arrived_.notify_all();
   }
 

@@ -86,7 +86,7 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     return inner_->open(port, wait);
   }
 
-  /// What it is asked at that number.
+  /// The question with the number at which the robot is held.
   std::string wait_for_question() {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(changed_.wait_for(lock, 60s, [this] { return questions_.size() >= held_; }));
@@ -159,7 +159,7 @@ class PreemptedActions : public RunningMission {
       EXPECT_TRUE(testing::eventually([&] { return *heard || is_over_; }));
     }
   }
-  /// What an action had asked when it was preempted, which must have commanded nothing since.
+  /// Preempts the action at that question, which is returned; the action must have commanded nothing since.
   std::string preempt_at_question(std::size_t number, const std::string& action) {
     SCOPED_TRACE("question " + std::to_string(number));
     begin(number, action);

@@ -22,7 +22,7 @@ class RetryWatch {
 
   /// The state has ended. True once for each state: it has now aborted kAborts times in a row within kWithin.
   [[nodiscard]] bool ended(StateIndex state, Outcome outcome);
-  /// What to tell people then.
+  /// The warning that people then get.
   [[nodiscard]] static std::string warning();
 
  private:

@@ -17,7 +17,8 @@ namespace {
 using type::Value;
 using type::ValueMap;
 
-/// Of the mission with its libraries; script files are not included, so that they can be corrected.
+/// The digest of the mission with its libraries; script files are not included, so that they can be
+/// corrected.
 std::string digest(const Mission& mission) {
   return std::to_string(fnv1a(write_mission(mission)));
 }

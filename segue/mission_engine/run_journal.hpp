@@ -22,7 +22,8 @@
 
 namespace segue::mission {
 
-/// As in a journal: a count by the number of the state; entries that are not numbers are left out.
+/// Counts as a map, as journals have them: the count by the number of the state; entries that are not numbers
+/// are left out.
 type::Value to_value(const std::map<StateIndex, std::uint32_t>& counts);
 std::map<StateIndex, std::uint32_t> counts_by_state(const type::ValueMap& map);
 
@@ -45,11 +46,12 @@ class RunJournal {
     UnitCounts resources{};   ///< units in place of those that the mission declares
     std::uint64_t seed = 0;   ///< varies simulated durations
   };
-  /// What resume() does about potentially irreversible actions that were running when the run was
-  /// interrupted: refuse; go on with them where they are, and refuse if that is not possible; execute them
-  /// again; take them as ended as expected, with default outputs; or as aborted.
+  /// How resume() treats potentially irreversible actions that were running when the run was interrupted:
+  /// refuse; go on with them where they are, and refuse if that is not possible; execute them again; take
+  /// them as ended as expected, with default outputs; or as aborted.
   enum class UnderWay : std::uint8_t { Refuse, GoOn, Again, Skip, Abort };
-  /// Asked with GoOn: whether an action can go on from where it had got (null: it had told nobody anything).
+  /// Asked with GoOn: whether an action can go on from its recorded progress (null: it had commanded nothing
+  /// yet).
   using CanGoOn = std::function<Result<void>(const Action& action, const type::Value& progress)>;
   struct End {
     Outcome outcome = 0;
@@ -58,10 +60,10 @@ class RunJournal {
     std::vector<type::Value> outputs;
     type::ValueMap globals;           ///< variables that were set
     std::vector<std::string> erased;  ///< names of variables
-    /// Of an opaque subtree: the facts that became true, and with "!" those that became false.
+    /// The facts that an opaque subtree made true, and with "!" those that it made false.
     std::vector<std::string> facts{};
-    UnitChanges units{};  ///< likewise, units that it has created or removed
-    /// Likewise, how often states in it have begun since the mission began.
+    UnitChanges units{};  ///< of an opaque subtree: units that it has created or removed
+    /// How often states in an opaque subtree have begun since the mission began.
     std::map<StateIndex, std::uint32_t> begun{};
   };
   using Warn = std::function<void(std::string)>;
@@ -88,7 +90,7 @@ class RunJournal {
   /// if it was not running, or is to be executed again.
   [[nodiscard]] std::optional<End> assumed_end(const Execution& execution, const Action& action) const;
 
-  /// What had ended in the earlier run.
+  /// The executions that had ended in the earlier run.
   [[nodiscard]] std::set<Execution> executions() const;
   /// The states that had ended their preemptive containers first in the earlier run (concurrent runs).
   [[nodiscard]] const std::set<Execution>& firsts() const { return firsts_; }
@@ -113,7 +115,7 @@ class RunJournal {
   explicit RunJournal(std::unique_ptr<RunJournalFile> file) : file_(std::move(file)) {}
   Result<void> read(const RunJournalFile::Contents& contents, const Mission& mission);
   Result<void> take(const type::Value& line);
-  /// What had begun and not ended.
+  /// An action that had begun and not ended.
   struct Open {
     bool irreversible = false;
     std::string action{};

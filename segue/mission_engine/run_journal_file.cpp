@@ -51,7 +51,7 @@ std::string with_checksum(const ValueMap& fields, std::uint64_t before, std::uin
   return text.append(kChecksumKey).append(hexadecimal(checksum)).append(kChecksumEnd) += '\n';
 }
 
-/// Of a line without its line feed, nothing if it has none.
+/// The checksum at the end of a line, which has no line feed; nothing if there is none.
 std::optional<std::string> stated_checksum(std::string_view line) {
   const std::size_t tail = kChecksumKey.size() + kDigits + kChecksumEnd.size();
   if (line.size() <= tail || !line.ends_with(kChecksumEnd)) return std::nullopt;
@@ -147,7 +147,7 @@ bool write_at(const Descriptor& file, std::size_t place, std::string_view text) 
 
 }  // namespace
 
-/// Of the same length whatever it says.
+/// The second line, which always has the same length.
 std::string RunJournalFile::second_line() const {
   std::uint64_t checksum = 0;
   ValueMap fields;

@@ -32,7 +32,7 @@ class RunJournalFile {
  public:
   using Tell = std::function<void(std::string)>;
 
-  /// What a file says that is to be continued.
+  /// The content of a file that is to be continued.
   struct Contents {
     type::Value first;                 ///< the first line
     std::vector<type::Value> entries;  ///< those that are there, up to the first that is damaged or missing
@@ -49,7 +49,7 @@ class RunJournalFile {
   /// file, or one of a version that cannot be read.
   static Result<std::unique_ptr<RunJournalFile>> open(const std::filesystem::path& path, Tell tell);
 
-  /// Of the file that was opened, once.
+  /// The content of the file that was opened; to be called once.
   [[nodiscard]] Contents take_contents();
   /// Cuts a damaged end off; entries can be added from then on.
   Result<void> continue_after_contents();
@@ -80,7 +80,7 @@ class RunJournalFile {
   std::uint64_t run_ SEGUE_GUARDED_BY(mutex_) = 0;      ///< the checksum of the first line
   std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;     ///< the checksum of the last line
   std::uint64_t entries_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< how many there have been
-  /// Of which so many had to be on disk before something was done.
+  /// The number of entries that had to be on disk before an action could begin.
   std::uint64_t synced_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::size_t second_at_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< where the second line begins
   std::size_t length_ SEGUE_GUARDED_BY(mutex_) = 0;     ///< up to the end of the last entry that was written

@@ -39,8 +39,8 @@ class Runners {
   [[nodiscard]] const std::shared_ptr<FactObserver>& observer() const { return observer_; }
   /// Simulates every action except deciders by its `expect`, whatever its `run` says.
   void simulate_all();
-  /// This runs every action except deciders, whatever its `run` says: a run can be repeated with what was
-  /// measured in another one.
+  /// Makes `runner` run every action except deciders, whatever its `run` says: so a run can be repeated with
+  /// the durations that were measured in another one.
   void run_all_by(std::shared_ptr<ActionRunner> runner);
   /// Simulated actions take between half and twice as long, the same for the same seed, state and turn of
   /// that state; 0: as declared.

@@ -11,15 +11,15 @@
 
 namespace segue::mission {
 
-/// Hears when something may have changed of what a robot runs, of its faults, and of who commands it. One
-/// thread uses this.
+/// Learns when the controllers of a robot, its faults or its commander may have changed. One thread uses
+/// this.
 class ChangeWatch {
  public:
   /// How long a question waits; then it counts as news.
   static constexpr Duration kPatience = std::chrono::seconds(10);
-  /// Between two questions, at least.
+  /// The least time between two questions.
   static constexpr Duration kBetweenNews = std::chrono::milliseconds(10);
-  /// After one that failed.
+  /// The time before the next question after one that failed.
   static constexpr Duration kBetweenTries = std::chrono::milliseconds(250);
 
   /// `robot` must outlive this. News ring `bell`.

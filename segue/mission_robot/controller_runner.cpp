@@ -45,7 +45,7 @@ Ending aborted(const Error& error) {
   return {kAborted, to_string(error)};
 }
 
-/// What all executions of a runner have to do with.
+/// The parts that all executions of a runner share.
 struct Shared {
   Shared(std::shared_ptr<CommandedRobot> commanded, const ControllerOptions& given,
          std::shared_ptr<ControllerUnion> shared)
@@ -116,14 +116,14 @@ class ControlledRun {
 
   static Ending preempted() { return {kPreempted, {}}; }
 
-  /// Where the controller is gone, that is why.
+  /// The ending with this error; where the controller is gone, that is the reason instead.
   Ending aborted_by(const Error& error, const std::stop_token& stop) {
     if (stop.stop_requested()) return preempted();
     if (auto lost = loss(stop)) return *lost;
     return aborted(error);
   }
 
-  /// Without its robot, the run ends as one that can be resumed.
+  /// The ending with this error; without its robot, the run ends as one that can be resumed.
   Ending failed(const Error& error, const std::stop_token& stop) {
     if (!options_.unreachable || robot_.trouble(use_.controller, look(stop))) return aborted(error);
     options_.unreachable(error);
@@ -150,7 +150,7 @@ class ControlledRun {
     }
   }
 
-  /// From when they have been told, their states count.
+  /// Gives the commands to the tasks; from then on their states count.
   Result<void> tell(const std::stop_token& stop) {
     if (!commands_.are_given()) record(ControllerProgress::Stage::Tells);
     if (auto given = commands_.give(stop); !given) return given;
@@ -183,7 +183,8 @@ class ControlledRun {
     return !anew.empty();
   }
 
-  /// So that nothing that cannot be taken back is done twice in silence.
+  /// Logs that commands are given a second time, since a command that cannot be undone must not be repeated
+  /// unnoticed.
   void warn_of_telling_again(const std::string& task) const {
     log(LogLevel::Warning, task_.user.action.empty() ? "mission" : task_.user.action,
         "task " + quote(task) +
@@ -209,7 +210,7 @@ class ControlledRun {
     return {};
   }
 
-  /// Until a condition holds, the controller is lost, or the action is preempted.
+  /// Watches until a condition holds, the controller is lost, or the action is preempted.
   Ending watch(const std::stop_token& stop) {
     if (use_.until.empty()) return {0, {}};
     controller_.ask();
@@ -256,9 +257,9 @@ class ControlledRun {
       tasks_.follow_if_seen(one.port.task);
   }
 
-  /// What failed because a task was lost can be tried again once the robot has mended it, which it must have
-  /// begun by `give_up`: moved on while it mends. The ending where it does not, where the time is up before,
-  /// and where nothing was lost.
+  /// Waits until the robot has repaired the loss of a task that made something fail, so that it can be tried
+  /// again. The repair must have begun by `give_up`, which moves on while it goes on. The ending where the
+  /// robot does not repair it, where the time is up before, and where nothing was lost.
   std::optional<Ending> await_repair(const Error& error, TimePoint& give_up, const std::stop_token& stop) {
     bool was_lost = false;
     while (!stop.stop_requested()) {
@@ -288,8 +289,8 @@ class ControlledRun {
     return std::nullopt;
   }
 
-  /// Those that do not will begin anew, and know nothing then of what they were told; one that is only silent
-  /// may still know it.
+  /// Whether all tasks run. A task that does not will begin anew, without its commands; one that only does
+  /// not answer may still have them.
   bool all_tasks_run(const std::stop_token& stop) {
     bool all = true;
     for (const std::string& id : tasks_.ids()) {
@@ -478,8 +479,8 @@ class ControllerRunner::Implementation {
 
  private:
   Shared shared_;
-  std::atomic<std::uint64_t> executions_ = 0;
-  ExecutionThreads threads_;  // destroyed first: they use the others
+  std::atomic<std::uint64_t> executions_ = 0;  ///< numbers differ, and order nothing
+  ExecutionThreads threads_;                   // destroyed first: they use the others
 };
 
 ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, const ControllerOptions& options,

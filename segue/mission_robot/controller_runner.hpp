@@ -13,7 +13,7 @@
 namespace segue::mission {
 
 struct ControllerOptions {
-  /// How often ports are read for outputs that have not come yet. What ends an action is told by the robot:
+  /// How often ports are read for outputs that have not come yet. The robot reports what ends an action:
   /// states of tasks when they change, samples when they come, every 10 ms at most; operations are called
   /// after updates of their tasks, every 10 ms at most.
   Duration period = std::chrono::milliseconds(20);
@@ -33,18 +33,18 @@ struct ControllerOptions {
 /// Carries out actions that are controllers (ControllerUse), each in a thread of its own. An action aborts
 /// where the robot refuses what it is asked, and where its controller is replaced or fails: no action
 /// succeeds without its controller. Conditions on a task and on its ports count from its first update after
-/// it was told what to do, so what it said of an earlier goal does not end the action.
+/// it got its commands, so a state that belongs to an earlier goal does not end the action.
 ///
-/// Where a task that it watches is gone and the robot mends it, an action waits as long as that goes on,
-/// which its robot limits, or until its own time is up. Tasks that have begun anew are told again what they
-/// were told. It aborts where the repair is given up.
+/// Where a task that it watches is gone and the robot repairs it, an action waits as long as the repair goes
+/// on, which its robot limits, or until its own time is up. Tasks that have begun anew get their commands
+/// again. The action aborts where the repair is given up.
 ///
-/// Actions whose controllers can run at once do (ControllerUnion). While they run, what the mission is likely
-/// to need next is prepared (upcoming_controllers).
+/// Actions whose controllers can run at once do (ControllerUnion). While they run, the controllers that the
+/// mission is likely to need next are prepared (upcoming_controllers).
 ///
-/// In a run with a journal, an action records when it begins to tell its tasks what to do, and when it has.
-/// In between it cannot be resumed; before, it begins anew; afterwards it is only watched, if its controller
-/// runs still. States count from when the tasks were told then; times and samples count anew.
+/// In a run with a journal, an action records when it begins to give commands to its tasks, and when it has
+/// given them. In between it cannot be resumed; before, it begins anew; afterwards it is only watched, if its
+/// controller still runs. States then count from the time of the commands; times and samples count anew.
 class ControllerRunner final : public ActionRunner {
  public:
   /// `controllers`: shared with a ScriptRobot; null: one of its own.

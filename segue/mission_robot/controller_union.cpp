@@ -35,8 +35,8 @@ bool ControllerUnion::may_run(const std::string& controller, const std::vector<M
   return find_undisturbed(controller, properties) != members_.end();
 }
 
-/// Where it was requested with these properties, and nothing that is only kept changes what it does; end()
-/// elsewhere.
+/// The member that was requested with these properties, if no controller that is only kept changes what it
+/// does; otherwise end().
 ControllerUnion::Members::iterator ControllerUnion::find_undisturbed(
     const std::string& controller, const std::vector<MemberValue>& properties) {
   const auto known = find(controller);
@@ -55,7 +55,8 @@ bool ControllerUnion::runs_well(const std::string& controller, const Wait& wait)
   return true;
 }
 
-/// Where it was seen to run with these properties, no earlier than then, and nothing else is about to be run.
+/// Uses the controller without a request if it was seen to run with these properties, not before `earliest`,
+/// and no other transition is about to begin.
 bool ControllerUnion::use_what_runs(const std::string& controller, const std::vector<MemberValue>& properties,
                                     TimePoint earliest) {
   const Lock lock(mutex_);
@@ -192,7 +193,8 @@ void ControllerUnion::stop_unwanted(const Changes& changes) {
   }
 }
 
-/// What is in use and what the changes want, and of what is kept all that fits, the latest first.
+/// The members that are in use or requested by the changes, and of the kept ones all that fit, the latest
+/// first.
 ControllerUnion::Members ControllerUnion::with(const Changes& changes) const {
   Members wanted;
   const auto is_changed = [&](const Member& member) {
@@ -221,7 +223,8 @@ bool ControllerUnion::fits(const std::string& controller, const Members& members
   });
 }
 
-/// Where it is not known what can run at once, everything does.
+/// Whether a kept controller changes what a used one does; assumed where it is not known which can run at
+/// once.
 bool ControllerUnion::disturbs(const std::string& kept, const std::string& used) const {
   return !conflicts_ || conflicts_->conflict(kept, used) || conflicts_->influence(kept, used);
 }

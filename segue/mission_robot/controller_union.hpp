@@ -25,21 +25,22 @@ struct ControllerUser {
   std::uint64_t iteration = 0;
 };
 
-/// How long whoever asks for a controller wants it.
+/// A caller's interest in a controller: on behalf of whom, and for how long.
 struct ControllerWish {
   std::optional<ControllerUser> user{};  ///< for the record
   std::stop_token stop{};                ///< requested: no longer
-  /// What becomes of a controller that the robot runs although it is wanted no longer: as of
+  /// Whether the robot may run the controller on although it is not wanted any more, like `keep` of
   /// ControllerUnion::end().
   bool keep = true;
 };
 
-/// What the actions of a mission have a robot run: the union of the controllers that they use now and of
-/// those that are kept from earlier ones, as long as nothing needs the robot otherwise and they do not write
-/// to tasks of what is in use. One transition at a time; what is asked meanwhile, or at about the same time,
-/// is one transition. What runs already waits for no others, and is requested only where the robot says that
-/// it does not run as it should. What nobody wants any more is not requested, and a transition that nobody
-/// wants any more is undone where it has not committed. Thread safe.
+/// The network that a robot runs for the actions of a mission: the union of the controllers that they use now
+/// and of those that are kept from earlier ones. A kept one stays as long as nothing else needs the robot and
+/// it does not write to tasks of a controller in use. One transition at a time; requests that come meanwhile,
+/// or at about the same time, are joined to one transition. A controller that runs already waits for no
+/// others, and is requested only where the robot says that it does not run as it should. One that nobody
+/// wants any more is not requested, and a transition that nobody wants any more is undone where it has not
+/// committed. Thread safe.
 class ControllerUnion {
  public:
   struct Options {
@@ -49,7 +50,7 @@ class ControllerUnion {
     Duration deadline = std::chrono::seconds(60);  ///< of a request
   };
   ControllerUnion(std::shared_ptr<CommandedRobot> robot, Options options);
-  /// Gives up what is asked of the robot. Nobody may wait here any more.
+  /// Gives up the request in progress. No caller may wait here any more.
   ~ControllerUnion();
   ControllerUnion(const ControllerUnion&) = delete;
   ControllerUnion& operator=(const ControllerUnion&) = delete;
@@ -59,16 +60,17 @@ class ControllerUnion {
   /// once, where it is wanted no longer: then it is not in use.
   Result<void> begin(const std::string& controller, std::vector<MemberValue> properties,
                      ControllerWish wish = {});
-  /// The robot runs it already, with these properties, for an action of an earlier run that goes on. As
-  /// begin(), but asks the robot for nothing, so it gets no lease.
+  /// Notes that the robot runs the controller already, with these properties, for an action of an earlier run
+  /// that goes on. Requests nothing from the robot, so it gets no lease.
   void take_over(const std::string& controller, std::vector<MemberValue> properties);
-  /// The action that had begun it has ended. `keep`: it runs on until something else is needed in its place;
-  /// otherwise the robot stops it, and this blocks until it has.
+  /// Ends the use of a controller by an action. `keep`: the controller runs on until something else is needed
+  /// in its place; otherwise the robot stops it, and this blocks until it has.
   Result<void> end(const std::string& controller, bool keep, std::optional<ControllerUser> user = {});
-  /// Somebody who uses it has asked the robot after `asked`, and it ran as it should, still when that was
-  /// heard at `seen`.
+  /// Notes that a user of the controller has asked the robot after `asked`, and that the controller ran as it
+  /// should, still when the answer came at `seen`.
   void note_runs(const std::string& controller, TimePoint asked, TimePoint seen);
-  /// What runs may have been changed otherwise than by a request: what was seen before counts no longer.
+  /// The network may have been changed otherwise than by a request: earlier observations of it count no
+  /// longer.
   void note_changed();
   /// How many callers wait for the next transition.
   [[nodiscard]] std::size_t waiting() const;
@@ -109,7 +111,7 @@ class ControllerUnion {
   [[nodiscard]] Members with(const Changes& changes) const SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool fits(const std::string& controller, const Members& members) const SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool disturbs(const std::string& kept, const std::string& used) const SEGUE_REQUIRES(mutex_);
-  // These ask the robot, without the mutex meanwhile.
+  // These two ask the robot, and give back the mutex meanwhile.
   Result<void> request(const Members& members, const Changes& changes) SEGUE_REQUIRES(mutex_);
   void learn_conflicts(const std::stop_token& end) SEGUE_REQUIRES(mutex_);
 
@@ -123,7 +125,7 @@ class ControllerUnion {
   Changes served_ SEGUE_GUARDED_BY(mutex_);             ///< that the robot is asked for now
   std::stop_source unwanted_ SEGUE_GUARDED_BY(mutex_);  ///< stops that request
   bool has_lease_ SEGUE_GUARDED_BY(mutex_) = false;     ///< the robot has carried out a request of this
-  /// The robot was asked for another controller, or what runs was changed.
+  /// The time when the robot was asked for another controller, or its network was changed otherwise.
   TimePoint changed_at_ SEGUE_GUARDED_BY(mutex_){};
   std::jthread thread_;  ///< asks the robot
 };

@@ -47,7 +47,8 @@ void FactObserver::follow_tasks() {
 
 void FactObserver::work(const std::stop_token& end) {
   while (!end.stop_requested()) {
-    // What they say is asked anew: it may be older than what somebody has been told meanwhile.
+    // Tasks and ports are asked anew: their last answers may be older than what somebody has been told
+    // meanwhile.
     (void)tasks_.look();
     (void)port_tasks_.look();
     (void)ports_.look();
@@ -143,7 +144,7 @@ std::optional<bool> FactObserver::look(Entry& /*entry*/, const OperationAnswers&
   return answer ? std::optional(*answer) : std::nullopt;
 }
 
-/// As a look shows it, or else as it was known last.
+/// The value of the fact as a look shows it, or else as it was known last.
 bool FactObserver::value_now(Entry& entry) {
   while (!look(entry)) {
     const bool may_still_come =

@@ -36,20 +36,20 @@ class FactObserver {
     Duration period = std::chrono::milliseconds(20);
     Duration answer_deadline = std::chrono::seconds(1);
   };
-  /// Begins to look, in a thread of its own.
+  /// Starts a thread that observes.
   FactObserver(std::shared_ptr<CommandedRobot> robot, std::vector<ObservedFact> facts, Options options);
-  /// Those that watch are not called any more.
+  /// Watchers are not called any more.
   ~FactObserver();
   FactObserver(const FactObserver&) = delete;
   FactObserver& operator=(const FactObserver&) = delete;
 
-  /// A run begins with these facts: they count for those that could not be observed yet.
+  /// Begins a run with these facts: they count for facts that could not be observed yet.
   void begin(const World::Facts& facts);
-  /// Looks at the robot now: the first of these facts that is not as it says. Blocks until the robot has
-  /// answered; where a port has just been opened, until its first sample comes, for the fact's settling time
-  /// at most.
+  /// Looks at the robot now: the first of these facts that does not hold as declared. Blocks until the robot
+  /// has answered; where a port has just been opened, until its first sample comes, for the fact's settling
+  /// time at most.
   std::optional<GroundFact> first_false(std::span<const GroundFact> facts);
-  /// Whether the fact is so, as of a look now; nothing where it cannot be observed.
+  /// Whether the fact holds, as of a look now; nothing where it cannot be observed.
   std::optional<bool> observed(std::string_view fact);
   /// An action has made these facts true or false: that counts for those that cannot be observed.
   void assume(std::span<const GroundFact> effects);
@@ -79,7 +79,7 @@ class FactObserver {
   void follow_tasks();
   void follow_ports();
   void follow_port(Entry& entry, const Member& port);
-  /// When they are to be called again at the latest; nothing: nobody watches.
+  /// Calls the watchers; the time by which they are to be called again, nothing: nobody watches.
   std::optional<TimePoint> call_watchers();
   std::optional<bool> look(Entry& entry);
   std::optional<bool> look(Entry& entry, const TaskReaches& when);

@@ -162,7 +162,7 @@ class FakeCommandedRobot : public CommandedRobot {
     how();
     task_.answer_waiting(changes_.count());
   }
-  /// Of what trouble() answers.
+  /// Changes the answer of trouble().
   void change_trouble(const std::function<void()>& how) {
     change(how);
     changes_.add();

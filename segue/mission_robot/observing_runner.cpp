@@ -42,7 +42,7 @@ class ObservedRun {
     complete_ = std::move(complete);
   }
 
-  /// It ends by itself at that time.
+  /// The execution ends by itself at that time.
   void ends_at(TimePoint when, Ending ending, std::vector<Value> outputs) {
     const Lock lock(mutex_);
     due_ = when;
@@ -72,7 +72,8 @@ class ObservedRun {
     if (then) then();
   }
 
-  /// On the observer's thread: when it is to be called again at the latest; nothing once it has ended.
+  /// The time when it is to be called again at the latest; nothing once it has ended. On the observer's
+  /// thread.
   std::optional<TimePoint> look() {
     const TimePoint now = clock_now();
     Then then;
@@ -102,10 +103,11 @@ class ObservedRun {
   }
 
  private:
-  /// What is called once the mutex is free again: the inner runner, or who waits for the end. May be empty.
+  /// A function to call once the mutex is free again: the inner runner, or the caller's completion. May be
+  /// empty.
   using Then = std::function<void()>;
 
-  /// Preempts it where a fact of its `while` is not so any more.
+  /// Preempts the action when a fact of its `while` does not hold any more.
   void guard() {
     if (during_.empty()) return;
     const auto lacking = observer_.first_false(during_);
@@ -175,7 +177,7 @@ class ObservedRun {
     return {};
   }
 
-  /// What it returns is never empty.
+  /// The function to call once the mutex is free again; never empty.
   Then end(Ending ending) SEGUE_REQUIRES(mutex_) {
     is_over_ = true;
     return [complete = std::exchange(complete_, nullptr), ending = std::move(ending),

@@ -9,9 +9,10 @@
 
 namespace segue::mission {
 
-/// Compares what actions declare of observed facts with the robot, and leaves the rest to another runner. An
-/// action whose precondition is not so does not begin; one that loses a fact of its `while` is preempted; one
-/// that ended as foreseen waits until its effects show. Where that fails, it aborts.
+/// Compares the observed facts that actions declare with the robot, and leaves everything else to another
+/// runner. An action whose precondition does not hold does not begin; one that loses a fact of its `while` is
+/// preempted; one that ended as expected waits until its effects show. Where these do not show in time, it
+/// aborts.
 class ObservingRunner final : public ActionRunner {
  public:
   ObservingRunner(std::shared_ptr<ActionRunner> inner, std::shared_ptr<FactObserver> observer)

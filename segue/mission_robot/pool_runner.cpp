@@ -212,7 +212,7 @@ class PoolExecution {
     }
   }
 
-  /// Without its robot, the run ends as one that can be resumed.
+  /// The ending with this error; without its robot, the run ends as one that can be resumed.
   static Ending failed(const Error& error, const Instances& instances, const std::stop_token& stop) {
     const bool is_preempted = stop.stop_requested() || instances.stops_since_robot_is_gone(error, stop);
     return is_preempted ? Ending{kPreempted, {}} : Ending{kAborted, to_string(error)};

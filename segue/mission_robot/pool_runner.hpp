@@ -18,7 +18,7 @@ struct PoolOptions {
   Duration ready_deadline = std::chrono::seconds(30);
   /// How long it may take the robot to notice that an instance is lost whose connection broke.
   Duration notice = std::chrono::seconds(3);
-  /// As ControllerOptions::unreachable.
+  /// Called where the robot cannot be reached any more; see ControllerOptions::unreachable.
   std::function<void(const Error& why)> unreachable{};
 };
 

@@ -31,7 +31,7 @@ void PreparedControllers::ended(std::uint64_t action) {
   if (found != running_.end()) found->second.has_ended = true;
 }
 
-/// Without those that run.
+/// The likeliest controllers ahead, without those that run.
 std::vector<std::string> PreparedControllers::likeliest() const {
   std::map<std::string, UpcomingController> all;
   for (const auto& [action, running] : running_) {
@@ -66,7 +66,7 @@ void PreparedControllers::work(const std::stop_token& stop) {
     lock.lock();
   }
   lock.unlock();
-  // That the robot has released them is not waited for.
+  // Nobody waits until the robot has released them.
   if (!prepared_.empty()) [[maybe_unused]]
     const auto told = robot_->prepare({}, RealClock::instance().now());
 }

@@ -29,7 +29,7 @@ class PreparedControllers {
 
   /// The action number `action` runs `controller`, and these lie ahead of it.
   void began(std::uint64_t action, std::string controller, std::vector<UpcomingController> ahead);
-  /// It has ended. What lay ahead of it remains prepared until another one begins.
+  /// The action has ended. Controllers that lay ahead of it remain prepared until another one begins.
   void ended(std::uint64_t action);
 
  private:

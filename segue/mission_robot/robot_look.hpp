@@ -27,14 +27,14 @@ struct PortFeed {
   static Result<PortFeed> open(CommandedRobot& robot, const Member& port, const Wait& wait);
   /// Takes in what has come. Does not wait for samples.
   Result<void> look(const Wait& wait);
-  /// Takes in what has come, or else what comes next; nothing at the deadline. Blocks.
+  /// Takes in the samples that have come, or else the next ones; nothing at the deadline. Blocks.
   Result<void> next(const Wait& wait);
 
  private:
   Result<void> take_in(Result<std::vector<type::Value>> came);
 };
 
-/// That the condition holds.
+/// The condition as a sentence which says that it holds.
 [[nodiscard]] std::string sentence(const EndCondition& condition);
 /// Whether a task that was asked, or its process, may be gone.
 [[nodiscard]] bool may_be_lost(const Error& error);
@@ -46,7 +46,7 @@ struct PortFeed {
 /// action waits for that task to fail; empty: it waits for none.
 [[nodiscard]] std::optional<Ending> ending_by(const ControllerTrouble& trouble, const std::string& controller,
                                               const std::function<bool(const std::string& task)>& awaits);
-/// Until the next look; shorter where a stop is requested.
+/// Waits until the next look; returns earlier where a stop is requested.
 void wait_for_next_look(Duration period, const std::stop_token& stop);
 
 }  // namespace segue::mission

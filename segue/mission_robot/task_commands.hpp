@@ -12,9 +12,9 @@
 
 namespace segue::mission {
 
-/// What an action tells the tasks of its controller: calls of operations first, then samples, each in the
-/// order in which it was written. Knows which of them have been given, so that a task that begins anew is
-/// told its own again, and nobody else is told anything twice. One thread uses this.
+/// The commands of an action to the tasks of its controller: calls of operations first, then samples, each in
+/// the order in which it was written. Knows which of them have been given, so that a task that begins anew is
+/// given its own again, and no other task gets a command twice. One thread uses this.
 class TaskCommands {
  public:
   /// `robot` and `use` must outlive this. `answer_deadline`: for each of them.
@@ -25,7 +25,7 @@ class TaskCommands {
   Result<void> give(const std::stop_token& stop);
   /// Counts all as given, by an earlier run.
   void skip();
-  /// That task knows nothing any more of what it was told; false: it was told nothing.
+  /// Notes that the task does not have its commands any more; false: it had been given none.
   bool forget(const std::string& task);
   [[nodiscard]] bool are_given() const;
 

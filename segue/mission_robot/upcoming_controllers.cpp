@@ -106,7 +106,7 @@ class Search {
     if (node.parent == kNoState) return leave_root(state, outcome, step);
     const CompiledState& parent = program_.node(node.parent);
     if (is_concurrency(parent.kind) && state != parent.decider) {
-      // It goes on once, as if the first that is seen to end were the one that counts.
+      // The container is left once, as if the first state that is seen to end were the one that counts.
       if (left_.try_emplace(node.parent, state).first->second != state) return;
       if (parent.decider != kNoState) return go({parent.decider, step.probability, step.after});
     }

@@ -16,8 +16,8 @@
 
 namespace segue::mission {
 
-/// Whether the robot runs the controller of an action as it should: it is asked where something has changed
-/// since, and not otherwise. That it does, the union hears. One thread uses this.
+/// Checks whether the robot runs the controller of an action as it should: asks the robot only where
+/// something has changed since, and tells the union when it does. One thread uses this.
 class WatchedController {
  public:
   /// `robot` and `controllers` must outlive this. News ring `bell`.
@@ -37,8 +37,8 @@ class WatchedController {
 
   /// Asks the robot.
   Result<ControllerTrouble> trouble(const Wait& wait);
-  /// Whether what was heard of a task says that the controller ran well, too: nothing had changed since the
-  /// robot was asked. No call.
+  /// Whether this answer of a task implies that the controller runs well, too: nothing had changed since the
+  /// robot was asked. Asks nothing.
   bool ran_well_when(const TaskView& heard);
 
  private:

@@ -20,7 +20,7 @@ namespace segue::mission {
 /// are samples. One thread uses this.
 class WatchedPorts {
  public:
-  /// Between two questions for a port, at least.
+  /// The least time between two questions for a port.
   static constexpr Duration kBetweenSamples = std::chrono::milliseconds(10);
   /// How long a question waits; then it is asked again.
   static constexpr Duration kPatience = std::chrono::seconds(10);
@@ -40,7 +40,7 @@ class WatchedPorts {
   /// When ask() has something to do although the bell does not ring.
   [[nodiscard]] TimePoint next_question() const;
 
-  /// What the last look() has taken in, oldest first.
+  /// The samples that the last look() has taken in, oldest first.
   [[nodiscard]] std::span<const type::Value> fresh(const Member& port) const;
 
  private:

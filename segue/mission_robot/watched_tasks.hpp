@@ -17,16 +17,16 @@
 
 namespace segue::mission {
 
-/// Follows how some tasks of a robot are: each by one question at a time, which is answered when the task has
-/// changed, so a process that is silent delays nothing of the others. One thread uses this.
+/// Follows the states of some tasks of a robot: each by one question at a time, which is answered when the
+/// task has changed, so a process that does not answer delays none of the others. One thread uses this.
 class WatchedTasks {
  public:
-  /// Between questions for updates alone, at least.
+  /// The least time between questions for updates alone.
   static constexpr Duration kBetweenUpdates = std::chrono::milliseconds(10);
   /// How long a question waits; then it is asked again.
   static constexpr Duration kPatience = std::chrono::seconds(10);
 
-  /// Between questions for a task that cannot be seen.
+  /// The time between questions for a task that cannot be seen.
   static constexpr Duration kBetweenTries = std::chrono::milliseconds(250);
 
   /// `robot` must outlive this. Answers ring `bell`.
@@ -37,7 +37,7 @@ class WatchedTasks {
   /// `patience`: how long a question waits. One that was gone is seen again when it runs. That it cannot be
   /// seen is an error of look().
   void follow(const std::string& task, std::uint64_t after, Duration patience = kPatience);
-  /// As follow(), but that the task cannot be seen is not an error.
+  /// Follows the task like follow(), but it is not an error of look() that the task cannot be seen.
   void follow_if_seen(const std::string& task, std::uint64_t after = 0, Duration patience = kPatience);
   /// Takes in the answers that have come. The error of a task that cannot be seen: where one is gone, the
   /// robot may have it anew, so only a question for its present level can fail.
@@ -47,17 +47,17 @@ class WatchedTasks {
   /// When ask() has something to do although the bell does not ring.
   [[nodiscard]] TimePoint next_question() const;
 
-  /// Of all that are followed.
+  /// The ids of all followed tasks.
   [[nodiscard]] std::vector<std::string> ids() const;
-  /// Those that have begun anew since this was called last: they were gone, or have run before and do so
-  /// again, and know nothing of what they were told before. Their updates count from the beginning.
+  /// The tasks that have begun anew since the last call: they were gone, or have run before and do so again,
+  /// and have lost their commands. Their updates count from the beginning.
   [[nodiscard]] std::vector<std::string> take_begun_anew();
   [[nodiscard]] bool has_begun_anew() const;
-  /// Somebody has seen that it does not run: once it does, it has begun anew.
+  /// Notes that somebody has seen that the task does not run: once it does, it has begun anew.
   void note_gone(std::string_view task);
-  /// Whether one that is gone has not been seen to run again.
+  /// Whether a task that was gone has not been seen to run again.
   [[nodiscard]] bool lacks_any() const;
-  /// As of the last look(). Null: nothing is known yet.
+  /// The task as the last look() found it. Null: nothing is known yet.
   [[nodiscard]] const TaskView* view(std::string_view task) const;
   /// Counts answers.
   [[nodiscard]] std::uint64_t news(std::string_view task) const;

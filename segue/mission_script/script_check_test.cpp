@@ -30,7 +30,7 @@ class CompiledScripts : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  /// What is said of the mission, without the name of the folder.
+  /// The problems of the mission, without the name of the folder.
   std::string problems_of(const std::string& text, const ScriptOptions& options = {}) {
     EXPECT_TRUE(write_file(folder_ / "m.yaml", text));
     Diagnostics diagnostics;

@@ -11,8 +11,8 @@
 
 namespace segue::mission::detail {
 
-/// The data that one execution of a script finds attached to the world and that its process is to compute
-/// (ScriptedData), as the script asks for them. One thread at a time.
+/// The data that one execution of a script finds attached to the world, and that its process is to compute
+/// (ScriptedData). One thread at a time.
 class ScriptData {
  public:
   explicit ScriptData(const WorldView& world);

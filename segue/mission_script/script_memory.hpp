@@ -13,11 +13,11 @@
 
 namespace segue::mission::detail {
 
-/// Whose persistent variables a Python process has kept, by state. The process itself has the values; it is
-/// told of each decision before its next execution. Thread safe; nothing blocks.
+/// Tells a Python process which executions' persistent variables count, by state. The process itself has the
+/// values; it is told of each decision before its next execution. Thread safe; nothing blocks.
 class ScriptMemory {
  public:
-  /// What an execution keeps aside that began with the variables of the execution `from` (0: none).
+  /// The changes of an execution, kept aside. It began with the variables of the execution `from` (0: none).
   static std::shared_ptr<PendingChanges> changes(std::shared_ptr<ScriptMemory> memory, std::string path,
                                                  std::uint64_t execution, std::uint64_t from);
   /// The executions whose variables count, and those whose variables do not, since the last call.

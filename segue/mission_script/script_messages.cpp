@@ -278,7 +278,7 @@ Answer done(const Result<T>& result) {
   }
 }
 
-/// What a script gets of a variable; the number of an object goes into `held`.
+/// The value of a variable as scripts get it; the number of an object goes into `held`.
 Answer passed(const std::string& name, GlobalContent content, const ScriptObjects& objects, ValueMap& held) {
   if (content.object) {
     const auto number = objects.number_of(*content.object);

@@ -16,12 +16,13 @@ namespace segue::mission::detail {
 /// is told which ones no variable holds any more. Thread safe; nothing blocks.
 class ScriptObjects {
  public:
-  /// What a variable holds for an object that the process keeps under `number`, and that shows `shown`.
+  /// The content of a variable that refers to the object which the process keeps under `number`, and that
+  /// shows `shown`.
   static std::shared_ptr<const GlobalObject> hold(const std::shared_ptr<ScriptObjects>& objects,
                                                   std::uint64_t number, type::Value shown);
   /// Nothing if the object is none of this process, or if the process has ended.
   [[nodiscard]] std::optional<std::uint64_t> number_of(const GlobalObject& object) const;
-  /// What an object shows from now on. No effect if no variable holds it.
+  /// Sets the value that an object shows from now on. No effect if no variable holds it.
   void show(std::uint64_t number, type::Value shown);
   /// The numbers of objects that no variable holds any more, since the last call.
   std::vector<std::uint64_t> take_released();

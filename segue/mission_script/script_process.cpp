@@ -67,7 +67,7 @@ std::string new_mark() {
          std::to_string(++number);
 }
 
-/// Of a file of a process, which may end meanwhile: reading fails then.
+/// The content of a file of a process, which may end meanwhile: reading fails then.
 std::string content_of(const fs::path& file) {
   return read_file(file).value_or(std::string());
 }
@@ -251,7 +251,8 @@ void ScriptProcess::end_messages() const {
 
 void ScriptProcess::kill() const {
   if (pid_ == 0) return;
-  // It must neither start more processes nor lose those that it has before they are found.
+  // Stopped first, so that it starts no more processes, and its children remain its own, until they are
+  // found.
   ::kill(pid_, SIGSTOP);
   kill_descendants(pid_, mark_);
   ::kill(-pid_, SIGKILL);

@@ -25,7 +25,7 @@ using type::ValueMap;
 
 namespace {
 
-/// Of one execution at the same time: a script can have threads.
+/// The most requests of one execution at the same time: a script can have threads.
 constexpr std::size_t kMostAsked = 64;
 constexpr double kLongestTimeout = 24 * 3600;
 constexpr Duration kAnswer = std::chrono::seconds(10);
@@ -228,8 +228,8 @@ class RobotUse final : public ScriptRobot::Use {
     });
   }
 
-  /// What `look` gets of a task. Where the task was lost that the script has seen before, it is looked at
-  /// again while the robot mends it.
+  /// The answer of `look` about a task. Where the task was lost that the script has seen before, asks again
+  /// while the robot repairs it.
   template <class Look>
   Result<Value> look_at(const std::string& task, const Wait& wait, Look look) {
     auto got = look(wait);
@@ -416,7 +416,7 @@ class RobotUse final : public ScriptRobot::Use {
     if (!lost_) lost_ = std::move(ending);
   }
 
-  /// Then the run ends as one that can be resumed.
+  /// The robot cannot be reached any more: the run ends as one that can be resumed.
   void lose_robot(const Error& why) {
     lose({kPreempted, to_string(why)});
     options_.unreachable(why);
@@ -447,7 +447,7 @@ class RobotUse final : public ScriptRobot::Use {
   const std::function<void()> preempt_;
 
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();  ///< of what watches the controllers
-  std::atomic<bool> uses_more_ = false;                          ///< since it last looked at them
+  std::atomic<bool> uses_more_ = false;  ///< since it last looked at them; set before the bell rings
 
   Mutex mutex_;  ///< protects all below; not held while the robot is asked
   ConditionVariable answered_;

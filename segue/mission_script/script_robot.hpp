@@ -16,20 +16,20 @@
 namespace segue::mission {
 
 struct ScriptRobotOptions {
-  /// As ControllerOptions::unreachable.
+  /// Called where the robot cannot be reached any more; see ControllerOptions::unreachable.
   std::function<void(const Error& why)> unreachable{};
-  /// As ControllerOptions::notice, for what a script looks at.
+  /// How long it may take the robot to notice that a task is gone which a script looks at.
   Duration notice = std::chrono::seconds(3);
   /// How often to look whether a task that was lost is there again.
   Duration period = std::chrono::milliseconds(50);
 };
 
 /// The robot as scripts command it (`self.robot`, docs/robot_missions.md): controllers are requested together
-/// with those of other actions, and a script whose controller is lost is preempted and aborts. What scripts
-/// ask is carried out in threads of its own. Thread safe.
+/// with those of other actions, and a script whose controller is lost is preempted and aborts. Requests of
+/// scripts are carried out in threads of this class. Thread safe.
 class ScriptRobot {
  public:
-  /// What one execution of a script may do, and does, with the robot.
+  /// One execution's rights and its use of the robot.
   class Use;
   struct Rights {
     bool may_command = false;              ///< else it only looks, and calls operations
@@ -64,11 +64,12 @@ class ScriptRobot::Use : public std::enable_shared_from_this<Use> {
   /// Carries out a request of a script: "call" is one of call, set, write, read, task, request and release.
   /// `answered` gets "value", or "error" and "code", on some thread.
   virtual void ask(type::Value request, Answered answered) = 0;
-  /// Whoever waits for the robot gets Cancelled, as does whoever asks for more than to look at it or to
-  /// release a controller afterwards: an action that was preempted commands nothing any more.
+  /// Ends all waits for the robot with Cancelled. Afterwards the script may only look at the robot and
+  /// release controllers; other requests are Cancelled, too, since an action that was preempted commands
+  /// nothing any more.
   virtual void preempt() = 0;
   /// The script has ended: gives back the controllers that it still uses, and then calls `ended` on some
-  /// thread with what the execution has come to: no script succeeds whose controller was lost.
+  /// thread with the execution's ending: no script succeeds whose controller was lost.
   virtual void end(Ending ending, std::function<void(Ending)> ended) = 0;
 };
 

@@ -31,8 +31,8 @@ struct ScriptOptions {
 };
 
 /// Executes Python scripts (docs/missions.md) in a child process, which is started with the first script;
-/// those of an isolated action in one of its own. Concurrent scripts run there in threads. What they print
-/// and log goes to segue::log, with the path of the state as the source.
+/// those of an isolated action in one of its own. Concurrent scripts run there in threads. Their output and
+/// logs go to segue::log, with the path of the state as the source.
 ///
 /// If the process ends, the executions in it abort, and the next script starts another process. Once a script
 /// has ignored its preemption beyond the grace, its process gets no further scripts, which start in a new
@@ -50,7 +50,7 @@ class ScriptRunner final : public ActionRunner {
   [[nodiscard]] Result<void> check() const override;
   std::optional<Ending> start(ActionCall& call) override;
 
-  /// Sets what scripts see, and can wait for, as `paused`. To be called by whoever pauses the engine.
+  /// Sets what scripts see, and can wait for, as `paused`. Must be called by whoever pauses the engine.
   void set_paused(bool paused);
 
   /// The process that executes scripts that are not isolated; nothing before the first script and after the

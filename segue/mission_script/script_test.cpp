@@ -35,7 +35,7 @@ using type::Value;
 /// Python that never gives up the interpreter's lock.
 const std::string kHold = "re.match('(a+)+$', 'a' * 100 + 'b')";
 
-/// What scripts print and log, as it comes.
+/// Collects the lines that scripts print and log, as they come.
 class Lines {
  public:
   Lines() {

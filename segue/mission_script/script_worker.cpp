@@ -222,7 +222,7 @@ void ScriptWorker::handle_end(const Value& message) {
   complete(std::move(execution), std::move(ending));
 }
 
-/// What the objects that the execution has used show now.
+/// Passes on the values that the objects show now which the execution has used.
 void ScriptWorker::show_objects(const Value& message) {
   const Value* shown = message.find("objects");
   if (shown == nullptr || !shown->is_list()) return;
@@ -335,7 +335,7 @@ void ScriptWorker::refuse(const std::string& reason) {
   kill_at(monotonic_now(), reason);
 }
 
-/// Of several calls, the earliest time and its reason count.
+/// Kills the process at that time; of several calls, the earliest time and its reason count.
 void ScriptWorker::kill_at(TimePoint when, const std::string& reason) {
   if (killed_ || (kill_at_ && *kill_at_ <= when)) return;
   kill_at_ = when;

@@ -17,14 +17,14 @@ namespace segue::mission {
 
 struct Mission;
 
-/// Data that follow the facts of a run by functions in Python. What facts do to them is only noted, in
-/// constant time; a script that looks at the data has it computed, in its own process, from what was computed
-/// last. So the engine never waits for a process, a process that ends takes no data along, and a prediction
-/// that was wrong is forgotten with its notes. Copies share the notes that they have in common, and what was
+/// Data that follow the facts of a run by functions in Python. Changes of facts are only noted, in constant
+/// time; a script that looks at the data has them computed, in its own process, from the last computed value.
+/// So the engine never waits for a process, a process that ends takes no data along, and a prediction that
+/// was wrong is forgotten with its notes. Copies share the notes that they have in common, and what was
 /// computed of them.
 class ScriptedData final : public WorldData {
  public:
-  /// Where the functions are.
+  /// The functions, and the script that has them.
   struct Functions {
     DeclaredData declared;
     std::filesystem::path file;  ///< of the script, or where its text stands
@@ -36,7 +36,7 @@ class ScriptedData final : public WorldData {
   /// A change after all those before it; null: none.
   struct Step;
   using StepPtr = std::shared_ptr<const Step>;
-  /// What is to be computed next: `changes`, oldest first, made to `base`.
+  /// The next computation: `changes`, oldest first, made to `base`.
   struct Task {
     std::shared_ptr<const type::Value> base;
     std::vector<Change> changes;
@@ -54,7 +54,7 @@ class ScriptedData final : public WorldData {
   void changed(const std::string& fact, bool holds) override;
 
   [[nodiscard]] const Functions& functions() const { return *functions_; }
-  /// At most `most` changes. From any thread, also while others note changes in copies.
+  /// The next changes to compute, `most` at most. From any thread, also while others note changes in copies.
   [[nodiscard]] Task next(std::size_t most) const;
   /// The outcome of a task; the changes that led to it are forgotten. From any thread.
   void computed(const Task& task, type::Value value) const;

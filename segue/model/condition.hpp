@@ -24,8 +24,8 @@ struct Comparison {
   friend bool operator==(const Comparison&, const Comparison&) = default;
 };
 
-/// What a sample must be like: all comparisons hold. "code == 3 and pose.x < 1.5"; `value` is the sample
-/// itself where it has no fields.
+/// A condition on a sample: all comparisons hold. "code == 3 and pose.x < 1.5"; `value` is the sample itself
+/// where it has no fields.
 struct Condition {
   std::string text;  ///< as it was written
   std::vector<Comparison> all;

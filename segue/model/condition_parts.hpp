@@ -14,7 +14,8 @@ namespace segue::model::detail {
 /// "planner.goal" as its parts; an error where it is none. `what` names the place in messages.
 Member read_member(std::string_view text, std::string_view example, const std::string& what,
                    const type::Value& at, const Source& source);
-/// What the keys {task, state}, {port, where} and {call, is} of an entry say, as many as there are.
+/// Reads the conditions of the keys {task, state}, {port, where} and {call, is} of an entry, as many as there
+/// are.
 std::vector<RobotCondition> read_conditions(Fields& fields, const Source& source);
 type::Value write_condition(const RobotCondition& condition);
 

@@ -65,7 +65,7 @@ std::string word_of(const std::optional<FailurePolicy>& policy) {
   return policy ? std::string(to_string(*policy)) : "nothing";
 }
 
-/// As in JSON, on one line that can still be read.
+/// The value as JSON, on one line, cut where it would be too long to read.
 std::string text_of(const Value* value) {
   constexpr std::size_t kLongest = 100;
   if (value == nullptr || value->is_null()) return "not set";
@@ -116,7 +116,7 @@ class ValueComparison {
   Findings& findings_;
 };
 
-/// What differs in values that are not equal; a sentence in any case.
+/// Adds the differences of values that are not equal; at least one sentence.
 void compare_values(const std::string& what, const Value& expected, const Value& found, Findings& findings) {
   const std::size_t before = findings.size();
   ValueComparison(what, findings).compare("", &expected, &found);

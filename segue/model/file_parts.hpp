@@ -36,26 +36,26 @@ void warn_of_sections(const Network& network, std::string_view values, const Sou
 /// An error where the network has the key `include`, which would leave it incomplete.
 void refuse_include(Fields& fields, const Source& source);
 
-/// From the keys component, config_names, properties, activity, exclusive, on_failure.
+/// Reads the keys component, config_names, properties, activity, exclusive and on_failure.
 void read_definition(Fields& fields, Task& task, const Source& source);
 /// A task from its entry in `tasks`, its id being the key.
 Task read_task(const std::string& id, const type::Value& value, const Source& source);
 type::Value write_task(const Task& task);
 
-/// From the keys from, to, policy, size, link, init.
+/// Reads the keys from, to, policy, size, link and init.
 std::optional<Connection> read_connection(Fields& fields, const Source& source);
 void write_connection(type::ValueMap& map, const Connection& connection);
 Policy read_policy(Fields& fields, const Source& source);
 
 /// The error in limits, or nothing.
 std::optional<std::string> problem_of(const ResourceLimits& limits);
-/// From the map under `limits`: {memory: 512MB, open_files: 1024, cpu_time: 60s, core: 0}.
+/// Reads the map under `limits`: {memory: 512MB, open_files: 1024, cpu_time: 60s, core: 0}.
 ResourceLimits read_limits(const type::Value& value, const std::string& what, const Source& source);
 type::Value write_limits(const ResourceLimits& limits);
 
 /// The key `on_failure`.
 std::optional<FailurePolicy> read_failure_policy(Fields& fields);
-/// From the keys host, deployer, scheduler, priority, cpu, optional, environment, limits; not process and
+/// Reads the keys host, deployer, scheduler, priority, cpu, optional, environment and limits; not process and
 /// tasks.
 void read_process(Fields& fields, Deployment& deployment, const Source& source);
 void write_process(type::ValueMap& map, const Deployment& deployment);

@@ -44,7 +44,8 @@ type::Value to_value(const Transition& transition);
 type::Value to_value(const Action& action);
 
 std::optional<Robot> read_robot(std::string_view text, const std::string& file, Diagnostics& diagnostics);
-/// Likewise for a robot file.
+/// The parts of a robot file that could be read, also where it has errors; nothing only where it cannot be
+/// parsed or is not a robot file.
 std::optional<Robot> read_robot_parts(std::string_view text, const std::string& file,
                                       Diagnostics& diagnostics);
 std::optional<Robot> load_robot(const std::filesystem::path& file, Diagnostics& diagnostics);

@@ -20,7 +20,7 @@ struct HaltCondition {
   }
 };
 
-/// What rest is for a robot, and how it comes to rest ("halt" of a robot file).
+/// The conditions under which a robot is at rest, and the way it comes to rest ("halt" of a robot file).
 struct Halt {
   NetworkName controller;              ///< brings it to rest
   std::vector<HaltCondition> at_rest;  ///< all hold once it is; none: it is as soon as the controller runs

@@ -14,7 +14,7 @@ namespace segue::model::detail {
 
 /// "halt" of a robot file.
 std::optional<Halt> read_halt(Fields& robot, const Source& source);
-/// That its controller is there, and that what it names are tasks of the robot.
+/// Checks that its controller exists, and that its conditions name tasks of the robot.
 void check_halt(const Robot& robot, const std::vector<Network>& networks, Diagnostics& diagnostics);
 
 }  // namespace segue::model::detail

@@ -11,8 +11,8 @@
 
 namespace segue::model {
 
-/// The configuration file of a computer's daemon (`segue host`). What is empty has a default. Relative paths
-/// are relative to the file.
+/// The configuration file of a computer's daemon (`segue host`). Members that are empty have a default.
+/// Relative paths are relative to the file.
 struct HostConfig {
   std::string name;                   ///< what robot files call the computer
   std::string listen;                 ///< "0.0.0.0:7447"; empty: only the Unix socket
@@ -22,7 +22,8 @@ struct HostConfig {
   friend bool operator==(const HostConfig&, const HostConfig&) = default;
 };
 
-/// As the readers of files.hpp.
+/// Reads the configuration of a host's daemon; every problem becomes a diagnostic with its place, and if
+/// there are errors, nothing is returned.
 std::optional<HostConfig> read_host_config(std::string_view text, const std::string& file,
                                            Diagnostics& diagnostics);
 std::optional<HostConfig> load_host_config(const std::filesystem::path& file, Diagnostics& diagnostics);

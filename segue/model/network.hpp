@@ -102,8 +102,8 @@ struct Deployment {
   bool optional = false;  ///< run as Normal where the system does not permit the scheduler
   std::vector<std::pair<std::string, std::string>> environment;
   ResourceLimits limits{};
-  /// Of its tasks and of the process itself; nothing: the robot's policy. It does not affect what runs, so
-  /// same_process() and differences() ignore it; it is read from the requested network.
+  /// The policy for its tasks and for the process itself; nothing: the robot's policy. It does not affect
+  /// what runs, so same_process() and differences() ignore it; it is read from the requested network.
   std::optional<FailurePolicy> on_failure{};
   /// Component libraries that only this process loads, beside those of the robot. Their components are never
   /// replaced by stand-ins.
@@ -165,7 +165,8 @@ inline constexpr std::size_t kMostDifferences = 10;
 std::vector<std::string> differences(const Network& expected, const Network& found,
                                      std::size_t limit = kMostDifferences,
                                      const WhyMissing& why_missing = {});
-/// The same of two versions of a controller: "task 'slam' is added", "task 'drive': property 'gain': 1 -> 2".
+/// The first few changes from one version of a controller to the next as sentences: "task 'slam' is added",
+/// "task 'drive': property 'gain': 1 -> 2"; empty if equivalent().
 std::vector<std::string> changes(const Network& before, const Network& after,
                                  std::size_t limit = kMostDifferences);
 

@@ -117,7 +117,7 @@ Network read_own_network(const Value& root, const Source& source) {
   return network;
 }
 
-/// What a file is that is not a network, and what to do about it; "" for networks.
+/// The kind of a file that is not a network, as a sentence that says what to do about it; "" for networks.
 std::string other_kind(const Value& root) {
   constexpr std::pair<std::string_view, std::string_view> kKinds[] = {
       {"robot", "this is a robot file, not a network; name a network, such as one of its controllers"},

@@ -20,7 +20,7 @@ class ComponentIndex {
  public:
   explicit ComponentIndex(const ComponentModel& model);
   [[nodiscard]] const ComponentModel& model() const { return *model_; }
-  /// As ComponentModel::find_ports.
+  /// All ports that fit: the static one, or every family whose expression the name matches.
   [[nodiscard]] std::vector<const PortModel*> find_ports(const std::string& name, Direction direction) const;
   [[nodiscard]] const PropertyModel* find_property(const std::string& name) const;
   /// Names for suggestions.

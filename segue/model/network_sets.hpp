@@ -18,8 +18,8 @@ Network unite(Network first, const Network& second);
 /// is kept only with the placements of remaining tasks. The result has no name.
 Network subtract(const Network& all, const Network& part);
 
-/// What is not on these computers: their processes, the tasks there and all connections of these are left
-/// out.
+/// The network without these computers: their processes, the tasks there and all connections of these tasks
+/// are left out.
 Network without_hosts(Network network, const std::set<HostName>& hosts);
 
 /// Texts of its connections, equal for equal ones: both ports and the policy.

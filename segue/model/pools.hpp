@@ -10,7 +10,7 @@
 /// Pools of processes in robot files. Internal.
 namespace segue::model::detail {
 
-/// From the key `pools` of a robot file.
+/// Reads the key `pools` of a robot file.
 std::vector<Pool> read_pools(Fields& robot, const Source& source);
 
 /// Tasks and processes of a controller that have the names of a pool's.

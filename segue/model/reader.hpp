@@ -16,7 +16,8 @@
 /// Common parts of file readers, for this folder and those above. Not thread safe.
 namespace segue::model::detail {
 
-/// What unknown keys are: mistakes in our own formats, news in those that other tools write.
+/// How unknown keys are taken: as mistakes in our own formats, as extensions in formats that other tools
+/// write.
 enum class UnknownKeys : std::uint8_t { Refuse, Ignore };
 
 /// The file being read, and the diagnostics that collect its problems.
@@ -25,7 +26,7 @@ class Source {
   Source(std::string file, Diagnostics& diagnostics, UnknownKeys unknown_keys = UnknownKeys::Refuse)
       : file_(std::move(file)), diagnostics_(diagnostics), unknown_keys_(unknown_keys) {}
 
-  /// The same file in the format of another tool.
+  /// This file, read in the format of another tool: unknown keys are ignored.
   [[nodiscard]] Source foreign() const { return {file_, diagnostics_, UnknownKeys::Ignore}; }
   [[nodiscard]] UnknownKeys unknown_keys() const { return unknown_keys_; }
   [[nodiscard]] const std::string& file() const { return file_; }

@@ -10,7 +10,7 @@
 
 namespace segue::model {
 
-/// What is to differ from a robot's files, such as for one run of an experiment.
+/// Changes to a robot's files in memory, such as for one run of an experiment.
 struct RobotChanges {
   std::vector<std::pair<std::string, int>> pool_sizes;          ///< of these pools
   std::vector<std::pair<std::string, type::Value>> properties;  ///< "TASK.PROPERTY"; TASK may be a pool

@@ -38,13 +38,12 @@ struct OperationAnswers {
   friend bool operator==(const OperationAnswers&, const OperationAnswers&) = default;
 };
 
-/// What can be seen of a robot: what ends an action of a mission, what facts are bound to, when the robot is
-/// at rest.
+/// A condition on a robot: it ends an action of a mission, binds a fact, or tells that the robot is at rest.
 using RobotCondition = std::variant<TaskReaches, SampleShows, OperationAnswers>;
 
-/// The task that it is about.
+/// The task that the condition is about.
 const std::string& task_of(const RobotCondition& condition);
-/// That it holds: "task 'arm' is holding".
+/// The condition as a sentence which says that it holds: "task 'arm' is holding".
 std::string sentence(const RobotCondition& condition);
 
 }  // namespace segue::model

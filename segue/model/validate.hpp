@@ -25,22 +25,22 @@ Diagnostics validate(const Network& network, const ComponentCatalog& catalog, De
 /// Whether tasks of a component are stand-ins.
 using StandsIn = std::function<bool(const ComponentName&)>;
 
-/// As with Depth::Full, for a network whose tasks may be stand-ins. Their components may be unknown or
+/// All problems of Depth::Full of a network whose tasks may be stand-ins. Their components may be unknown or
 /// abstract, and they take properties and, if their model is incomplete, ports that it lacks. All else that
 /// the model of a stand-in says holds for it, too: a value that has the wrong type is an error.
 Diagnostics validate(const Network& network, const ComponentCatalog& catalog, const StandsIn& stands_in);
 
-/// Of a network whose file has errors (read_network_parts()): only what it refers to by a name that does not
-/// exist, has another type or direction, or is used twice, as far as that does not follow from the parts that
-/// could not be read.
+/// The wrong references of a network whose file has errors (read_network_parts()): names that do not exist,
+/// that stand for a part of another type or direction, or that are used twice, as far as that does not follow
+/// from the parts that could not be read.
 Diagnostics validate_references(const Network& parts, const ComponentCatalog& catalog, Depth depth);
 
 /// All problems of a robot and its networks together: unknown hosts, controllers of one name, tasks and
 /// processes that belong to a pool ...
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks);
 
-/// What the conditions of a robot's halt, if it has one, ask of components: states, ports and operations that
-/// there are.
+/// The problems of a robot's halt, if it has one: conditions that name states, ports and operations that do
+/// not exist.
 void check_halt_members(const Robot& robot, const std::vector<Network>& networks,
                         const ComponentCatalog& catalog, Diagnostics& diagnostics);
 

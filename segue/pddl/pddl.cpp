@@ -27,7 +27,7 @@ std::optional<task_network::TaskNetwork> read_pddl(const PddlText& domain, const
   if (!domain_terms || !problem_terms || !steps) return std::nullopt;
   std::optional<task_network::TaskNetwork> network(std::in_place);
   detail::PddlTask task(*network, diagnostics);
-  // What is wrong in one text makes others look wrong.
+  // A mistake in one text makes others look wrong.
   task.read_domain(*domain_terms);
   if (!failed()) task.read_problem(*problem_terms);
   if (!failed()) task.read_plan(*steps);

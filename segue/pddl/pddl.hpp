@@ -18,7 +18,7 @@ struct PddlText {
 };
 
 enum class PddlPart { Domain, Problem, Plan };
-/// What a text is; nothing, and diagnostics, where it cannot be parsed.
+/// The kind of a text; nothing, and diagnostics, where it cannot be parsed.
 std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics);
 
 /// A domain, a problem and a sequential or time-stamped plan, as planners write it, as a network: each step
@@ -32,7 +32,7 @@ std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics);
 /// returned.
 std::optional<task_network::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
                                                    const PddlText& plan, Diagnostics& diagnostics);
-/// Likewise from files. Blocks.
+/// Reads a domain, a problem and a plan from files. Blocks.
 std::optional<task_network::TaskNetwork> load_pddl(const std::filesystem::path& domain,
                                                    const std::filesystem::path& problem,
                                                    const std::filesystem::path& plan,

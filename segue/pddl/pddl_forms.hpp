@@ -11,7 +11,7 @@
 
 namespace segue::pddl::detail {
 
-/// What a form is called that PDDL has and Segue does not carry out: "numeric conditions" for ">=",
+/// The name of a form that PDDL has and Segue does not carry out: "numeric conditions" for ">=",
 /// "preferences" and so on; empty: no such form.
 std::string_view unsupported_form(const PddlTerm& term);
 

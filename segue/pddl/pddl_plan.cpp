@@ -12,10 +12,10 @@ namespace segue::pddl::detail {
 
 namespace {
 
-/// What FF prints before the steps of its plan.
+/// The line that FF prints before the steps of its plan.
 constexpr std::string_view kFfBegin = "found legal plan as follows";
 
-/// Without signs, infinity and what is not a number.
+/// The number in a text, which has no sign and is not infinite.
 std::optional<double> number(std::string_view text) {
   if (text.empty() || text.front() < '0' || text.front() > '9') return std::nullopt;
   double value = 0;

@@ -180,7 +180,7 @@ TEST(Pddl, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(read(std::string(300, '('), kProblem, "").problems, HasSubstr("nested too deeply"));
 }
 
-/// A domain with the text where it says so, a problem likewise, and what is said of them.
+/// A domain and a problem, with the given texts at their places, and the diagnostics about them.
 struct Texts {
   std::string sections{};
   std::string precondition = "(p ?x)";

@@ -134,7 +134,7 @@ bool begins_with_definition(std::string_view text) {
 
 namespace {
 
-/// With "-t" as two words.
+/// The terms with "-t" divided into two words.
 std::vector<PddlTerm> with_dashes_apart(const std::vector<PddlTerm>& terms, std::size_t first) {
   std::vector<PddlTerm> result;
   for (std::size_t i = first; i < terms.size(); ++i) {

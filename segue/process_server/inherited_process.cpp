@@ -91,7 +91,7 @@ bool InheritedProcess::wait_for_end(Duration most, int readable) {
 }
 
 void InheritedProcess::leave() {
-  // As long as this process holds the lock, these files are its own.
+  // These files are this process's own as long as it holds the lock.
   if (socket_.empty() || !lock_.valid()) return;
   ::unlink(socket_.c_str());
   ::unlink(lock_of(socket_).c_str());

@@ -22,7 +22,7 @@ class InheritedProcess {
   void begin(const std::filesystem::path& socket, std::string_view software);
   /// The listening socket; may be called once.
   Descriptor take_listener() { return std::move(listener_); }
-  /// What tells when the log has grown, for OutputLog; may be called once.
+  /// The descriptor that tells when the log has grown, for OutputLog; may be called once.
   Descriptor take_output_changes() { return std::move(output_changes_); }
   /// Waits for at most `most`, or until the descriptor is readable (-1: none); true where the process has
   /// been asked to end.

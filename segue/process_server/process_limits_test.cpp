@@ -27,7 +27,7 @@ void give_up_nice() {
   ASSERT_EQ(::syscall(SYS_capset, &header, sets.data()), 0);
 }
 
-/// As long as it exists, the resource limit permits no real-time priority.
+/// Keeps the resource limit from permitting any real-time priority, as long as it exists.
 class NoPriorities {
  public:
   NoPriorities() {

@@ -16,10 +16,10 @@ namespace segue::process_server {
 /// Opens a log for appending and creates it with mode 0600 if need be. Fails for symbolic links.
 Result<Descriptor> open_log(const std::filesystem::path& log);
 
-/// What an OutputLog watches its log with. Who starts a process makes it, hands it over and keeps a
-/// duplicate: the system takes up to some 20 ms to close the last one, which would delay the end of the
-/// process. Where the system cannot watch any more files, it never becomes readable. ResourceExhausted where
-/// there is no descriptor left.
+/// The descriptor with which an OutputLog watches its log. Whoever starts a process makes it, hands it over
+/// and keeps a duplicate: the system takes up to some 20 ms to close the last one, which would delay the end
+/// of the process. Where the system cannot watch any more files, it never becomes readable. ResourceExhausted
+/// where there is no descriptor left.
 Result<Descriptor> open_output_changes();
 
 /// The log of the process whose standard output and error it is: once the file has grown beyond `size` bytes,
@@ -32,7 +32,8 @@ class OutputLog {
   /// Becomes readable when there is output, so that a log is not seen to be too large only now and then; -1
   /// where nothing tells.
   [[nodiscard]] int changes() const { return changes_.get(); }
-  /// Where renaming fails, the output stays where it is. After this, `changes` waits for further output.
+  /// Renames the files and begins a new one; where that fails, the output stays in the old one. Afterwards
+  /// `changes` waits for further output.
   void rotate();
 
  private:
@@ -64,9 +65,9 @@ struct LogPart {
 Result<LogPart> log_tail(const std::filesystem::path& log, std::size_t lines,
                          std::size_t most = std::size_t{16} << 20);
 
-/// What was printed after `position`, at most 64 KiB of it; empty where there is nothing yet. Goes on in the
-/// newer file where the log was rotated, and at the begin of the newest one where the file of `position` is
-/// gone. NotFound where there is no log.
+/// The output after `position`, at most 64 KiB of it; empty where there is nothing yet. Goes on in the newer
+/// file where the log was rotated, and at the begin of the newest one where the file of `position` is gone.
+/// NotFound where there is no log.
 Result<LogPart> log_after(const std::filesystem::path& log, const LogPosition& position);
 
 }  // namespace segue::process_server

@@ -232,7 +232,8 @@ Result<ProcessInfo> ProcessServer::Implementation::start(const Launch& what, Tim
   return started;
 }
 
-/// So that the log of a process that crashed says so. On a full disk the line is missing.
+/// Adds the end of a process to its log, so that the log of one that crashed says so. On a full disk the line
+/// is missing.
 void note_in_log(const ProcessInfo& ended, const ExitReason& reason) {
   const auto log_file = ended.log.empty() ? Result<Descriptor>(Descriptor()) : open_log(ended.log);
   if (!log_file || !log_file->valid()) return;

@@ -20,7 +20,7 @@ struct ProcessEntry {
   ProcessInfo info;
   std::string software;  ///< its version of Segue; empty until it is known
   Descriptor pidfd;      ///< invalid while it is starting
-  /// A duplicate of what watches its log (open_output_changes()).
+  /// A duplicate of the descriptor that watches its log (open_output_changes()).
   Descriptor output_changes{};
   bool starting = false;         ///< its name is taken, but it is not watched yet
   bool zygote = false;           ///< it is a child of the zygote

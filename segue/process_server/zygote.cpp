@@ -54,7 +54,7 @@ Zygote::~Zygote() {
   end();
 }
 
-/// After this the zygote certainly forks no more.
+/// Ends the zygote: afterwards it certainly forks no more.
 void Zygote::end() {
   if (!socket_.valid()) return;
   socket_ = Descriptor();

@@ -54,11 +54,11 @@ struct CommandLine {
   char** words = nullptr;
 };
 
-/// What a zygote and its children do.
+/// The work of a zygote and its children.
 struct ZygoteWork {
   /// Loads a component library by its name, in the zygote.
   std::function<Result<void>(const std::string& library)> preload;
-  /// Prepares what every deployment process needs, whichever it will be; in a child.
+  /// Prepares a child for any deployment process that it may become.
   std::function<void()> prepare;
   /// Runs a deployment process to its end; in a child that is prepared.
   std::function<int()> deploy;

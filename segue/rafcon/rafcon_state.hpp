@@ -58,7 +58,7 @@ std::unique_ptr<RafconState> read_core_data(std::string_view text, const std::st
 /// container preconditions, resources and whether it is strict, of the root the world and the resources.
 void declare(Action& action, const RafconState& state, Diagnostics& diagnostics);
 void declare(State& container, const RafconState& state, Diagnostics& diagnostics);
-/// Of a state that stands for a library, or of the root of one: whether it is strict. Libraries can declare
+/// Reads whether a state that stands for a library, or the root of one, is strict. Libraries can declare
 /// nothing else, so anything else is an error, but for the world and the resources that the root of a machine
 /// declares, which count when the machine is run by itself.
 void declare_library(State& library, const RafconState& state, Diagnostics& diagnostics);

@@ -37,7 +37,7 @@ std::vector<RafconLibraryPath> real_paths() {
           {"unit_test_state_machines", tests}};
 }
 
-/// What RAFCON said: the counts, or an error.
+/// RAFCON's own result: the counts, or an error.
 struct Expected {
   path folder;
   bool ok = false;

@@ -18,8 +18,8 @@
 
 namespace segue::remote_robot {
 
-/// What a mission did, for the journal of the robot that it commands: it waits here until the robot has taken
-/// it (ServedRobot::report). Thread safe; nothing blocks.
+/// The events of a mission, for the journal of the robot that it commands: they wait here until the robot has
+/// taken them (ServedRobot::report). Thread safe; nothing blocks.
 class MissionRecord {
  public:
   struct Limits {
@@ -29,7 +29,7 @@ class MissionRecord {
   explicit MissionRecord(Limits limits) : limits_(limits) {}
   MissionRecord() : MissionRecord(Limits{}) {}
 
-  /// What follows is of that mission. What comes before any began is not recorded.
+  /// Events that follow belong to that mission. Events before the first mission began are not recorded.
   void began(std::string_view mission);
   /// An action began or ended. Where the mission itself is the action, it is told by began() and ended().
   void observe(const mission::StateEvent& event);
@@ -41,8 +41,8 @@ class MissionRecord {
   /// The mission's name; empty: none has begun.
   [[nodiscard]] std::string mission() const;
   [[nodiscard]] bool has_waiting() const;
-  /// What waits, as "happened" of control::RobotService::report(), with the number of its last entry; 0:
-  /// there is nothing.
+  /// The events that wait, as "happened" of control::RobotService::report(), with the number of the last one;
+  /// 0: there are none.
   [[nodiscard]] std::pair<type::Value, std::uint64_t> waiting() const;
   /// The robot has taken what waited up to that number.
   void taken(std::uint64_t number);
@@ -70,7 +70,7 @@ class MissionRecord {
   std::uint64_t last_number_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::uint64_t lost_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::deque<Entry> waiting_ SEGUE_GUARDED_BY(mutex_);
-  /// Of what has not ended.
+  /// The begins of actions that have not ended.
   std::map<std::pair<std::string, std::uint64_t>, TimePoint> begins_ SEGUE_GUARDED_BY(mutex_);
 };
 

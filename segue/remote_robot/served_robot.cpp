@@ -50,7 +50,7 @@ bool concerns(const Value& fault, std::string_view controller) {
   return std::ranges::find(controllers, Value(controller)) != controllers.end();
 }
 
-/// What is broken of the controller, and whether it is mended.
+/// The faults of the controller, and whether they are being repaired.
 mission::ControllerTrouble faults_of(std::string_view controller, const Value& status) {
   mission::ControllerTrouble trouble;
   for (const Value& fault : list_at(status, "in_repair")) {
@@ -321,7 +321,7 @@ Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view control
   auto status = look(wait, [&](const Wait& both) { return service_.running(lease, both); });
   if (wait.deadline == TimePoint::max()) status = heard(std::move(status));  // which it answers at once
   if (!status) return status.error();
-  // What it runs since it was taken over, or comes to rest, is no news.
+  // Once the robot was taken over, or comes to rest, its network is of no interest to this mission.
   if (auto lost = lease == 0 ? std::nullopt : lost_by(standing_in(*status)))
     return mission::ControllerTrouble{*std::move(lost)};
   const std::string running = text_at(*status, "controller");

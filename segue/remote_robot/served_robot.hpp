@@ -20,7 +20,7 @@
 /// Robots as missions command them.
 namespace segue::remote_robot {
 
-/// What look-ahead saved of the transitions that a mission asked for.
+/// The savings by look-ahead of the transitions that a mission asked for.
 struct LookAheadSaving {
   std::size_t transitions = 0;  ///< that found tasks prepared
   Duration saved{0};            ///< of all of them
@@ -35,19 +35,21 @@ class ServedRobot final : public mission::CommandedRobot {
   /// `service` must outlive this; `who` requests controllers, for the robot's journal.
   ServedRobot(control::RobotService& service, std::string who) : service_(service), who_(std::move(who)) {}
 
-  /// Calls this, on any thread and maybe more than once, where the robot says that its mission is stopped:
-  /// from then on it does nothing of what it is asked. To be set before it is asked for anything.
+  /// Sets a function to be called, on any thread and maybe more than once, when the robot says that its
+  /// mission is stopped: from then on it refuses all commands. To be set before any call.
   void when_stopped(std::function<void()> stopped) { when_stopped_ = std::move(stopped); }
   /// Takes the lease now, rather than with the first request.
   Result<void> take();
-  /// What whoever holds the lease has been asked to do (control::RobotLease::asked), and says that it does.
+  /// The requests to the holder of the lease since the last call (control::RobotLease::asked). Takes the
+  /// lease where it is not held yet.
   Result<std::vector<control::HolderRequest>> asked();
-  /// `doing` is a map; with it goes what waits in record(), for the robot's journal.
+  /// Reports the mission's work; `doing` is a map. Also sends the waiting events of record(), for the robot's
+  /// journal.
   Result<void> report(type::Value doing);
-  /// Commands the robot no longer, which is to `keep` running what it runs, or comes to rest: null, or as of
-  /// control::RobotService::give_back(). Nothing can be requested afterwards.
+  /// Ends the command of the robot, which is to `keep` running its controller, or comes to rest; answers
+  /// null, or like control::RobotService::give_back(). Nothing can be requested afterwards.
   Result<type::Value> give_back(bool keep, TimePoint deadline);
-  /// What the mission did. Once a mission has begun there, requests are in the name of its actions.
+  /// The events of the mission. Once a mission has begun there, requests are in the name of its actions.
   [[nodiscard]] MissionRecord& record() { return record_; }
 
   [[nodiscard]] LookAheadSaving saved() const;
@@ -67,12 +69,12 @@ class ServedRobot final : public mission::CommandedRobot {
 
  private:
   Result<std::uint64_t> lease();
-  /// To be looked at; null: it was not taken, or was given back.
+  /// The lease, to be looked at; null: it was not taken, or was given back.
   Result<std::shared_ptr<control::RobotLease>> present_lease() const;
-  /// What the robot says of its lease, which it does at once. DeadlineExceeded: it is lost.
+  /// The robot's answer about its lease, which it gives at once. DeadlineExceeded: it is lost.
   template <class T>
   Result<T> heard(Result<T> answer);
-  /// `ask(wait)`, which ends, too, where the robot is lost.
+  /// Calls `ask(wait)`, which ends, too, where the robot is lost.
   template <class Ask>
   auto command(const Wait& wait, Ask ask) -> decltype(ask(wait));
   [[nodiscard]] std::optional<Error> loss() const;
@@ -82,10 +84,11 @@ class ServedRobot final : public mission::CommandedRobot {
   /// requested.
   Result<std::optional<std::string>> lost_command(const std::stop_token& stop);
   [[nodiscard]] std::optional<std::string> lost_by(const control::LeaseStanding& standing) const;
-  /// `ask(wait)`, which only looks, and ends, too, where the robot is lost.
+  /// Calls `ask(wait)`, which only looks, and ends, too, where the robot is lost.
   template <class Ask>
   auto look(const Wait& wait, Ask ask) const -> decltype(ask(wait));
-  /// The same with `ask(wait, answered)`, which returns at once.
+  /// Calls `ask(wait, answered)`, which only looks and returns at once; `answered` is called, too, where the
+  /// robot is lost.
   template <class T, class Ask>
   void look_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const;
   [[nodiscard]] control::Sender sender() const;
@@ -96,8 +99,8 @@ class ServedRobot final : public mission::CommandedRobot {
   const std::string who_;
   std::function<void()> when_stopped_ = [] {};
   MissionRecord record_;
-  /// Held while the lease is looked at: whoever looks after one that was not answered knows that the robot is
-  /// lost, and need not wait as long again.
+  /// Held while the lease is looked at: a caller that comes after one whose look was not answered knows that
+  /// the robot is lost, and need not wait as long again.
   class Looking;
   Mutex looking_mutex_;  ///< protects the next one
   bool is_looked_at_ SEGUE_GUARDED_BY(looking_mutex_) = false;

@@ -41,7 +41,7 @@ class ConnectionTable {
 
   /// A connection that was accepted, from an address of a computer. May cut off another one.
   [[nodiscard]] Place add(std::string address, CutOff cut_off);
-  /// Cuts off whose certificate has been revoked, by the newest list, or has expired.
+  /// Cuts off connections whose certificate has been revoked, by the newest list, or has expired.
   void check(const Credentials& credentials);
   [[nodiscard]] std::size_t clients() const;
 

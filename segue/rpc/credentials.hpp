@@ -15,9 +15,9 @@ namespace detail {
 class Encryption;
 }
 
-/// What a certificate says of its owner. The authority alone writes it: the subject has exactly one common
-/// name (the name) and one organisational unit (the role), which every tool for certificates shows, and what
-/// it is for stands in the extended key usage, which TLS itself checks.
+/// The owner of a certificate. The authority alone writes it: the subject has exactly one common name (the
+/// name) and one organisational unit (the role), which every tool for certificates shows, and its use stands
+/// in the extended key usage, which TLS itself checks.
 struct Identity {
   std::string name;  ///< an identifier, never a path
   Role role = Role::Observe;
@@ -25,13 +25,13 @@ struct Identity {
   std::string serial;  ///< hexadecimal digits
   std::chrono::system_clock::time_point valid_from;
   std::chrono::system_clock::time_point valid_until;
-  /// Of a host: DNS names and IP addresses under which browsers may reach it; numbers as browsers write them.
+  /// The DNS names and IP addresses under which browsers may reach a host; numbers as browsers write them.
   std::vector<std::string> addresses{};
 };
 
-/// What a program shows the other side of a connection, and what it believes of it: an own certificate with
-/// its key, the certificate of the authority and its list of revoked certificates. Copies share all of it;
-/// may be used by any thread.
+/// The credentials with which a program identifies itself to the other side of a connection and checks that
+/// side: an own certificate with its key, the certificate of the authority and its list of revoked
+/// certificates. Copies share all of it; may be used by any thread.
 class Credentials {
  public:
   /// load_credentials() makes them from files. `encryption` is not null.

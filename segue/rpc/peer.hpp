@@ -8,7 +8,7 @@
 
 namespace segue::control {
 
-/// What a client may do; each role includes those before it.
+/// The rights of a client; each role includes those before it.
 enum class Role {
   Observe,    ///< look: states, samples of ports, events, the journal
   Operate,    ///< also request controllers, set properties, call operations
@@ -28,8 +28,8 @@ struct Peer {
   bool local = false;  ///< connected through the Unix socket
 };
 
-/// To whom something is given that is nobody else's: the name in the certificate; empty for all clients on
-/// this computer, whom the socket's permissions let in.
+/// The person to whom the server gives something that nobody else may use: the name in the certificate; empty
+/// for all clients on this computer, whom the socket's permissions admit.
 std::string identity_of(const Peer& peer);
 
 /// "'ann' (operate) at 10.0.0.3:52114", for messages.

@@ -26,7 +26,7 @@ bool is_host(std::string_view host) {
          std::ranges::all_of(host, fits);
 }
 
-/// With a zone after '%', which names a network interface.
+/// Whether the text is an IPv6 address, maybe with a zone after '%', which names a network interface.
 bool is_ipv6(std::string_view host) {
   const std::size_t percent = host.find('%');
   const std::string_view digits = host.substr(0, percent);

@@ -20,7 +20,7 @@ struct TcpAddress {
 /// InvalidArgument where that is 0, too, or where the text is not an address.
 Result<TcpAddress> parse_tcp_address(std::string_view text, std::uint16_t default_port = 0);
 
-/// As parse_tcp_address() reads it.
+/// The address as parse_tcp_address() reads it: "10.0.0.3:7000".
 std::string to_string(const TcpAddress& address);
 
 }  // namespace segue::control

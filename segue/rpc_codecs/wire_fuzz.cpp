@@ -99,7 +99,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   try {
     segue::control::detail::read_message(kind, {words.data(), words.size()});
   } catch (const kj::Exception&) {                      // malformed: the RPC system answers with an error
-  } catch (const segue::control::detail::WireError&) {  // likewise
+  } catch (const segue::control::detail::WireError&) {  // not a valid value: answered with an error
   }
   return 0;
 }

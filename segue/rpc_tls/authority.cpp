@@ -32,7 +32,7 @@ struct Signer {
   tls::RevokedList revoked;
 };
 
-/// With mode 0700; one that is there stays as it is.
+/// Makes a folder with mode 0700; an existing one stays as it is.
 Result<void> make_folder(const fs::path& folder) {
   std::error_code failed;
   const fs::path parent = fs::absolute(folder, failed).lexically_normal().parent_path();
@@ -152,7 +152,7 @@ Result<Identity> Authority::enrol(const Enrolment& enrolment, const fs::path& ou
   auto identity = tls::identity_of(certificate->get());
   if (!identity) return identity;
   const std::string text = tls::to_pem(certificate->get());
-  // First what it takes to revoke it.
+  // The issued certificate is kept first, since revoking it needs that file.
   if (auto done = write_file(folder_ / kIssued / (identity->serial + ".crt"), text); !done)
     return done.error();
   if (auto made = make_folder(out); !made) return made.error();

@@ -21,7 +21,7 @@ struct Enrolment {
   bool host = false;
   std::chrono::hours valid{};  ///< 0: 825 days for a host, 365 for a person
   std::optional<Time> from{};  ///< otherwise an hour ago, since clocks of computers differ
-  /// Of a host: DNS names and IP addresses by which browsers reach it, beside its name.
+  /// The DNS names and IP addresses by which browsers reach a host, beside its name.
   std::vector<std::string> addresses{};
 };
 

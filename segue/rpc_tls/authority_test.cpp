@@ -84,7 +84,7 @@ TEST_F(SecureTest, TheOnlyCertificateForAUseNeedsNoName) {
   EXPECT_EQ(load_credentials(folder_ / "ca", Use::Person).error().code, ErrorCode::NotFound);
 }
 
-/// What load_credentials() says of ann's.
+/// The message with which load_credentials() refuses ann's.
 std::string complaint(const std::filesystem::path& folder, ErrorCode code) {
   const auto loaded = load_credentials(folder, Use::Person, "ann");
   if (loaded) return "none";

@@ -10,13 +10,14 @@
 
 namespace segue::control {
 
-/// What a program shows a certificate as.
+/// The use for which a program shows a certificate.
 enum class CertificateUse : std::uint8_t { Person, Host };
 
-/// From a folder with ca.crt, ca.crl, NAME.crt and NAME.key, as `segue host enrol` makes it. Without a name
-/// it is the only certificate there for that use, of a person also the host's where there is no other. Fails
-/// where a file is missing, others can read the key (PermissionDenied), the certificate has expired (it says
-/// when), is not for that use, does not belong to the key or was issued by another authority.
+/// Loads credentials from a folder with ca.crt, ca.crl, NAME.crt and NAME.key, as `segue host enrol` makes
+/// it. Without a name, takes the only certificate there for that use; for a person also the host's where
+/// there is no other. Fails where a file is missing, others can read the key (PermissionDenied), the
+/// certificate has expired (it says when), is not for that use, does not belong to the key or was issued by
+/// another authority.
 Result<Credentials> load_credentials(const std::filesystem::path& folder, CertificateUse use,
                                      std::string_view name = {});
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What others may have written of addresses, certificates and lists of revoked certificates: the other side
-// of a connection shows its certificate before anybody trusts it.
+// Fuzzes addresses, certificates and lists of revoked certificates that others may have written: the other
+// side of a connection shows its certificate before anybody trusts it.
 #include <segue/base/text.hpp>
 #include <segue/rpc/tcp_address.hpp>
 #include <segue/rpc_tls/openssl.hpp>

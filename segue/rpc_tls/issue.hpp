@@ -6,7 +6,7 @@
 
 #include <vector>
 
-/// What an authority signs. All functions may be called from any thread.
+/// Certificates and lists that an authority signs. All functions may be called from any thread.
 namespace segue::control::tls {
 
 /// A key on the curve P-256.

@@ -37,26 +37,27 @@ using Time = std::chrono::system_clock::time_point;
 
 /// "WHAT: the reason that OpenSSL noted last"; empties what it has noted.
 Error openssl_error(ErrorCode code, const std::string& what);
-/// Only that reason.
+/// The reason that OpenSSL noted last, alone.
 std::string openssl_reason();
 
-/// From PEM; ParseError names `file`. Keys must not be encrypted.
+/// Read PEM; ParseError names `file`. Keys must not be encrypted.
 Result<Certificate> certificate_from(std::string_view pem, const std::filesystem::path& file);
 Result<RevokedList> revoked_list_from(std::string_view pem, const std::filesystem::path& file);
 Result<Key> key_from(std::string_view pem, const std::filesystem::path& file);
-/// To PEM.
+/// Write PEM.
 std::string to_pem(X509* certificate);
 std::string to_pem(X509_CRL* list);
 std::string to_pem(EVP_PKEY* key);
 
 /// Reads a file of at most 1 MiB.
 Result<Certificate> read_certificate(const std::filesystem::path& file);
-/// The same for a key; PermissionDenied where others may read it or it belongs to somebody else.
+/// Reads a key from a file of at most 1 MiB; PermissionDenied where others may read it or it belongs to
+/// somebody else.
 Result<Key> read_key(const std::filesystem::path& file);
-/// The same for a list; ParseError where the authority has not signed it.
+/// Reads a list from a file of at most 1 MiB; ParseError where the authority has not signed it.
 Result<RevokedList> read_revoked_list(const std::filesystem::path& file, X509* authority);
 
-/// What a certificate says; ParseError where it does not follow the rules of Identity.
+/// The owner that a certificate names; ParseError where it does not follow the rules of Identity.
 Result<Identity> identity_of(X509* certificate);
 /// The common name, whatever else there is, for messages about certificates that are refused; may be empty.
 std::string common_name(X509* certificate);

@@ -17,7 +17,7 @@ struct Alert {
   std::string_view text;
 };
 
-/// What the other side says of our certificate.
+/// The alerts by which the other side refuses our certificate, and the reasons that they mean.
 constexpr std::array<Alert, 8> kRefusals = {{
     {SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED, "it needs one"},
     {SSL_R_SSLV3_ALERT_CERTIFICATE_REVOKED, "it has been revoked"},

@@ -6,14 +6,14 @@
 
 #include <string>
 
-/// What went wrong, in words for people. All functions may be called from any thread.
+/// Reasons of failures of TLS, in words for people. All functions may be called from any thread.
 namespace segue::control::tls {
 
 /// Why a certificate was refused with that result of OpenSSL's verification (X509_V_ERR_...): "it has expired
 /// at ...". `certificate` is the one at fault; may be null.
 std::string reason_of(int verification, X509* certificate);
 
-/// What a failed call of OpenSSL with that error means for the connection with `other`: "host 'left'".
+/// The meaning of a failed call of OpenSSL with that error for the connection with `other`: "host 'left'".
 Error explain(unsigned long code, const std::string& other);
 
 }  // namespace segue::control::tls

@@ -14,7 +14,7 @@
 
 namespace segue::control::tls {
 
-/// What a set of credentials consists of.
+/// The parts of a set of credentials.
 struct Material {
   Certificate certificate;
   Key key;
@@ -36,7 +36,7 @@ class Context final : public detail::Encryption {
   [[nodiscard]] std::optional<Error> refusal(const Identity& identity) const override;
 
   using Shared = std::shared_ptr<SSL_CTX>;
-  /// From which connections are made, also those of servers that have no Stream.
+  /// The context from which connections are made, also those of servers that have no Stream.
   [[nodiscard]] Shared current() const;
 
  private:

@@ -13,12 +13,12 @@ struct ssl_st;
 /// All functions may be called from any thread.
 namespace segue::control {
 
-/// What such a server accepts connections with: TLS 1.3, and the other side must show a certificate of the
-/// authority that was not revoked. Re-reads the list of revoked certificates if its file has changed, so ask
-/// for each connection.
+/// The context with which such a server accepts connections: TLS 1.3, and the other side must show a
+/// certificate of the authority that was not revoked. Re-reads the list of revoked certificates if its file
+/// has changed, so ask for each connection.
 std::shared_ptr<ssl_ctx_st> server_context(const Credentials& credentials);
 
-/// Who is at the other end of a connection after its handshake; PermissionDenied: it has shown no
+/// The identity at the other end of a connection after its handshake; PermissionDenied: it has shown no
 /// certificate. ConnectionTable knows whether its owner may stay.
 Result<Identity> identity_at(const ssl_st& connection);
 

@@ -20,7 +20,7 @@ constexpr std::size_t kBatch = std::size_t{64} << 10;
 /// How much OpenSSL may have to say of its own accord before we send again. Only who asks for new keys again
 /// and again makes it say so much.
 constexpr std::size_t kMostUnasked = std::size_t{64} << 10;
-/// How much of what somebody sends who was refused is read.
+/// The most bytes that are read from a client that was refused.
 constexpr std::size_t kMostDrained = std::size_t{64} << 10;
 
 kj::Exception no_descriptors() {

@@ -59,7 +59,7 @@ class Stream final : public detail::SecureStream {
                                size_t offset);
   /// Takes bytes from the other side; false at their end.
   kj::Promise<bool> feed();
-  /// Sends what OpenSSL has made.
+  /// Sends the bytes that OpenSSL has made.
   kj::Promise<void> flush();
   kj::Promise<void> send_alert();
   void note_problem();

@@ -41,7 +41,7 @@ void BlockPool::retain(std::uint64_t offset) noexcept {
 
 void BlockPool::release(std::uint64_t offset) noexcept {
   const std::uint64_t unit = offset / kUnit;
-  const std::uint32_t before = links_[unit].fetch_sub(1, std::memory_order_acq_rel);
+  const std::uint32_t before = links_[unit].fetch_sub(1, std::memory_order_acq_rel);  // B2
   if ((before & kReferences) != 1) return;
   const unsigned block_class = before >> kClassShift;
   used_.fetch_sub(bytes_of(block_class), std::memory_order_relaxed);
@@ -55,7 +55,7 @@ std::uint64_t BlockPool::take(unsigned block_class) noexcept {
     unit = pop(++found);
   if (unit == kNone) unit = cut_off(found);
   if (unit == kNone) return kNone;
-  // Split what is too large; the upper parts become free.
+  // Splits a block that is too large; the upper parts become free.
   while (found > block_class) {
     --found;
     push(found, unit + bytes_of(found) / kUnit);
@@ -65,7 +65,7 @@ std::uint64_t BlockPool::take(unsigned block_class) noexcept {
 
 std::uint64_t BlockPool::pop(unsigned block_class) noexcept {
   std::atomic<std::uint64_t>& head = free_[block_class].head;
-  std::uint64_t seen = head.load(std::memory_order_acquire);
+  std::uint64_t seen = head.load(std::memory_order_acquire);  // pairs with B1
   while (true) {
     const auto first = static_cast<std::uint32_t>(seen);
     if (first == 0) return kNone;
@@ -73,6 +73,7 @@ std::uint64_t BlockPool::pop(unsigned block_class) noexcept {
     // fails.
     const std::uint64_t next = links_[first - 1].load(std::memory_order_relaxed);
     const std::uint64_t count = (seen >> 32U) + 1;
+    // Pairs with B1, also where it fails, since `seen` is looked at again.
     if (head.compare_exchange_weak(seen, count << 32U | next, std::memory_order_acq_rel,
                                    std::memory_order_acquire)) {
       return first - 1;
@@ -84,7 +85,7 @@ void BlockPool::push(unsigned block_class, std::uint64_t unit) noexcept {
   std::atomic<std::uint64_t>& head = free_[block_class].head;
   std::uint64_t seen = head.load(std::memory_order_relaxed);
   std::uint64_t wanted = 0;
-  do {
+  do {  // B1: the exchange releases the link
     links_[unit].store(static_cast<std::uint32_t>(seen), std::memory_order_relaxed);
     wanted = ((seen >> 32U) + 1) << 32U | (unit + 1);
   } while (!head.compare_exchange_weak(seen, wanted, std::memory_order_acq_rel, std::memory_order_relaxed));

@@ -17,11 +17,12 @@ namespace segue::sample_link {
 /// blocks are made by splitting larger ones; blocks are never merged again. Lock free and real-time safe from
 /// any thread, except for page faults at the first use of a part of the range.
 ///
-/// Memory order: each size class has a free list, a stack whose head carries a counter against reuse (ABA).
-/// push() releases and pop() acquires, and every change of the head is a read-modify-write, so pop()
-/// synchronizes with the push() of the block that it gets, whoever has changed the head in between. Together
-/// with the acquire-release decrement in release(), all accesses of a block's earlier holders happen before
-/// those of its next one.
+/// Memory order: all accesses of a block's earlier holders happen before those of its next one. Each size
+/// class has a free list, a stack whose head carries a counter against reuse (ABA).
+/// - B1: push() releases the head and pop() acquires it; every change of it is a read-modify-write, so pop()
+///   synchronizes with the push() of the block that it gets, whoever has changed the head in between.
+/// - B2: release() drops a reference with acquire-release, so the use of all holders comes before push().
+/// - retain() is relaxed, since the caller holds a reference.
 class BlockPool {
  public:
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
@@ -60,7 +61,8 @@ class BlockPool {
 
   const std::size_t size_;
   const Mapping memory_;
-  /// By the first unit of a block: while it is free, the next free one + 1; else its class and references.
+  /// The state of each block, at its first unit: while it is free, the next free one + 1; else its class and
+  /// references.
   Link* const links_;
   struct alignas(64) List {
     std::atomic<std::uint64_t> head{0};  ///< first unit + 1; the upper 32 bits count changes

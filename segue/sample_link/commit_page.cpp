@@ -31,7 +31,7 @@ Result<std::shared_ptr<const CommitPage>> CommitPage::map(int descriptor) {
 }
 
 void CommitPage::commit(std::uint64_t number) noexcept {
-  words()[number % kRemembered].store(number, std::memory_order_seq_cst);
+  words()[number % kRemembered].store(number, std::memory_order_seq_cst);  // G2 (CommitGate)
 }
 
 std::shared_ptr<const task::CommitWord> CommitPage::word(std::uint64_t number) const {

@@ -29,7 +29,7 @@ class CommitPage : public std::enable_shared_from_this<CommitPage> {
   std::uint64_t begin() noexcept { return last_.fetch_add(1, std::memory_order_relaxed) + 1; }
   /// Opens every gate that is armed with the number, in all processes.
   void commit(std::uint64_t number) noexcept;
-  /// What to arm a gate with. Keeps the page mapped.
+  /// The word to arm a gate with. Keeps the page mapped.
   [[nodiscard]] std::shared_ptr<const task::CommitWord> word(std::uint64_t number) const;
   /// For other processes.
   [[nodiscard]] int descriptor() const noexcept { return file_.descriptor.get(); }
@@ -45,7 +45,7 @@ class CommitPage : public std::enable_shared_from_this<CommitPage> {
   }
 
   SealedFile file_;
-  std::atomic<std::uint64_t> last_{0};
+  std::atomic<std::uint64_t> last_{0};  ///< relaxed: numbers differ, and order nothing
 };
 
 }  // namespace segue::sample_link

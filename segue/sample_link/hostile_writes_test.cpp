@@ -30,7 +30,7 @@ Words words_at(void* memory, std::size_t bytes) {
   return {static_cast<std::atomic<std::uint64_t>*>(memory), bytes / 8};
 }
 
-/// What is written to.
+/// The part of the memory that is overwritten.
 enum class Region : std::uint8_t { Header, Queue, Returned, Entries, Pool, Payload };
 constexpr unsigned kRegions = 6;
 
@@ -120,7 +120,7 @@ class Case {
     link_ = pair_.connect(source_.out, sink_.in, policy_);
     ASSERT_TRUE(link_.ok) << to_string(link_.error);
   }
-  /// What the region has to do with the connection, as its peers see it.
+  /// The words of the region that belong to the connection, as its peers see them.
   Words words() {
     const auto reader = PeerMemory::map(*pair_.reader->offer());
     peer_ = *reader;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a component learns of an input that goes without samples, on a virtual clock.
+// A component learns of an input that goes without samples; on a virtual clock.
 #include <segue/base/virtual_clock.hpp>
 #include <segue/sample_link/local.hpp>
 #include <segue/task/component.hpp>

@@ -7,13 +7,13 @@
 
 namespace segue::sample_link {
 
-/// Tells what is wrong from what looks wrong for a moment, because another thread or process is just changing
-/// it: the former is wrong whenever somebody looks, for some seconds.
+/// Tells lasting damage from a state that looks wrong for a moment, because another thread or process is just
+/// changing it: damage is there whenever somebody looks, for some seconds.
 class Lasting {
  public:
   static constexpr Duration kLongestChange = std::chrono::seconds(2);
 
-  /// At each look: whether it has been wrong long enough.
+  /// Notes one look; whether it has been wrong long enough.
   bool is(bool wrong, TimePoint now) noexcept {
     if (!wrong) {
       since_.reset();

@@ -17,8 +17,8 @@ struct Latency {
   friend bool operator==(const Latency&, const Latency&) = default;
 };
 
-/// Of samples that pass through both, one after the other. The worst is a bound: it may have been two
-/// samples.
+/// The latency of samples that pass through both, one after the other. The worst is a bound: it may have been
+/// two samples.
 Latency in_series(const Latency& first, const Latency& second);
 
 /// Collects a Latency: the reader adds, any thread reads. All is relaxed with one writer, so the figures of
@@ -34,7 +34,7 @@ class LatencyRecorder {
   void add(TimePoint written_at) noexcept {
     if (written_at != TimePoint()) add(written_at, monotonic_now());
   }
-  /// The same, where it is `now`.
+  /// Records a sample that was read at `now`. The reader only; real-time safe.
   void add(TimePoint written_at, TimePoint now) noexcept;
   [[nodiscard]] Latency read() const noexcept;
 

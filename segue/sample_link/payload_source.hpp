@@ -31,7 +31,8 @@ class PayloadSource {
 
   /// A reference to the payload; nullopt where the pool is full. The writer only; real-time safe.
   std::optional<Payload> take(task::SampleSlot& sample) noexcept;
-  /// The same from any thread, without sharing a copy among connections.
+  /// A reference to a payload that this sample alone uses, so no copy is shared among connections; nullopt
+  /// where the pool is full. Any thread; real-time safe.
   std::optional<Payload> take_apart(task::SampleSlot& sample) const noexcept;
   /// Gives a reference back. Any thread; real-time safe.
   void give_back(const Payload& payload) const noexcept;

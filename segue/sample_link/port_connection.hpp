@@ -17,7 +17,7 @@ struct Counters {
   std::uint64_t read = 0;
   std::uint64_t dropped = 0;      ///< refused by a full buffer, or pushed out of a circular one
   std::uint64_t overwritten = 0;  ///< data: replaced by a newer value before it was read
-  /// Those that wait. Exact from any thread once the writer has ended.
+  /// The number of samples that wait. Exact from any thread once the writer has ended.
   [[nodiscard]] std::uint64_t waiting() const {
     const std::uint64_t gone = read + dropped + overwritten;
     return written > gone ? written - gone : 0;
@@ -52,7 +52,7 @@ class PortConnection {
   /// policy.init began, the reader gets the last sample now. Where it would have begun, it stays dormant.
   virtual void settle() = 0;
   [[nodiscard]] virtual bool dormant() const = 0;
-  /// Not dormant, and not ended with a commit.
+  /// Whether it carries samples: it is not dormant, and has not ended with a commit.
   [[nodiscard]] virtual bool carries() const = 0;
   /// Whether it has ended with a commit and samples that its buffer promised still wait for the reader;
   /// policy data promises only the newest value, which others replace. Exact after settle(), for the writer's

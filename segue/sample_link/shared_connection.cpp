@@ -58,8 +58,8 @@ Result<void> check_place_type(const InputPlace& place, const task::OutputPortBas
                                            "\nconnect ports of one type, or put a converter between them");
 }
 
-/// The memory of the ring, if there is a ring of this generation and policy at the place. The acquire load of
-/// the generation pairs with the release store by OwnedRing, which makes the rest of the header visible.
+/// The memory of the ring, if there is a ring of this generation and policy at the place. Pairs with H1, by
+/// which the rest of the header is visible.
 Result<std::byte*> find_ring(const PeerMemory& reader, const InputPlace& place, const Policy& policy) {
   std::byte* memory = reader.control(place.offset, SharedRing::bytes(policy));
   if (memory != nullptr && place.offset >= sizeof(PoolHeader) && place.generation != 0) {

@@ -39,7 +39,7 @@ struct OutputOrigin {
 /// Describes an output port for the process of the reader.
 OutputOrigin describe_output(const SharedMemory& memory, const task::OutputPortBase& port);
 
-/// What was found of the memory of a connection.
+/// The damage that was found in the memory of a connection.
 enum class Damage : std::uint8_t {
   None,
   Ring,    ///< what the reader's process, the writer's, and other peers of the reader can write

@@ -64,7 +64,7 @@ struct Attacked {
   SharedRing ring;
 };
 
-/// As a writer does that lies on purpose.
+/// Seals the entry, as a writer does that lies on purpose.
 void seal(const SharedRing& ring, std::size_t index) {
   RingEntry& entry = ring.entries()[index];
   entry.seal = ring.seal_of(index, entry.offset, entry.size, entry.sequence);
@@ -136,7 +136,7 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
 TEST(SharedHostile, EntriesThatAreHeldOrOfAnEarlierConnectionAreCountedAndDropped) {
   Attacked<Pose> attacked(Policy{BufferKind::Buffer, 8});
   auto& [pair, hostile, source, sink, link, ring] = attacked;
-  // The same entry twice, while the reader holds it.
+  // A second reference to the same entry, while the reader holds it.
   RingEntry& entry = ring.entries()[0];
   entry.offset = 64;
   entry.size = sizeof(Pose);

@@ -171,7 +171,7 @@ void SharedInput::set_listener(task::SampleListener* listener) {
   std::atomic<std::uint64_t>& announced = (*ring_)->header().doorbell;
   if (listener == nullptr) {
     announced_ = 0;
-    announced.store(0, std::memory_order_seq_cst);
+    announced.store(0, std::memory_order_seq_cst);  // H4: before it waits for an answer
     // The port has stored its listener before, so only an answer that has begun may still notify it.
     if (doorbell_) doorbell_->wait_until_answered();
     return;
@@ -180,7 +180,7 @@ void SharedInput::set_listener(task::SampleListener* listener) {
   if (!doorbell_) return;
   const auto offset = state_->control()->offset_of(doorbell_->words().get());
   announced_ = DoorbellLine{*offset, line_}.word();
-  announced.store(announced_, std::memory_order_seq_cst);
+  announced.store(announced_, std::memory_order_seq_cst);  // H4: before words are looked for
 }
 
 /// Gets a line of the doorbell of `runner`, which may differ from the last one.
@@ -211,8 +211,8 @@ void SharedInput::disconnect() {
     if (!open_) return;
     port_.detach(*this);
     open_ = false;
-    (*ring_)->header().closed.store(1, std::memory_order_seq_cst);
-    (*ring_)->header().doorbell.store(0, std::memory_order_seq_cst);
+    (*ring_)->header().closed.store(1, std::memory_order_seq_cst);    // H5: after the last pull()
+    (*ring_)->header().doorbell.store(0, std::memory_order_seq_cst);  // H4
     give_line_back();
     final_ = shown_counters();
     samples_.reset();
@@ -266,9 +266,9 @@ bool SharedInput::header_is_ours() const noexcept {
          is(header.doorbell, announced_);
 }
 
-/// Requires that it is open. Besides what this side has written, entries are counted: what it has
-/// read it holds, has returned, or the writer has taken back. Counted in this order, an entry on its way is
-/// counted twice rather than missed.
+/// Requires that it is open. It checks the words that this side has written, and counts entries: each entry
+/// that this side has read it holds or has returned, or the writer has taken it back. Counted in this order,
+/// an entry on its way is counted twice rather than missed.
 bool SharedInput::is_overwritten() noexcept {
   SharedRing& ring = **ring_;
   const std::uint64_t read = read_.get();

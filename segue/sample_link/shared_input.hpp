@@ -86,7 +86,7 @@ class SharedInput final : public RegisteredEndpoint,
   LatencyRecorder latency_;
   std::uint64_t newest_read_ = 0;          ///< reader only: sequence of the newest sample
   KeptCount read_;                         ///< samples taken out of the ring and delivered, or too old
-  std::atomic<std::uint64_t> corrupt_{0};  ///< invalid words and entries
+  std::atomic<std::uint64_t> corrupt_{0};  ///< invalid words and entries; relaxed: only counted
   std::atomic<std::uint64_t> invalid_{
       0};  ///< among them: bytes that are not a sample, which only the writer can write
 

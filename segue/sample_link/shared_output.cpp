@@ -107,7 +107,7 @@ bool SharedOutput::same_as(const WriterEnd& other) const {
 }
 
 bool SharedOutput::anybody_there() const noexcept {
-  return ring_.current() && ring_.header().closed.load(std::memory_order_acquire) == 0;
+  return ring_.current() && ring_.header().closed.load(std::memory_order_acquire) == 0;  // pairs with H2, H5
 }
 
 [[gnu::hot]] bool SharedOutput::push(task::SampleSlot& sample) noexcept {
@@ -147,8 +147,8 @@ bool SharedOutput::anybody_there() const noexcept {
   return Delivery::Taken;
 }
 
-/// What was replaced must be what was pushed there, or, with Policy::init, what offer_last() put there. Else
-/// the entry may be in use.
+/// Takes back the entry that a push has replaced. It must be the one that was pushed there or, with
+/// Policy::init, the one that offer_last() put there. Any other entry may be in use, so it counts as corrupt.
 [[gnu::hot]] void SharedOutput::note_replaced(std::uint64_t token, std::uint64_t by) noexcept {
   const bool is_last = policy_.init && token == ring_.token_of(ring_.entries().size() - 1);
   if (token != by && (is_last || token == placed_[ring_.words().last_place()])) {
@@ -168,15 +168,15 @@ bool SharedOutput::anybody_there() const noexcept {
   shared.written_at.store(static_cast<std::uint64_t>(written_at.time_since_epoch().count()),
                           std::memory_order_relaxed);
   lent_[entry].payload = payload;
-  lent_[entry].out.store(true, std::memory_order_release);
+  lent_[entry].out.store(true, std::memory_order_release);  // U1
 }
 
 /// False: the entry is not lent, so the reader's claim is invalid.
 [[gnu::hot]] bool SharedOutput::reclaim(std::size_t entry) noexcept {
   LentEntry& lent = lent_[entry];
-  if (!lent.out.load(std::memory_order_acquire)) return false;
+  if (!lent.out.load(std::memory_order_acquire)) return false;  // pairs with U1
   const Payload payload = lent.payload;
-  if (!lent.out.exchange(false, std::memory_order_acq_rel)) return false;
+  if (!lent.out.exchange(false, std::memory_order_acq_rel)) return false;  // pairs with U1
   source_->give_back(payload);
   return true;
 }
@@ -196,7 +196,7 @@ bool SharedOutput::anybody_there() const noexcept {
     const std::size_t at = next_word_;
     next_word_ = at + 1 == returned.size() ? 0 : at + 1;
     if (returned[at].load(std::memory_order_relaxed) == 0) continue;
-    std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);
+    std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);  // pairs with H3
     for (; bits != 0; bits &= bits - 1) {
       taken_back_.add_one();
       reclaim_token(ring_.token_of(at * 64 + static_cast<std::size_t>(std::countr_zero(bits))));
@@ -205,6 +205,7 @@ bool SharedOutput::anybody_there() const noexcept {
 }
 
 [[gnu::hot]] void SharedOutput::ring_reader() const noexcept {
+  // H4: after the word was pushed.
   const std::uint64_t word = ring_.header().doorbell.load(std::memory_order_seq_cst);
   if (word == 0) return;
   const auto doorbell = DoorbellLine::of(word);
@@ -260,8 +261,9 @@ Damage SharedOutput::damage(TimePoint now) {
   return wrong_.is(is_overwritten(), now) || corrupt() > 0 ? Damage::Ring : Damage::None;
 }
 
-/// Besides what this side has written, samples are counted: each that went into the words was replaced, waits
-/// there, or was read. Counted in this order, one on its way is counted twice rather than missed.
+/// It checks the words that this side has written, and counts samples: each that went into the words was
+/// replaced, waits there, or was read. Counted in this order, one on its way is counted twice rather than
+/// missed.
 bool SharedOutput::is_overwritten() const noexcept {
   const std::uint64_t pushed = pushed_.load(std::memory_order_relaxed) + initial_.get();
   const std::uint64_t replaced = replaced_.load(std::memory_order_relaxed);
@@ -301,14 +303,14 @@ std::size_t SharedOutput::count_lent() const noexcept {
 }
 
 void SharedOutput::collect_all() noexcept {
-  const bool closed = ring_.header().closed.load(std::memory_order_acquire) != 0;
+  const bool closed = ring_.header().closed.load(std::memory_order_acquire) != 0;  // pairs with H5
   for (std::size_t i = 0; closed && i < ring_.words().places(); ++i) {
     const std::size_t entry = ring_.entry_of(ring_.words().remove(i));
     if (entry < ring_.entries().size()) reclaim(entry);
   }
   const auto returned = ring_.returned();
   for (std::size_t at = 0; at < returned.size(); ++at) {
-    std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);
+    std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);  // pairs with H3
     for (; bits != 0; bits &= bits - 1) {
       const std::size_t entry = at * 64 + static_cast<std::size_t>(std::countr_zero(bits));
       if (entry < ring_.entries().size()) reclaim(entry);

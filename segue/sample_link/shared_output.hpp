@@ -54,8 +54,8 @@ class SharedOutput final : public RegisteredEndpoint,
   void release(const InputPlace& /*place*/) override {}
 
  private:
-  /// The private record of an entry of the ring. `payload` is written before `out` is set (release); whoever
-  /// clears `out` by an exchange (acquire) owns the payload and gives it back, so that happens once.
+  /// The private record of an entry of the ring. U1: `payload` is written before `out` is set (release);
+  /// whoever clears `out` by an exchange (acquire) owns the payload and gives it back, so that happens once.
   struct LentEntry {
     std::atomic<bool> out{false};
     Payload payload;
@@ -100,6 +100,7 @@ class SharedOutput final : public RegisteredEndpoint,
   KeptCount dropped_;
   KeptCount overwritten_;
   KeptCount taken_back_;
+  // Relaxed: one thread counts each, and damage() only compares them.
   std::atomic<std::uint64_t> pushed_{0};    ///< tokens that went into the words ...
   std::atomic<std::uint64_t> replaced_{0};  ///< ... and those that were pushed out of them
   std::atomic<std::uint64_t> corrupt_{0};

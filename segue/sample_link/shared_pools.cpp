@@ -18,7 +18,8 @@ struct Pool {
   std::unique_ptr<BlockPool> blocks;
 };
 
-/// Several threads may do so at once: all write the same. Other processes read it meanwhile.
+/// Several threads may do so at once: all write the same. Other processes read it meanwhile. Relaxed: they
+/// have learnt of the pool by a message that was sent after the first writing.
 void write_header(const Mapping& pool, Incarnation owner) {
   auto* header = reinterpret_cast<PoolHeader*>(pool.data());
   std::atomic_ref(header->magic).store(kMagic, std::memory_order_relaxed);

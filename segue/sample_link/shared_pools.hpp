@@ -60,7 +60,7 @@ class ControlPool : public std::enable_shared_from_this<ControlPool> {
   [[nodiscard]] std::optional<std::uint64_t> offset_of(const void* address) const noexcept;
   [[nodiscard]] const BlockPool& blocks() const noexcept { return *blocks_; }
   [[nodiscard]] const Descriptor& descriptor() const noexcept { return file_.descriptor; }
-  /// As that of PayloadPool; peers can overwrite this one.
+  /// Writes the header again, in case a peer has overwritten it: nobody could map the pool any more.
   void restore_header(Incarnation owner) noexcept;
 
   ControlPool(SealedFile file, std::unique_ptr<BlockPool> blocks)
@@ -81,7 +81,7 @@ class PeerMemory {
   /// Bytes of its payload pool; nullptr where the range is outside the pool or misaligned.
   [[nodiscard]] const std::byte* payload(std::uint64_t offset, std::uint64_t size,
                                          std::size_t alignment) const noexcept;
-  /// The same for its control pool, with an alignment of 64.
+  /// Bytes of its control pool, aligned to 64; nullptr where the range is outside the pool or misaligned.
   [[nodiscard]] std::byte* control(std::uint64_t offset, std::uint64_t size) const noexcept;
 
   PeerMemory(Incarnation incarnation, Mapping payload, Mapping control)
@@ -99,8 +99,8 @@ struct DoorbellLine {
   static_assert(task::DoorbellWords::kLines == 1U << kLineBits);
   std::uint64_t offset = 0;  ///< in the reader's control pool
   unsigned line = 0;
-  /// With a seal in the upper bits, since whoever rings by a word that was overwritten writes to memory of
-  /// others.
+  /// The line as a word with a seal in the upper bits, since a ringer that uses an overwritten word would
+  /// write to memory of others.
   [[nodiscard]] std::uint64_t word() const {
     const std::uint64_t plain = offset / BlockPool::kUnit << kLineBits | line;
     return plain | seal_of(plain) << kPlainBits;

@@ -54,7 +54,7 @@ SharedRing::SharedRing(std::byte* memory, const Policy& policy, std::uint64_t ge
 }
 
 [[gnu::hot]] void SharedRing::give_back(std::size_t entry) const noexcept {
-  returned_[entry / 64].fetch_or(std::uint64_t{1} << (entry % 64), std::memory_order_acq_rel);
+  returned_[entry / 64].fetch_or(std::uint64_t{1} << (entry % 64), std::memory_order_acq_rel);  // H3
 }
 
 std::size_t SharedRing::count_returned() const noexcept {

@@ -11,11 +11,12 @@
 #include <span>
 
 /// The layout of a connection between processes in shared memory. Both sides write to it, and other peers of
-/// the reader can; neither side trusts it. What one side writes it also keeps in private memory (KeptCount,
-/// SharedInput, SharedOutput), and compares.
+/// the reader can; neither side trusts it. Each side also keeps all that it writes in private memory
+/// (KeptCount, SharedInput, SharedOutput), and compares.
 namespace segue::sample_link {
 
-/// A count that one thread at a time adds to, kept in private memory and shown to the other process.
+/// A count that one thread at a time adds to, kept in private memory and shown to the other process. Relaxed,
+/// since nothing is read by it: it is compared and shown only.
 class KeptCount {
  public:
   explicit KeptCount(std::atomic<std::uint64_t>& shown) : shown_(shown) {}
@@ -74,9 +75,16 @@ struct RingEntry {
 
 /// A view of a ring of a given policy: header, words, a "returned" bit for each entry, and the entries.
 ///
-/// Memory order of an entry's life: the writer fills it (relaxed) and pushes its token (release); the reader
-/// pulls the token (acquire), uses the payload and sets the returned bit (release); the writer takes the bit
-/// out (acquire) and only then reuses the entry and its payload.
+/// Memory order; an entry's life is H1, R1 (WordRing), H3:
+/// - H1: OwnedRing fills the header (relaxed) and releases `generation`; find_ring() acquires it.
+/// - H2: ~OwnedRing releases `generation` as 0; current() acquires it: the reader's last access is over then.
+/// - H3: the writer fills an entry (relaxed) and pushes its token (R1). The reader uses the payload and
+///   releases the returned bit; the writer acquires it and only then reuses the entry and its payload.
+/// - H4: the reader stores `doorbell` and then looks for words; the writer pushes a word and then loads
+///   `doorbell`. All are sequentially consistent, so one of them sees the other (R4).
+/// - H5: the reader stores `closed` after its last pull(); the writer acquires it before it empties the
+///   words.
+/// - Counters are relaxed: one thread writes each, and others only compare and show them.
 class SharedRing {
  public:
   /// Entries beyond the samples that wait: one that the reader holds, one that it takes meanwhile, and one
@@ -94,7 +102,7 @@ class SharedRing {
   [[nodiscard]] std::span<std::atomic<std::uint64_t>> returned() const noexcept { return returned_; }
   [[nodiscard]] std::span<RingEntry> entries() const noexcept { return entries_; }
   [[nodiscard]] std::uint64_t generation() const noexcept { return generation_; }
-  /// Whether the place still belongs to this ring. Acquire pairs with the release in ~OwnedRing: once this is
+  /// Whether the place still belongs to this ring. Pairs with H2, the release in ~OwnedRing: once this is
   /// false, the reader's last access to any payload has happened.
   [[nodiscard]] bool current() const noexcept {
     return header_->generation.load(std::memory_order_acquire) == generation_;
@@ -116,7 +124,7 @@ class SharedRing {
   [[nodiscard]] std::size_t entry_of(std::uint64_t token) const noexcept;
   /// For the reader: returns an entry to the writer. Any thread; idempotent.
   void give_back(std::size_t entry) const noexcept;
-  /// As the two sides show them.
+  /// The counters of both sides, as they show them in the header. Any thread.
   [[nodiscard]] Counters counters() const noexcept;
   /// How many returned bits are set. Any thread.
   [[nodiscard]] std::size_t count_returned() const noexcept;

@@ -14,12 +14,12 @@ OwnedRing::OwnedRing(std::shared_ptr<std::byte> memory, const Policy& policy, st
   header.kind.store(static_cast<std::uint64_t>(policy.kind), std::memory_order_relaxed);
   header.size.store(policy.size, std::memory_order_relaxed);
   header.init.store(policy.init ? 1 : 0, std::memory_order_relaxed);
-  header.generation.store(generation, std::memory_order_release);
+  header.generation.store(generation, std::memory_order_release);  // H1
 }
 
 OwnedRing::~OwnedRing() {
   // Tells a writer that still waits for entries that no sample is in use any more.
-  ring_.header().generation.store(0, std::memory_order_release);
+  ring_.header().generation.store(0, std::memory_order_release);  // H2
 }
 
 SharedSamples::Handle SharedSamples::create(const type::TypeInfo* info, std::shared_ptr<OwnedRing> ring,

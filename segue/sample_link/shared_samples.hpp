@@ -39,7 +39,7 @@ class SharedSamples final : public task::SampleOwner {
                        std::shared_ptr<const PeerMemory> writer);
 
   /// Whether this process still holds a sample of this entry. The writer reuses an entry only after recycle()
-  /// has returned it, which is ordered after the count became 0; so true means that the writer broke the
+  /// has returned it (H3), which is ordered after the count became 0; so true means that the writer broke the
   /// protocol.
   [[nodiscard]] bool held(std::size_t entry) const noexcept {
     return slots_[entry].references.load(std::memory_order_acquire) != 0;
@@ -57,6 +57,7 @@ class SharedSamples final : public task::SampleOwner {
                 std::shared_ptr<const PeerMemory> writer);
   ~SharedSamples() = default;
   void let_go() noexcept {
+    // Acquire-release: every holder's use comes before the last one deletes.
     if (holders_.fetch_sub(1, std::memory_order_acq_rel) == 1) delete this;
   }
 

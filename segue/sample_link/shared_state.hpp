@@ -20,7 +20,7 @@ class RegisteredEndpoint : public SharedEndpoint {
  public:
   /// Disconnects; the peer is dead and gives nothing back any more.
   virtual void abandon() = 0;
-  /// After its end: reclaims what the peer has given back meanwhile. True: nothing is outstanding.
+  /// Reclaims what the peer has given back since the endpoint ended. True: nothing is outstanding.
   virtual bool reclaim_rest() = 0;
   /// Samples of `port` that the reader still holds after this endpoint has ended.
   [[nodiscard]] virtual std::size_t in_flight(const task::OutputPortBase& port) const = 0;
@@ -70,13 +70,13 @@ class SharedState final {
   const Incarnation incarnation_;
   const std::shared_ptr<PayloadPool> payload_;
   const std::shared_ptr<ControlPool> control_;
-  std::atomic<std::uint64_t> generation_{0};
-  mutable Mutex mutex_;  ///< guards the members below
+  std::atomic<std::uint64_t> generation_{0};  ///< of the last ring; numbers differ, and order nothing
+  mutable Mutex mutex_;                       ///< guards the members below
   std::map<Incarnation, std::shared_ptr<const PeerMemory>> peers_ SEGUE_GUARDED_BY(mutex_);
   Endpoints connected_ SEGUE_GUARDED_BY(mutex_);
   Endpoints ended_ SEGUE_GUARDED_BY(mutex_);
-  /// By port number: a source outlives its port until all readers have returned its samples, and another port
-  /// may have got the address meanwhile.
+  /// The sources, by port number: a source outlives its port until all readers have returned its samples, and
+  /// another port may have got the address meanwhile.
   std::map<std::uint64_t, std::weak_ptr<PayloadSource>> sources_ SEGUE_GUARDED_BY(mutex_);
 };
 

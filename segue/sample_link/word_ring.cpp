@@ -15,13 +15,14 @@ constexpr std::uint64_t kMostAhead = std::uint64_t{1} << 48;
   std::atomic<Word>& place = word(position);
   // Sequentially consistent for the wake-up protocol, see the class.
   if (kind_ == BufferKind::Buffer) {
-    if (place.load(std::memory_order_acquire) != 0) return Push::Refused;
-    place.store(pack(token, position), std::memory_order_seq_cst);
-    head_->store(++next_, std::memory_order_relaxed);  // nobody reads it with this policy
+    if (place.load(std::memory_order_acquire) != 0) return Push::Refused;  // pairs with R2
+    place.store(pack(token, position), std::memory_order_seq_cst);         // R1, R4
+    head_->store(++next_, std::memory_order_relaxed);                      // nobody reads it with this policy
     return Push::Taken;
   }
+  // R1, R4. Pairs with R2.
   const Word replaced = place.exchange(pack(token, position), std::memory_order_seq_cst);
-  // Release: a reader that sees this head sees the word above, so it cannot take the place for empty.
+  // R3: a reader that sees this head sees the word above, so it cannot take the place for empty.
   head_->store(++next_, std::memory_order_release);
   before = replaced >> kPositionBits;
   return replaced == 0 ? Push::Taken : Push::Replaced;
@@ -41,15 +42,15 @@ constexpr std::uint64_t kMostAhead = std::uint64_t{1} << 48;
 
 [[gnu::hot]] std::uint64_t WordRing::pull_newest() noexcept {
   if (word(0).load(std::memory_order_relaxed) == 0) return 0;  // saves the exchange; it decides nothing
-  return word(0).exchange(0, std::memory_order_acq_rel) >> kPositionBits;
+  return word(0).exchange(0, std::memory_order_acq_rel) >> kPositionBits;  // R2; pairs with R1
 }
 
 [[gnu::hot]] std::uint64_t WordRing::pull_next() noexcept {
   const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
   std::atomic<Word>& place = word(tail);
-  const Word found = place.load(std::memory_order_acquire);
+  const Word found = place.load(std::memory_order_acquire);  // pairs with R1
   if (found == 0) return 0;
-  place.store(0, std::memory_order_release);  // only the reader takes out, so no exchange is needed
+  place.store(0, std::memory_order_release);  // R2; only the reader takes out, so without exchange
   tail_.store(tail + 1, std::memory_order_relaxed);
   if (((found ^ tail) & kPositionMask) != 0) {
     note_nonsense();
@@ -59,7 +60,7 @@ constexpr std::uint64_t kMostAhead = std::uint64_t{1} << 48;
 }
 
 [[gnu::hot]] std::uint64_t WordRing::read_head() noexcept {
-  const std::uint64_t head = head_->load(std::memory_order_acquire);
+  const std::uint64_t head = head_->load(std::memory_order_acquire);  // pairs with R3
   if (head - seen_head_ < kMostAhead) {
     seen_head_ = head;
   } else {
@@ -77,7 +78,7 @@ constexpr std::uint64_t kMostAhead = std::uint64_t{1} << 48;
     const std::uint64_t head = read_head();
     if (head > size_) tail = std::max(tail, head - size_);
     std::atomic<Word>& place = word(tail);
-    Word found = place.load(std::memory_order_acquire);
+    Word found = place.load(std::memory_order_acquire);  // pairs with R1
     if (found == 0) {
       if (tail != tail_.load(std::memory_order_relaxed)) note_nonsense();  // there are older ones at least
       return 0;
@@ -90,7 +91,7 @@ constexpr std::uint64_t kMostAhead = std::uint64_t{1} << 48;
       continue;
     }
     // Fails where the writer has just replaced the word: whoever takes it out owns the token.
-    if (!place.compare_exchange_strong(found, 0, std::memory_order_acq_rel)) continue;
+    if (!place.compare_exchange_strong(found, 0, std::memory_order_acq_rel)) continue;  // R2; pairs with R1
     ++tail;
     tail_.store(tail, std::memory_order_relaxed);
     return found >> kPositionBits;
@@ -113,7 +114,7 @@ bool WordRing::has_hole() const noexcept {
 
 bool WordRing::offer(std::uint64_t token) noexcept {
   Word expected = 0;
-  return word(0).compare_exchange_strong(expected, pack(token, 0), std::memory_order_seq_cst);
+  return word(0).compare_exchange_strong(expected, pack(token, 0), std::memory_order_seq_cst);  // R1, R4
 }
 
 }  // namespace segue::sample_link

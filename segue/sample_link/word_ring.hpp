@@ -14,12 +14,18 @@ namespace segue::sample_link {
 /// and names a sample, with the low bits of its position, so that the reader notices when it was overtaken. A
 /// reader or writer that dies inside a function leaves every word whole.
 ///
-/// Memory order: every word is published with (at least) release and taken with acquire, so whatever the
-/// writer wrote about a sample before push() is visible after pull(). Each word has one owner of its token at
-/// any time: the one whose exchange or compare-exchange took it out. push(), offer() and pending() are
-/// sequentially consistent because they are one side of the wake-up protocol: the writer stores a word and
-/// then loads who listens, a reader that starts to listen stores that and then loads the word; at least one
-/// of them sees the other's store.
+/// Memory order: each word has one owner of its token at any time: the one whose exchange or compare-exchange
+/// took it out. tail_ and nonsense_ are relaxed, since one thread writes them, and others only look.
+/// - R1: push() and offer() release the word, the reader acquires it, so whatever the writer wrote about a
+///   sample before is visible after pull().
+/// - R2: the reader releases a word that it empties, the writer acquires it, so its next sample comes after
+///   the reader's use of the place.
+/// - R3: with policy circular_buffer, the writer releases head_ after the word, so a reader that sees this
+///   head sees the word, too, and cannot take the place for empty.
+/// - R4: push(), offer() and pending() are sequentially consistent because they are one side of the wake-up
+///   protocol: the writer stores a word and then loads who listens (N1 in task/port.hpp, H4 in
+///   shared_ring.hpp), a reader that starts to listen stores that and then loads the word; at least one of
+///   them sees the other's store.
 class WordRing {
  public:
   using Word = std::uint64_t;  ///< 0: empty
@@ -38,9 +44,9 @@ class WordRing {
 
   /// The writer only; real-time safe. Replaced: `before` is the token that was pushed out.
   Push push(std::uint64_t token, std::uint64_t& before) noexcept;
-  /// The writer only: whether push() would refuse. Acquire pairs with the reader's release in pull_next().
+  /// The writer only: whether push() would refuse. Pairs with R2, the reader's release in pull_next().
   [[nodiscard]] bool full() const noexcept {
-    return kind_ == BufferKind::Buffer && word(next_).load(std::memory_order_acquire) != 0;
+    return kind_ == BufferKind::Buffer && word(next_).load(std::memory_order_acquire) != 0;  // pairs with R2
   }
   /// The reader only; real-time safe: the next token; 0 where nothing waits, or where the words make no
   /// sense.
@@ -55,14 +61,14 @@ class WordRing {
   [[nodiscard]] std::size_t last_place() const noexcept { return size_ == 1 ? 0 : (next_ - 1) % size_; }
   /// Whether a token waits. Any thread; exact in the reader's, and with policy data.
   [[nodiscard]] bool pending() const noexcept {
-    return word(tail_.load(std::memory_order_relaxed)).load(std::memory_order_seq_cst) != 0;
+    return word(tail_.load(std::memory_order_relaxed)).load(std::memory_order_seq_cst) != 0;  // R4
   }
   /// Policy data only; one thread at a time, concurrently with push(): puts a token in unless one waits.
   /// True: it is in.
   bool offer(std::uint64_t token) noexcept;
   /// Takes out the token at `place` < places(); 0 where there is none. Requires that the reader has ended.
   std::uint64_t remove(std::size_t place) noexcept {
-    return words_[place].exchange(0, std::memory_order_acq_rel) >> kPositionBits;
+    return words_[place].exchange(0, std::memory_order_acq_rel) >> kPositionBits;  // pairs with R1
   }
   [[nodiscard]] std::size_t places() const noexcept { return size_; }
 
@@ -79,7 +85,7 @@ class WordRing {
   std::uint64_t pull_newest() noexcept;
   std::uint64_t pull_oldest() noexcept;
   std::uint64_t pull_next() noexcept;
-  /// The number of pushes that *head_ names, unless it has gone back: then that of before, and it is
+  /// The number of pushes that *head_ names; where it has gone back, the number of before, and it counts as
   /// nonsense.
   std::uint64_t read_head() noexcept;
   void note_nonsense() noexcept {

@@ -19,7 +19,7 @@ namespace {
 using detail::PlacementIndex;
 using detail::TaskLocation;
 
-/// What two networks need differently. Both must outlive it.
+/// Finds the conflicts between two networks. Both must outlive it.
 class ConflictSearch {
  public:
   ConflictSearch(const model::Network& a, const model::Network& b, const model::ComponentCatalog& catalog)
@@ -36,7 +36,7 @@ class ConflictSearch {
   }
 
  private:
-  /// Of an input: the ports that write to it, and whether a sample overwrites one that waits.
+  /// The writers of an input: the ports that write to it, and whether a sample overwrites one that waits.
   struct Writers {
     std::set<std::string> ports;
     bool overwrite = false;
@@ -157,7 +157,8 @@ class ConflictSearch {
     }
   }
 
-  /// What the union would break though both are valid, such as tasks of a thread with different priorities.
+  /// Finds the problems of the union of networks that are both valid, such as tasks of a thread with
+  /// different priorities.
   void check_union() {
     const Diagnostics problems = model::validate(model::unite(a_, b_), {}, model::Depth::Structure);
     for (const Diagnostic& problem : problems.items()) {

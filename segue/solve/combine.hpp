@@ -33,8 +33,8 @@ std::vector<Conflict> conflicts(const model::Network& a, const model::Network& b
 /// must not do that to what is wanted.
 std::vector<Conflict> influences(const model::Network& by, const model::Network& on);
 
-/// The union, named "a+b" after the networks in their order; its version likewise, where all have one.
-/// InvalidState where two of them conflict; the error names all reasons.
+/// The union, named "a+b" after the networks in their order; its version is combined in the same way, where
+/// all have one. InvalidState where two of them conflict; the error names all reasons.
 Result<model::Network> combine(const std::vector<model::Network>& networks,
                                const model::ComponentCatalog& catalog);
 

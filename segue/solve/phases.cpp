@@ -68,7 +68,7 @@ class PhaseRule {
     return is_idle(connection.from) && is_idle(connection.to);
   }
 
-  /// Those that hold idle tasks only. An empty process may belong to what runs.
+  /// Finds the processes that hold idle tasks only. An empty process may belong to the running network.
   void find_idle_processes() {
     idle_processes_.resize(index_.processes.size());
     for (const bool idle : {true, false}) {
@@ -125,7 +125,7 @@ void assign_phases(ActionNodes& nodes, const ChangeSet& plan, const Index& index
   std::vector<ActionNode>& list = nodes.list;
   for (ActionNode& node : list)
     node.phase = rule.of(node);
-  // Idle tasks are in nobody's way: what Prepare needs of them is done there.
+  // Idle tasks are in nobody's way, so all changes that Prepare needs of them are made there.
   for (auto i = order.rbegin(); i != order.rend() && !plan.options.idle.empty(); ++i) {
     if (list[as_index(*i)].phase != Phase::Prepare) continue;
     for (const int* node = before.begin(*i); node != before.end(*i); ++node) {

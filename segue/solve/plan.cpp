@@ -217,8 +217,9 @@ class Planner {
     }
   }
 
-  /// From a task that can be found stopped to one that starts, or is at least ready when the other's state is
-  /// lost. In place nothing is handed over: the old incarnation is cleaned up before the new one is there.
+  /// Whether a hand-over is possible: from a task that can be found stopped to one that starts, or is at
+  /// least ready when the other's state is lost. In place nothing is handed over: the old incarnation is
+  /// cleaned up before the new one is there.
   [[nodiscard]] bool can_hand_over(int to) const {
     const int from = index_.task(to).takes_over;
     if (from == kNone || index_.task(from).current().task == nullptr) return false;

@@ -21,8 +21,8 @@ struct Options {
   /// Removed processes are killed (DeploymentAction::kill) before all other actions, without any action on
   /// their tasks and connections. Not graceful: their tasks cannot clean up. For processes that hang.
   bool force = false;
-  /// Tasks of `current` that are not part of what runs: standby tasks, and leftovers of earlier requests.
-  /// What concerns only them disturbs nobody, so prepare may do it.
+  /// Tasks of `current` that are not part of the running network: standby tasks, and leftovers of earlier
+  /// requests. Actions on these alone disturb no task that runs, so prepare may do them.
   std::set<model::TaskId> idle = {};
   /// Tasks of `target` whose next incarnation exists already: the task of `target`, and the idle task of
   /// `current` that lives where `target` places it. A task of `current` with the target's id is the

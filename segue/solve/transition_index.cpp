@@ -256,7 +256,7 @@ class Builder {
     return {};
   }
 
-  /// Of several current connections of the same ports, the one with the wanted policy takes the place of the
+  /// Prefers, of several current connections of the same ports, the one with the wanted policy over the
   /// first.
   void prefer_equal(IndexedConnection& first, const IndexedConnection& wanted) {
     if (first.connection->policy == wanted.connection->policy) return;

@@ -39,7 +39,7 @@ inline std::string device_key(const model::HostName& host, const std::string& de
 struct IndexedTask {
   std::array<TaskIncarnation, 2> on;
   int takes_over = kNone;  ///< the current task whose state the target's task continues
-  /// Of a prepared incarnation: the task of the current network that it replaces; kNone: none.
+  /// The task of the current network that a prepared incarnation replaces; kNone: none.
   int replaces = kNone;
   bool is_replaced = false;  ///< by a prepared incarnation
   bool idle = false;         ///< see Options::idle

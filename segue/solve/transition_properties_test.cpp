@@ -231,8 +231,8 @@ std::map<std::string, std::size_t> places(const std::vector<const Action*>& orde
   return found;
 }
 
-/// What flows between members on connections that the transition neither makes nor ends. (The paper's order
-/// considers all.)
+/// The pairs of members with data flow between them, on connections that the transition neither makes nor
+/// ends. (The paper's order considers all.)
 std::multimap<std::string, std::string> flow_between(const std::vector<model::Connection>& connections,
                                                      const std::map<std::string, std::size_t>& members,
                                                      const Transition& transition, ActionKind change) {

@@ -34,19 +34,19 @@ void PendingCall::cancel() noexcept {
 }
 
 void PendingCall::finish() noexcept {
-  state_.store(kDone, std::memory_order_release);
+  state_.store(kDone, std::memory_order_release);  // C1
   futex_wake(state_, 1);
 }
 
 Result<type::Value> PendingCall::wait() {
   while (true) {
-    std::uint32_t state = state_.load(std::memory_order_acquire);
+    std::uint32_t state = state_.load(std::memory_order_acquire);  // pairs with C1
     if (state == kDone) break;
     if (futex_wait(state_, state, deadline_)) continue;
     if (state == kWaiting && state_.compare_exchange_strong(state, kAbandoned, std::memory_order_acq_rel)) {
       return fail(ErrorCode::DeadlineExceeded, "operation " + quote(operation_) + " did not begin in time");
     }
-    if (state_.load(std::memory_order_acquire) == kDone) break;
+    if (state_.load(std::memory_order_acquire) == kDone) break;  // pairs with C1
     return fail(ErrorCode::DeadlineExceeded, "operation " + quote(operation_) +
                                                  " has begun but not ended in time; its result will be lost");
   }
@@ -64,7 +64,7 @@ bool CallQueue::push(std::shared_ptr<PendingCall> call) {
     return false;
   }
   auto* node = new Node{std::move(call), newest_.load(std::memory_order_relaxed)};
-  while (!newest_.compare_exchange_weak(node->next, node, std::memory_order_release)) {
+  while (!newest_.compare_exchange_weak(node->next, node, std::memory_order_release)) {  // C2
   }
   return true;
 }

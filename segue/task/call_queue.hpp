@@ -15,15 +15,16 @@ namespace segue::task::detail {
 
 /// A call that waits for the task's thread. Caller and thread share it, so either may leave first.
 ///
-/// Memory order: whoever changes state_ from kWaiting by compare-exchange decides what becomes of the call:
-/// the thread runs it or the caller abandons it, never both. kDone is stored with release after the result
-/// was written and loaded with acquire before it is read; an abandoned call's result is never touched.
+/// Memory order: whoever changes state_ from kWaiting by compare-exchange decides about the call: the thread
+/// runs it or the caller abandons it, never both; an abandoned call's result is never touched.
+/// - C1: finish() stores kDone with release after the result was written; wait() loads it with acquire before
+///   it reads the result.
 class PendingCall {
  public:
   PendingCall(std::unique_ptr<OperationCall> call, std::string operation, TimePoint deadline)
       : call_(std::move(call)), operation_(std::move(operation)), deadline_(deadline) {}
 
-  /// Until when the caller waits; real time.
+  /// The time until which the caller waits; real time.
   [[nodiscard]] TimePoint deadline() const noexcept { return deadline_; }
 
   /// In the task's thread. Does nothing if the caller has abandoned the call.
@@ -49,9 +50,10 @@ std::optional<Error> run_guarded(OperationCall& call, const std::string& operati
 /// Calls in the order in which they were pushed. Any thread pushes; the owner of the task takes them, without
 /// waiting.
 ///
-/// Memory order: newest_ is a stack. push() releases its node, and take_all() takes the whole stack with one
-/// acquiring exchange; since pushes are read-modify-writes, that synchronizes with all of them, not just the
-/// last. Taking all at once also rules out ABA. waiting_ only limits the length and is relaxed.
+/// Memory order: newest_ is a stack, which is taken as a whole, so there is no ABA. waiting_ is relaxed,
+/// since it only limits the length.
+/// - C2: push() releases its node; take_all() takes the stack with one acquiring exchange, which synchronizes
+///   with all pushes, since they are read-modify-writes.
 class CallQueue {
  public:
   static constexpr int kLimit = 256;
@@ -63,10 +65,11 @@ class CallQueue {
 
   /// False: kLimit calls wait already.
   bool push(std::shared_ptr<PendingCall> call);
+  /// Pairs with C2: whoever finds a call sees it whole.
   [[nodiscard]] bool empty() const noexcept { return newest_.load(std::memory_order_acquire) == nullptr; }
   template <class Use>
   void take_all(Use use) {
-    Node* node = in_order(newest_.exchange(nullptr, std::memory_order_acquire));
+    Node* node = in_order(newest_.exchange(nullptr, std::memory_order_acquire));  // pairs with C2
     while (node != nullptr) {
       const std::unique_ptr<Node> taken(node);
       node = node->next;

@@ -94,11 +94,11 @@ class Component {
   /// Stopped -> Running. Names the descriptors that drive the task (trigger_fd).
   virtual Result<void> on_start();
   virtual void on_update();
-  /// Instead of on_update while in RunTimeError.
+  /// Called instead of on_update while in RunTimeError.
   virtual void on_error();
   virtual void on_stop();
   virtual void on_cleanup();
-  /// Before RunTimeError -> Running and Exception -> PreOperational.
+  /// Called before RunTimeError -> Running and Exception -> PreOperational.
   virtual Result<void> on_recover();
   /// The state for the task that takes over from this one (state.hpp); nothing: that task starts afresh.
   /// Called while Stopped. Must not change the component, since it may be started again; an exception has no

@@ -18,7 +18,7 @@ namespace segue::task {
 /// When a connection carries samples, relative to the commit of a transition.
 enum class Lifetime : std::uint8_t { Always, FromCommit, UntilCommit, Never };
 
-/// What is left of it once it is known whether the transition has committed.
+/// The lifetime of a connection once it is known whether the transition has committed.
 inline Lifetime settled(Lifetime lifetime, bool committed) {
   if (lifetime == Lifetime::FromCommit) return committed ? Lifetime::Always : Lifetime::Never;
   if (lifetime == Lifetime::UntilCommit) return committed ? Lifetime::Never : Lifetime::Always;
@@ -30,11 +30,14 @@ inline Lifetime settled(Lifetime lifetime, bool committed) {
 /// end with a commit share one gate, which is looked at once per section: a sample goes either to those
 /// before the commit or to those after it.
 ///
-/// Memory order: the reader stores section_ (odd) and then loads list_; a change exchanges list_ and then
-/// loads section_. All four are sequentially consistent, so either the reader loads the new list or the
-/// change sees it inside and waits. Leaving a section releases and the change acquires, so the old list is
-/// deleted after its last use. Readers that are different threads over time are ordered by their owner (a
-/// task's ownership).
+/// Memory order:
+/// - L1: the reader stores section_ (odd) and then loads list_; a change exchanges list_ and then loads
+///   section_. All four are sequentially consistent, so either the reader loads the new list or the change
+///   sees it inside and waits.
+/// - L2: leaving a section releases it and the change acquires it, so the old list is deleted after its last
+///   use.
+/// - list_ is relaxed under the mutex, and section_ where the reader loads its own count. Readers that are
+///   different threads over time are ordered by their owner (a task's ownership).
 template <class End>
 class ConnectionList {
  public:
@@ -61,13 +64,13 @@ class ConnectionList {
    public:
     explicit Section(ConnectionList& list) noexcept
         : section_(list.section_), count_(list.section_.load(std::memory_order_relaxed)) {
-      section_.store(count_ + 1, std::memory_order_seq_cst);
-      list_ = list.list_.load(std::memory_order_seq_cst);
+      section_.store(count_ + 1, std::memory_order_seq_cst);  // L1: before the load of list_
+      list_ = list.list_.load(std::memory_order_seq_cst);     // L1: after the store of section_
       committed_ = list_ != nullptr && list_->gate != nullptr && list_->gate->open();
     }
     Section(const Section&) = delete;
     Section& operator=(const Section&) = delete;
-    ~Section() { section_.store(count_ + 2, std::memory_order_release); }
+    ~Section() { section_.store(count_ + 2, std::memory_order_release); }  // L2
     [[nodiscard]] std::size_t size() const noexcept { return list_ == nullptr ? 0 : list_->entries.size(); }
     End& operator[](std::size_t index) const noexcept { return *list_->entries[index].end; }
     /// Whether no connection begins or ends with a commit, or has ended so.
@@ -88,7 +91,7 @@ class ConnectionList {
     bool committed_;
   };
 
-  /// With a gate, the connection begins when that opens.
+  /// Adds a connection; with a gate, it begins when that opens.
   void add(std::shared_ptr<End> end, const CommitGatePtr& gate = nullptr) {
     const Lock lock(mutex_);
     List next = copy(1);
@@ -141,7 +144,7 @@ class ConnectionList {
 
   /// Waits until the reader has left the section that it is in, if any.
   void wait_for_reader() const noexcept {
-    const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
+    const std::uint64_t seen = section_.load(std::memory_order_seq_cst);  // L1, pairs with L2
     if (seen % 2 == 1) detail::wait_until_left(section_, seen);
   }
 
@@ -173,6 +176,7 @@ class ConnectionList {
     next.steady = std::all_of(next.entries.begin(), next.entries.end(),
                               [](const Entry& entry) { return entry.lifetime == Lifetime::Always; });
     const List* fresh = next.entries.empty() ? nullptr : new List(std::move(next));
+    // L1: before the load of section_.
     const std::unique_ptr<const List> old(list_.exchange(fresh, std::memory_order_seq_cst));
     wait_for_reader();
   }

@@ -33,11 +33,11 @@ std::size_t take_lowest(std::uint64_t& bits) {
 /// Wakes the thread whose bits were set, if it sleeps. The mode is cleared last, so that later rings need no
 /// call of the system; if this process dies before, the next ringer wakes the thread again.
 [[gnu::hot]] void wake_sleeper(DoorbellWords& words) noexcept {
-  std::uint32_t seen = words.sleeping.load(std::memory_order_seq_cst);
+  std::uint32_t seen = words.sleeping.load(std::memory_order_seq_cst);  // D1: after the bits were set
   const std::uint32_t mode = seen & kModeMask;
   if (mode == 0) return;
   if (mode == static_cast<std::uint32_t>(Doorbell::Sleep::InPoll)) {
-    words.rings.fetch_add(1, std::memory_order_seq_cst);
+    words.rings.fetch_add(1, std::memory_order_seq_cst);  // D3: after the bits were set
     futex_wake(words.rings, 1, FutexScope::Host);
   } else {
     // Changed first, so that the thread cannot fall asleep after the wake.
@@ -57,8 +57,8 @@ std::size_t take_lowest(std::uint64_t& bits) {
   if (words.rung_at.load(std::memory_order_relaxed) == 0) {
     words.rung_at.store(monotonic_now().time_since_epoch().count(), std::memory_order_relaxed);
   }
-  words.leaves.at(leaf).fetch_or(bit_of(line), std::memory_order_seq_cst);
-  words.summary.fetch_or(bit_of(leaf), std::memory_order_seq_cst);
+  words.leaves.at(leaf).fetch_or(bit_of(line), std::memory_order_seq_cst);  // D2: before the summary
+  words.summary.fetch_or(bit_of(leaf), std::memory_order_seq_cst);          // D1: before `sleeping` is loaded
   detail::WakeBatch::add([](void* rung) noexcept { wake_sleeper(*static_cast<DoorbellWords*>(rung)); },
                          &words);
 }
@@ -84,19 +84,19 @@ std::optional<unsigned> Doorbell::add(InputPortBase& port) {
     line = free_.back();
     free_.pop_back();
   }
-  ports_[line].store(&port, std::memory_order_release);
+  ports_[line].store(&port, std::memory_order_release);  // D4
   return line;
 }
 
 void Doorbell::remove(unsigned line) {
   const Lock lock(mutex_);
-  ports_[line].store(nullptr, std::memory_order_seq_cst);
+  ports_[line].store(nullptr, std::memory_order_seq_cst);  // D5: before section_ is loaded
   wait_until_answered();
   free_.push_back(line);
 }
 
 void Doorbell::wait_until_answered() const noexcept {
-  const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
+  const std::uint64_t seen = section_.load(std::memory_order_seq_cst);  // D5
   if (seen % 2 == 1) detail::wait_until_left(section_, seen);
 }
 
@@ -106,29 +106,26 @@ void Doorbell::wait_until_answered() const noexcept {
   return rung_at == 0 ? now : std::clamp(TimePoint(Duration(rung_at)), now - kLongest, now);
 }
 
-// remove() stores nullptr and then loads section_; this stores section_ and then loads the port (both
-// sequentially consistent). So either this does not find the port, or remove() waits until this has left. A
-// ringer sets the leaf before the summary, so a bit of the summary that is taken here comes with the bit of
-// its leaf.
 [[gnu::hot]] void Doorbell::answer() noexcept {
   const std::uint64_t count = section_.load(std::memory_order_relaxed);
-  section_.store(count + 1, std::memory_order_seq_cst);
-  std::uint64_t leaves = words_->summary.exchange(0, std::memory_order_seq_cst);
+  section_.store(count + 1, std::memory_order_seq_cst);  // D5: before ports are loaded
+  std::uint64_t leaves = words_->summary.exchange(0, std::memory_order_seq_cst);  // pairs with D2
   while (leaves != 0) {
     const std::size_t leaf = take_lowest(leaves);
-    std::uint64_t lines = words_->leaves.at(leaf).exchange(0, std::memory_order_seq_cst);
+    std::uint64_t lines = words_->leaves.at(leaf).exchange(0, std::memory_order_seq_cst);  // pairs with D2
     while (lines != 0) {
+      // D5: after the store of section_. Pairs with D4.
       InputPortBase* port = ports_[leaf * 64 + take_lowest(lines)].load(std::memory_order_seq_cst);
       if (port != nullptr) port->notify();
     }
   }
-  section_.store(count + 2, std::memory_order_release);
+  section_.store(count + 2, std::memory_order_release);  // D5: remove() acquires it
 }
 
 [[gnu::hot]] void Doorbell::set_sleep(Sleep how) noexcept {
   if (how != Sleep::Awake) ++sleeps_;
   announced_ = sleeps_ << 2U | static_cast<std::uint32_t>(how);
-  words_->sleeping.store(announced_, std::memory_order_seq_cst);
+  words_->sleeping.store(announced_, std::memory_order_seq_cst);  // D1: before rung() loads the summary
 }
 
 [[gnu::hot]] void Doorbell::wait(TimePoint deadline) const noexcept {
@@ -136,7 +133,7 @@ void Doorbell::wait_until_answered() const noexcept {
 }
 
 [[gnu::hot]] void Doorbell::wake() noexcept {
-  words_->sleeping.fetch_and(~kModeMask, std::memory_order_seq_cst);
+  words_->sleeping.fetch_and(~kModeMask, std::memory_order_seq_cst);  // E1: the futex compares it
   futex_wake(words_->sleeping, 1, FutexScope::Host);
 }
 
@@ -145,7 +142,7 @@ void Doorbell::wait_for_ring(std::uint32_t seen) const noexcept {
 }
 
 void Doorbell::ring_through() noexcept {
-  words_->rings.fetch_add(1, std::memory_order_seq_cst);
+  words_->rings.fetch_add(1, std::memory_order_seq_cst);  // D3: after the reason
   futex_wake(words_->rings, 1, FutexScope::Host);
 }
 

@@ -20,10 +20,16 @@ class InputPortBase;
 /// The words with which other processes wake an executor, in memory that they can write. Whatever they write
 /// there can at worst wake it needlessly or too late.
 ///
-/// Memory order: everything is sequentially consistent. A ringer sets its bits and then loads `sleeping`; the
-/// executor stores `sleeping` and then loads `summary`. So either the ringer sees that it must wake the
-/// executor, or the executor sees the bits and stays awake. The futex compares `sleeping` when the thread
-/// goes to sleep, so a ringer that changes it in between is not missed.
+/// Memory order: everything is sequentially consistent but `rung_at`, which is relaxed, since it is a
+/// measurement that nothing depends on.
+/// - D1: a ringer sets its bits and then loads `sleeping`; the executor stores `sleeping` and then loads
+///   `summary`. So either the ringer sees that it must wake the executor, or the executor sees the bits and
+///   stays awake. The futex compares `sleeping` when the thread goes to sleep, so a ringer that changes it in
+///   between is not missed.
+/// - D2: the ringer's bits publish its sample: answer() takes the bit of the summary, then those of the leaf.
+///   The ringer sets them in the opposite order, so a bit of the summary comes with that of its leaf.
+/// - D3: a ringer, and ring_through(), change `rings` after their reason; the helper thread reads `rings`
+///   before it looks for reasons, so the futex does not sleep over one.
 struct DoorbellWords {
   static constexpr std::size_t kLeaves = 64;
   static constexpr unsigned kLines = kLeaves * 64;
@@ -45,6 +51,12 @@ void ring(DoorbellWords& words, unsigned line) noexcept;
 /// The owner's side of a doorbell, with which other processes tell an executor that samples wait at input
 /// ports of its tasks. Each connection has a line. Functions without another remark are for the executor's
 /// thread.
+///
+/// Memory order:
+/// - D4: add() releases the port of a line; answer() acquires it.
+/// - D5: remove() stores nullptr as the port of a line and then loads section_; answer() stores section_ and
+///   then loads the port (all sequentially consistent). So either answer() does not find the port, or
+///   remove() waits until it has left. Leaving releases section_, and remove() acquires it.
 class Doorbell {
  public:
   enum class Sleep : std::uint8_t { Awake, InFutex, InPoll };
@@ -63,6 +75,7 @@ class Doorbell {
   void wait_until_answered() const noexcept;
   [[nodiscard]] const std::shared_ptr<DoorbellWords>& words() const { return words_; }
 
+  /// D1: after set_sleep().
   [[nodiscard]] bool rung() const noexcept { return words_->summary.load(std::memory_order_seq_cst) != 0; }
   /// Since when a ring waits for answer(), at most `now`, and an hour ago at the earliest.
   [[nodiscard]] TimePoint rung_since(TimePoint now) noexcept;

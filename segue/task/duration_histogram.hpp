@@ -33,7 +33,7 @@ struct DurationHistogram {
     const std::int64_t octave = std::int64_t{1} << (kFirstOctave + (bin - 1) / 2);
     return Duration((bin - 1) % 2 == 0 ? octave : octave + octave / 2);
   }
-  /// What all durations of a bin are shorter than; Duration::max() of the last one.
+  /// The upper bound of a bin: all its durations are shorter. Duration::max() of the last one.
   [[nodiscard]] static constexpr Duration below(std::size_t bin) noexcept {
     return bin + 1 < kBins ? from(bin + 1) : Duration::max();
   }
@@ -41,8 +41,8 @@ struct DurationHistogram {
   [[nodiscard]] std::uint64_t total() const {
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
   }
-  /// What that share (0 to 1) of all durations does not exceed, rounded up to the end of a bin; 0 where there
-  /// are none.
+  /// The quantile of that share (0 to 1): the duration that this share of all durations does not exceed,
+  /// rounded up to the end of a bin; 0 where there are none.
   [[nodiscard]] Duration quantile(double share) const;
 
   friend bool operator==(const DurationHistogram&, const DurationHistogram&) = default;

@@ -17,7 +17,7 @@ namespace segue::task {
 class HeldPorts {
  public:
   explicit HeldPorts(const Component& component) : one_(component.ports_mutex_) {}
-  /// Both; they may be the same.
+  /// Holds both components; they may be the same.
   HeldPorts(const Component& component, const Component& other);
 
   /// Require that the component is one of those held.

@@ -12,8 +12,8 @@
 
 namespace segue::task {
 
-/// A limit for how long an input may go without a sample. With one, the driver of an actuator learns that
-/// whoever commands it is gone, hangs, or cannot be reached. A member of the component, after the input:
+/// A limit for how long an input may go without a sample. By such a limit the driver of an actuator learns
+/// that whoever commands it is gone, hangs, or cannot be reached. A member of the component, after the input:
 ///
 ///   InputPort<Velocity> command_{*this, "command"};
 ///   InputTimeout timeout_{command_, "timeout", std::chrono::milliseconds(200)};
@@ -33,7 +33,8 @@ class InputTimeout {
   /// Whether the input has gone without a sample for so long. For on_update and on_error, after they have
   /// read the input; real-time safe.
   [[nodiscard]] bool passed() const noexcept;
-  /// For how long; zero in the update that has read a sample. As passed().
+  /// How long the input has gone without a sample; zero in the update that has read one. To be called like
+  /// passed().
   [[nodiscard]] Duration age() const noexcept;
   [[nodiscard]] const InputPortBase& input() const { return input_; }
 

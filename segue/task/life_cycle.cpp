@@ -154,10 +154,10 @@ void Task::Implementation::shut_down() {
     undo("on_stop", &ComponentAccess::stop);
   }
   if (is_configured(before)) undo("on_cleanup", &ComponentAccess::cleanup);
-  state_word.store(static_cast<std::uint32_t>(TaskState::PreOperational), std::memory_order_release);
+  state_word.store(static_cast<std::uint32_t>(TaskState::PreOperational), std::memory_order_release);  // V1
 }
 
-/// After a hook threw or asked for it: undoes what was reached and enters Exception or Fatal.
+/// Undoes the steps up to `reached` and enters Exception or Fatal, after a hook threw or requested it.
 Result<void> Task::Implementation::collapse(std::string_view hook_name, Reached reached) {
   const bool is_fatal = request == Request::Fatal;
   const std::string why = message.load();
@@ -227,7 +227,7 @@ void Task::Implementation::disarm() {
 
 /// Sets the state, writes it to the state port and calls the listener.
 void Task::Implementation::enter(TaskState state, std::uint32_t sub_state) {
-  state_word.store(static_cast<std::uint32_t>(state) | (sub_state << 8U), std::memory_order_release);
+  state_word.store(static_cast<std::uint32_t>(state) | (sub_state << 8U), std::memory_order_release);  // V1
   std::int32_t number = static_cast<std::int32_t>(state);
   if (sub_state > 0) {
     const std::int32_t first = state == TaskState::Running ? kFirstNominalState : kFirstErrorState;

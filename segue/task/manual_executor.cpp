@@ -26,9 +26,9 @@ struct ManualExecutor::Implementation {
   std::thread::id owner = std::this_thread::get_id();
   detail::RunQueue queue;
   std::vector<Watched> watched;
-  Mutex doorbell_mutex;                ///< guards doorbell
-  std::shared_ptr<Doorbell> doorbell;  ///< set once
-  std::atomic<Doorbell*> rung{nullptr};
+  Mutex doorbell_mutex;                  ///< guards doorbell
+  std::shared_ptr<Doorbell> doorbell;    ///< set once
+  std::atomic<Doorbell*> rung{nullptr};  // M1: released and acquired with what it points to
 };
 
 ManualExecutor::ManualExecutor(VirtualClock& clock)
@@ -48,6 +48,7 @@ std::size_t ManualExecutor::run_ready(std::size_t limit) {
   std::size_t count = 0;
   while (count < limit) {
     TimePoint now = implementation_->clock.now();
+    // Pairs with M1.
     if (Doorbell* doorbell = implementation_->rung.load(std::memory_order_acquire)) doorbell->answer();
     implementation_->poll_descriptors();
     implementation_->queue.fire(now);
@@ -102,6 +103,7 @@ Result<std::shared_ptr<Doorbell>> ManualExecutor::doorbell(const DoorbellMaker& 
     auto made = check_doorbell(make());
     if (!made) return made;
     implementation_->doorbell = std::move(*made);
+    // M1.
     implementation_->rung.store(implementation_->doorbell.get(), std::memory_order_release);
   }
   return implementation_->doorbell;

@@ -13,9 +13,9 @@ namespace segue::task::detail {
 /// wait and have priority.
 ///
 /// Memory order: every change of word_ is an acquire-release read-modify-write, so whatever a holder did
-/// happens before what the next holder does. A verb that waits compares word_ in the futex, so a release in
-/// between is not missed. holder_ is relaxed: a thread only asks whether it is itself the holder, and it sees
-/// its own stores.
+/// happens before what the next holder does (O1). A verb that waits compares word_ in the futex, so a release
+/// in between is not missed. holder_ is relaxed: a thread only asks whether it is itself the holder, and it
+/// sees its own stores.
 class Ownership {
  public:
   /// For the update. False: the missed turn is noted, and release() reports it to the last holder.
@@ -23,6 +23,7 @@ class Ownership {
     std::uint32_t word = word_.load(std::memory_order_relaxed);
     while (true) {
       const bool free = (word & kHeld) == 0 && word < kOneWaiter;
+      // O1, also where the turn is missed: what led to it happens before the release that finds it.
       if (word_.compare_exchange_weak(word, word | (free ? kHeld : kMissed), std::memory_order_acq_rel)) {
         if (free) holder_.store(this_thread(), std::memory_order_relaxed);
         return free;
@@ -42,7 +43,7 @@ class Ownership {
     do {
       // While verbs wait, the missed turn stays noted until the last of them is done.
       next = word >= kOneWaiter ? word & ~kHeld : 0;
-    } while (!word_.compare_exchange_weak(word, next, std::memory_order_acq_rel));
+    } while (!word_.compare_exchange_weak(word, next, std::memory_order_acq_rel));  // O1
     if (word >= kOneWaiter) futex_wake(word_, 1);
     return word < kOneWaiter && (word & kMissed) != 0;
   }

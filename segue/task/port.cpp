@@ -40,7 +40,7 @@ type::Value value_of(const SampleSlot& slot) {
 }
 
 std::uint64_t next_port_number() {
-  static std::atomic<std::uint64_t> last{0};
+  static std::atomic<std::uint64_t> last{0};  // relaxed: numbers differ, and order nothing
   return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
 
@@ -138,6 +138,7 @@ void OutputPortBase::disconnect_all() {
     }
     // Within the section, so that attach() waits for it: show_last() then finds the sample if the new
     // connection did not get it.
+    // K1: both ends, since it puts one slot in and takes another out.
     SampleSlot* replaced = options().keep_last ? last_.exchange(slot, std::memory_order_acq_rel) : slot;
     if (replaced != nullptr) replaced->release();
   }
@@ -253,7 +254,7 @@ void InputPortBase::attach(std::shared_ptr<ReaderEnd> end) {
 
 void InputPortBase::set_listener(SampleListener* listener) {
   const Lock lock(listener_mutex_);
-  listener_.store(listener, std::memory_order_seq_cst);
+  listener_.store(listener, std::memory_order_seq_cst);  // N1: before the task checks for samples
   for (const auto& end : ends_.snapshot())
     end->set_listener(listener);
 }

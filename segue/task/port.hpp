@@ -110,19 +110,19 @@ class OutputPortBase : public PortBase {
   template <class Accept>
   void show_last(Accept accept) {
     const Lock lock(attach_mutex_);
-    SampleSlot* last = last_.exchange(nullptr, std::memory_order_acq_rel);
+    SampleSlot* last = last_.exchange(nullptr, std::memory_order_acq_rel);  // pairs with K1
     if (last == nullptr) return;
     accept(*last);
     SampleSlot* expected = nullptr;
-    if (!last_.compare_exchange_strong(expected, last, std::memory_order_acq_rel)) last->release();
+    if (!last_.compare_exchange_strong(expected, last, std::memory_order_acq_rel)) last->release();  // K1
   }
 
  protected:
   /// For the writer: a slot to write to, which publish() or SampleSlot::release() must follow; nullptr,
   /// counted, if none is free. Not for flat ports.
   SampleSlot* acquire() noexcept;
-  /// The same for flat ports, with room for so many bytes. Allocates, so a slot is always free; may throw
-  /// std::bad_alloc.
+  /// For the writer of a flat port: a slot with room for `size` bytes, which publish() or
+  /// SampleSlot::release() must follow. Allocates, so a slot is always free; may throw std::bad_alloc.
   SampleSlot* acquire_flat(std::size_t size) { return pool_->acquire_flat(size); }
   WriteResult publish(SampleSlot* slot) noexcept;
   SamplePool& pool() { return *pool_; }
@@ -133,10 +133,11 @@ class OutputPortBase : public PortBase {
 
   SamplePool::Handle pool_;
   ConnectionList<WriterEnd> ends_;
-  std::atomic<std::uint64_t> written_{0};
-  std::atomic<std::uint64_t> exhausted_{0};
+  std::atomic<std::uint64_t> written_{0};    ///< relaxed: one thread counts; others may read an older value
+  std::atomic<std::uint64_t> exhausted_{0};  ///< relaxed for the same reason, as is read_
   detail::SampleStamps stamps_;
-  /// Owns a reference. Whoever takes a slot out by an exchange (acquire-release) owns that reference.
+  /// Owns a reference. Whoever takes a slot out by an exchange owns that reference. K1: exchanges are
+  /// acquire-release, so whoever takes a slot out sees its content.
   std::atomic<SampleSlot*> last_{nullptr};
   Mutex attach_mutex_;  ///< serializes attach() and show_last()
   void* default_value_ = nullptr;
@@ -166,9 +167,9 @@ class InputPortBase : public PortBase {
   void end_at(const ReaderEnd& end, const CommitGatePtr& gate) { ends_.end_at(&end, gate); }
   void settle() { ends_.settle(); }
   void detach(const ReaderEnd& end);
-  /// For links: wakes the task if this port triggers it. Real-time safe. Sequentially consistent: a link
+  /// For links: wakes the task if this port triggers it. Real-time safe. N1, sequentially consistent: a link
   /// stores the sample and then loads the listener, a task that starts stores the listener and then checks
-  /// for samples.
+  /// for samples, so one of them sees the other.
   void notify() noexcept {
     if (SampleListener* listener = listener_.load(std::memory_order_seq_cst)) listener->sample_arrived();
   }
@@ -179,7 +180,8 @@ class InputPortBase : public PortBase {
  protected:
   /// The next sample, taking turns among connections; empty if none waits.
   SampleRef pull() noexcept;
-  /// Like pull(), but keeps the last sample if there is no new one and its connection still exists.
+  /// Fetches the next sample like pull(), but keeps the last one if there is no new one and its connection
+  /// still exists.
   ReadStatus fetch() noexcept;
   [[nodiscard]] const SampleRef& last() const { return last_; }
 

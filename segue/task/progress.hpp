@@ -11,12 +11,12 @@
 
 namespace segue::task::detail {
 
-/// What a task's thread executes at present: an update or operations. Written by that thread alone, real-time
+/// The work in progress in a task's thread: an update or operations. Written by that thread alone, real-time
 /// safe; read by any thread. Times are those of the executor's clock.
 ///
-/// Memory order: `overdue_at_` is released last and acquired first, so whoever finds it past sees at least
-/// the `what_` and `next_due_` that belong to it. A reader may see newer values of these two, but then the
-/// execution that was overdue has ended, and the next reading tells so.
+/// Memory order: `overdue_at_` is released last and acquired first (P1), so whoever finds it past sees at
+/// least the `what_` and `next_due_` that belong to it. These two are relaxed. A reader may see newer values
+/// of them, but then the execution that was overdue has ended, and the next reading tells so.
 class Progress {
  public:
   enum class What : std::uint8_t { Update, Error, Operation };
@@ -25,15 +25,15 @@ class Progress {
   void begin(What what, TimePoint overdue_at, TimePoint next_due) noexcept {
     what_.store(what, std::memory_order_relaxed);
     next_due_.store(next_due.time_since_epoch().count(), std::memory_order_relaxed);
-    overdue_at_.store(overdue_at.time_since_epoch().count(), std::memory_order_release);
+    overdue_at_.store(overdue_at.time_since_epoch().count(), std::memory_order_release);  // P1
   }
-  void end() noexcept { overdue_at_.store(kNothing, std::memory_order_release); }
+  void end() noexcept { overdue_at_.store(kNothing, std::memory_order_release); }  // P1
 
-  /// When what is in progress will be overdue; kNever where nothing is.
+  /// The time when the work in progress will be overdue; kNever where there is none.
   [[nodiscard]] TimePoint overdue_at() const noexcept {
-    return TimePoint(Duration(overdue_at_.load(std::memory_order_acquire)));
+    return TimePoint(Duration(overdue_at_.load(std::memory_order_acquire)));  // pairs with P1
   }
-  /// What is overdue at `now`: "on_update", "on_error" or "an operation"; nothing if nothing is.
+  /// The call that is overdue at `now`: "on_update", "on_error" or "an operation"; nothing if none is.
   [[nodiscard]] std::optional<std::string_view> overdue(TimePoint now) const noexcept;
   /// Periods that have passed without an update since the one in progress began; 0 where none is.
   [[nodiscard]] std::uint64_t missed(TimePoint now, Duration period) const noexcept;

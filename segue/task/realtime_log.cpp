@@ -21,15 +21,16 @@ RealtimeLog::RealtimeLog() : lines_(std::make_unique<std::array<Line, kLines>>()
 }
 
 // A bounded queue with many writers and readers (Vyukov). A line's `turn` says whose it is: at `position` the
-// writer's, at position + 1 the reader's, at position + kLines the writer's of the next round. Its release
-// store hands the line over and pairs with the acquire load; head_ and tail_ only distribute positions and
-// are relaxed.
+// writer's, at position + 1 the reader's, at position + kLines the writer's of the next round. head_ and
+// tail_ are relaxed: they only distribute positions, each to the one whose compare-exchange succeeds.
+// - T1: the writer's release store of `turn` hands the line to the reader, whose load acquires it.
+// - T2: the reader's release store hands it to the writer of the next round, whose load acquires it.
 bool RealtimeLog::push(LogLevel level, std::string_view source, std::string_view message) noexcept {
   std::size_t position = head_.load(std::memory_order_relaxed);
   Line* line = nullptr;
   while (true) {
     line = &(*lines_)[position % kLines];
-    const std::size_t turn = line->turn.load(std::memory_order_acquire);
+    const std::size_t turn = line->turn.load(std::memory_order_acquire);  // pairs with T2
     if (turn == position) {
       if (head_.compare_exchange_weak(position, position + 1, std::memory_order_relaxed)) break;
     } else if (turn < position) {
@@ -44,7 +45,7 @@ bool RealtimeLog::push(LogLevel level, std::string_view source, std::string_view
   line->message_size = static_cast<std::uint8_t>(std::min(message.size(), kMessageBytes));
   std::memcpy(line->source.data(), source.data(), line->source_size);
   std::memcpy(line->message.data(), message.data(), line->message_size);
-  line->turn.store(position + 1, std::memory_order_release);
+  line->turn.store(position + 1, std::memory_order_release);  // T1
   return true;
 }
 
@@ -52,7 +53,7 @@ bool RealtimeLog::pop(Line& copy) noexcept {
   std::size_t position = tail_.load(std::memory_order_relaxed);
   while (true) {
     Line& line = (*lines_)[position % kLines];
-    const std::size_t turn = line.turn.load(std::memory_order_acquire);
+    const std::size_t turn = line.turn.load(std::memory_order_acquire);  // pairs with T1
     if (turn < position + 1) return false;
     if (turn > position + 1) {
       position = tail_.load(std::memory_order_relaxed);
@@ -64,7 +65,7 @@ bool RealtimeLog::pop(Line& copy) noexcept {
     copy.message_size = line.message_size;
     copy.source = line.source;
     copy.message = line.message;
-    line.turn.store(position + kLines, std::memory_order_release);
+    line.turn.store(position + kLines, std::memory_order_release);  // T2
     return true;
   }
 }

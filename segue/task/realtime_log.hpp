@@ -47,7 +47,7 @@ class RealtimeLog {
   alignas(64) std::atomic<std::size_t> head_{0};
   alignas(64) std::atomic<std::size_t> tail_{0};
   Mutex draining_;  ///< so that lines are passed on in their order, and all have been where drain() returns
-  std::atomic<std::uint64_t> lost_{0};
+  std::atomic<std::uint64_t> lost_{0};  ///< both relaxed: counts for a message, which order nothing
   std::atomic<std::uint64_t> lost_reported_{0};
 };
 

@@ -4,17 +4,19 @@
 namespace segue::task::detail {
 
 [[gnu::hot]] bool RunQueue::post(Job& job, std::uint32_t reason, TimePoint now) noexcept {
-  if ((job.flags_.fetch_or(Job::kQueued | reason, std::memory_order_acq_rel) & Job::kQueued) != 0)
+  if ((job.flags_.fetch_or(Job::kQueued | reason, std::memory_order_acq_rel) & Job::kQueued) != 0)  // Q1
     return false;
   job.wanted_since_ = now;
   Job* head = posted_.load(std::memory_order_relaxed);
   do {
     job.next_ = head;
+    // Q2: publishes next_ and wanted_since_. Q3: before the poster loads whether the runner sleeps.
   } while (!posted_.compare_exchange_weak(head, &job, std::memory_order_seq_cst, std::memory_order_relaxed));
   return true;
 }
 
 [[gnu::hot]] void RunQueue::post_here(Job& job, std::uint32_t reason, TimePoint now) noexcept {
+  // Q1: as in post().
   if ((job.flags_.fetch_or(Job::kQueued | reason, std::memory_order_acq_rel) & Job::kQueued) != 0) return;
   job.wanted_since_ = now;
   append(&job);
@@ -27,8 +29,9 @@ namespace segue::task::detail {
 }
 
 [[gnu::hot]] void RunQueue::fetch() noexcept {
+  // Relaxed: saves the exchange, and decides nothing.
   if (posted_.load(std::memory_order_relaxed) == nullptr) return;
-  Job* newest = posted_.exchange(nullptr, std::memory_order_acquire);
+  Job* newest = posted_.exchange(nullptr, std::memory_order_acquire);  // pairs with Q2
   Job* oldest = nullptr;
   while (newest != nullptr) {
     Job* next = newest->next_;
@@ -51,10 +54,10 @@ namespace segue::task::detail {
   if (first_ == nullptr) last_ = nullptr;
   job->running_since_ = job->wanted_since_;
   // From here on others may queue the job again.
-  const std::uint32_t flags = job->flags_.exchange(0, std::memory_order_acq_rel);
+  const std::uint32_t flags = job->flags_.exchange(0, std::memory_order_acq_rel);  // Q1: as in post().
   if ((flags & Job::kRetire) != 0) {
     timers_.clear(*job);
-    job->retired_.store(1, std::memory_order_release);
+    job->retired_.store(1, std::memory_order_release);  // Q4
     // The job may be destroyed by now; the system only uses the address, so a wake that nobody waits for is
     // harmless.
     futex_wake(job->retired_, 1);
@@ -82,7 +85,7 @@ bool RunQueue::post_retire(Job& job) noexcept {
 }
 
 void RunQueue::wait_retired(Job& job) noexcept {
-  while (job.retired_.load(std::memory_order_acquire) == 0)
+  while (job.retired_.load(std::memory_order_acquire) == 0)  // pairs with Q4
     futex_wait(job.retired_, 0, kNever);
 }
 

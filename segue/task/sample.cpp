@@ -61,7 +61,7 @@ bool SamplePool::share(const std::shared_ptr<SampleMemory>& memory) {
     outside_ = holds_ == Holds::Flat ? 0 : size_;
   }
   if (!reserve_usable(outside_)) return false;
-  shares_.store(true, std::memory_order_release);
+  shares_.store(true, std::memory_order_release);  // S4
   return true;
 }
 
@@ -144,7 +144,7 @@ std::size_t SamplePool::size() const {
 [[gnu::hot]] SampleSlot* SamplePool::pop() noexcept {
   if (reserved_ == nullptr) {
     if (free_.load(std::memory_order_relaxed) == nullptr) return nullptr;
-    reserved_ = free_.exchange(nullptr, std::memory_order_acquire);
+    reserved_ = free_.exchange(nullptr, std::memory_order_acquire);  // pairs with S2
     if (reserved_ == nullptr) return nullptr;
   }
   SampleSlot* slot = reserved_;
@@ -172,12 +172,12 @@ SampleSlot* SamplePool::acquire_flat(std::size_t size) {
     slot = SampleRef::adopt(acquire());
   }
   free_flat(*slot.get());
-  if (shares_.load(std::memory_order_acquire)) {
+  if (shares_.load(std::memory_order_acquire)) {  // pairs with S4
     slot->value = memory_->allocate(size, alignof(SampleSlot));
     slot->shared = slot->value != nullptr;
   }
-  // Connections to other processes refuse what does not lie in the shared memory where that is full; those
-  // within this process can have it.
+  // Where the shared memory is full, connections to other processes refuse the sample; those within this
+  // process can have it.
   if (slot->value == nullptr) slot->value = ::operator new(size, std::align_val_t(alignof(SampleSlot)));
   slot->flat_size = size;
   return slot.detach();
@@ -199,6 +199,7 @@ void SamplePool::free_flat(SampleSlot& slot) noexcept {
   do {
     if (head == retired_mark()) return account(-1);
     last->next = head;
+    // S2. Failures are relaxed: the head is not looked into.
   } while (!free_.compare_exchange_weak(head, first, std::memory_order_release, std::memory_order_relaxed));
 }
 
@@ -212,7 +213,7 @@ void SamplePool::retire() noexcept {
   auto home = static_cast<std::int64_t>(replaced_);
   for (SampleSlot* slot = reserved_; slot != nullptr; slot = slot->next)
     ++home;
-  SampleSlot* freed = free_.exchange(retired_mark(), std::memory_order_acq_rel);
+  SampleSlot* freed = free_.exchange(retired_mark(), std::memory_order_acq_rel);  // pairs with S2
   for (; freed != nullptr; freed = freed->next)
     ++home;
   account(static_cast<std::int64_t>(size()) - home);
@@ -221,7 +222,7 @@ void SamplePool::retire() noexcept {
 /// Slots are recycled one by one, before or after retire() has counted how many are out. The change that
 /// brings the balance to zero is the last access to the pool.
 void SamplePool::account(std::int64_t outstanding) noexcept {
-  if (outstanding_.fetch_add(outstanding, std::memory_order_acq_rel) + outstanding == 0) delete this;
+  if (outstanding_.fetch_add(outstanding, std::memory_order_acq_rel) + outstanding == 0) delete this;  // S3
 }
 
 }  // namespace segue::task

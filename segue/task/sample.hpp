@@ -54,7 +54,7 @@ class SampleOwner {
 /// it publishes the slot.
 ///
 /// Memory order: retain() is relaxed, since the caller holds a reference already and the slot is passed on by
-/// other means (a ring's word). release() is acquire-release, so every holder's use of the value happens
+/// other means (a ring's word). S1: release() is acquire-release, so every holder's use of the value happens
 /// before recycle(), and with the owner's free list before the writer uses the slot again.
 struct alignas(64) SampleSlot {
   std::atomic<std::uint32_t> references{0};
@@ -75,10 +75,10 @@ struct alignas(64) SampleSlot {
   void release() noexcept {
     // The only holder needs no atomic decrement: nobody else can add a reference. Acquire pairs with the
     // decrement of the holders before it.
-    if (references.load(std::memory_order_acquire) == 1) {
+    if (references.load(std::memory_order_acquire) == 1) {  // pairs with S1
       references.store(0, std::memory_order_relaxed);
       owner->recycle(*this);
-    } else if (references.fetch_sub(1, std::memory_order_acq_rel) == 1) {
+    } else if (references.fetch_sub(1, std::memory_order_acq_rel) == 1) {  // S1
       owner->recycle(*this);
     }
   }
@@ -122,10 +122,14 @@ class SampleRef {
 /// The samples of one output port: preallocated slots and a lock-free list of the free ones. Outlives its
 /// port until the last sample has been recycled.
 ///
-/// Memory order: any thread pushes recycled slots to the stack free_ with release; the writer takes the whole
-/// stack with one acquiring exchange, which synchronizes with all pushes and rules out ABA. Retiring
-/// exchanges free_ for a mark: a slot pushed before is counted there, a slot that finds the mark counts
-/// itself in outstanding_, whose last acquire-release change deletes the pool after everybody's last access.
+/// Memory order:
+/// - S2: any thread pushes recycled slots to the stack free_ with release; the writer takes the whole stack
+///   with one acquiring exchange, which synchronizes with all pushes and rules out ABA.
+/// - S3: retiring exchanges free_ for a mark. A slot pushed before is counted there, a slot that finds the
+///   mark counts itself in outstanding_, whose last acquire-release change deletes the pool after everybody's
+///   last access.
+/// - S4: share() releases shares_ after memory_; acquire_flat() acquires it. acquire() is relaxed, since it
+///   only asks: if it misses the change, it uses an old slot once more.
 class SamplePool final : public SampleOwner {
  public:
   struct Retire {
@@ -133,7 +137,7 @@ class SamplePool final : public SampleOwner {
   };
   using Handle = std::unique_ptr<SamplePool, Retire>;
 
-  /// What its slots hold: objects of the type, or bytes in its flat layout.
+  /// The content of its slots: objects of the type, or bytes in its flat layout.
   enum class Holds : std::uint8_t { Objects, Flat };
   static Handle create(const type::TypeInfo* info, Holds holds = Holds::Objects);
 
@@ -151,8 +155,9 @@ class SamplePool final : public SampleOwner {
   /// A free slot with one reference, holding an old or a default value; nullptr if there is none. One thread
   /// at a time (the writer); real-time safe.
   SampleSlot* acquire() noexcept;
-  /// Likewise, with room for `size` bytes in the flat layout, in the shared memory unless that is full;
-  /// Holds::Flat only. Allocates, a slot as well where none is free; may throw std::bad_alloc.
+  /// A slot with one reference and room for `size` bytes in the flat layout, in the shared memory unless that
+  /// is full; Holds::Flat only. One thread at a time (the writer). Allocates, a slot as well where none is
+  /// free; may throw std::bad_alloc.
   SampleSlot* acquire_flat(std::size_t size);
   void recycle(SampleSlot& slot) noexcept override;
 
@@ -178,8 +183,7 @@ class SamplePool final : public SampleOwner {
   SampleSlot* reserved_ = nullptr;  ///< writer only: free slots that it has already fetched
   std::size_t replaced_ = 0;        ///< writer only: slots outside memory_ that it will not use again
   std::size_t offset_;              ///< of the value in its slot, unless it lies in memory_
-  /// Whether values lie in memory_. Relaxed for the writer: if it misses the change, it uses an old slot once
-  /// more.
+  /// Whether values lie in memory_.
   std::atomic<bool> shares_{false};
   mutable Mutex mutex_;  ///< guards the members down to example_
   /// Set under the mutex; never changes once shares_ is set, so who has seen that needs no mutex.

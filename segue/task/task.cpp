@@ -110,7 +110,7 @@ std::optional<std::string> Task::Implementation::overdue() const {
 }
 
 std::string Task::Implementation::state_name() const {
-  const std::uint32_t word = state_word.load(std::memory_order_acquire);
+  const std::uint32_t word = state_word.load(std::memory_order_acquire);  // pairs with V1
   const auto plain = static_cast<TaskState>(word & 0xFFU);
   const std::uint32_t sub_state = word >> 8U;
   if (sub_state == 0) return std::string(to_string(plain));

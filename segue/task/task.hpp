@@ -34,7 +34,7 @@ class Task {
   /// same thread group share one (ExecutorSet::of_process).
   static Result<std::unique_ptr<Task>> create(std::string id, std::unique_ptr<Component> component,
                                               const Activity* activity = nullptr);
-  /// The same on a given executor (tests).
+  /// Makes a task on a given executor, for tests.
   static Result<std::unique_ptr<Task>> create(std::string id, std::unique_ptr<Component> component,
                                               const Activity& activity, std::shared_ptr<Executor> executor);
   /// Moves the component of a task in PreOperational to a new task with another activity and executor; its
@@ -91,8 +91,8 @@ class Task {
   [[nodiscard]] const Activity& activity() const;
   [[nodiscard]] Timing timing() const;
   [[nodiscard]] TimingHistograms timing_histograms() const;
-  /// What exceeds its deadline (deadline_of() the activity; an operation also has that of its call) in the
-  /// task's thread: "on_update has not returned within 5 s". Nothing if nothing does.
+  /// The call in the task's thread that exceeds its deadline (deadline_of() the activity; an operation also
+  /// has that of its call): "on_update has not returned within 5 s". Nothing if none does.
   [[nodiscard]] std::optional<std::string> overdue() const;
 
   /// Called after every change of state or sub-state, and where announce_next_update() has asked for it, in

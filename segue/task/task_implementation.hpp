@@ -101,14 +101,15 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   void release() noexcept;
 
   [[nodiscard]] TaskState state() const {
-    return static_cast<TaskState>(state_word.load(std::memory_order_acquire) & 0xFFU);
+    return static_cast<TaskState>(state_word.load(std::memory_order_acquire) & 0xFFU);  // pairs with V1
   }
   [[nodiscard]] std::string state_name() const;
   /// Runs `body` while holding the ownership. From any thread; InvalidState inside own hooks,
   /// DeadlineExceeded.
   template <class Body>
   Result<void> exclusive(std::string_view verb, TimePoint deadline, Body body);
-  /// Until when a verb with this deadline waits: what is in progress may be overdue before.
+  /// The time until which a verb with this deadline waits: shorter where the work in progress is overdue
+  /// before.
   [[nodiscard]] TimePoint patience(TimePoint deadline) const;
   [[nodiscard]] Error too_late(std::string_view verb) const;
   [[nodiscard]] std::optional<std::string> overdue() const;
@@ -118,11 +119,12 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
 
   enum class Request { None, Exception, Fatal };
 
-  // First what each update uses, side by side: an update that finds it in few lines of the cache is quicker.
+  // The members that each update uses come first, side by side: an update that finds them in few lines of the
+  // cache is quicker.
   const std::shared_ptr<Executor> executor;
   const std::shared_ptr<Component> component;  ///< shared with retired implementations
   detail::Ownership ownership;                 ///< any thread
-  /// TaskState in the low byte, above it the index of the sub-state + 1. Any thread reads. Changes are
+  /// TaskState in the low byte, above it the index of the sub-state + 1. Any thread reads. V1: changes are
   /// released and reads acquired, so whoever sees a state sees what led to it.
   std::atomic<std::uint32_t> state_word{0};
   std::atomic<bool> announces_update{false};  ///< any thread sets it

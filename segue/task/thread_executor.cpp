@@ -29,10 +29,10 @@ constexpr std::uint32_t kInFutex = 1;
 constexpr std::uint32_t kInPoll = 2;
 constexpr std::uint32_t kInDoorbell = 3;  ///< a futex that other processes can wake
 
-/// After so many jobs in a row, descriptors are polled even though jobs are ready.
+/// The number of jobs in a row after which descriptors are polled even though jobs are ready.
 constexpr int kJobsBetweenPolls = 32;
 
-/// While a thread spins, it reads the clock (and polls descriptors) after so many looks at memory.
+/// The number of looks at memory after which a thread that spins reads the clock (and polls descriptors).
 constexpr int kLooksBetweenReadings = 16;
 
 /// Tells the processor that this is a loop that waits, so that a sibling of its core gets on faster.
@@ -53,11 +53,17 @@ timespec to_timespec(Duration duration) {
 
 /// Shared with the thread, so that an executor may be destroyed from inside one of its own jobs.
 ///
-/// Memory order of the wake-up: the thread stores `sleeping` and then checks for posted jobs, stop, changes
-/// of how to wait, and rings; a waker changes one of these and then loads `sleeping`. All are sequentially
-/// consistent, so either the thread stays awake or the waker sees that it must wake it. The waker's exchange
-/// to kAwake makes sure that one of several wakes, and changes the futex word, so a thread that is about to
-/// sleep does not.
+/// Memory order:
+/// - E1, the wake-up: the thread stores `sleeping` and then checks for posted jobs, stop, changes of how to
+///   wait, and rings; a waker changes one of these and then loads `sleeping`. All are sequentially
+///   consistent, so either the thread stays awake or the waker sees that it must wake it. The waker's
+///   exchange to kAwake makes sure that one of several wakes, and changes the futex word, so a thread that is
+///   about to sleep does not. Back to kAwake is relaxed: a waker that misses it wakes a thread that is awake.
+/// - E2: `polls` releases the descriptors, `doorbell` releases the doorbell; the thread acquires both. A
+///   waker sees them, too: the thread has acquired them before it stores in `sleeping` that it waits in that
+///   way.
+/// - `busy_before` and `awake_since` are relaxed, since they are figures for people: a reading while the
+///   thread falls asleep or wakes up may count its last time awake twice or not at all.
 struct ThreadExecutor::State {
   ~State() {
     if (poll_descriptor >= 0) close(poll_descriptor);
@@ -126,7 +132,7 @@ Result<std::shared_ptr<ThreadExecutor>> ThreadExecutor::create(const std::string
 ThreadExecutor::~ThreadExecutor() {
   if (!state_) return;
   const pthread_t thread = state_->thread;
-  state_->stop.store(true, std::memory_order_seq_cst);
+  state_->stop.store(true, std::memory_order_seq_cst);  // E1: before wake() loads `sleeping`
   if (state_->bridge) {
     state_->owned_doorbell->ring_through();
     pthread_join(*state_->bridge, nullptr);
@@ -163,11 +169,11 @@ bool ThreadExecutor::is_current() const noexcept {
 }
 
 [[gnu::hot]] void ThreadExecutor::State::wake() noexcept {
-  if (sleeping.load(std::memory_order_seq_cst) == kAwake) return;
+  if (sleeping.load(std::memory_order_seq_cst) == kAwake) return;  // E1: after the reason to wake
   const std::uint32_t how = sleeping.exchange(kAwake, std::memory_order_seq_cst);
   if (how == kInFutex) detail::futex_wake(sleeping, 1);
   if (how == kInPoll) eventfd_write(wake_descriptor, 1);
-  if (how == kInDoorbell) doorbell.load(std::memory_order_acquire)->wake();
+  if (how == kInDoorbell) doorbell.load(std::memory_order_acquire)->wake();  // E2
 }
 
 [[gnu::hot]] void ThreadExecutor::State::loop() noexcept {
@@ -175,7 +181,7 @@ bool ThreadExecutor::is_current() const noexcept {
   int jobs_since_poll = 0;
   while (!stop.load(std::memory_order_relaxed)) {
     if (queue.next_due() <= now) queue.fire(now);
-    Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
+    Doorbell* const ringing = doorbell.load(std::memory_order_acquire);  // pairs with E2
     if (ringing != nullptr && ringing->rung()) answer(*ringing);
     if (!queue.run_one(now)) {
       jobs_since_poll = 0;
@@ -183,7 +189,7 @@ bool ThreadExecutor::is_current() const noexcept {
     } else if (++jobs_since_poll >= kJobsBetweenPolls) {
       jobs_since_poll = 0;
       const timespec at_once{};
-      if (polls.load(std::memory_order_acquire)) collect_events(&at_once, now);
+      if (polls.load(std::memory_order_acquire)) collect_events(&at_once, now);  // pairs with E2
     }
   }
 }
@@ -197,7 +203,7 @@ bool ThreadExecutor::is_current() const noexcept {
 }
 
 [[gnu::hot]] bool ThreadExecutor::State::has_work() const noexcept {
-  const Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
+  const Doorbell* const ringing = doorbell.load(std::memory_order_acquire);  // pairs with E2
   return queue.has_posted() || (ringing != nullptr && ringing->rung()) ||
          stop.load(std::memory_order_seq_cst);
 }
@@ -212,7 +218,7 @@ bool ThreadExecutor::is_current() const noexcept {
       relax();
     time = monotonic_now();
     const timespec at_once{};
-    if (polls.load(std::memory_order_acquire)) collect_events(&at_once, time);
+    if (polls.load(std::memory_order_acquire)) collect_events(&at_once, time);  // pairs with E2
     if (has_work() || queue.has_ready()) return true;
   }
   return queue.next_due() <= time;
@@ -220,10 +226,11 @@ bool ThreadExecutor::is_current() const noexcept {
 
 [[gnu::hot]] void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
   const TimePoint until = queue.next_due();
-  const bool in_poll = polls.load(std::memory_order_acquire);
-  Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
+  const bool in_poll = polls.load(std::memory_order_acquire);          // pairs with E2
+  Doorbell* const ringing = doorbell.load(std::memory_order_acquire);  // pairs with E2
   if (ringing != nullptr) ringing->set_sleep(in_poll ? Doorbell::Sleep::InPoll : Doorbell::Sleep::InFutex);
   const std::uint32_t how = in_poll ? kInPoll : ringing == nullptr ? kInFutex : kInDoorbell;
+  // E1: before the reasons to stay awake are loaded, which all follow.
   sleeping.store(how, std::memory_order_seq_cst);
   const bool changed =
       polls.load(std::memory_order_seq_cst) != in_poll || doorbell.load(std::memory_order_seq_cst) != ringing;
@@ -237,7 +244,7 @@ bool ThreadExecutor::is_current() const noexcept {
       sleep_in_futex(ringing, until);
     }
   }
-  sleeping.store(kAwake, std::memory_order_relaxed);
+  sleeping.store(kAwake, std::memory_order_relaxed);  // E1
   if (ringing != nullptr) ringing->set_sleep(Doorbell::Sleep::Awake);
   time = monotonic_now();
   if (stays) return;
@@ -313,7 +320,7 @@ Result<void> ThreadExecutor::State::prepare_poll(const std::shared_ptr<State>& s
   if (owned_doorbell) {
     if (auto started = start_bridge(self); !started) return started;
   }
-  polls.store(true, std::memory_order_seq_cst);
+  polls.store(true, std::memory_order_seq_cst);  // E1, E2
   wake();
   return {};
 }
@@ -334,7 +341,7 @@ void* ThreadExecutor::State::bridge_main(void* argument) {
   State& state = **owner;
   const std::shared_ptr<Doorbell> doorbell = state.owned_doorbell;  // set before this thread was started
   while (!state.stop.load(std::memory_order_seq_cst)) {
-    const std::uint32_t seen = doorbell->rings();
+    const std::uint32_t seen = doorbell->rings();  // D3: before the reasons, which follow
     if (state.stop.load(std::memory_order_seq_cst)) break;
     if (doorbell->rung()) state.wake();
     doorbell->wait_for_ring(seen);
@@ -355,7 +362,7 @@ Result<std::shared_ptr<Doorbell>> ThreadExecutor::doorbell(const DoorbellMaker& 
       return std::move(started.error());
     }
   }
-  state.doorbell.store(state.owned_doorbell.get(), std::memory_order_seq_cst);
+  state.doorbell.store(state.owned_doorbell.get(), std::memory_order_seq_cst);  // E1, E2
   state.wake();
   return state.owned_doorbell;
 }

@@ -165,7 +165,7 @@ TEST_P(Spinning, DescriptorsAreSeen) {
 
 TEST_P(Spinning, RingsOfOtherProcessesAreAnswered) {
   start({.trigger = Trigger::PortDriven});
-  // As a connection between processes does.
+  // Makes the doorbell that a connection between processes makes.
   Activity activity{.thread = "ringing"};
   activity.spin = GetParam();
   auto executor = ExecutorSet::of_process().executor_for("ringing", activity);

@@ -35,7 +35,7 @@ void AbandonedTasks::destroy(std::shared_ptr<task::Task> task) {
     // Others may hold the task for a moment. None of them must be the last before the task can be destroyed.
     static_cast<void>(removed.task->settle(TimePoint::max()));
     removed.task.reset();
-    removed.ended.store(true, std::memory_order_release);
+    removed.ended.store(true, std::memory_order_release);  // AT1
   });
 }
 
@@ -47,7 +47,7 @@ bool AbandonedTasks::empty() {
 
 void AbandonedTasks::forget_ended() {
   for (auto removed = waiting_.begin(); removed != waiting_.end();) {
-    if (!removed->ended.load(std::memory_order_acquire)) {
+    if (!removed->ended.load(std::memory_order_acquire)) {  // pairs with AT1
       ++removed;
       continue;
     }

@@ -31,7 +31,7 @@ class AbandonedTasks {
  private:
   struct Removed {
     std::shared_ptr<task::Task> task;
-    std::atomic<bool> ended{false};
+    std::atomic<bool> ended{false};  ///< AT1: released after the task is destroyed, acquired before the join
     std::thread thread;
   };
   void forget_ended() SEGUE_REQUIRES(mutex_);

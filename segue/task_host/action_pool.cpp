@@ -44,9 +44,9 @@ struct ActionPool::Implementation : std::enable_shared_from_this<Implementation>
   void watch(const BatchPtr& batch, bool alone);
   void begin(const BatchPtr& batch);
   void begin_here(const BatchPtr& batch);
-  /// Has one more thread work on it, unless one is on its way already.
+  /// Makes one more thread work on the batch, unless one is on its way already.
   void call_worker(const BatchPtr& batch);
-  /// What a worker does, once it has been counted.
+  /// Carries out actions of the batch in a worker's thread, once the worker has been counted.
   void work_on(BatchPtr batch);
   void leave(const BatchPtr& batch);
   /// Reports on another thread than the one that watches deadlines: reports may begin batches.
@@ -88,7 +88,7 @@ class ActionPool::Implementation::Batch final : public concurrent::DeadlineWatch
   [[nodiscard]] std::size_t size() const { return actions_.size(); }
   [[nodiscard]] TimePoint end() const { return end_of(deadline_); }
   [[nodiscard]] bool has_ended() const { return outcomes_.ended() == actions_.size(); }
-  /// Carries out what nobody has begun. `follow_ups`: where to put the batches that are begun by reports.
+  /// Carries out actions that nobody has begun. `follow_ups` gets the batches that are begun by reports.
   void take_part(FollowUps* follow_ups);
   void refuse(ErrorCode code, const std::string& why);
   TimePoint on_due(TimePoint time) override;
@@ -109,8 +109,10 @@ class ActionPool::Implementation::Batch final : public concurrent::DeadlineWatch
   const TimePoint deadline_;
   BatchOutcomes outcomes_;
   std::atomic<std::size_t> next_{0};  ///< the first that nobody has begun
-  std::atomic<bool> slow_{false};     ///< one has delayed others: what ends is reported at once
-  std::size_t seen_ = 0;              ///< how many had ended at the last on_due(), which alone uses it
+  /// One has delayed others: outcomes are reported at once. Set before on_due() reports. Outcomes have a lock
+  /// of their own, so an outcome that comes too late for that report finds it set, and its worker reports.
+  std::atomic<bool> slow_{false};
+  std::size_t seen_ = 0;  ///< how many had ended at the last on_due(), which alone uses it
 };
 
 Result<void> ActionPool::Implementation::Batch::carry_out(const model::Action& action) const {
@@ -128,7 +130,8 @@ void ActionPool::Implementation::Batch::take_part(FollowUps* list) {
   while ((index = next_.fetch_add(1)) < actions_.size()) {
     const TimePoint begin = monotonic_now();
     auto outcome = carry_out(actions_[index]);
-    // A worker only reports when there is nothing left to begin, so it is free for what reports begin.
+    // A worker only reports when there is nothing left to begin, so it is free for batches that its reports
+    // begin.
     auto* const before = std::exchange(follow_ups, list);
     outcomes_.note({index, std::move(outcome), monotonic_now() - begin});
     if (slow_ && all_begun()) {
@@ -155,7 +158,8 @@ TimePoint ActionPool::Implementation::Batch::on_due(TimePoint time) {
   if (stuck) {
     slow_ = true;
   }
-  // Asked before the report: what ends later is then reported by its worker, what has ended is by this.
+  // Asked before the report: an action that ends after this is reported by its worker, one that ended before
+  // by this thread.
   const bool workers_report = slow_ && all_begun();
   if (slow_) {
     pool_->report([self = shared_from_this()] { self->outcomes_.report(); });

@@ -36,8 +36,9 @@ class ActionPool {
   /// Begins a batch and returns at once. Each action is reported exactly once: where it has not ended shortly
   /// after `deadline` as DeadlineExceeded; its thread is then replaced, and how it ends is not reported.
   void begin(std::vector<model::Action> actions, TimePoint deadline, Completion completed);
-  /// The same, and the caller's thread carries out the actions, without any hand-over where all are quick.
-  /// For actions without hooks, since it returns when the last action of the caller's thread has ended.
+  /// Begins a batch that the caller's thread carries out itself, without any hand-over where all actions are
+  /// quick. For actions without hooks, since it returns when the last action of the caller's thread has
+  /// ended. Reports like begin().
   void begin_here(std::vector<model::Action> actions, TimePoint deadline, Completion completed);
 
   /// Waits for all actions in progress, overdue ones too. Batches that are begun later fail as Unavailable.

@@ -25,7 +25,7 @@ using ::testing::SizeIs;
 using testing::soon;
 using namespace std::chrono_literals;
 
-/// What batches report; knows whether two calls overlapped.
+/// Collects the reports of batches; knows whether two calls overlapped.
 class Reports {
  public:
   Completion listener() {

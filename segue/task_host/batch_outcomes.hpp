@@ -19,8 +19,8 @@ class BatchOutcomes {
   BatchOutcomes(const BatchOutcomes&) = delete;
   BatchOutcomes& operator=(const BatchOutcomes&) = delete;
 
-  /// Takes note of an end; reported by the next report(), or at once where it was the last one. What is known
-  /// already, and an index that is none, is dropped.
+  /// Takes note of an end; reported by the next report(), or at once where it was the last one. An end that
+  /// is known already is dropped, and so is an index that no action has.
   void note(Completed one);
   /// Reports what has been noted. Where another thread is reporting, that one reports this too.
   void report();

@@ -116,7 +116,8 @@ Error not_found(std::string_view name, const std::vector<fs::path>& folders) {
 
 Result<void> open_library(const std::string& name, const fs::path& file) {
   const task::LibraryScope scope(name);
-  // RTLD_LOCAL, since two libraries may use the same symbols; what they share is in libsegue_*.so.
+  // RTLD_LOCAL, since two libraries may use the same symbols; the symbols that they share are in
+  // libsegue_*.so.
   void* handle = nullptr;
   try {
     handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

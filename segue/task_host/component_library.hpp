@@ -35,8 +35,8 @@ class LibrarySet {
   /// where the library was built against another version of Segue, or where it provides a component that
   /// another library has.
   Result<void> load(std::string_view name);
-  /// The same for a file anywhere ("build/lib/libdemo.so"); returns the library's name. For build tools:
-  /// robots name libraries, never paths.
+  /// Loads a library from a file anywhere ("build/lib/libdemo.so"); returns the library's name. Fails like
+  /// load(). For build tools: robots name libraries, never paths.
   Result<std::string> load_path(const std::filesystem::path& file);
 
   /// Components compiled into this program (SEGUE_COMPONENT in an executable) are offered without load().

@@ -117,7 +117,8 @@ void collect(const type::Type& type, std::set<const type::Type*>& seen,
   order.push_back(&type);
 }
 
-/// The same type composed of the registry's types, where `type` refers to other types with the same names.
+/// A copy of the type that is composed of the registry's types: each type that `type` refers to is replaced
+/// by the registry's type of the same name.
 Result<type::Type> copy_into(const type::Type& type, type::TypeRegistry& types) {
   type::Type copy = type;
   std::vector<const type::Type**> parts{&copy.element};

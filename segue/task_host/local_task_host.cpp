@@ -33,7 +33,7 @@ bool may_take_long(const model::Action& action) {
   return !std::holds_alternative<model::DeploymentAction>(action.what);
 }
 
-/// Connections that end with the commit: what is disconnected after it.
+/// The connections that are disconnected after the commit: they end with it.
 std::vector<model::Connection> ending_connections(const model::Transition& transition) {
   std::vector<model::Connection> ending;
   for (const auto& action : transition.actions) {
@@ -111,10 +111,10 @@ struct LocalTaskHost::Implementation {
   detail::TaskConnections connections{table, maker};
   detail::TaskActions actions{table, maker, connections, events, *watches};
   detail::WrittenSamples written;
-  /// Of the transitions that this host commits itself.
+  /// The word of the transitions that this host commits itself.
   const std::shared_ptr<task::CommitWord> word = std::make_shared<task::CommitWord>(0);
   std::atomic<std::uint64_t> transitions{0};
-  std::atomic<std::uint64_t> armed{0};  ///< the one that can commit; 0: none
+  std::atomic<std::uint64_t> armed{0};  ///< the one that can commit; 0: none. Whoever takes it out commits
   concurrent::ThreadPool threads{"segue-actions", kActionThreads};
   ActionPool pool{threads, [this](const model::Action& action, TimePoint deadline) {
                     auto done = actions.perform(action, deadline);
@@ -179,7 +179,7 @@ Result<void> LocalTaskHost::arm_commit(const model::Transition& transition, Time
 
 Result<void> LocalTaskHost::commit() {
   if (const std::uint64_t number = implementation_->armed.exchange(0); number != 0) {
-    implementation_->word->store(number);
+    implementation_->word->store(number);  // G2 (CommitGate)
   }
   settle();
   return {};

@@ -85,7 +85,7 @@ class LocalTaskHost final : public TaskHost {
                                  std::span<const model::Connection> ending);
   task::CommitGatePtr gate();
   void settle();
-  /// Before an endpoint is closed: waits until the reader has taken what the connection owes it.
+  /// Waits, before an endpoint is closed, until the reader has taken what the connection owes it.
   void let_reader_finish(const sample_link::PortConnection& connection, const model::TaskId& reader,
                          TimePoint deadline) const;
 

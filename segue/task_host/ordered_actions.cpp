@@ -10,7 +10,7 @@ namespace segue::task_host {
 
 namespace {
 
-/// Hosts report what is overdue themselves; only one that does not is given up.
+/// Hosts report overdue actions themselves; only a host that does not is given up.
 constexpr Duration kHostGrace = std::chrono::seconds(30);
 /// No longer chain is waited for, so that deadlines stay within the range of clocks.
 constexpr int kMostSteps = 10'000;
@@ -171,7 +171,7 @@ std::vector<model::Action> OrderedActions::actions_of(const Batch& batch) const 
 }
 
 void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
-  // What a failure kept from beginning is not the failure.
+  // Actions that a failure kept from beginning come last, since they are not the failure.
   std::stable_partition(ended.begin(), ended.end(), [](const Completed& one) { return one.begun; });
   Lock lock(mutex_);
   Indices late;

@@ -33,15 +33,15 @@ int longest_chain(const std::vector<model::Action>& actions);
 /// report long after the deadline counts as failed.
 class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
  public:
-  /// What carries the actions out. Functions are called from any thread.
+  /// The functions that carry the actions out, called from any thread.
   struct Performer {
-    /// Begins a batch, as TaskHost::begin_all. Where `place` is there, actions of a batch that are at one
-    /// place may depend on each other, and are reported with their `span`.
+    /// Begins a batch, as TaskHost::begin_all() does. Where `place` is set, actions of a batch that are at
+    /// one place may depend on each other, and are reported with their `span`.
     std::function<void(std::vector<model::Action> actions, TimePoint deadline, Completion completed)> begin;
-    /// What runs now: how an action ended that was not reported in time.
+    /// The network that runs now; tells how an action ended that was not reported in time.
     std::function<model::Network()> observe;
-    /// Where an action is carried out. What waits only for others of the same place is begun together with
-    /// them. May be empty; nullptr: at no such place. Must not block.
+    /// The place where an action is carried out. An action that waits only for others of the same place is
+    /// begun together with them. May be empty; nullptr: at no such place. Must not block.
     std::function<const void*(const model::Action& action)> place{};
     /// Called once nothing new may begin while batches are in progress. May be empty; must not block.
     std::function<void()> begin_no_more{};
@@ -71,7 +71,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   };
   using BatchPtr = std::shared_ptr<Batch>;
 
-  // Some give the mutex back in between.
+  // Begins actions that are ready, until there are none. Some functions here give the mutex back in between.
   /// Begins what is ready, until there is nothing left.
   void begin_ready() SEGUE_REQUIRES(mutex_);
   BatchPtr take_ready() SEGUE_REQUIRES(mutex_);
@@ -103,7 +103,7 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   /// The performer reports how actions of a batch ended.
   void complete(Batch& batch, std::vector<Completed> ended);
   void cancel();
-  /// The same, and those in progress that may be left count as if they had not begun.
+  /// Cancels the run, and counts actions in progress that may be left as if they had not begun.
   void leave(const Leaving::MayBeLeft& may_be_left);
 
   enum class Progress : std::uint8_t { Waiting, Begun, Reported };

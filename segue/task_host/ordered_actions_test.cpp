@@ -26,7 +26,7 @@ Action action(int id, const Ids& after = {}) {
 /// Carries out actions as a test says, and notes what it was asked.
 class Performers {
  public:
-  /// What an action answers; nothing: it is never reported.
+  /// The answers to actions; nothing: the action is never reported.
   std::map<int, std::optional<Result<void>>> answers;
   std::map<int, const void*> places;
   std::vector<Ids> batches;
@@ -54,7 +54,7 @@ class Performers {
   }
 
  private:
-  /// As a host does: in their order, until one fails.
+  /// Carries out actions as a host does: in their order, until one fails.
   void begin(const std::vector<Action>& actions, const Completion& completed) {
     std::set<int> failed;
     for (std::size_t i = 0; i < actions.size(); ++i) {

@@ -23,9 +23,9 @@ class PortReader {
   virtual ~PortReader() = default;
   /// The samples that nobody has read yet, oldest first, at most `limit`. Does not wait for samples.
   virtual std::vector<type::Value> read(std::size_t limit) = 0;
-  /// As read(), but answers as soon as there is a sample; with none at the end of the wait. The errors:
-  /// NotFound where its task is gone, Cancelled where this has been destroyed or the wait was stopped,
-  /// Unavailable where its process cannot be reached. Does not block.
+  /// Reads samples like read(), but answers as soon as there is one; with none at the end of the wait. The
+  /// errors: NotFound where its task is gone, Cancelled where this has been destroyed or the wait was
+  /// stopped, Unavailable where its process cannot be reached. Does not block.
   virtual void next(std::size_t limit, const Wait& wait, SamplesAnswer answered) = 0;
   [[nodiscard]] virtual std::string type_name() const = 0;
 };

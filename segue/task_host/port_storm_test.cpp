@@ -89,7 +89,7 @@ class PortStorm : public ::testing::Test {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return broken_ >= times; });
   }
-  /// What may fail only because the ports are not there just now.
+  /// Expects success, or the failures that occur only because the ports are not there just now.
   void expect_done_or_gone(const Result<void>& done) {
     if (done) {
       ++connected_;

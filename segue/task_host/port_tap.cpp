@@ -24,7 +24,7 @@ class Probe final : public task::Component {
   task::InputPortBase input;
 };
 
-/// What a reader shares with whoever waits for its samples.
+/// The state that a reader shares with whoever waits for its samples.
 class Tap {
  public:
   Tap(const task::OutputPortBase& port, std::weak_ptr<task::Task> task)
@@ -43,7 +43,7 @@ class Tap {
     return samples;
   }
 
-  /// As read(), and asks for a ring after the next update.
+  /// Reads samples, and has the watches rung after the task's next update.
   Result<std::vector<type::Value>> read_and_announce(std::size_t limit) {
     if (is_closed_.load()) return no_longer_wanted();
     const auto task = task_.lock();
@@ -60,7 +60,7 @@ class Tap {
   Mutex mutex_;  ///< a port has one reader at a time
   Probe probe_;
   const std::string full_name_;
-  std::atomic<bool> is_closed_ = false;
+  std::atomic<bool> is_closed_ = false;  ///< set before the ring (W1) after which it is looked at
 };
 
 class TapReader final : public PortReader {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the host does in the updates of its tasks allocates nothing.
+// The host allocates nothing in the updates of its tasks.
 #include <segue/task_host/test_support.hpp>
 #include <support/allocation_trap.hpp>
 

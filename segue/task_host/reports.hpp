@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-/// What a host says of its tasks, its connections and its computers, and of changes to them.
+/// A host's reports on its tasks, its connections, its computers and changes to them.
 namespace segue::task_host {
 
 /// The observed state of a task.
@@ -31,7 +31,7 @@ struct TaskReport {
   bool unknown = false;  ///< its computer cannot be reached: all this is what was known last
 };
 
-/// What is said of a task only where somebody asks for it: it would make each list of tasks large.
+/// Details of a task that are reported on request only, since they would make each list of tasks large.
 struct TaskDetails {
   task::TimingHistograms timing;  ///< since its last start
   /// Its newest lines, oldest first, as long as its process lives. They are found by its id, of which the
@@ -45,9 +45,10 @@ struct ConnectionReport {
   std::uint64_t written = 0;
   std::uint64_t read = 0;
   std::uint64_t dropped = 0;
-  /// From the write to the read. Between hosts without the way over the network: their clocks differ.
+  /// The time from the write to the read. Between hosts without the way over the network: their clocks
+  /// differ.
   sample_link::Latency latency{};
-  /// Not empty: it has been ended and is missing, and this is why.
+  /// The reason why the connection has been ended and is missing; empty: it is not.
   std::string error{};
 };
 

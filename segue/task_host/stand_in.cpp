@@ -79,7 +79,7 @@ Result<void> check_behaviour(const type::Value& value, std::string_view path) {
   return {};
 }
 
-/// What a stand-in does that is specified to hang.
+/// Blocks for ever, as a stand-in that is specified to hang.
 [[noreturn]] void hang() {
   while (true) {
     std::this_thread::sleep_for(std::chrono::hours(1));
@@ -123,7 +123,9 @@ class StandIn final : public task::Component {
   std::vector<std::unique_ptr<task::DynamicProperty>> properties_;
   std::vector<std::unique_ptr<task::DynamicOperation>> operations_;
   task::DynamicProperty* behaviour_property_ = nullptr;
-  std::atomic<bool> operations_hang_;  ///< as now_ says; operations may run in their callers' threads
+  /// A copy of `now_.hangs("operation")`, since operations may run in their callers' threads. Relaxed: these
+  /// read nothing else.
+  std::atomic<bool> operations_hang_;
   TimePoint last_write_{};
   Duration interval_ = kShortestInterval;
 };

@@ -65,15 +65,15 @@ inline constexpr std::array<std::string_view, 6> kStandInFailures = {"configure"
 inline constexpr std::array<std::string_view, 6> kStandInHangs = {"configure", "start",  "stop",
                                                                   "cleanup",   "update", "operation"};
 
-/// The entries of `value` (a map as above) over `base`. Unknown keys, wrong types, negative durations and
-/// rates beyond 10 kHz are errors; `path` begins the message.
+/// The entries of `value` (a map of the same keys) over `base`. Unknown keys, wrong types, negative durations
+/// and rates beyond 10 kHz are errors; `path` begins the message.
 Result<StandInBehaviour> read_behaviour(const type::Value& value, StandInBehaviour base,
                                         std::string_view path);
 
 /// Behaviours by component name, task id or "default".
 class StandInTable {
  public:
-  /// From the map under `stand_ins`. All problems at once.
+  /// Reads the map under `stand_ins`. Reports all problems at once.
   static std::optional<StandInTable> read(const type::Value& document, const std::string& file,
                                           Diagnostics& diagnostics);
   static std::optional<StandInTable> load(const std::filesystem::path& file, Diagnostics& diagnostics);

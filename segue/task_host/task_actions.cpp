@@ -414,7 +414,7 @@ void TaskActions::conclude(const model::Transition& transition) {
   const auto hangs = hanging();
   for (const auto& id : transition.removes) {
     const auto entry = table_.look_up(id);
-    // One that hangs in a process of its own ends with that.
+    // A task that hangs in a process of its own ends with that process.
     const bool dropped = entry && entry->process.is_runtime() && hangs.contains(id);
     if (entry && (!entry->configured() || dropped)) {
       table_.take_connections_of(id);

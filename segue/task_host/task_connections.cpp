@@ -10,7 +10,7 @@ namespace segue::task_host::detail {
 
 namespace {
 
-/// What a reader may take longer than its cycles for one sample each: the time until its thread runs.
+/// The time that a reader has beyond one cycle for each sample: until its thread runs.
 constexpr Duration kReadingPatience = std::chrono::milliseconds(100);
 constexpr Duration kReadingPoll = std::chrono::microseconds(500);
 
@@ -107,7 +107,7 @@ task::CommitGatePtr TaskConnections::arm(std::shared_ptr<const task::CommitWord>
   return gate;
 }
 
-/// Those that ended with an earlier transition, which did not come to disconnecting them.
+/// Disconnects the connections that ended with an earlier transition which did not get that far.
 void TaskConnections::drop_ended() {
   for (const ConnectionEntry& entry : table_.all_connections()) {
     const sample_link::PortConnection& connection = entry.handle.port_connection();

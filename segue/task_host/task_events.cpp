@@ -12,7 +12,7 @@ namespace segue::task_host::detail {
 void TaskEvents::Source::add(TaskState state) noexcept {
   std::uint64_t states = states_.load(std::memory_order_relaxed);
   const auto number = static_cast<std::uint64_t>(state) + 1;
-  while (!states_.compare_exchange_weak(states, (states << 8U) | number, std::memory_order_release,
+  while (!states_.compare_exchange_weak(states, (states << 8U) | number, std::memory_order_release,  // A1
                                         std::memory_order_relaxed)) {
   }
 }
@@ -20,16 +20,16 @@ void TaskEvents::Source::add(TaskState state) noexcept {
 void TaskEvents::note(const std::shared_ptr<Source>& source, TaskState state) noexcept {
   source->add(state);
   // Whoever takes the source clears the flag before it takes the states, and sees this one then.
-  if (source->queued_.exchange(true, std::memory_order_acq_rel)) {
+  if (source->queued_.exchange(true, std::memory_order_acq_rel)) {  // A2
     return;
   }
   source->self_ = source;
   Source* newest = queued_.load(std::memory_order_relaxed);
   do {
     source->next_ = newest;
-  } while (!queued_.compare_exchange_weak(newest, source.get(), std::memory_order_release,
+  } while (!queued_.compare_exchange_weak(newest, source.get(), std::memory_order_release,  // A3
                                           std::memory_order_relaxed));
-  rings_.fetch_add(1, std::memory_order_release);
+  rings_.fetch_add(1, std::memory_order_release);  // A4
   rings_.notify_one();
 }
 
@@ -37,7 +37,7 @@ void TaskEvents::set_listener(Listener listener) {
   const Lock setting(setting_);
   if (thread_.joinable()) {
     stop_.store(true, std::memory_order_relaxed);
-    rings_.fetch_add(1, std::memory_order_release);
+    rings_.fetch_add(1, std::memory_order_release);  // A4
     rings_.notify_one();
     thread_.join();
   }
@@ -52,17 +52,17 @@ void TaskEvents::set_listener(Listener listener) {
 
 void TaskEvents::run() {
   while (true) {
-    const std::uint32_t seen = rings_.load(std::memory_order_acquire);
+    const std::uint32_t seen = rings_.load(std::memory_order_acquire);  // pairs with A4
     if (stop_.load(std::memory_order_relaxed)) {
       return;
     }
     take([this](const Source& source, std::uint64_t states) { tell(source, states); });
-    rings_.wait(seen, std::memory_order_acquire);
+    rings_.wait(seen, std::memory_order_acquire);  // pairs with A4
   }
 }
 
 void TaskEvents::take(const std::function<void(const Source&, std::uint64_t states)>& handle) {
-  Source* newest = queued_.exchange(nullptr, std::memory_order_acquire);
+  Source* newest = queued_.exchange(nullptr, std::memory_order_acquire);  // pairs with A3
   Source* oldest = nullptr;
   while (newest != nullptr) {
     Source* const next = std::exchange(newest->next_, oldest);
@@ -71,8 +71,8 @@ void TaskEvents::take(const std::function<void(const Source&, std::uint64_t stat
   while (oldest != nullptr) {
     Source* const next = oldest->next_;
     const std::shared_ptr<Source> source = std::move(oldest->self_);
-    source->queued_.exchange(false, std::memory_order_acq_rel);
-    handle(*source, source->states_.exchange(0, std::memory_order_acquire));
+    source->queued_.exchange(false, std::memory_order_acq_rel);               // A2
+    handle(*source, source->states_.exchange(0, std::memory_order_acquire));  // pairs with A1
     oldest = next;
   }
 }

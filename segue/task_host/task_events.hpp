@@ -31,12 +31,14 @@ class TaskEvents {
 
     const model::TaskId id_;
     const std::weak_ptr<task::Task> task_;
-    /// One byte for each state, the latest in the lowest byte: its number + 1. Of more than eight, the oldest
-    /// are forgotten.
+    /// One byte for each state, the latest in the lowest byte: its number + 1. It holds the latest eight;
+    /// older ones are forgotten. A1: note() releases a state, take() acquires it.
     std::atomic<std::uint64_t> states_{0};
+    /// A2: acquire-release on both sides. Whoever sets it alone writes self_ and next_; take() has read both
+    /// before it clears it. note() adds a state before, so whoever finds it set knows that take() sees that.
     std::atomic<bool> queued_{false};
-    std::shared_ptr<Source> self_;  ///< keeps it while it is queued; written by whoever sets queued_
-    Source* next_ = nullptr;        ///< likewise
+    std::shared_ptr<Source> self_;  ///< keeps it while it is queued
+    Source* next_ = nullptr;
   };
 
   TaskEvents() = default;
@@ -61,10 +63,11 @@ class TaskEvents {
   Mutex setting_;      ///< protects thread_ and listener_: one set_listener() at a time
   Listener listener_;  ///< only changed while there is no thread
   std::thread thread_;
-  std::atomic<bool> stop_{false};
-  /// A stack. Whoever sets Source::queued_ pushes (release) and then raises rings_; the thread reads rings_
-  /// before it takes the stack (acquire), so it does not sleep over a source.
+  std::atomic<bool> stop_{false};  ///< relaxed: published by A4, or by the start of the thread
+  /// A stack. A3: whoever sets Source::queued_ pushes the source (release); take() acquires the whole stack.
   std::atomic<Source*> queued_{nullptr};
+  /// A4: raised (release) after a push or stop_; the thread reads it (acquire) before it looks for these, so
+  /// it does not sleep over a source.
   std::atomic<std::uint32_t> rings_{0};
 };
 

@@ -29,7 +29,7 @@
 /// Creates tasks, moves them through their life cycle and observes them.
 namespace segue::task_host {
 
-/// From when to when, since the begin of something.
+/// A begin and an end, relative to a common begin.
 struct Span {
   Duration begin{0};
   Duration end{0};
@@ -98,8 +98,8 @@ class TaskHost {
 
   /// The computers of the robot, where it has others than the runtime's own.
   [[nodiscard]] virtual std::vector<ComputerReport> computers() const;
-  /// Why the robot is lost, for good: another runtime commands it on other computers. What runs on this one
-  /// can still be brought to rest. Nothing: it is not lost.
+  /// Why the robot is lost, for good: another runtime commands it on other computers. Tasks on this one can
+  /// still be brought to rest. Nothing: it is not lost.
   [[nodiscard]] virtual std::optional<Error> loss() const { return std::nullopt; }
   /// A network as it runs here: with the tasks that carry samples between computers, which observe() shows,
   /// too. condensed() is the reverse. Both leave other networks as they are.
@@ -116,7 +116,8 @@ class TaskHost {
   /// waiting for them, and what has not ended shortly after `deadline` as DeadlineExceeded; it may still be
   /// at work.
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed);
-  /// The same, and waits; outcomes in the order of `actions`.
+  /// Carries out actions like begin_all() and waits until all are reported; outcomes in the order of
+  /// `actions`.
   std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
 
   /// Carries out actions in their partial order: each begins once those of `actions` that its `after` names

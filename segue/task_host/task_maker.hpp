@@ -21,7 +21,8 @@ class TaskMaker {
   TaskMaker(const LibrarySet& libraries, const model::ComponentCatalog& catalog, LocalOptions options)
       : libraries_(libraries), catalog_(catalog), options_(std::move(options)) {}
 
-  /// As TaskHost::stands_in.
+  /// Whether tasks of the component are stand-ins (TaskHost::stands_in()), or may be, since its model is not
+  /// known.
   [[nodiscard]] bool is_unchecked(const model::ComponentName& component) const;
   Result<void> can_make(const model::ComponentName& component) const;
   /// Stand-ins made from now on have the ports that `network` names.
@@ -40,7 +41,7 @@ class TaskMaker {
   /// The activity of the task: as the network specifies it, else the component, else the process.
   [[nodiscard]] Activity activity_for(const model::Task& definition, const ProcessEntry* process,
                                       const task::Component& component, bool stand_in) const;
-  /// What is wrong with how the task's stand-in is to behave.
+  /// The problem of the configuration of the behaviour of the task's stand-in; nothing if it is valid.
   [[nodiscard]] std::optional<std::string> problem_of_behaviour(const model::Task& definition) const;
   /// How a task's stand-in behaves now.
   [[nodiscard]] StandInBehaviour behaviour_of(const model::Task& definition) const;

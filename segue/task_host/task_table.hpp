@@ -49,7 +49,7 @@ Error busy(const TaskEntry& entry);
 /// Locks the entry's ports for reading; DeadlineExceeded where a hook holds them too long.
 Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoint deadline);
 
-/// Those of one writer stand together.
+/// Orders connections by their writers, so that those of one writer stand together.
 struct ByWriter {
   using is_transparent = void;
   bool operator()(const model::Connection& a, const model::Connection& b) const {
@@ -63,7 +63,7 @@ struct ByWriter {
   }
 };
 
-/// Those of one reader stand together.
+/// Orders connections by their readers, so that those of one reader stand together.
 struct ByReader {
   using is_transparent = void;
   bool operator()(const model::Connection* a, const model::Connection* b) const {
@@ -83,7 +83,7 @@ struct ConnectionEntry {
 };
 
 /// The tasks, processes and connections of this process. Thread safe; every function is short and calls no
-/// hook. What concerns one task takes a time that does not grow with the number of all others.
+/// hook. A function that concerns one task takes a time that does not grow with the number of all others.
 class TaskTable {
  public:
   /// NotFound, with the most similar name.
@@ -112,12 +112,12 @@ class TaskTable {
   Result<void> add_connection(ConnectionEntry entry, const task::Task* from, const task::Task* to);
   /// Removes the connection from the table.
   Result<ConnectionEntry> take_connection(const model::Connection& connection);
-  /// Those that have not ended.
+  /// Only connections that have not ended.
   [[nodiscard]] std::optional<ConnectionHandle> find_connection(const model::Connection& connection) const;
   [[nodiscard]] std::vector<ConnectionEntry> all_connections() const;
   /// Removes connections that have ended.
   void drop_ended_connections();
-  /// Only those of a task, of which ports were removed.
+  /// Removes connections that have ended of a task of which ports were removed.
   void drop_ended_connections_of(const model::TaskId& id);
   /// Removes all connections of a task from the table.
   std::vector<ConnectionEntry> take_connections_of(const model::TaskId& id);

@@ -21,7 +21,7 @@ void Watches::add(Wait wait, Look look) {
     return;
   }
   if (!thread_) thread_ = concurrent::start_thread(thread_name_, [this] { run(); });
-  open_count_.fetch_add(1, std::memory_order_seq_cst);
+  open_count_.fetch_add(1, std::memory_order_seq_cst);  // W1
   added_.push_back(std::make_unique<Open>(std::move(wait), std::move(look), *this));
   lock.unlock();
   wake();
@@ -29,11 +29,11 @@ void Watches::add(Wait wait, Look look) {
 
 void Watches::ring() noexcept {
   std::atomic_thread_fence(std::memory_order_seq_cst);
-  if (open_count_.load(std::memory_order_seq_cst) > 0) wake();
+  if (open_count_.load(std::memory_order_seq_cst) > 0) wake();  // W1: after the change and the fence
 }
 
 void Watches::wake() noexcept {
-  rings_.fetch_add(1, std::memory_order_seq_cst);
+  rings_.fetch_add(1, std::memory_order_seq_cst);  // W2
   task::detail::futex_wake(rings_, 1);
 }
 
@@ -50,7 +50,7 @@ void Watches::close() {
 
 void Watches::run() {
   while (true) {
-    const std::uint32_t seen = rings_.load(std::memory_order_seq_cst);
+    const std::uint32_t seen = rings_.load(std::memory_order_seq_cst);  // W2
     bool is_last = false;
     {
       const Lock lock(mutex_);

@@ -41,7 +41,7 @@ class Watches {
   void add(Wait wait, Look look);
   /// Something may have changed. Real-time safe, and free while nobody waits.
   void ring() noexcept;
-  /// Ends what waits; later questions end at once.
+  /// Ends all waits; later questions end at once.
   void close();
 
  private:
@@ -54,18 +54,20 @@ class Watches {
 
   void wake() noexcept;
   void run();
-  /// Until when the next one waits.
+  /// Looks for all questions; returns the time of the next look.
   TimePoint look_at_all(TimePoint now);
   [[nodiscard]] End end_of(const Open& open, TimePoint now) const;
 
   const Duration look_;
   const char* const thread_name_;
-  /// ring() looks at `open_count_` after the change that it stands for; add() raises that before it looks for
-  /// changes (both sequentially consistent): so one of them sees the other.
+  /// W1: ring() looks at `open_count_` after the change that it stands for; add() raises that before it looks
+  /// for changes (both sequentially consistent): so one of them sees the other.
   std::atomic<std::uint32_t> open_count_{0};
+  /// W2: wake() raises it after its reason; the thread reads it before it looks, so the futex does not sleep
+  /// over a reason.
   std::atomic<std::uint32_t> rings_{0};
-  std::atomic<bool> closed_{false};
-  Mutex mutex_;  ///< protects the next two
+  std::atomic<bool> closed_{false};  ///< set under the mutex; look_at_all() reads it without
+  Mutex mutex_;                      ///< protects the next two
   std::list<std::unique_ptr<Open>> added_ SEGUE_GUARDED_BY(mutex_);
   std::optional<std::thread> thread_;
   std::list<std::unique_ptr<Open>> open_;  ///< used by the thread

@@ -64,7 +64,7 @@ class WritingToPorts : public ::testing::Test {
     return done ? std::string() : to_string(done.error());
   }
   Value total() { return host_.call(model::TaskId("adder"), "total", type::ValueMap{}, soon()).value(); }
-  /// What the task read last, from now on.
+  /// The value that the task has read last, from now on.
   Value next_look() {
     auto reader = host_.open_reader({model::TaskId("adder"), "last"}, 10).value();
     std::vector<Value> samples;

@@ -59,8 +59,8 @@ class AheadFinder {
     }
   }
 
-  /// A node that writes a fact may turn out to leave it as it is. Then nobody waits for it because of that
-  /// fact, but for those for whom it waits because of it.
+  /// A node that writes a fact may turn out to leave it as it is. Then nobody waits for that node because of
+  /// the fact, but for the nodes for which it waits because of the fact.
   void take_those_of_fact(const Dependency& dependency) {
     std::vector<NodeId> open{dependency.from};
     while (!open.empty()) {
@@ -83,8 +83,9 @@ class AheadFinder {
                                [&](const Access& access) { return access.fact == fact && access.writes; });
   }
 
-  /// A dependency because of a resource says only that the other has begun. What begins has waited like what
-  /// has passed, since nodes that take units in program order never run speculatively.
+  /// A dependency because of a resource says only that the other has begun. A node that begins has waited for
+  /// all that a node which has passed has waited for, since nodes that take units in program order never run
+  /// speculatively.
   void take(const Dependency& dependency) {
     const std::uint32_t from = index(dependency.from);
     if (from < first_) return;
@@ -115,7 +116,7 @@ class AheadFinder {
   const Order& order_;
   const Paths& paths_;
   std::vector<std::uint32_t> passed_;    ///< by node: the last for which it has passed
-  std::vector<std::uint32_t> followed_;  ///< likewise: whose dependencies have been followed
+  std::vector<std::uint32_t> followed_;  ///< by node: the last whose dependencies have been followed
   std::vector<NodeId> open_;
   std::set<std::pair<std::uint32_t, std::uint32_t>>
       aside_;  ///< nodes and facts that they may leave as they are
@@ -135,7 +136,8 @@ bool acts(const TaskNetwork& network, NodeId node) {
 
 namespace {
 
-/// What must be true for the node to be on the path: its conditions, and those of the nodes that they name.
+/// The conditions that must be true for the node to be on the path: its own, and those of the nodes that they
+/// name.
 std::set<Condition> all_conditions(const TaskNetwork& network, NodeId node) {
   std::set<Condition> known;
   std::vector<NodeId> open{node};
@@ -182,8 +184,9 @@ std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order
 
 namespace {
 
-/// What a node that has begun is certain to have waited for. What runs ahead waits for less than what counts:
-/// not for decisions, nor for what only predicts the outputs that it takes.
+/// Finds the nodes that a node which has begun is certain to have waited for. A node that runs ahead waits
+/// for less than one that counts: neither for decisions, nor for nodes that only predict the outputs that it
+/// takes.
 class SensedFinder {
  public:
   SensedFinder(const TaskNetwork& network, const Order& order, const Paths& paths)
@@ -267,8 +270,8 @@ class SensedFinder {
   const Order& order_;
   const Paths& paths_;
   std::vector<std::uint32_t> passed_;    ///< by node: the last for which it has passed
-  std::vector<std::uint32_t> begun_;     ///< likewise: for whose begin dependencies have been followed
-  std::vector<std::uint32_t> followed_;  ///< likewise: all of them
+  std::vector<std::uint32_t> begun_;     ///< by node: the last whose begin dependencies have been followed
+  std::vector<std::uint32_t> followed_;  ///< by node: the last for which all dependencies have been followed
   std::vector<NodeId> begun_list_;
   std::vector<NodeId> passed_list_;
   NodeId node_{};

@@ -17,7 +17,7 @@ struct ActsAhead {
   NodeId fails{};
   friend bool operator==(const ActsAhead&, const ActsAhead&) = default;
 };
-/// The same by names, for all iterations together.
+/// ActsAhead with names instead of ids: one entry for all iterations of a node together.
 struct NamedActsAhead {
   std::string acts;
   std::vector<std::string> fails;
@@ -31,14 +31,14 @@ struct SensesAhead {
   NodeId acts{};
   friend bool operator==(const SensesAhead&, const SensesAhead&) = default;
 };
-/// The same by names, for all iterations together.
+/// SensesAhead with names instead of ids: one entry for all iterations of a node together.
 struct NamedSensesAhead {
   std::string senses;
   std::vector<std::string> acts;
   friend bool operator==(const NamedSensesAhead&, const NamedSensesAhead&) = default;
 };
 
-/// What is known of the paths that a run may take.
+/// Knowledge of the paths that a run may take.
 class Paths {
  public:
   Paths() = default;
@@ -47,7 +47,8 @@ class Paths {
   virtual ~Paths() = default;
   /// Whether `other` is on the path of every run that has `node` on it.
   [[nodiscard]] virtual bool implies(NodeId node, NodeId other) const = 0;
-  /// Whether `other` is at least part of these runs, so that who waits for it waits for what it waits for.
+  /// Whether `other` is at least part of these runs, so that a node that waits for it waits for its
+  /// predecessors, too.
   [[nodiscard]] virtual bool comes_with(NodeId node, NodeId other) const = 0;
   /// Whether a run in which `dependency.to` is on the path certainly has that dependency.
   [[nodiscard]] virtual bool is_certain(const Dependency& dependency) const {
@@ -87,7 +88,7 @@ inline constexpr std::uint32_t kAheadWithin = 1024;
                                                 const Paths& paths, std::span<const NodeId> nodes);
 
 /// All pairs that the order permits, by `senses`, then `acts`: of sensing nodes and irreversible ones, which
-/// do not lie in parallel. Time as above.
+/// do not lie in parallel. Takes time like acts_ahead().
 [[nodiscard]] std::vector<SensesAhead> senses_ahead(const TaskNetwork& network, const Order& order,
                                                     const Paths& paths);
 

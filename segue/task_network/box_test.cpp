@@ -55,7 +55,7 @@ class Boxes : public testing::TestWithParam<int> {
     return sum;
   }
 
-  /// Likewise of the nodes of these names for each box from `first` on.
+  /// The time that the nodes of these names take one after the other, for each box from `first` on.
   Duration for_boxes(int first, std::initializer_list<const char*> names) const {
     Duration sum{};
     for (int box = first; box <= GetParam(); ++box) {

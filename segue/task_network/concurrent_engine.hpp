@@ -30,7 +30,7 @@ class Expansion {
   virtual void failed(NodeId node) { (void)node; }
   /// Whether there are races that have not been decided.
   [[nodiscard]] virtual bool races() const { return false; }
-  /// The nodes that have lost a race since the last call: what of them runs is preempted, and its end counts;
+  /// The nodes that have lost a race since the last call: those that run are preempted, and their ends count;
   /// the others are skipped (see skipped()). Asked whenever a node has ended or was appended.
   virtual std::vector<NodeId> take_lost() { return {}; }
   /// The node turned out to be off the path, or was in take_lost(), and will not end.
@@ -57,8 +57,8 @@ struct ConcurrentEngineOptions {
 /// Runs a network concurrently and speculatively, as far as its order, its resources and the predicted world
 /// allow, with the outcome of the sequential execution: the same end; unless that is a failure, the same
 /// values read, the same final world, the same resources consumed; the same order of irreversible nodes for
-/// each fact and resource. What may have been done besides where it fails: acts_ahead(). All decisions are
-/// made on the thread that calls `run`.
+/// each fact and resource. acts_ahead() tells which other nodes may have acted where it fails. All decisions
+/// are made on the thread that calls `run`.
 class ConcurrentEngine {
  public:
   /// All three must outlive the engine; `order` must cover the network.
@@ -74,13 +74,14 @@ class ConcurrentEngine {
   /// Runs it to its end. A failure of the mission is part of the result. Blocks; call it once.
   RunResult run();
 
-  /// Ends the run soon: what runs is preempted, nothing new starts. On any thread, as the next three.
+  /// Ends the run soon: running nodes are preempted, and nothing new starts. On any thread, as the next
+  /// three.
   void stop();
-  /// No node begins any more; what runs goes on. May be called before run().
+  /// Lets no node begin any more; running nodes go on. May be called before run().
   void pause();
   /// Ends a pause.
   void resume();
-  /// During a pause: begins one more node, the first that can.
+  /// Begins one more node during a pause: the first that can.
   void step();
 
   /// The order that it runs by: the given one, or that of the network as far as it has grown.

@@ -52,7 +52,7 @@ void ConcurrentEngine::Implementation::take_end(CompletionQueue::End& end) {
   const bool ends_lost = state.lost && state.phase == Phase::Running;
   if (!state.cancelled || ends_lost || planted(EngineFault::CountsPreempted)) {
     park(node, std::move(end.report));
-    // It may decide a race before the units that it had are granted to a node that has lost.
+    // The node may decide a race before its units are granted to a node that has lost that race.
     if (expansion_ != nullptr && expansion_->races()) check(node);
     return;
   }
@@ -129,7 +129,8 @@ void ConcurrentEngine::Implementation::try_commit(NodeId node) {
   invalidate(node);
 }
 
-/// It cannot run again: if its result was based on what has changed meanwhile, it is as if it had not begun.
+/// Commits a node that has lost a race. It cannot run again: if its result was based on data that have
+/// changed meanwhile, it counts as one that has not begun.
 void ConcurrentEngine::Implementation::commit_lost(NodeId node) {
   const ReportPtr& report = reports_[index(node)];
   const PendingChanges* pending = report ? report->pending.get() : nullptr;
@@ -150,7 +151,7 @@ bool ConcurrentEngine::Implementation::turn_has_come(NodeId node) {
   return true;
 }
 
-/// What it has changed beside the network counts too. Where a later node has used that already, the run
+/// Commits a node with its changes beside the network. Where a later node has used these already, the run
 /// cannot be that of the program any more, whoever handles aborts.
 void ConcurrentEngine::Implementation::commit_with_changes(NodeId node) {
   const ReportPtr& report = reports_[index(node)];
@@ -328,7 +329,7 @@ void ConcurrentEngine::Implementation::advance_prefix() {
   while (prefix_ < size && states_[prefix_].passed)
     ++prefix_;
   environment_.passed_before(NodeId{prefix_});
-  // Nothing before it can hold it up now. What runs and cannot run again is not held up.
+  // No node before this one can hold it up now. A run of an irreversible node is not held up anyway.
   if (prefix_ < size && !(irreversible(NodeId{prefix_}) && at(NodeId{prefix_}).phase == Phase::Running))
     work_.push_back(NodeId{prefix_});
   while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))

@@ -20,8 +20,8 @@
 
 namespace segue::task_network {
 
-/// The engine proper. All state belongs to the thread that calls `run`; others only post to `events_`, set
-/// `stop_asked_` and ask `pause_`. What happens to a node puts those that it concerns into `work_`.
+/// All state belongs to the thread that calls `run`; others only post to `events_`, set `stop_asked_` and ask
+/// `pause_`. An event of a node puts the nodes that it concerns into `work_`.
 class ConcurrentEngine::Implementation {
  public:
   Implementation(const TaskNetwork& network, const Order& order, Environment& environment,
@@ -175,7 +175,7 @@ class ConcurrentEngine::Implementation {
   std::uint32_t copies_ = 0;
   std::vector<SpeculativeHolders> speculative_;  ///< by resource
   std::vector<std::uint64_t> preempted_units_;   ///< by resource: held by cancelled runs that have not ended
-  std::uint32_t preempted_workers_ = 0;          ///< likewise
+  std::uint32_t preempted_workers_ = 0;          ///< held by cancelled runs that have not ended
   std::uint32_t passed_count_ = 0;
   NodeId last_done_{kNone};
   std::uint32_t prefix_ = 0;  ///< all nodes before have passed

@@ -6,9 +6,9 @@
 namespace segue::task_network {
 
 // Speculative runs hold units and workers only until a node that is certain to count needs them: it preempts
-// speculative runs, for units those of later nodes, for a worker any. So the lowest unfinished node waits
-// only for runs that count, and no network takes longer than its sequential execution. Every preemption lets
-// a run begin that counts, so there are finitely many.
+// speculative runs: for units only those of later nodes, for a worker any. So the lowest unfinished node
+// waits only for runs that count, and no network takes longer than its sequential execution. Every preemption
+// lets a run begin that counts, so there are finitely many.
 
 /// Records the units of a speculative run, from its start until it ends or is cancelled.
 void ConcurrentEngine::Implementation::note_speculative(NodeId node, bool speculative) {
@@ -115,7 +115,7 @@ void ConcurrentEngine::Implementation::preempt(NodeId node) {
   work_.push_back(node);
 }
 
-/// Ends what has lost a race; false if nothing has.
+/// Ends nodes that have lost a race; false if there are none.
 bool ConcurrentEngine::Implementation::take_lost() {
   if (expansion_ == nullptr) return false;
   const std::vector<NodeId> lost = expansion_->take_lost();
@@ -124,7 +124,7 @@ bool ConcurrentEngine::Implementation::take_lost() {
   return !lost.empty();
 }
 
-/// The node releases what it holds. What runs for certain is asked to end, and counts as it ends.
+/// The node releases its units. A run that is certain to count is asked to end, and counts as it ends.
 void ConcurrentEngine::Implementation::lose(NodeId node) {
   State& state = at(node);
   if (state.passed || state.phase == Phase::Done || beyond(node)) return;

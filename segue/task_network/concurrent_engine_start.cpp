@@ -60,7 +60,7 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
   if (state.start_gate == 0 && (settled(node) || runs_ahead)) try_start(node);
 }
 
-/// Likewise, of a node that has got further than to wait for its gates; true if it waits for them again.
+/// Takes a node further that has got beyond waiting for its gates; true if it waits for them again.
 bool ConcurrentEngine::Implementation::waits_again(NodeId node) {
   State& state = at(node);
   const bool open = state.commit_gate == 0;
@@ -101,8 +101,8 @@ bool ConcurrentEngine::Implementation::settled(NodeId node) const {
 }
 
 /// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, for
-/// a strict one not even that. What is beside the network may change until all nodes before have passed; who
-/// takes units in program order has waited for them.
+/// a strict one not even that. Values beside the network may change until all nodes before have passed; a
+/// node that takes units in program order has waited for those nodes.
 bool ConcurrentEngine::Implementation::certain(NodeId node) const {
   const bool beside = at(node).reads_beside && prefix_ != index(node);
   return settled(node) && (!beside || takes_in_order(node)) && !risk_before(node);
@@ -186,8 +186,9 @@ void ConcurrentEngine::Implementation::claim(NodeId node) {
   if (!refuse_for_shortage(node) && certain(node)) preempt_for_units(node);
 }
 
-/// Once all nodes before have passed, nobody can provide what is lacking: what later nodes hold they give
-/// back, and where units come and go, later nodes have not begun. So the node aborts, as sequentially.
+/// Once all nodes before have passed, nobody can provide what is lacking: later nodes give back the units
+/// that they hold, and where units come and go, later nodes have not begun. So the node aborts, as
+/// sequentially.
 bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
   if (index(node) != prefix_ || pool_.has_granted(node)) return false;
   const auto shortage = pool_.shortage(network_.claims(node));
@@ -199,7 +200,7 @@ bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
   return true;
 }
 
-/// What is not a step takes no time, so it needs no worker.
+/// Whether the node needs a worker: nodes that are not steps take no time, so they need none.
 bool ConcurrentEngine::Implementation::needs_worker(NodeId node) const {
   return options_.workers != 0 && !network_[node].structural;
 }
@@ -266,7 +267,7 @@ const Access* ConcurrentEngine::Implementation::false_precondition(NodeId node) 
   return nullptr;
 }
 
-/// To be compared when the node commits, which may run again then.
+/// Notes the values that the node reads, to be compared when it commits, which may make it run again.
 void ConcurrentEngine::Implementation::note_what_is_read(NodeId node) {
   const auto accesses = network_.accesses(node);
   const bool pure = network_[node].kind == ActionClass::Pure;

@@ -24,7 +24,7 @@ class CowObject {
 /// A copy-on-write pointer: shared ownership, and `unique` tells whether the object may be changed in place.
 /// Several CowPtr may share an object over several threads; one CowPtr belongs to one thread.
 ///
-/// Memory ordering: a new owner copies from an existing one, which keeps the count above zero meanwhile, so
+/// Memory order: a new owner copies from an existing one, which keeps the count above zero meanwhile, so
 /// counting up may be relaxed. Counting down is a release, and both the last owner's decrement (before the
 /// delete) and the load in `unique` (before a write in place) are acquires: reads through an owner that has
 /// gone happen before either. shared_ptr's use_count does not promise the latter.

@@ -17,10 +17,10 @@ struct CriticalPath {
   std::vector<NodeId> nodes;  ///< in program order
 };
 
-/// With the expected durations, as if all nodes were executed.
+/// The critical path with the expected durations, as if all nodes were executed.
 CriticalPath critical_path(const TaskNetwork& network, const Order& order);
-/// With the durations of a run, without the nodes that it skipped or preempted. What could be planned only
-/// once another node had ended comes after that.
+/// The critical path with the durations of a run, without the nodes that it skipped or preempted. A node that
+/// could be planned only once another one had ended comes after that.
 CriticalPath critical_path(const TaskNetwork& network, const Order& order, const RunResult& result);
 /// How long at least the run takes because of resources: the longest time for which all units of one resource
 /// are in use.

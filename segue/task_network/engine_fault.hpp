@@ -14,7 +14,7 @@ enum class EngineFault : std::uint8_t {
   IgnoresConditions,     ///< irreversible nodes do not wait for conditions
   SkippedStillActs,      ///< a wrong branch is not stopped
   NeverValidates,        ///< results of pure nodes count even if predictions were wrong
-  KeepsStaleInputs,      ///< likewise, for inputs only
+  KeepsStaleInputs,      ///< results of pure nodes count even if their inputs have changed
   GrantsTwice,           ///< units in use are granted again
   ForgetsResourceOrder,  ///< irreversible nodes overtake each other at a resource
   ReturnsConsumed,       ///< consumed units come back
@@ -30,7 +30,7 @@ enum class EngineFault : std::uint8_t {
 };
 
 #ifdef SEGUE_CDTN_FAULTS
-/// The one that is planted; set between runs.
+/// The planted fault; set between runs.
 inline EngineFault planted_fault = EngineFault::None;
 inline bool planted(EngineFault fault) {
   return planted_fault == fault;

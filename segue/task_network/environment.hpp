@@ -44,13 +44,13 @@ struct Report {
   /// Further observed effects, of opaque nodes, on facts that the network need not know; a growing network
   /// adds them.
   std::vector<NamedEffect> named_effects{};
-  /// Likewise, units that an opaque node has created or removed without claiming them.
+  /// Units that an opaque node has created or removed without claiming them; a growing network adds them.
   std::vector<NamedUnits> named_units{};
   std::shared_ptr<const type::Value> outputs;  ///< a map; may be null
   std::string error;                           ///< why, for `aborted`
-  /// Of pure and sensing nodes: what is beside the network, such as variables. Null: nothing. A run for which
-  /// it is not empty counts when every node before has passed, and only if it is valid then; else the node
-  /// runs again.
+  /// The changes of a pure or sensing node beside the network, such as of variables. Null: none. A run with
+  /// such changes counts when every node before has passed, and only if it is valid then; else the node runs
+  /// again.
   std::unique_ptr<PendingChanges> pending{};
 };
 /// Null: success, as predicted, without outputs.
@@ -68,8 +68,8 @@ class NodeContext {
   [[nodiscard]] virtual const type::Value* input(std::uint32_t name) const = 0;
   /// The value of a fact that the node declares to rely on: in reality, or as projected for a pure node.
   [[nodiscard]] virtual bool holds(FactId fact) const = 0;
-  /// The whole world as the node may take it to be: a snapshot that other threads may read. A node that does
-  /// not declare `reads_world` fails for asking.
+  /// The whole world as the node may assume it: a snapshot that other threads may read. A node that does not
+  /// declare `reads_world` fails by asking.
   [[nodiscard]] virtual VersionedWorld world() = 0;
   /// How many units of the resource there are. For an opaque node: others neither hold nor change them while
   /// it runs, but for groups.
@@ -91,7 +91,7 @@ class Completions {
   virtual void await(NodeId node, std::uint32_t attempt) = 0;
   /// The node has just ended. On any thread, while the engine runs. Does not block.
   virtual void finish(NodeId node, std::uint32_t attempt, ReportPtr report) = 0;
-  /// On the engine's thread only.
+  /// The present time. On the engine's thread only.
   [[nodiscard]] virtual TimePoint now() const = 0;
 };
 
@@ -116,7 +116,7 @@ class Environment {
     (void)node;
     (void)attempt;
   }
-  /// Whether a run in progress has read what nodes before it have changed since, beside the network.
+  /// Whether a run in progress has read data beside the network that nodes before it have changed since.
   [[nodiscard]] virtual bool outdated(NodeId node) const {
     (void)node;
     return false;

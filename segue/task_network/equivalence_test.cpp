@@ -37,7 +37,7 @@ ConcurrentEngineOptions options_of(std::uint64_t seed) {
   return options;
 }
 
-/// The network and what became of its nodes, for whoever looks for a fault.
+/// Prints the network and the results of its nodes, for whoever looks for a fault.
 void show(const TaskNetwork& network, const RunResult& sequential, const RunResult& concurrent) {
   fmt::print("{}", write_flat_network({network, {}}));
   for (std::uint32_t i = 0; i < network.size(); ++i) {
@@ -51,7 +51,7 @@ void show(const TaskNetwork& network, const RunResult& sequential, const RunResu
                static_cast<int>(entry.kind));
 }
 
-/// What is wrong with the run of that seed, or "".
+/// The difference between the concurrent and the sequential run of that seed, or "".
 std::string difference(std::uint64_t seed) {
   ConcurrentEngineOptions options = options_of(seed);
   const bool failures = mix(seed, 7) % 2 == 0;

@@ -40,7 +40,7 @@ class FactTable {
   /// contradicts the declarations.
   Result<FactId> intern(std::string_view text);
   Result<FactId> intern(std::string_view predicate, std::span<const std::string> arguments);
-  /// Likewise, but arguments may consist of several words: "at(red box,table)".
+  /// A fact like intern(), but its arguments may consist of several words: "at(red box,table)".
   Result<FactId> intern_named(std::string_view text);
   /// "p(a)" or "!p(a)".
   Result<Literal> intern_literal(std::string_view text);

@@ -24,7 +24,8 @@ struct FlatNetwork {
 /// Nodes that declare neither facts nor resources are opaque.
 std::optional<FlatNetwork> read_flat_network(std::string_view text, const std::string& file,
                                              Diagnostics& diagnostics);
-/// Likewise; a file that cannot be read is the diagnostic `unreadable-file`. Blocks.
+/// Reads a file with the JSON of a flat task network; one that cannot be read is the diagnostic
+/// `unreadable-file`. Blocks.
 std::optional<FlatNetwork> load_flat_network(const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// JSON that reads as the same network.

@@ -73,9 +73,9 @@ class ImpliedFinder {
   const TaskNetwork& network_;
   const Order& order_;
   std::vector<Window> passed_;      ///< by node, modulo: those that have passed when it passes
-  std::vector<Window> conditions_;  ///< likewise: those whose outcomes decide whether it is on the path
+  std::vector<Window> conditions_;  ///< by node, modulo: those whose outcomes put it on the path
   Window behind_;                   ///< of the current node: nodes behind its direct predecessors
-  Window behind_held_;              ///< likewise, behind those that delay its start
+  Window behind_held_;              ///< of the current node: nodes behind those that delay its start
   Window behind_conditions_;
 };
 

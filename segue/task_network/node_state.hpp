@@ -42,11 +42,11 @@ struct NodeState {
   OutcomeId outcome = kSuccess;
   NodePhase phase = NodePhase::Waiting;
   ActionClass kind = ActionClass::Irreversible;
-  // As in its record, as `kind`:
+  // Copied from its record, as is `kind`.
   bool strict = false;        ///< also where all are
   bool claims = false;        ///< some units
   bool reads_world = false;   ///< and may do so again
-  bool reads_beside = false;  ///< likewise
+  bool reads_beside = false;  ///< reads what is beside the network, and may do so again
   bool observes : 1 = false;  ///< TaskNetwork::observes(), and it is not irreversible
   bool passed : 1 = false;
   bool announced : 1 = false;    ///< consumers know that there are outputs

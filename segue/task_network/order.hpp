@@ -50,8 +50,9 @@ class Order {
   [[nodiscard]] std::size_t dependency_count() const { return dependencies_.size(); }
   [[nodiscard]] std::size_t bytes() const;
 
-  /// For builders, in program order: a node, then what it depends on; and in the end, once for all nodes that
-  /// were added, link(), since which after() knows of them.
+  /// Builders call these in program order: open_node() for a node, add() for each dependency of it,
+  /// close_node(). In the end they call link() once for all nodes that were added; from then on after() knows
+  /// of them.
   void open_node();
   void add(NodeId from, Reason reason, std::uint32_t subject);
   void close_node();

@@ -73,7 +73,7 @@ bool OrderBuilder::known_to(const FactState& state, NodeId node) const {
   return false;
 }
 
-/// Whether all that the last flips may have left is the one value or what was before.
+/// Whether the last flips may only have left the one value or the value before.
 bool OrderBuilder::may_be_joined(const FactState& state) const {
   if (state.uncertain || state.now.flips == kNone) return false;
   for (std::uint32_t i = state.now.flips; i != kNone; i = members_[i].next) {
@@ -112,8 +112,8 @@ void OrderBuilder::flip(FactState& state, NodeId node, const Access& access) {
   state.uncertain = network_[node].uncertain;
 }
 
-/// The node flips the fact as the last flips did, if they did. What it waits for it stands for from now on,
-/// except towards nodes that are in parallel to it only.
+/// The node flips the fact to the value to which the last flips have set it, if there were any. From now on
+/// it stands for the nodes that it waits for, except towards nodes that are in parallel to it only.
 void OrderBuilder::join_flip(FactState& state, NodeId node, const Access& access) {
   if (!wait_for(state.now, node, access, !access.reads)) wait_for(state.before, node, access, false);
   bool relies = drop_those_before(state.now.touchers, node);

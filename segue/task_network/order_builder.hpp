@@ -40,8 +40,8 @@ class OrderBuilder {
     bool uncertain = false;
     bool seen = false;
   };
-  /// Whose starts the next user of a resource waits for: the last one that took units, and members of a group
-  /// lock that have only relied on it since.
+  /// The nodes whose starts the next user of a resource waits for: the last one that took units, and members
+  /// of a group lock that have only relied on it since.
   struct LastClaims {
     NodeId node{kNone};
     std::vector<NodeId> members{};

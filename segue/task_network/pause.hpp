@@ -11,7 +11,7 @@ namespace segue::task_network {
 /// engine's thread, except ask() and ask_step().
 class Pause {
  public:
-  /// On any thread, as the next: heeded by the next take().
+  /// Requests a pause or its end; one more node. On any thread; heeded by the next take().
   void ask(bool paused) { asked_ = paused; }
   void ask_step() { ++steps_asked_; }
 
@@ -37,6 +37,7 @@ class Pause {
   bool paused_ = false;
   bool told_ = false;
   std::uint32_t steps_ = 0;
+  // Requests, which the next take() reads; they order nothing else.
   std::atomic<bool> asked_{false};
   std::atomic<std::uint32_t> steps_asked_{0};
 };

@@ -12,7 +12,7 @@
 #include <set>
 #include <utility>
 
-/// What the engine remembers of runs that it preempts. Internal to ConcurrentEngine.
+/// The engine's records of runs that it preempts. Internal to ConcurrentEngine.
 namespace segue::task_network {
 
 /// The speculative runs that hold units of a resource, and how many they can give back.
@@ -21,12 +21,12 @@ struct SpeculativeHolders {
   std::uint64_t units = 0;
 };
 
-/// Until when preempted runs must have ended, in real time.
+/// The times by which preempted runs must have ended, in real time.
 class Patience {
  public:
-  /// With all runs, after a failure or a stop.
+  /// Sets the time for all runs, after a failure or a stop.
   void with_all(TimePoint until) { all_ = until; }
-  /// With the run of a node that has lost a race. Calls follow each other in time.
+  /// Sets the time for the run of a node that has lost a race. Calls follow each other in time.
   void with(NodeId node, TimePoint until) { lost_.emplace_back(until, node); }
   /// The next time at which somebody is given up.
   [[nodiscard]] TimePoint deadline() const {

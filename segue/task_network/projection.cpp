@@ -123,7 +123,7 @@ bool ConcurrentEngine::Implementation::world_is_valid(NodeId node) {
   if (found == guesses_.end() || planted(EngineFault::NeverValidates)) return true;
   if (prefix_ != index(node)) return true;  // it does not read the world as a whole
   catch_up_prefix_world();
-  // Facts may have come to the same in another way, which what is attached to them remembers.
+  // The same facts may have come about in another way, which data attached to them remember.
   if (prefix_world_.has_attachments()) return prefix_world_.history() == found->second.history;
   return std::ranges::all_of(found->second.facts,
                              [&](const Literal& guess) { return prefix_world_.holds(guess); });

@@ -43,7 +43,7 @@ class ResourcePool {
   /// Releases the units that the node holds. `done`: units that it declares to create or delete are created
   /// or deleted; otherwise (it failed or is repeated) not. Consumed units stay consumed in either case.
   void release(std::span<const Claim> claims, bool done);
-  /// There are so many more units, or fewer, none of which anybody holds or waits for.
+  /// Adds that many units, or removes them where negative; nobody holds or waits for them.
   void change(ResourceId id, std::int64_t units);
   /// A member of the group has ended, or will never begin.
   void leave_group(std::uint32_t group);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What runs before it is certain to count, and what it may hold meanwhile.
+// Nodes that run before it is certain that they count, and the resources that they may hold meanwhile.
 #include <segue/task_network/concurrent_engine.hpp>
 #include <segue/task_network/simulated_environment.hpp>
 
@@ -104,7 +104,7 @@ TEST(Speculation, WhoTakesUnitsInOrderIsCertainToCountWhileABranchInParallelGoes
   EXPECT_EQ(result.statistics.speculative, 0U);
 }
 
-/// What a run has changed; `alive` until it is dropped. That of the first run turns out to be wrong.
+/// The changes of a run; `alive` until they are dropped. Those of the first run turn out to be invalid.
 class Changes final : public PendingChanges {
  public:
   Changes(std::shared_ptr<const bool> alive, bool valid) : alive_(std::move(alive)), valid_(valid) {}

@@ -110,7 +110,7 @@ class TaskNetwork {
 
   /// Appends to the end of the program order. Requires what NodeSpec says of references.
   NodeId append(const NodeSpec& spec) { return append(spec, names.intern(spec.name)); }
-  /// Likewise, with an interned name in place of the one in `spec`.
+  /// Appends to the end of the program order, with an interned name in place of the one in `spec`.
   NodeId append(const NodeSpec& spec, std::uint32_t called);
   /// Adds a lock to which claims refer (Claim::group).
   std::uint32_t add_group(ResourceId resource, std::uint32_t count = 1);

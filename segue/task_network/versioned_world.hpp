@@ -49,12 +49,12 @@ class VersionedWorld {
   [[nodiscard]] const UserData* attached(std::string_view name) const;
 
   [[nodiscard]] bool has_attachments() const { return !attachments_.empty(); }
-  /// What is attached to `other` takes the place of what is attached to this.
+  /// Replaces all attached data by that of `other`.
   void take_attachments_of(const VersionedWorld& other) { attachments_ = other.attachments_; }
 
   /// The facts that hold, in the order of their ids. Linear in the largest id.
   [[nodiscard]] std::vector<FactId> facts() const;
-  /// As texts, sorted.
+  /// The facts that hold as texts, sorted.
   [[nodiscard]] std::vector<std::string> texts(const FactTable& table) const;
 
   /// Whether the same facts hold; versions and user data aside. Does not look at what both share.

@@ -13,7 +13,7 @@
 
 namespace segue::task_network {
 
-/// What a run took the world to be, where that was not yet certain.
+/// The assumptions of a run about the world, where the world was not yet certain.
 struct WorldGuess {
   std::vector<Literal> facts;
   std::uint64_t history = 0;  ///< VersionedWorld::history()

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What travels as bytes lies in the flat layout as it lies in memory, so the functions for objects encode it
-// there; strings, sequences and the like differ in their counts only.
+// Contiguous bytes are the same in the flat layout and in memory, so the functions for objects encode them;
+// strings, sequences and the like differ in their counts only.
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/cdr_parts.hpp>

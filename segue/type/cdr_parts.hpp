@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What cdr_object.cpp and cdr_flat.cpp have in common. Not for users.
+// Parts that cdr_object.cpp and cdr_flat.cpp share. Not for users.
 #pragma once
 
 #include <segue/type/byte_sink.hpp>
@@ -122,7 +121,8 @@ inline bool is_fixed_matrix(const DescribedType& described) {
   return described.grid.number != nullptr && described.grid.size == nullptr;
 }
 
-/// Each in turn. Objects that are copied as bytes (TypeInfo::trivially_copyable) need no alignment.
+/// Writes or reads items one after the other. Objects that are copied as bytes (TypeInfo::trivially_copyable)
+/// need no alignment.
 bool put_items(const DescribedType& element, const void* items, std::size_t count, Sink& sink);
 bool get_items(const DescribedType& element, void* items, std::size_t count, Source& source);
 /// Rows, columns and numbers of a matrix of variable size; `get` reads the former.

@@ -64,7 +64,8 @@ void plan_compound(DescribedType& described) {
   }
   if (plan.runs.size() != 1 || plan.runs.front().count == 0) return;
   const CdrRun& whole = plan.runs.front();
-  // Where items follow each other, each must begin as the first one does.
+  // An array of the type can be copied as bytes only if each item begins where the alignment of the first one
+  // requires.
   plan.packed = described.info.trivially_copyable && whole.offset == 0 && whole.size == described.info.size &&
                 whole.size % whole.most == 0;
   plan.first = whole.first;

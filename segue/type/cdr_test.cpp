@@ -60,7 +60,7 @@ struct Types {
     mode.name = "/demo/Mode";
     mode.size = 4;
     mode.symbols = {{"IDLE", 0}, {"DRIVE", 1}};
-    // As ROS 2's std_msgs/Header.
+    // Like ROS 2's std_msgs/Header.
     header.kind = TypeKind::Compound;
     header.name = "/std_msgs/Header";
     header.fields = {{"sec", &int32, 0}, {"nanosec", &int32, 4}, {"frame_id", &text, 8}};

@@ -13,14 +13,14 @@ namespace coded {
 enum class Gait : std::uint8_t { Walk, Trot = 3, Jump = 4 };
 enum class Side : std::int16_t { Left = -1, None, Right };
 enum class Gear { Neutral, First };
-/// As in memory, but for its end.
+/// Has the same bytes in CDR as in memory, but for its padding at the end.
 struct Contact {
   double force = 0;
   std::uint8_t leg = 0;
   bool firm = false;
   Gait gait = Gait::Walk;
 };
-/// As in memory as a whole, where it begins at a multiple of eight.
+/// Has the same bytes in CDR as in memory, as a whole, where it begins at a multiple of eight.
 struct Stamp {
   std::int64_t seconds = 0;
   std::uint32_t fraction = 0;

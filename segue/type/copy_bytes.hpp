@@ -8,9 +8,9 @@
 
 namespace segue::type::detail {
 
-/// memcpy() for what may be large. glibc copies 2 KiB and more by `rep movsb`, which some processors (AMD's
-/// Zen 3 to 5) do ten times as slowly where the destination lies a few bytes behind the source, modulo 4 KiB
-/// (glibc's bug 30994): just where a vector begins, and its contents in the flat layout. Such bytes are
+/// memcpy() for objects that may be large. glibc copies 2 KiB and more by `rep movsb`, which some processors
+/// (AMD's Zen 3 to 5) do ten times as slowly where the destination lies a few bytes behind the source, modulo
+/// 4 KiB (glibc's bug 30994): just where a vector begins, and its contents in the flat layout. Such bytes are
 /// copied in smaller parts.
 inline void copy_bytes(void* to, const void* from, std::size_t size) noexcept {
   constexpr std::size_t kPage = 4096;

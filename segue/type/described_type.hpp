@@ -59,7 +59,7 @@ struct SequenceAccess {
   /// Resizes to `size` items and returns the first; items are default values, but an optional keeps its
   /// value.
   void* (*resize)(void* object, std::size_t size) = nullptr;
-  /// The same, but existing items keep their values and so their memory.
+  /// Resizes to `size` items and returns the first; existing items keep their values and so their memory.
   void* (*reuse)(void* object, std::size_t size) = nullptr;
 };
 

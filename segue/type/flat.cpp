@@ -302,7 +302,7 @@ bool check_container(const DescribedType& described, Source& source) {
   return valid;
 }
 
-/// What get() would accept.
+/// Whether get() would accept the source.
 bool check(const DescribedType& described, Source& source) {
   if (described.info.trivially_copyable) return check_items(described, 1, source);
   if (described.grid.size != nullptr) return check_grid(described.grid, source);

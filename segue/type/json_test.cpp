@@ -32,7 +32,7 @@ std::string nested(std::size_t levels) {
   return std::string(levels, '[') + std::string(levels, ']');
 }
 
-// What JSON cannot carry becomes what to_json documents.
+// The value as to_json documents it: parts that JSON cannot carry are replaced.
 Value as_json_keeps_it(const Value& value) {
   if (value.is_list()) {
     Value::List list;

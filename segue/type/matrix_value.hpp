@@ -41,9 +41,9 @@ struct MatrixValue {
   std::size_t columns = 0;
   std::vector<const Value*> numbers;
 };
-/// From {rows, cols, data} or a list of rows of equal length.
+/// Reads {rows, cols, data} or a list of rows of equal length.
 Result<MatrixValue> dynamic_from_value(const Value& value, std::string_view path);
-/// Sizes must agree.
+/// Assigns the numbers; sizes must agree.
 Result<void> assign_numbers(const MatrixView& view, void* numbers, const MatrixValue& values,
                             std::string_view path);
 

@@ -7,7 +7,7 @@
 
 namespace segue::type::detail {
 
-/// Whether a container can be read and written item by item: text, bits, or what refills a sequence.
+/// Whether a container can be read and written item by item: text, bits, or a sequence that can be refilled.
 [[nodiscard]] inline bool has_items(const DescribedType& container) {
   return container.shape->type.is_string() || container.sequence.reuse != nullptr ||
          container.conversion.to_value == &bits_to_value;

@@ -136,7 +136,7 @@ class NestingChecker {
     if (!path_.empty()) path_.back().height = std::max(path_.back().height, step.height + 1);
   }
 
-  /// Of the type itself, or of what declares an array of it.
+  /// Reports a problem of the type itself, or of the type that declares an array of it.
   void report(const Type& found, std::string code, std::string message) {
     const auto declared = std::find_if(path_.rbegin(), path_.rend(),
                                        [](const Step& step) { return step.type->kind != TypeKind::Array; });

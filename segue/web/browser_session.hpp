@@ -25,8 +25,8 @@ using control::Role;
 ///   {"role", "robot"}                                 first,
 ///   {"document", "version", "skipped", "value" or "change" (from the version that it got before), "error"},
 ///   {"id", "result"} or {"id", "error": {"code", "message"}}.
-/// Of each document it is sent the newest version as soon as it has taken what was sent before; "skipped"
-/// says how many it missed meanwhile. So what waits for a slow browser is bounded. All functions may be
+/// It is sent the newest version of each document as soon as it has taken the one before; "skipped" says how
+/// many it missed meanwhile. So the data that wait for a slow browser are bounded. All functions may be
 /// called from any thread.
 class Session final : public Viewer, public std::enable_shared_from_this<Session> {
  public:
@@ -46,7 +46,7 @@ class Session final : public Viewer, public std::enable_shared_from_this<Session
   ~Session() override;
 
   void receive(std::string_view text);
-  /// What is to be sent next.
+  /// The next message to be sent; nothing if there is none.
   std::optional<std::string> next();
   [[nodiscard]] bool is_full() const;
   void on_change(const std::string& document) override;
@@ -65,7 +65,7 @@ class Session final : public Viewer, public std::enable_shared_from_this<Session
   mutable Mutex mutex_;  ///< protects all below
   std::deque<std::string> answers_ SEGUE_GUARDED_BY(mutex_);
   std::size_t in_progress_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< calls
-  /// Of each document looked at; null: none yet.
+  /// The version of each watched document that was sent last; null: none yet.
   std::map<std::string, std::shared_ptr<const Document>> sent_ SEGUE_GUARDED_BY(mutex_);
   std::set<std::string> changed_ SEGUE_GUARDED_BY(mutex_);
   RefusalLog refusals_ SEGUE_GUARDED_BY(mutex_){"studio"};

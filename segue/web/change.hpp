@@ -7,9 +7,9 @@
 /// documents, and requests of a page into calls.
 namespace segue::web {
 
-/// What turns the map `from` into the map `to`: {"set": {key: value}, "remove": [key], "in": {key: change}},
-/// each where it is not empty. Maps are compared entry by entry, all else is set anew. Linear in the size of
-/// both. Requires maps.
+/// The change that turns the map `from` into the map `to`: {"set": {key: value}, "remove": [key], "in": {key:
+/// change}}, each where it is not empty. Maps are compared entry by entry, all else is set anew. Linear in
+/// the size of both. Requires maps.
 type::Value change_between(const type::Value& from, const type::Value& to);
 
 /// The list as a map, which change_between() compares entry by entry: the key of each map of the list is made

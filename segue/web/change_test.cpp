@@ -8,7 +8,7 @@ namespace {
 
 using type::Value;
 
-/// What a page does with a change.
+/// The value after a page has applied the change.
 Value changed(Value value, const Value& change) {
   if (const Value* removed = change.find("remove")) {
     for (const Value& key : removed->as_list())

@@ -14,8 +14,8 @@ namespace segue::web {
 
 inline constexpr std::size_t kLongestCommand = std::size_t{1} << 20;
 
-/// What a page asks for: {"id": number, "verb": text, "arguments": map}. Functions that take an argument
-/// answer InvalidArgument where it is of another kind or missing.
+/// A page's request: {"id": number, "verb": text, "arguments": map}. Functions that take an argument answer
+/// InvalidArgument where it is of another kind or missing.
 class Command {
  public:
   /// ParseError or InvalidArgument where the text is not a command or longer than kLongestCommand.

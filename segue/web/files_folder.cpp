@@ -35,7 +35,7 @@ Result<std::vector<std::string>> parts_of(std::string_view path) {
   return parts;
 }
 
-/// Of the reason in errno.
+/// The error for the reason in errno.
 Error failure(std::string_view path, const std::string& what) {
   const std::string shown = quote(std::string(path));
   if (errno == ELOOP)

@@ -16,7 +16,7 @@ namespace segue::web {
 /// PermissionDenied, ResourceExhausted. Blocks; may be used by several threads, replace() by one at a time.
 class FileFolder {
  public:
-  /// So that a file fits into a message of a browser, as JSON.
+  /// Small enough that a file, as JSON, fits into a message of a browser.
   static constexpr std::size_t kLongestFile = 500'000;
 
   struct Content {
@@ -43,7 +43,7 @@ class FileFolder {
   [[nodiscard]] Result<void> remove(std::string_view path, const std::string& version) const;
 
  private:
-  /// That the file is of that version; InvalidState. It stays open.
+  /// Opens the file and checks that it is of that version; InvalidState. The descriptor stays open.
   [[nodiscard]] static Result<Descriptor> expect(const Descriptor& parent, const std::string& name,
                                                  std::string_view path, const std::string& version);
   explicit FileFolder(Descriptor folder) : folder_(std::move(folder)) {}

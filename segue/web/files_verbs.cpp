@@ -95,7 +95,7 @@ Result<void> may_change(const RobotFile& file) {
               quote(file.path) + " is a state machine of RAFCON; save it as a new mission");
 }
 
-/// So that what a page has saved can be read again.
+/// Checks that a file remains one of its kind, so that what a page has saved can be read again.
 Result<void> stays_file(const RobotFile& file, const std::string& text) {
   const bool stays = file.kind != RobotFileKind::Mission || file.is_named ||
                      model::kind_of_file(file.place, text) == model::FileKind::Mission;
@@ -104,7 +104,7 @@ Result<void> stays_file(const RobotFile& file, const std::string& text) {
               "a mission names itself, as in 'mission: fetch'; without that nothing was saved");
 }
 
-/// What a change of files makes of the robot file.
+/// The robot file as a change of files requests it.
 struct RobotChange {
   fs::path file;
   std::string text;  ///< as it is now, where `version` is empty
@@ -136,7 +136,7 @@ struct RobotChange {
   }
 };
 
-/// After a file has come to `path`: the robot file follows, or `undo` is called.
+/// Changes the robot file after another file has come to `place`, or calls `undo`.
 Result<void> follow(const FileFolder& folder, const RobotChange& robot, const fs::path& place,
                     bool is_network, const std::function<void()>& undo) {
   Result<void> done;
@@ -149,7 +149,7 @@ Result<void> follow(const FileFolder& folder, const RobotChange& robot, const fs
   return done;
 }
 
-/// What texts of a command a verb needs.
+/// The values of the named arguments of a command, which must be texts.
 Result<std::vector<std::string>> texts_of(const Command& command, std::initializer_list<const char*> names) {
   std::vector<std::string> texts;
   for (const char* name : names) {
@@ -374,7 +374,7 @@ Diagnostics FileVerbs::check_network(const model::Robot* robot, const std::strin
   return found;
 }
 
-/// What a mission asks of the robot counts where the robot file names it.
+/// Checks a mission; its use of the robot counts where the robot file names it.
 Diagnostics FileVerbs::check_mission(const model::Robot* robot, const RobotFile& file,
                                      const std::string& text, const mission::MayUse& may_use) {
   Diagnostics found = web::check_mission(file.place, text, may_use);
@@ -407,7 +407,7 @@ Diagnostics FileVerbs::check_robot(const std::string& file, const std::string& t
     if (glob_files(robot->folder / pattern).empty())
       found.warning("no-such-file", "no file matches " + quote(pattern), robot->where);
   }
-  // Where something could not be read, that a host or controller is missing may follow from it.
+  // A missing host or controller may only be one that could not be read.
   if (!complete) return found;
   const auto networks = other_networks(*robot, {});
   Diagnostics of_robot = model::validate(*robot, networks);

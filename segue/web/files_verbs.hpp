@@ -23,10 +23,10 @@ namespace segue::web {
 /// The component models that a robot knows; problems go to the diagnostics. Called by any thread.
 using ModelsOf = std::function<model::ComponentCatalog(const model::Robot& robot, Diagnostics& diagnostics)>;
 
-/// What pages ask of a robot's files: its robot file, the networks and missions that this names, and what is
-/// in its folder (RobotFiles), of the computer where the studio runs. Which robot file it is the robot says,
-/// so it must have been reached once; files can be edited while it does not run. Nothing but these files can
-/// be named (FileFolder). Functions block and may be called from any thread.
+/// Carries out the requests of pages about a robot's files: its robot file, the networks and missions that
+/// this names, and the rest of its folder (RobotFiles), on the computer where the studio runs. Which robot
+/// file it is the robot says, so it must have been reached once; files can be edited while it does not run.
+/// Nothing but these files can be named (FileFolder). Functions block and may be called from any thread.
 class FileVerbs {
  public:
   FileVerbs(RobotLink& link, ModelsOf models) : link_(link), models_of_(std::move(models)) {}

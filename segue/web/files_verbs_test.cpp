@@ -34,7 +34,7 @@ model::ComponentCatalog test_models(const model::Robot& robot, Diagnostics& diag
   wanted = robot.models;
   wanted.insert(wanted.end(), robot.libraries.begin(), robot.libraries.end());
   model::ComponentCatalog catalog;
-  // What a file says that could not be read would be quoted.
+  // The message quotes a file that could not be read.
   for (const std::string& file : robot.models)
     diagnostics.error("bad", "content of " + file, {(robot.folder / file).string(), 1, 1});
   model::read_components(kComponents, "components.yaml", catalog, diagnostics);

@@ -17,10 +17,10 @@ namespace {
 using type::Value;
 using type::ValueMap;
 
-/// Between two questions to the robot at the least, however often something happens there.
+/// The least time between two questions to the robot, however often something happens there.
 constexpr Duration kShortestPause = std::chrono::milliseconds(20);
 constexpr Duration kEventWait = std::chrono::seconds(1);
-/// Of a mission in one answer: there are more.
+/// The number of entries of a mission in one answer from which on there are more.
 constexpr std::size_t kManyEntries = 2000;
 constexpr std::size_t kSampleBuffer = 1;  // only the newest is shown
 
@@ -283,7 +283,7 @@ Hub::Answer Hub::read_port(Watched& document, const RobotLink::Connected& link) 
                      {"value", std::move(samples->back())}});
 }
 
-/// Of the mission that runs now, even if another one did when it was asked last.
+/// Follows the mission that runs now, even if another one did at the last question.
 Hub::Answer Hub::follow_mission(Watched& document, const RobotLink::Connected& link) {
   Value rest;
   bool has_news = !is_known(document);
@@ -342,7 +342,7 @@ void Hub::publish(Watched& document, Value value, std::string error) {
   auto next = std::make_shared<Document>();
   next->version = before ? before->version + 1 : 1;
   next->error = std::move(error);
-  // What was known last stays, so that a page can show it until the robot answers again.
+  // The last known value stays, so that a page can show it until the robot answers again.
   if (next->error.empty() || !before)
     next->value = std::move(value);
   else

@@ -27,7 +27,7 @@ struct Document {
   std::string change{};       ///< JSON of change_between() the version before and this; empty: no such change
 };
 
-/// Who looks at documents.
+/// A reader of documents.
 class Viewer {
  public:
   virtual ~Viewer() = default;
@@ -48,7 +48,8 @@ class Hub {
   struct Periods {
     Duration snapshots = std::chrono::milliseconds(500);  ///< status and tasks; also asked after events
     Duration ports = std::chrono::milliseconds(50);
-    /// Of each port; samples with many numbers, such as images, are read less often than `ports` says.
+    /// The limit for each port: samples with many numbers, such as images, are read less often than `ports`
+    /// says.
     double scalars_per_second = 2e6;
     Duration silence = std::chrono::seconds(2);  ///< after which a port is opened again
   };
@@ -66,7 +67,7 @@ class Hub {
   /// ResourceExhausted where too many are looked at.
   Result<void> look(const std::shared_ptr<Viewer>& viewer, const std::string& document);
   void look_away(const Viewer& viewer, const std::string& document);
-  /// From all documents. To be called before the viewer ends.
+  /// Takes the viewer off all documents. To be called before the viewer ends.
   void leave(const Viewer& viewer);
   /// Null where nobody looks at it or nothing is known yet.
   [[nodiscard]] std::shared_ptr<const Document> newest(const std::string& document) const;
@@ -78,7 +79,7 @@ class Hub {
   void run(Kind kind);
   std::vector<std::shared_ptr<Watched>> watched(Kind kind) const SEGUE_REQUIRES(mutex_);
   void refresh(Watched& document);
-  /// What the robot answers; nothing: as is known already.
+  /// The robot's answer; nothing: the document is up to date.
   using Answer = Result<std::optional<type::Value>>;
   [[nodiscard]] bool is_known(const Watched& document) const;
   Answer ask(Watched& document, const RobotLink::Connected& link);
@@ -92,7 +93,7 @@ class Hub {
   mutable Mutex mutex_;  ///< protects all below but the threads
   ConditionVariable changed_;
   bool ends_ SEGUE_GUARDED_BY(mutex_) = false;
-  /// What is known may be outdated before the period is over.
+  /// Counts the reasons to ask before the period is over, since a document may be outdated.
   std::uint64_t nudges_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::map<std::string, std::shared_ptr<Watched>> documents_ SEGUE_GUARDED_BY(mutex_);
   std::array<std::thread, 3> threads_ SEGUE_GUARDED_BY(mutex_);

@@ -11,14 +11,14 @@
 #include <filesystem>
 #include <string>
 
-/// What pages ask of missions as files. Functions block on files.
+/// Requests of pages about missions as files. Functions block on files.
 namespace segue::web {
 
 /// Which files a mission of the robot may name: those in the robot's folder, by the rules of FileFolder.
 mission::MayUse within(const FileFolder& folder, const std::filesystem::path& root);
 
-/// What `segue mission check` would find in the file if it had this text, as far as it names files that it
-/// may; problems of the libraries that it uses have no place.
+/// The diagnostics of `segue mission check` for the file if it had this text, as far as it names files that
+/// it may; problems of the libraries that it uses have no place.
 Diagnostics check_mission(const std::filesystem::path& file, const std::string& text,
                           const mission::MayUse& may_use);
 

@@ -55,7 +55,7 @@ Result<Value> ask_switch(const Request& request, bool dry_run) {
                  : request.robot.switch_to(*controller, *options, *deadline);
 }
 
-/// What the robot's files, as they are now, would change or do change.
+/// Takes the robot's files as they are now; with `dry_run`, answers with the changes that this would make.
 Result<Value> take_files(const Request& request, bool dry_run) {
   const auto options = options_of(request);
   if (!options) return options.error();
@@ -160,7 +160,8 @@ Result<Value> do_write(const Request& request) {
       });
 }
 
-/// What control::RobotService::send_command has, its arguments beside "what"; the mission may take its time.
+/// Sends a request to the mission (control::RobotService::send_command) with its arguments beside "what";
+/// answers with its number, since the mission may take its time.
 Result<Value> ask_of_mission(const Request& request) {
   const auto what = request.command.text("what");
   if (!what) return what.error();
@@ -191,7 +192,7 @@ Result<Value> ask_events(const Request& request) {
   return request.robot.events(*after, Duration(0));
 }
 
-/// The newest of them.
+/// The newest transitions of the history.
 Result<Value> ask_history(const Request& request) {
   auto history = request.robot.history();
   if (!history || !history->is_list()) return history;
@@ -201,7 +202,7 @@ Result<Value> ask_history(const Request& request) {
   return history;
 }
 
-/// Of the robot's journal; it says itself what a question needs.
+/// Asks the journal of the robot, which says itself what a question needs.
 Result<Value> ask_past(const Request& request) {
   return request.robot.past(request.command.arguments());
 }

@@ -26,7 +26,7 @@ struct VerbForm {
   control::Verb verb = control::Verb::Status;  ///< says who may
   std::vector<std::string> arguments;          ///< their names; there are no others
 };
-/// What pages can ask.
+/// The verbs that pages can ask for.
 std::vector<VerbForm> verb_forms();
 
 /// Executes what pages ask a robot for, each in a thread of its own, so that a call that takes long delays
@@ -35,9 +35,9 @@ class Verbs {
  public:
   using Answer = std::function<void(Result<type::Value>)>;
 
-  /// At once; what is beyond is refused with ResourceExhausted.
+  /// The most calls at once; further ones are refused with ResourceExhausted.
   static constexpr std::size_t kMostCalls = 12;
-  /// Of them those of browsers that may only observe, so that they leave calls to those who operate.
+  /// The part of these for browsers that may only observe, so that they leave calls to those that operate.
   static constexpr std::size_t kMostCallsOfObservers = 8;
   /// Calls that stop the robot, beside the others: nothing keeps them waiting.
   static constexpr std::size_t kMostStops = 4;
@@ -60,7 +60,7 @@ class Verbs {
 
   RobotLink& link_;
   FileVerbs files_;
-  std::atomic<std::size_t> calls_of_observers_{0};  ///< in progress
+  std::atomic<std::size_t> calls_of_observers_{0};  ///< in progress; only a limit, which orders nothing
   concurrent::ThreadPool pool_{"segue-studio", {.threads = kMostCalls, .idle = 2}};
   concurrent::ThreadPool stops_{"segue-stops", {.threads = kMostStops, .idle = 1}};
 };

@@ -49,8 +49,8 @@ RobotFiles files_of(const std::filesystem::path& robot_file);
 /// Without a search. NotFound where the robot has no such file, whatever else is there.
 Result<RobotFile> find_file(const std::filesystem::path& robot_file, const std::string& path);
 
-/// That a new file can be called so: InvalidArgument. Folders and the file are named by letters, digits, '_',
-/// '-', '.' and ':', the first being no '.', and the file ends in .yaml or .yml.
+/// Checks that a new file can have that path: InvalidArgument. Folders and the file are named by letters,
+/// digits, '_', '-', '.' and ':', not beginning with '.', and the file ends in .yaml or .yml.
 Result<void> check_new_path(const std::string& path);
 
 }  // namespace segue::web

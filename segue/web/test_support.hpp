@@ -46,7 +46,7 @@ class ShownRobot final : public control::FakeRobotService {
     if (id == "gone") return fail(ErrorCode::NotFound, "no task 'gone' runs");
     return type::Value::map({{"id", id}});
   }
-  /// What show_mission() said last; none at first.
+  /// The mission of the last show_mission(); null at first.
   Result<type::Value> mission(std::uint64_t after, bool with_plan) override {
     ++questions;
     const std::lock_guard lock(mutex_);

@@ -57,7 +57,7 @@ std::string text_of(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
-/// As in an address of a page.
+/// The IP address in the form that URLs have.
 std::string written(const asio::ip::address& address) {
   const asio::ip::address plain = address.is_v6() && address.to_v6().is_v4_mapped()
                                       ? asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6())
@@ -67,7 +67,7 @@ std::string written(const asio::ip::address& address) {
 
 class Open;
 
-/// What all connections share, in an order in which what is used ends after what uses it.
+/// The state that all connections share. Members are destroyed after those that use them.
 struct Shared {
   Shared(PageFiles files, const Connect& connect, ServerOptions chosen)
       : page(std::move(files)), options(std::move(chosen)), watching(connect), calling(connect) {}
@@ -112,7 +112,7 @@ class Open {
       : shared_(shared), place_(shared.table.add(from, ender())), from_(from) {
     shared_.connections.insert(this);
   }
-  /// What goes on with the connection of `before`.
+  /// Goes on with the connection of `before`.
   explicit Open(Open& before)
       : shared_(before.shared_), place_(std::move(before.place_)), from_(before.from_) {
     place_.hand_on(ender());
@@ -121,7 +121,7 @@ class Open {
   virtual ~Open() { shared_.connections.erase(this); }
   Open(const Open&) = delete;
   Open& operator=(const Open&) = delete;
-  /// It ends as soon as what it is doing has noticed.
+  /// Ends the connection as soon as its present operation has noticed.
   virtual void close() = 0;
 
  protected:
@@ -336,7 +336,7 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
               "There are too many connections already. Close some pages of the studio and try again.");
   }
 
-  /// Who has not come in is given nothing more.
+  /// Sends the last response on the connection, to a browser without access.
   void send_last(http::status status, const std::string& text) {
     auto response = response_of(request_, status, "text/html; charset=utf-8", message_page("", text));
     response.keep_alive(false);

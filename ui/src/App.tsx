@@ -48,10 +48,10 @@ function useView(): View {
   return view;
 }
 
-/** What is known of the robot. */
+/** The robot's state as the page knows it. */
 interface Known {
   status: Status | null;
-  /** What is shown is not what is: nobody hears the robot, or another runtime commands it. */
+  /** The page shows an old state: nobody hears the robot, or another runtime commands it. */
   isOld: boolean;
   skipped: number | undefined;
   /** Why the robot cannot be reached. */

@@ -49,7 +49,7 @@ class BatchClient::Open {
 
 namespace {
 
-/// Takes what a process reports early.
+/// Takes the ends that a process reports early.
 template <class Open>
 class FollowerServer final : public wire::BatchFollower::Server {
  public:

@@ -17,13 +17,12 @@ namespace segue::control::detail {
 /// Gives the capability that is asked, in the loop of its channel.
 using TasksOf = std::function<wire::TaskAccess::Client(RpcChannel::Connection&)>;
 
-/// The batches of actions that were sent through one connection and have not ended.
-/// What comes back is not trusted: each action is reported once, whatever the other side answers. Thread
-/// safe.
+/// The batches of actions that were sent through one connection and have not ended. Answers are not trusted:
+/// each action is reported once, whatever the other side answers. Thread safe.
 class BatchClient {
  public:
   BatchClient(std::shared_ptr<RpcChannel> channel, TasksOf tasks);
-  /// Reports what has not ended as Unavailable.
+  /// Reports actions that have not ended as Unavailable.
   ~BatchClient();
   BatchClient(const BatchClient&) = delete;
   BatchClient& operator=(const BatchClient&) = delete;

@@ -50,7 +50,8 @@ class Batch final : private kj::TaskSet::ErrorHandler {
   }
 
  private:
-  /// One message at a time is on its way. The answer has all outcomes, so what waits then is dropped.
+  /// One message at a time is on its way. The answer has all outcomes, so those that still wait then are
+  /// dropped.
   void report() {
     KJ_IF_MAYBE (follower, *follower_) {
       if (busy_ || unreported_.empty()) return;
@@ -83,7 +84,8 @@ class Batch final : private kj::TaskSet::ErrorHandler {
   kj::Own<kj::PromiseFulfiller<Result<Outcomes>>> done_;
 };
 
-/// The environment of a process says what is loaded into it, so only who may start any process may set it.
+/// The environment of a process decides which libraries are loaded into it, so only a client that may start
+/// any process may set it.
 Result<void> may_begin(const Caller& caller, const std::vector<model::Action>& actions) {
   const bool sets_environment = std::ranges::any_of(actions, [](const model::Action& action) {
     const auto* deployment = std::get_if<model::DeploymentAction>(&action.what);

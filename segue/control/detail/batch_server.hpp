@@ -13,7 +13,7 @@
 
 namespace segue::control::detail {
 
-/// Who gets early reports of a client's batches; nobody until the client says who.
+/// The receiver of early reports of a client's batches; none until the client names one.
 using Follower = std::shared_ptr<kj::Maybe<wire::BatchFollower::Client>>;
 
 /// Lets a service begin a batch, without waiting for its end.
@@ -28,7 +28,7 @@ kj::Promise<Result<std::vector<task_host::Completed>>> perform_batch(Caller call
                                                                      std::vector<model::Action> actions,
                                                                      const BeginBatch& begin);
 
-/// What a call with `actions` and a `ticket` asks for.
+/// The request of a call with `actions` and a `ticket`.
 struct BatchRequest {
   std::uint64_t ticket = 0;
   std::vector<model::Action> actions{};

@@ -190,7 +190,7 @@ class DeploymentServer final : public DecodingServer<wire::DeploymentProcess>, p
   }
 
  private:
-  /// What comes with file descriptors, or DeadlineExceeded.
+  /// The offer, which comes with file descriptors, or DeadlineExceeded.
   template <class T>
   kj::Promise<Result<T>> in_time(kj::Promise<Result<T>> offer) {
     auto late = caller_.core().loop.timer().afterDelay(kOfferTimeout).then([] {

@@ -21,11 +21,11 @@ class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public
  public:
   HostedRobotServer(const Caller& caller, std::shared_ptr<HostedRobot> robot)
       : TaskAccessServer(caller, robot), caller_(caller), robot_(std::move(robot)) {}
-  /// The client is gone: what it has asked for and has not begun is not wanted any more.
+  /// The client is gone: its requests that have not begun are not wanted any more.
   ~HostedRobotServer() noexcept {
     robot_->begin_no_more();
     robot_->set_listener({});
-    // What the loop has been given to do with them comes first.
+    // Events are destroyed after all work on them that the loop has been given already.
     caller_.core().loop.post([events = events_](kj::AsyncIoContext&) {});
     caller_.client()->listeners -= listeners_.size();
   }
@@ -53,7 +53,7 @@ class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public
     auto job = [robot = robot_, before = decode(params.getBefore()), target = decode(params.getTarget())] {
       return robot->begin_transition(before, target);
     };
-    // What goes on although the caller is gone must not touch its call.
+    // A job may go on although the caller is gone, so it must not touch its call.
     const auto outcome = std::make_shared<Result<void>>();
     auto run = [job = std::move(job), outcome, noun = caller_.core().noun()] {
       *outcome = guarded(job, noun);
@@ -135,7 +135,7 @@ class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public
  private:
   using Events = Broadcast<task_host::HostEvent>;
 
-  /// The client does not wait for the answer to beginTransition(); what it asks next comes after that.
+  /// The client does not wait for the answer to beginTransition(); its next requests come after that.
   template <class Work>
   kj::Promise<void> in_turn(Work work) {
     return begun_.addBranch().then(std::move(work));
@@ -240,8 +240,8 @@ class HostServer final : public DecodingServer<wire::Host> {
       request.launch.deployment = {};  // of whichever process is deployed
       return service.acquire(request, deadline);
     };
-    // Who takes a robot away from a runtime that lives decides more than what it does next. A term says that
-    // it has done so, and keeps others from it.
+    // To take a robot away from another runtime that is alive needs a higher role than to command it. A term
+    // says that the runtime has taken the robot over, and keeps others from it.
     const bool takes_over = params.getTakeOver() || params.getTerm() > 0;
     return caller_.answer(takes_over ? Role::Administer : Role::Operate, context, std::move(job),
                           [caller = caller_](std::shared_ptr<HostedRobot>& robot, auto results) {

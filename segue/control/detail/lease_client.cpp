@@ -26,8 +26,8 @@ std::uint64_t request_number(const Value* value) {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(value->as_int(), 0));
 }
 
-/// What is known of a lease. News are told once, so a question for them is never dropped: whoever waits no
-/// longer leaves the answer to those that come later.
+/// The client's knowledge of a lease. News are told once, so a question for them is never dropped: a caller
+/// that waits no longer leaves the answer to later ones.
 class LeaseNews {
  public:
   /// Calls `ask` where no question is under way, and waits for the answer.

@@ -9,8 +9,8 @@
 namespace segue::control::detail {
 
 /// The lease that Connection::open() has opened under that id: a stream of news, whose type is its number.
-/// Keeps the channel alive. Its destructor waits, so that who asks for the lease next gets it; where that
-/// fails, it ends with the connection.
+/// Keeps the channel alive. Its destructor waits until the lease has ended, so that the next request for a
+/// lease succeeds; where that fails, the lease ends with the connection.
 Result<std::unique_ptr<RobotLease>> opened_lease(std::shared_ptr<RpcChannel> channel, RpcChannel::StreamId id,
                                                  const Result<type::Value>& number);
 

@@ -12,14 +12,14 @@
 
 namespace segue::control::detail {
 
-/// Whose the leases are that a server has given out, so that a number that was found out serves nobody else.
-/// Thread safe.
+/// The owners of the leases that a server has given out, so that nobody else can use a number that was found
+/// out. Thread safe.
 class LeaseOwners {
  public:
   void add(std::uint64_t lease, const Peer& owner);
   void remove(std::uint64_t lease);
-  /// PermissionDenied where that lease was given to somebody else. Of other numbers it says nothing: whether
-  /// such a lease is held the robot knows.
+  /// PermissionDenied where that lease was given to somebody else. Nothing for other numbers: only the robot
+  /// knows whether such a lease is held.
   [[nodiscard]] std::optional<Error> refusal(std::uint64_t lease, const Peer& who) const;
 
  private:

@@ -30,7 +30,8 @@ Result<Value> as_value(const Result<void>& outcome) {
   return Value();
 }
 
-/// What ends a request: somebody without a lease may ask, and go.
+/// The stop token of a request: only one with a lease ends when its caller drops it; somebody without a
+/// lease may ask, and go.
 std::stop_token stop_of(const RequestOptions& options, const std::stop_token& dropped) {
   return options.lease == 0 ? std::stop_token() : dropped;
 }
@@ -364,7 +365,8 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   }
 
  private:
-  /// As Caller::answer_value(), for a call that names a lease: PermissionDenied where it is of somebody else.
+  /// Answers like Caller::answer_value() a call that names a lease: PermissionDenied where it is of somebody
+  /// else.
   template <class Context, class Job>
   kj::Promise<void> answer_holder(Role needed, std::uint64_t lease, Context context, Job job) {
     const auto refusal = lease_owners_.refusal(lease, peer());

@@ -18,7 +18,7 @@
 
 namespace segue::control::detail {
 
-/// A stream of samples as the reader of a port; what cannot be read any more has no samples.
+/// A stream of samples as the reader of a port; a stream that cannot be read any more has no samples.
 class ClientReader final : public task_host::PortReader {
  public:
   explicit ClientReader(std::unique_ptr<SampleStream> stream) : stream_(std::move(stream)) {}

@@ -6,9 +6,9 @@
 
 namespace segue::control::detail {
 
-/// Messages of a stream, of which those that arrive have limits of their own: Cap'n Proto takes the limits of
-/// what it receives for those of what it sends, but a server takes small messages from anybody and sends
-/// large ones.
+/// Messages of a stream whose limits on reading are separate from those on writing: Cap'n Proto applies the
+/// limits of messages that it receives to those that it sends, but a server takes small messages from anybody
+/// and sends large ones.
 class BoundedReads final : public capnp::MessageStream {
  public:
   BoundedReads(kj::AsyncCapabilityStream& stream, capnp::ReaderOptions limits)

@@ -63,7 +63,7 @@ class Broadcast {
       }));
     }
 
-    /// The client is gone or refuses events: it stays busy, so none is sent any more.
+    /// The client is gone or refuses events: the listener stays busy, so no more are sent.
     void taskFailed(kj::Exception&&) override { waiting_.clear(); }
 
     Broadcast& source_;

@@ -29,7 +29,7 @@ class Caller {
  public:
   Caller(ServerCore& core, std::shared_ptr<ClientState> client, CallLane lane = CallLane::Ordinary)
       : core_(core), client_(std::move(client)), lane_(lane) {}
-  /// Of the same client, for calls that nothing else may keep waiting.
+  /// A caller of the same client, for calls that nothing else may keep waiting.
   [[nodiscard]] Caller urgent() const { return {core_, client_, CallLane::Urgent}; }
 
   /// PermissionDenied, which is logged too, unless the client's role includes `needed`.
@@ -43,10 +43,12 @@ class Caller {
   /// or ResourceExhausted where it may not be begun.
   Result<void> begin();
   void end() { core_.calls.end(*client_, lane_); }
-  /// The same for a batch of actions, of which there may be more.
+  /// For a batch of actions: it counts as one in progress until end_batch(); more of these may be in progress
+  /// than of other calls. Unavailable or ResourceExhausted where it may not be begun.
   Result<void> begin_batch();
   void end_batch() { --client_->batches; }
-  /// The same for a question that is answered later.
+  /// For a question that is answered later: it counts as one until it is answered. Unavailable or
+  /// ResourceExhausted where it may not be begun.
   Result<void> begin_watch();
 
   /// Runs `job`, which returns a Result<T> and may take a std::stop_token, by which it learns that the client
@@ -59,16 +61,16 @@ class Caller {
   kj::Promise<void> answer(Context context, Job job, Reply reply) {
     return answer(Role::Observe, context, std::move(job), std::move(reply));
   }
-  /// The same in the loop itself, for a job that only reads what is at hand.
+  /// Runs `job` like answer(), but in the loop itself, for a job that only reads data at hand.
   template <class Context, class Job, class Reply>
   kj::Promise<void> answer_here(Context context, Job job, Reply reply);
-  /// The same for a Result<void> without more to say.
+  /// Answers with a `job` that returns a Result<void> and has no results to add.
   template <class Context, class Job>
   kj::Promise<void> answer(Context context, Job job) {
     return answer(context, std::move(job), [](auto) {});
   }
-  /// The same for a Result<Value> that is the `answer` of the results; calls `done(results)` unless it is an
-  /// error.
+  /// Answers with a `job` that returns a Result<Value>, which becomes the `answer` of the results; calls
+  /// `done(results)` unless it is an error.
   template <class Context, class Job, class Done>
   kj::Promise<void> answer_value(Role needed, Context context, Job job, Done done);
   template <class Context, class Job, class Done>
@@ -108,7 +110,7 @@ auto guarded(Job& job, std::string_view noun) -> std::invoke_result_t<Job&> {
   }
 }
 
-/// With the token where the job takes one.
+/// Calls the job, with the token where it takes one.
 template <class Job>
 auto run_job(Job& job, const std::stop_token& stop) {
   if constexpr (std::is_invocable_v<Job&, const std::stop_token&>) {
@@ -118,7 +120,7 @@ auto run_job(Job& job, const std::stop_token& stop) {
   }
 }
 
-/// `finish(outcome, results)` in the loop when `job` has ended or was refused.
+/// Runs the job; calls `finish(outcome, results)` in the loop when it has ended or was refused.
 template <class Context, class Job, class Finish>
 kj::Promise<void> Caller::begin_job(Role needed, Context context, Job job, Finish finish) {
   using Outcome = decltype(run_job(job, std::stop_token()));

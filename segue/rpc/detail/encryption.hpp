@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-/// What server and client know of TLS. Its implementation (the folder tls) is reached through these
-/// interfaces only, so that deployment processes, which use Unix sockets alone, need not contain it: loading
+/// The interfaces of TLS for server and client. Its implementation (the folder rpc_tls) is reached through
+/// these only, so that deployment processes, which use Unix sockets alone, need not contain it: loading
 /// OpenSSL would take them a millisecond.
 namespace segue::control::detail {
 

@@ -8,8 +8,9 @@
 
 namespace segue::control::detail {
 
-/// What a client reaches first. Accepts clients of the same protocol version that request the service which
-/// is offered. `enter` tells whether there is a place for the client, and takes it. Only in the event loop.
+/// The first object that a client reaches. Accepts clients of the same protocol version that request the
+/// service which is offered. `enter` tells whether there is a place for the client, and takes it. Only in the
+/// event loop.
 wire::Gate::Client make_gate(ServerCore& core, std::shared_ptr<ClientState> client,
                              std::function<bool()> enter);
 

@@ -17,7 +17,7 @@ struct ServiceKind {
   unsigned descriptors = 0;  ///< the most that a message carries. Such a service is for Unix sockets only
 };
 
-/// What a server offers to all its clients. Used in its event loop only.
+/// The service that a server offers to all its clients. Used in its event loop only.
 class OfferedService {
  public:
   explicit OfferedService(const ServiceKind& kind) : kind_(kind) {}

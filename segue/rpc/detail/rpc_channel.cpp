@@ -129,7 +129,7 @@ Result<void> RpcChannel::greet(std::string_view kind, const Limit& limit, const 
     });
   });
   if (greeted) return {};
-  // Of which connecting has taken a part.
+  // Connecting has taken a part of the time, so the message names the whole.
   return greeted.error().code == ErrorCode::DeadlineExceeded ? silence(limit.whole) : greeted.error();
 }
 

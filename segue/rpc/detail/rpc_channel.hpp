@@ -56,8 +56,8 @@ class RpcChannel {
   using Begin = std::function<kj::Promise<void>(Connection&)>;
   using Failed = std::function<void(Error)>;
 
-  /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'". What
-  /// `first`, called in the loop, asks of the service travels with hello(), so that all of it takes one round
+  /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'". `first` is
+  /// called in the loop; its requests to the service travel with hello(), so that all of them take one round
   /// trip; its promise is waited for unless hello() is refused. `timeout` is for all of it: name, connection,
   /// TLS and hello.
   static Result<std::shared_ptr<RpcChannel>> open(const Endpoint& endpoint, const ServiceKind& kind,
@@ -115,11 +115,11 @@ class RpcChannel {
   kj::Promise<End> stopped(const std::stop_token& stop);    ///< in the loop
   struct Failures;
   const std::string who_;
-  std::atomic<StreamId> next_stream_{1};
+  std::atomic<StreamId> next_stream_{1};  ///< numbers differ, and order nothing
   EventLoop loop_;
   std::unique_ptr<Connection> connection_;  ///< used in the loop's thread only
-  std::unique_ptr<Failures> failures_;      ///< likewise
-  std::unique_ptr<kj::TaskSet> calls_;      ///< likewise
+  std::unique_ptr<Failures> failures_;      ///< used in the loop's thread only
+  std::unique_ptr<kj::TaskSet> calls_;      ///< used in the loop's thread only
 };
 
 template <class T, class Build>

@@ -16,10 +16,10 @@
 
 namespace segue::control::detail {
 
-/// A client's connection, as its event loop has it: everything here is used in the loop's thread only.
+/// A client's connection; used in the thread of its event loop only.
 class RpcConnection {
  public:
-  /// Of what was opened on the other side and is kept here.
+  /// Identifies a stream that was opened on the other side and is kept here.
   using StreamId = std::uint64_t;
   using Answer = kj::Promise<Result<type::Value>>;
   /// The largest answer, in nodes, that a client accepts.
@@ -28,8 +28,8 @@ class RpcConnection {
   /// `descriptors` is how many a message may carry. `secure` is the stream where that uses TLS, else null.
   RpcConnection(kj::Own<kj::AsyncCapabilityStream> stream, SecureStream* secure, unsigned descriptors);
 
-  /// The service that hello() asks for. What is asked of it before the answer goes with hello(), and fails
-  /// where that is refused; without hello() every call answers with an exception.
+  /// The service that hello() requests. Calls of it before the answer are sent together with hello(), and
+  /// fail where that is refused; without hello() every call answers with an exception.
   template <class Interface>
   typename Interface::Client as() {
     return service_.castAs<Interface>();
@@ -49,7 +49,7 @@ class RpcConnection {
   Answer hello(std::string_view kind);
   /// Calls `gone`, in the loop's thread, when the connection breaks.
   void watch(std::function<void()> gone);
-  /// Breaks it within a second once the certificate of the other side is revoked or expires.
+  /// Breaks the connection within a second once the certificate of the other side is revoked or expires.
   kj::Promise<void> guard(kj::Timer& timer, Credentials credentials, Identity other);
   /// Why the connection broke, where TLS says so.
   [[nodiscard]] std::optional<Error> problem() const;

@@ -11,14 +11,14 @@
 
 namespace segue::control::detail {
 
-/// Serves one service from a thread of its own, as control::Server says, which is this for the services that
-/// there are.
+/// Serves one service from a thread of its own; control::Server is an RpcServer for one of the existing
+/// services.
 class RpcServer {
  public:
-  /// As Server::listen().
+  /// Listens at several places. The errors of control::Server::listen().
   static Result<std::unique_ptr<RpcServer>> listen(const Places& places,
                                                    std::unique_ptr<OfferedService> service);
-  /// As Server::serve().
+  /// Serves on a socket that is bound and listens already. The errors of control::Server::serve().
   static Result<std::unique_ptr<RpcServer>> serve(Descriptor listening,
                                                   std::unique_ptr<OfferedService> service);
   /// Refuses new calls, waits for those in progress (until their deadlines at most) and sends their answers,

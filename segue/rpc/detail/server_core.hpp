@@ -18,7 +18,7 @@ namespace segue::control::detail {
 
 struct ClientState;
 
-/// What a call competes with for a place.
+/// The class of a call, whose calls compete with each other for places.
 enum class CallLane : std::uint8_t {
   Ordinary,
   Urgent  ///< it ends motion: has places and threads that nothing else takes

@@ -33,7 +33,8 @@ capnp::ReaderOptions limits_of(std::uint64_t words) {
 constexpr unsigned kReady =
     kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC | kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK;
 
-/// What the receiver owns, to be wrapped as the kind of socket that it is.
+/// A duplicate of the accepted descriptor, owned by the caller, to be wrapped as the kind of socket that it
+/// is.
 kj::AutoCloseFd duplicate(const kj::AsyncIoStream& accepted) {
   KJ_IF_MAYBE (fd, accepted.getFd()) {
     return kj::AutoCloseFd(::fcntl(*fd, F_DUPFD_CLOEXEC, 0));
@@ -105,12 +106,13 @@ class Session {
     refuse(why);
     cut_off_.fulfiller->fulfill();
   }
-  /// Those on this computer, who are one user, count as one person; a certificate has a name.
+  /// Enters the client in the table of connections. All clients on this computer count as one person, since
+  /// they are one user; others count by the name in their certificates.
   bool come_in() { return place_.enter(client_->peer.local ? std::string() : client_->peer.name); }
 
   void serve() { rpc_ = kj::heap<Rpc>(*this, owner_.core_); }
 
-  /// The TLS handshake, then the service. Who is refused gets the time to read why.
+  /// The TLS handshake, then the service. A client that is refused gets the time to read why.
   kj::Promise<void> enter() {
     return secure_->handshake().then([this](Result<Identity>&& shown) -> kj::Promise<void> {
       if (!shown) {

@@ -16,7 +16,7 @@ namespace segue::control::detail {
 
 class Session;
 
-/// Where a server listens. The descriptors stay open as long as the sessions.
+/// The sockets on which a server listens. The descriptors stay open as long as the sessions.
 struct Doors {
   int local = -1;   ///< a Unix socket; -1: none
   int remote = -1;  ///< TCP; -1: none

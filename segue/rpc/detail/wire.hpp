@@ -62,7 +62,7 @@ class WireError final : public std::exception {
   Error error_;
 };
 
-/// As encode and decode of Values; throw WireError.
+/// Encode and decode values; throw WireError where encode() and decode() would return an error.
 void put(const type::Value& value, wire::Value::Builder builder);
 type::Value get(wire::Value::Reader reader, std::uint64_t max_nodes = kServerMessageWords);
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-/// What browsers are answered.
+/// The HTTP responses to browsers.
 namespace segue::web::detail {
 
 using HttpRequest = boost::beast::http::request<boost::beast::http::empty_body>;

@@ -21,7 +21,7 @@ class BrowserStream {
   explicit BrowserStream(boost::asio::ip::tcp::socket socket)
       : tcp_(std::make_unique<boost::beast::tcp_stream>(std::move(socket))) {}
 
-  /// From now on over TLS; the handshake comes first. `context` must outlive this.
+  /// Uses TLS from now on; the handshake comes first. `context` must outlive this.
   void secure(boost::asio::ssl::context& context) { tls_ = std::make_unique<Tls>(*tcp_, context); }
   /// Null without TLS.
   [[nodiscard]] Tls* tls() { return tls_.get(); }

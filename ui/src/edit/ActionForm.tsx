@@ -88,7 +88,7 @@ function List({ name, doc, kind, props }: { name: string; doc: string; kind: 'te
   );
 }
 
-/** What the mission declares of an action, and what it runs; the same for all states that stand for it. */
+/** The declaration of an action in the mission and the way it runs, the same for all states that use it. */
 export function ActionForm(props: Props) {
   const { mission, action, fixed, edits } = props;
   const [open, setOpen] = useState(false);

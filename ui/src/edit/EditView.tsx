@@ -180,7 +180,7 @@ export function EditView() {
       (refused: unknown) => setProblem(reason(refused)),
     );
   };
-  /** After files were created, renamed or deleted. */
+  /** To be called after files were created, renamed or deleted. */
   const onFiles = (wanted: string | null) => {
     again();
     if (wanted === null) setPath((lastPath = null));

@@ -83,7 +83,7 @@ interface Props {
   onFiles: (path: string | null) => void;
 }
 
-/** What can be done with the file; each rejects with what is wrong. */
+/** The actions on the file; each rejects with its problem. */
 function useFileVerbs({ file, files, draft, drafts, onFiles }: Props) {
   const connection = useConnection();
   const version = { path: file.path, version: draft.version };

@@ -71,7 +71,7 @@ interface Props {
 /** The id of a state in a container. */
 const idIn = (container: EditedState, name: string) => (container.id === '' ? name : container.id + '/' + name);
 
-/** What is looked at: a state machine, in it a state or an edge of the graph, and which containers are open. */
+/** The selection: a state machine, in it a state or an edge of the graph, and the containers that are open. */
 function useSelection() {
   const [machine, setMachine] = useState('');
   const [selected, setSelected] = useState<string | null>(null);
@@ -86,7 +86,7 @@ function useSelection() {
 }
 type Selection = ReturnType<typeof useSelection>;
 
-/** What the selection means in a mission. */
+/** The selected parts of a mission, found in its text. */
 interface Scene {
   mission: MissionText;
   libraries: Interface[];
@@ -127,7 +127,7 @@ function useEdit({ path, text, drafts }: Props, scene: Scene | null, machine: st
   return { edit, problem };
 }
 
-/** What is done in the bar and in the graph. */
+/** The actions of the bar and of the graph. */
 function verbsOf({ path, drafts }: Props, { mission, libraries, root, open, graph }: Scene, selection: Selection, edit: Edit) {
   const { selected, edge, shown, setSelected, setEdge, setOpen } = selection;
   const state = stateIn(root, selected);

@@ -67,7 +67,7 @@ function useEdit(path: string, drafts: Drafts, closed: boolean): { edit: Edit; p
   return { edit, problem };
 }
 
-/** What can be done to tasks and connections; the selection goes with it. */
+/** The edits of tasks and connections; the selection follows them. */
 function editsOf(edit: Edit, { setTask, setLink }: Selection): Edits {
   return {
     setProperty: (id, name, yaml) => edit((before) => setProperty(before, id, name, yaml)),

@@ -28,13 +28,13 @@ export interface PortNode {
   look: string;
   ports: GraphPort[];
 }
-/** What is drawn around nodes; groups come before those in them. Its ports are connected from outside. */
+/** A box around nodes; groups come before those in them. Its ports are connected from outside. */
 export interface PortGroup {
   id: string;
   group?: string;
   title: string;
   ports?: GraphPort[];
-  /** It can be selected, as nodes can. */
+  /** The group can be selected, as nodes can. */
   isEdited?: boolean;
 }
 export interface PortEdge {

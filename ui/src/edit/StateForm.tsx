@@ -174,7 +174,7 @@ function Place({ props }: { props: Props }) {
   );
 }
 
-/** What a leaf or library stands for. */
+/** The action or library that a leaf or library state uses. */
 function Use({ props }: { props: Props }) {
   const { mission, libraries, state, fixed, edits } = props;
   if (state.kind === 'library') return <Choice label="Library" value={state.library} options={libraries.map((one) => one.name)} fixed={fixed} onChoose={edits.setUse} />;

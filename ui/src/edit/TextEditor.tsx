@@ -12,7 +12,7 @@ export function TextEditor({ drafts, path }: { drafts: Drafts; path: string }) {
     const element = host.current;
     if (!element) return;
     const root = element.shadowRoot ?? element.attachShadow({ mode: 'open' });
-    // What is typed is not a key of the page.
+    // Keys that are typed here are not shortcuts of the page.
     const keep = (event: KeyboardEvent) => event.stopPropagation();
     element.addEventListener('keydown', keep);
     const hide = drafts.show(path, root);

@@ -16,7 +16,7 @@ export interface Problem {
   severity: 'error' | 'warning';
   code: string;
   message: string;
-  /** From 1; 0: not known. */
+  /** Counted from 1; 0: not known. */
   line: number;
   column: number;
 }
@@ -24,7 +24,7 @@ export interface Problem {
 export interface FileEntry {
   path: string;
   kind: 'robot' | 'network' | 'mission' | 'rafcon';
-  /** By the robot file. */
+  /** Whether the robot file names it. */
   named: boolean;
   problem: string;
 }
@@ -32,13 +32,13 @@ export interface FileEntry {
 /** A file as it is edited: outlives the view, with its undo history. */
 export interface Draft {
   path: string;
-  /** What was read or saved last. */
+  /** The text that was read or saved last. */
   saved: string;
   version: string;
   /** Lines end in CR LF in the file; here they never do. */
   carriageReturns: boolean;
   state: EditorState;
-  /** Of this text; null: not checked yet. */
+  /** The problems of this text; null: not checked yet. */
   problems: Problem[] | null;
   /** Why it could not be saved, or checked. */
   error: string;
@@ -49,7 +49,7 @@ export interface Draft {
   saving: boolean;
   /** A state machine of RAFCON, as the mission that it becomes. */
   isReadOnly: boolean;
-  /** What could not be kept of it. */
+  /** The parts of the state machine that the mission could not keep. */
   notes: string[];
 }
 
@@ -132,7 +132,7 @@ export class Drafts {
     };
   }
 
-  /** As one step that can be undone. */
+  /** Replaces the text, as one step that can be undone. */
   replace(path: string, text: string): void {
     const draft = this.drafts.get(path);
     if (draft) this.dispatch(path, { changes: changeBetween(draft.state.doc.toString(), text), userEvent: 'input' });
@@ -239,7 +239,7 @@ export class Drafts {
 }
 
 const all = new WeakMap<Connection, Drafts>();
-/** Of this page: they stay while other views are shown. */
+/** The drafts of this page: they stay while other views are shown. */
 export function draftsOf(connection: Connection): Drafts {
   let drafts = all.get(connection);
   if (!drafts) all.set(connection, (drafts = new Drafts(connection)));

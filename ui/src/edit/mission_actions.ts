@@ -21,7 +21,7 @@ export const flags = [
   { key: 'strict', doc: 'waits until nothing before it can fail' },
 ] as const;
 
-/** What can be said of each way to run an action; what has nothing more to it is one value. */
+/** The keys of each way to run an action; a way without keys is one value. */
 const waysToRun: Record<string, string[]> = {
   controller: ['controller', 'set', 'call', 'write', 'until', 'outputs', 'afterwards'],
   pool: ['pool', 'call', 'outputs', 'outcome_from', 'timeout'],
@@ -34,7 +34,7 @@ export interface RunEntry {
   value: unknown;
 }
 
-/** What the action runs, in parts that can be edited one by one. */
+/** The way in which the action runs, in parts that can be edited one by one. */
 export function runEntries(action: ActionText): RunEntry[] {
   const run = record(action.value['run']);
   const way = Object.keys(waysToRun).find((key) => key in run);
@@ -83,7 +83,7 @@ export function setEntry(text: string, action: ActionText, path: Path, typed: st
   return kind === 'text' ? put(text, full, given) : put(text, full, parse(given), given.includes('\n') ? [] : [given]);
 }
 
-/** At the end of a list of the action, which need not be there yet. */
+/** Adds an entry at the end of a list of the action; makes the list where there is none yet. */
 export function addEntry(text: string, action: ActionText, key: string, typed: string, kind: 'text' | 'yaml'): string {
   return add(text, [...pathOf(action), key], kind === 'text' ? typed.trim() : parse(typed));
 }
@@ -104,7 +104,7 @@ export function setActionPort(text: string, action: ActionText, side: Side, port
   return setPort(text, holderOf(action), side, port, type, yaml);
 }
 
-/** With what states give to it, and the data flows from or to it. */
+/** Removes the port with the values that states give to it, and the data flows from or to it. */
 export function removeActionPort(text: string, mission: MissionText, action: ActionText, side: Side, name: string): string {
   const users = usersOf(mission, action);
   let left = text;
@@ -123,7 +123,7 @@ export function addActionOutcome(text: string, action: ActionText, name: string)
   return addOutcome(text, holderOf(action), name);
 }
 
-/** With the transitions of states that stand for the action, and where it was expected. */
+/** Removes the outcome with the transitions of states that stand for the action, and where it was expected. */
 export function removeActionOutcome(text: string, mission: MissionText, action: ActionText, name: string): string {
   if (action.outcomes.length === 1) throw new Error('an action has one outcome at least');
   let left = remove(text, [...pathOf(action), 'outcomes', action.outcomes.indexOf(name)]);

@@ -19,7 +19,7 @@ function removeIfThere(text: string, path: Path): string {
 
 export type NewState = { action: string } | { library: string } | { kind: string };
 
-/** At the end of a container; the first state of a hierarchy is where it starts. */
+/** Adds a state at the end of a container; a hierarchy starts with its first state. */
 export function addState(text: string, around: EditedState, name: string, what: NewState): string {
   checkName(name, around);
   const path = [...around.path, 'states', name];
@@ -35,7 +35,7 @@ export function addState(text: string, around: EditedState, name: string, what: 
   return around.kind === 'hierarchy' && around.start === '' ? put(added, [...around.path, 'start'], name) : added;
 }
 
-/** What names a state in its container: where it starts, transitions of its siblings, data flows. */
+/** The text without the mentions of a state in its container: as its start, in transitions of its siblings, in data flows. */
 function withoutMentions(text: string, state: EditedState): string {
   const around = state.parent;
   if (!around) return text;
@@ -51,7 +51,7 @@ function withoutMentions(text: string, state: EditedState): string {
   return around.start === state.name ? remove(left, [...around.path, 'start']) : left;
 }
 
-/** With the transitions to it and its data flows. */
+/** Removes the state with the transitions to it and its data flows. */
 export function removeState(text: string, state: EditedState): string {
   return remove(withoutMentions(text, state), state.path);
 }
@@ -71,7 +71,7 @@ function renameInRules(text: string, mission: MissionText, around: EditedState, 
   return left;
 }
 
-/** With all that names it. */
+/** Renames the state and all that names it. */
 export function renameState(text: string, mission: MissionText, state: EditedState, name: string): string {
   const around = state.parent;
   if (!around || name === state.name) return text;
@@ -95,8 +95,8 @@ export function renameState(text: string, mission: MissionText, state: EditedSta
 const containerValue = (text: string, container: EditedState): unknown => container.path.reduce<unknown>((value, step) => record(value)[step], parsed(text).toJS());
 
 /**
- * Into another container, or before another state of its own (null: last). What it has to do with its old siblings is
- * taken out; transitions to outcomes stay where the new container has them.
+ * Moves the state into another container, or before another state of its own (null: last). Transitions and data flows
+ * between it and its old siblings are taken out; transitions to outcomes stay where the new container has them.
  */
 export function moveState(text: string, state: EditedState, to: EditedState, before: string | null): string {
   if (state.parent && String(to.path) === String(state.parent.path)) return move(text, state.path, [...to.path, 'states'], before);
@@ -133,7 +133,7 @@ export function removeFlow(text: string, container: EditedState, index: number):
   return remove(text, [...container.path, 'flows', index]);
 }
 
-/** What a state gives to a port, in place of the default; `yaml` as it is typed, empty: the default. */
+/** Sets the value that a state gives to a port in place of the default; `yaml` as it is typed, empty: the default. */
 export function setValue(text: string, state: EditedState, side: 'inputs' | 'outputs', port: string, yaml: string): string {
   const typed = yaml.trim();
   if (typed !== '') return put(text, [...state.path, side, port], parse(yaml), typed.includes('\n') ? [] : [typed]);
@@ -146,7 +146,7 @@ export function setText(text: string, state: EditedState, key: 'title' | 'descri
   return value.trim() === '' ? removeIfThere(text, [...state.path, key]) : put(text, [...state.path, key], value.trim());
 }
 
-/** Of a container, or of a leaf: execution or decider. */
+/** Sets the kind of a container, or of a leaf: execution or decider. */
 export function setKind(text: string, state: EditedState, kind: string): string {
   const left = kind === 'hierarchy' || kind === 'execution' ? removeIfThere(text, [...state.path, 'kind']) : put(text, [...state.path, 'kind'], kind);
   return kind === 'hierarchy' || !isContainer(state) ? left : removeIfThere(left, [...state.path, 'start']);
@@ -162,7 +162,7 @@ export function addOutcome(text: string, container: Pick<EditedState, 'path' | '
   const path = [...container.path, 'outcomes'];
   return nodeAt(parsed(text), path) === undefined ? put(text, path, [...container.outcomes, name]) : add(text, path, name);
 }
-/** With the transitions of and to it. */
+/** Removes the outcome with the container's transition on it and its states' transitions to it. */
 export function removeOutcome(text: string, container: EditedState, name: string): string {
   if (container.outcomes.length === 1) throw new Error('a container has one outcome at least');
   let left = remove(text, [...container.path, 'outcomes', container.outcomes.indexOf(name)]);
@@ -171,14 +171,14 @@ export function removeOutcome(text: string, container: EditedState, name: string
   return left;
 }
 
-/** What declares ports: a container, or an action. */
+/** A part of the mission that declares ports: a container, or an action. */
 type PortHolder = Pick<EditedState, 'path' | 'inputs' | 'outputs' | 'variables'>;
 
 export function addPort(text: string, container: PortHolder, which: 'inputs' | 'outputs' | 'variables', name: string, type: string): string {
   if (name.trim() === '' || container[which].some((port) => port.name === name)) throw new Error('a port needs a name of its own');
   return put(text, [...container.path, which, name], type);
 }
-/** With its data flows in and around the container. */
+/** Removes the port with its data flows in and around the container. */
 export function removePort(text: string, container: EditedState, which: 'inputs' | 'outputs' | 'variables', name: string): string {
   let left = text;
   const drop = (holder: EditedState | null, ref: string) => {

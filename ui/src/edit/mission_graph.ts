@@ -2,7 +2,7 @@
 import { flowEnds, flowRefusal, interfaceIn, isContainer, outcomesIn, statesOf, targetsOf, type EditedState, type Interface, type MissionText } from './mission_text';
 import type { End, GraphPort, PortEdge, PortGroup, PortNode } from './PortGraph';
 
-/** What is drawn of a machine of a mission: how states follow each other, or how values flow. */
+/** The view of a machine of a mission: how states follow each other, or how values flow. */
 export type Shown = 'transitions' | 'flows';
 
 export interface MissionGraph {
@@ -11,7 +11,7 @@ export interface MissionGraph {
   edges: PortEdge[];
 }
 
-/** Of a machine with more states only the outermost containers are open at first. */
+/** A machine with more states shows only its outermost containers open at first. */
 const mostOpen = 40;
 
 export const stateNode = (id: string) => 'state:' + id;
@@ -110,7 +110,7 @@ export function missionGraph(mission: MissionText, libraries: Interface[], root:
   return graph;
 }
 
-/** What drawing from one end to another one means; null: nothing. */
+/** The edit that drawing from one end to another one makes; null: none. */
 export type Drawn = { state: EditedState; outcome: string; target: string } | { container: EditedState; start: string } | { container: EditedState; from: string; to: string };
 
 function targetOf(container: EditedState, node: string): string | null {
@@ -140,7 +140,7 @@ export function meaningOf(mission: MissionText, libraries: Interface[], root: Ed
   return null;
 }
 
-/** What can be connected with a port of a state. */
+/** The ends that can be connected with a port of a state. */
 export function flowPartners(mission: MissionText, libraries: Interface[], container: EditedState, ref: string, side: 'from' | 'to'): string[] {
   return flowEnds(mission, libraries, container, side === 'from' ? 'to' : 'from')
     .map((end) => end.ref)

@@ -12,7 +12,7 @@ export interface MissionPort {
   default?: unknown;
 }
 
-/** What a state can stand for: an action or a library. */
+/** The interface of an action or a library, which a state can use. */
 export interface Interface {
   name: string;
   description: string;
@@ -27,7 +27,7 @@ export interface ActionText extends Interface {
 }
 
 export interface EditedState {
-  /** Of its map in the text. */
+  /** The path of its map in the text. */
   path: Path;
   /** Names from the root of its machine, joined by '/'; '': that root. */
   id: string;
@@ -40,7 +40,7 @@ export interface EditedState {
   /** Target: a sibling, or "return OUTCOME". */
   on: { outcome: string; target: string }[];
   start: string;
-  /** Of containers. */
+  /** Ports that a container declares; empty for leaves. */
   inputs: MissionPort[];
   outputs: MissionPort[];
   variables: MissionPort[];
@@ -49,7 +49,7 @@ export interface EditedState {
   flows: ({ from: string; to: string } | null)[];
   children: EditedState[];
   parent: EditedState | null;
-  /** Of leaves and libraries: what takes the place of defaults, by port. */
+  /** The values that take the place of defaults in leaves and libraries, by port. */
   values: { inputs: Record<string, unknown>; outputs: Record<string, unknown> };
   at: number;
 }
@@ -127,7 +127,7 @@ class Reader {
   }
 }
 
-/** What is drawn of a mission; null where the text is none or cannot be parsed. */
+/** The mission in a text; null where the text is none or cannot be parsed. */
 export function missionIn(text: string): MissionText | null {
   const document = documentIn(text);
   if (!document || !isMap(document.contents) || !document.contents.has('mission')) return null;
@@ -156,7 +156,7 @@ export function stateIn(root: EditedState, id: string | null): EditedState | nul
   return id === null ? null : (statesOf(root).find((state) => state.id === id) ?? null);
 }
 
-/** Of the answer to `libraries`. */
+/** The libraries in the answer to the request `libraries`. */
 export function librariesOf(value: Json): Interface[] {
   const list = isRecord(value) ? value['libraries'] : null;
   return (Array.isArray(list) ? list : []).flatMap((one) => {
@@ -169,7 +169,7 @@ export function librariesOf(value: Json): Interface[] {
   });
 }
 
-/** What libraries a mission can use: those in its file, and those in others. */
+/** The libraries that a mission can use: those in its file, and those in other files. */
 export function allLibraries(mission: MissionText, files: Interface[]): Interface[] {
   const own = mission.machines.filter((machine) => machine.name !== '').map(({ name, root }) => ({ name, description: root.description, inputs: root.inputs, outputs: root.outputs, outcomes: root.outcomes }));
   return [...own, ...files.filter((file) => !own.some((one) => one.name === file.name))];
@@ -182,7 +182,10 @@ export function interfaceIn(mission: MissionText, libraries: Interface[], state:
   return mission.actions.find((one) => one.name === state.action) ?? null;
 }
 
-/** With those that have transitions, although what it stands for is not known or does not have them. */
+/**
+ * The outcomes of a state, with those that have transitions although the state's action or library is not known or does
+ * not have them.
+ */
 export function outcomesIn(mission: MissionText, libraries: Interface[], state: EditedState): string[] {
   const known = interfaceIn(mission, libraries, state)?.outcomes ?? [];
   return [...new Set([...known, ...state.on.map((one) => one.outcome)])];
@@ -204,13 +207,13 @@ export interface FlowEnd {
 
 const own = (container: EditedState, which: 'inputs' | 'outputs' | 'variables'): FlowEnd[] => container[which].map((port) => ({ ref: which + '.' + port.name, type: port.type }));
 
-/** What values can come from in a container, or go to. */
+/** The ends in a container from which values can come, or to which they can go. */
 export function flowEnds(mission: MissionText, libraries: Interface[], container: EditedState, side: 'from' | 'to'): FlowEnd[] {
   const inner = container.children.flatMap((state) => (interfaceIn(mission, libraries, state)?.[side === 'from' ? 'outputs' : 'inputs'] ?? []).map((port) => ({ ref: state.name + '.' + port.name, type: port.type })));
   return [...own(container, side === 'from' ? 'inputs' : 'outputs'), ...own(container, 'variables'), ...inner];
 }
 
-/** As mission::connects(). */
+/** Whether a value of type `from` can flow to a port of type `to`, by the rule of mission::connects(). */
 export function connects(from: string, to: string): boolean {
   return from === to || from === 'any' || to === 'any' || (from === 'int' && to === 'float');
 }

@@ -27,7 +27,7 @@ export interface ComponentModel {
 
 export type Models = Map<string, ComponentModel>;
 
-/** Of the answer to `models`. */
+/** The models in the answer to the request `models`. */
 export function modelsOf(value: Json): Models {
   const components = isMap(value) ? value['components'] : null;
   const models: Models = new Map();

@@ -8,7 +8,7 @@ import type { StateEdits } from './StateForm';
 /** Changes the text; what is wrong, or null. `now`: a state as it is in the text of `before`; `current`: the mission as it is there. */
 export type Edit = (change: (before: string, now: (state: EditedState) => EditedState, current: MissionText) => string) => string | null;
 
-/** What can be done to an action. */
+/** The edits of an action. */
 function actionEditsOf(name: string, edit: Edit): ActionEdits {
   const change = (one: (text: string, action: ActionText, mission: MissionText) => string) =>
     edit((text, _, current) => {
@@ -28,7 +28,7 @@ function actionEditsOf(name: string, edit: Edit): ActionEdits {
   };
 }
 
-/** What can be done to the state that is selected; each changes the text. */
+/** The edits of the state that is selected; each changes the text. */
 export function editsOf(state: EditedState, mission: MissionText, edit: Edit, onSelect: (id: string | null) => void): StateEdits {
   const inner = (around: EditedState, name: string) => (around.id === '' ? name : around.id + '/' + name);
   const follow = (refused: string | null, id: string | null) => {

@@ -7,7 +7,7 @@ import { add, documentIn, nodeAt, parsed, put, record, remove, rename, startOf }
 export interface NetworkTask {
   id: string;
   component: string;
-  /** By name, as values. */
+  /** The values by the names of the properties. */
   properties: Record<string, unknown>;
   /** "host / process"; "": the runtime's own process. */
   place: string;
@@ -23,7 +23,7 @@ export interface NetworkConnection {
 
 export interface NetworkText {
   tasks: NetworkTask[];
-  /** As in the file; null for what is not written as two ports. */
+  /** In the order of the file; null for a connection that is not written as two ports. */
   connections: (NetworkConnection | null)[];
   /** Whether the functions below understand it: Rock's files they do not. */
   editable: boolean;
@@ -49,7 +49,7 @@ function placesOf(root: Record<string, unknown>): Map<string, string> {
   return places;
 }
 
-/** What is drawn of a network; null where the text is none or cannot be parsed. */
+/** The network in a text; null where the text is none or cannot be parsed. */
 export function networkIn(text: string): NetworkText | null {
   const document = documentIn(text);
   if (!document || !isMap(document.contents)) return null;
@@ -103,7 +103,7 @@ function placementsOf(text: string, id: string): (string | number)[][] {
 
 const ownerOf = (port: string) => port.slice(0, port.lastIndexOf('.'));
 
-/** With its connections and its place in a process. */
+/** Removes the task with its connections and its place in a process. */
 export function removeTask(text: string, id: string): string {
   let left = text;
   const connections = networkIn(text)?.connections ?? [];
@@ -115,7 +115,10 @@ export function removeTask(text: string, id: string): string {
   return remove(left, ['tasks', id]);
 }
 
-/** With its connections and its place in a process. Throws where there is a task of that name, or it is not a name. */
+/**
+ * Renames the task in its connections and its place in a process too. Throws where there is a task of that name, or it
+ * is not a name.
+ */
 export function renameTask(text: string, id: string, name: string): string {
   if (name === id) return text;
   if (!/^[A-Za-z0-9_][A-Za-z0-9_:-]*$/.test(name)) throw new Error('a task is named by letters, digits, _, - and :');

@@ -3,7 +3,7 @@ import { parse } from 'yaml';
 import { describe, expect, it } from 'vitest';
 import { add, changeBetween, move, put, remove, rename, type Path } from './yaml_edit';
 
-/** The same numbers for the same seed. */
+/** A source of pseudo-random numbers, which are the same for the same seed. */
 function numbers(seed: number): (below: number) => number {
   let state = seed >>> 0;
   return (below) => {

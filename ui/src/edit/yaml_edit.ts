@@ -47,7 +47,7 @@ export function record(value: unknown): Record<string, unknown> {
   return typeof value === 'object' && value !== null && !Array.isArray(value) ? (value as Record<string, unknown>) : {};
 }
 
-/** On one line, as it can stand in [] or {}. */
+/** The value on one line, as it can stand in [] or {}. */
 export const inFlow = (value: unknown) => stringify(value, { collectionStyle: 'flow', lineWidth: 0, flowCollectionPadding: false, defaultStringType: 'PLAIN' }).trimEnd();
 
 export function startOf(item: unknown): number {
@@ -109,7 +109,7 @@ function valueIn(collection: unknown, index: number): unknown {
   return isMap(collection) ? collection.items[index]?.value : isSeq(collection) ? collection.items[index] : undefined;
 }
 
-/** What is at the path; undefined where nothing is. */
+/** The node at the path; undefined where there is none. */
 export function nodeAt(document: Document, path: Path): unknown {
   let node: unknown = document.contents;
   for (const step of path) {
@@ -285,7 +285,7 @@ export function add(text: string, path: Path, value: unknown): string {
   );
 }
 
-/** Takes out what is at the path. What was only for it stays empty, as {} or []. */
+/** Takes out the node at the path. A map or list that contained only that node stays empty, as {} or []. */
 export function remove(text: string, path: Path): string {
   const around = path.slice(0, -1);
   const key = path[path.length - 1] ?? '';
@@ -328,7 +328,7 @@ function linesOf(text: string, collection: Collection, item: Item): { from: numb
   return { from: beginOf(text, item), to: behind(text, item), column: columnOf(text, startOf(item)) };
 }
 
-/** As its lines stand, at another depth of indentation. */
+/** The text with the entry moved to another place; its lines stay as they are, at another depth of indentation. */
 function moved(text: string, document: Document, path: Path, target: Path, before: string | null): string | null {
   const from = nodeAt(document, path.slice(0, -1));
   const to = nodeAt(document, target);
@@ -375,7 +375,7 @@ export function move(text: string, path: Path, target: Path, before: string | nu
   return edited(text, change, [
     (document) => moved(text, document, path, target, before),
     (document) => {
-      // On one line: only what has no comments that would be lost.
+      // The pair is written on one line, which is possible only where it has no comments that would be lost.
       const pair = pairAt(document, path);
       if (!pair || text.slice(startOf(pair), endOf(pair)).includes('#')) return null;
       const item = inFlow(key) + ': ' + inFlow((pair.value as { toJS?: (of: Document) => unknown } | null)?.toJS?.(document) ?? null);
@@ -389,7 +389,7 @@ export function move(text: string, path: Path, target: Path, before: string | nu
   ]);
 }
 
-/** What differs, as one replacement. */
+/** The difference, as one replacement. */
 export function changeBetween(before: string, after: string): { from: number; to: number; insert: string } {
   let from = 0;
   while (from < before.length && from < after.length && before[from] === after[from]) from++;

@@ -8,7 +8,7 @@ export function eventsOf(value: Json | undefined): RobotEvent[] {
   return (Object.values(value) as unknown as RobotEvent[]).sort((a, b) => a.number - b.number);
 }
 
-/** Those that have all the words, in any of their texts. */
+/** The events that have all the words, in any of their texts. */
 export function withWords(events: RobotEvent[], words: string): RobotEvent[] {
   const wanted = words.toLowerCase().split(/\s+/).filter((word) => word !== '');
   return events.filter((event) => {

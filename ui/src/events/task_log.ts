@@ -5,7 +5,7 @@ import type { LogLine, RobotEvent } from '../robot/types';
 export interface TaskEntry {
   key: string;
   time: string;
-  /** Of a line its level, else the kind of the event. */
+  /** The level of a line, or the kind of an event. */
   kind: string;
   text: string;
   isOwn: boolean;
@@ -22,12 +22,12 @@ export function outputCommand(host: string, process: string): string | null {
   return host === '' || host === 'localhost' ? 'segue log ' + process : `segue log ${host}/${process} --hosts ROBOT_FILE`;
 }
 
-/** What a task logged and the events that name it in the order of time, the newest last; of more than `most` the newest. */
+/** The log of a task and the events that name it in the order of time, the newest last; of more than `most` the newest. */
 export function entriesOf(lines: LogLine[], events: RobotEvent[], task: string, most: number): TaskEntry[] {
   const own = lines.map((line): TaskEntry => ({ key: 'line ' + line.number, time: line.time, kind: line.level, text: line.message, isOwn: true }));
   const others = eventsOfTask(events, task).map((event): TaskEntry => ({
     key: 'event ' + event.number, time: event.time, kind: event.kind, text: [event.subject, event.message].filter((part) => part !== '').join(': '), isOwn: false,
   }));
-  // What happened at the same time keeps its order.
+  // Entries of the same time keep their order.
   return [...own, ...others].sort((a, b) => (a.time < b.time ? -1 : a.time > b.time ? 1 : 0)).slice(-most);
 }

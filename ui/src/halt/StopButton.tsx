@@ -28,7 +28,7 @@ export function StopButton({ status }: { status: Status }) {
   );
 }
 
-/** That the robot was halted, why, and whether it is at rest. */
+/** Says that the robot was halted, why, and whether it is at rest. */
 export function HaltBanner({ status }: { status: Status }) {
   const text = haltText(status);
   return text === '' ? null : <p className="banner halted" role="alert">{text}</p>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Status } from '../robot/types';
 
-/** What a person must know of a robot that was halted; nothing where it was not. */
+/** The facts about a halted robot that a person must know; nothing where it was not halted. */
 export function haltText(status: Pick<Status, 'halt' | 'stopped_by'>): string {
   const { halt } = status;
   const parts: string[] = [];

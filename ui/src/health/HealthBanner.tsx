@@ -26,7 +26,10 @@ function useRepair() {
   return { may: connection.mayOperate, busy, problem, repair };
 }
 
-/** What is missing or faulty, since when, why, and what repairs it; nothing of a robot that has all that it needs. */
+/**
+ * The missing or faulty parts of a robot, each with its time, its reason and its repair; nothing of a robot that has
+ * all that it needs.
+ */
 export function HealthBanner({ status }: { status: Status }) {
   const { may, busy, problem, repair } = useRepair();
   if (status.lost != null) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Status, Trouble } from '../robot/types';
 
-/** What the header says of a robot's state: one that lacks something is never "idle". */
+/** The robot's state in the header: a robot that lacks something is never "idle". */
 export function stateText(status: Pick<Status, 'state' | 'health' | 'lost'>): string {
   if (status.lost != null) return 'lost';
   if (status.health?.state !== 'in_trouble') return status.state;
@@ -21,7 +21,7 @@ export function howLong(seconds: number): string {
   return Math.round(seconds / 86400) + ' days';
 }
 
-/** What the robot lacks while it is in trouble; during a transition it may be about to come. */
+/** The missing parts of a robot in trouble; empty during a transition, since they may be about to come. */
 export function troublesOf(status: Pick<Status, 'health'>): Trouble[] {
   return status.health?.state === 'in_trouble' ? status.health.troubles : [];
 }

@@ -12,7 +12,7 @@ interface Props {
   onSelect: (path: string) => void;
 }
 
-/** Before which states it is held; a click selects one. */
+/** The states before which the mission is held; a click selects one. */
 function HeldAt({ at, onSelect }: { at: string[]; onSelect: (path: string) => void }) {
   if (at.length === 0) return null;
   return (

@@ -49,7 +49,7 @@ function useDrag(view: ChartView, choose: (row: number) => void) {
   return { onPointerDown, onPointerMove, onPointerUp };
 }
 
-/** What the keys do, or null. */
+/** The action of a key, or null. */
 function actionOf(key: string, view: ChartView, choose: (row: number) => void): (() => void) | null {
   const { run, marks } = view.drawn;
   const actions: Record<string, () => void> = {

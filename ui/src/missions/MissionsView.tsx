@@ -36,7 +36,7 @@ function FileButton({ onRun, onProblem }: { onRun: (run: Run) => void; onProblem
 /** The state of which a row of the chart is one turn. */
 const stateOf = (label: string): string => label.replace(/#\d+$/, '');
 
-/** What was clicked on: a row of the chart by its label, or a state by its path. */
+/** The element that was clicked on: a row of the chart by its label, or a state by its path. */
 interface Choice {
   row?: string;
   path: string;
@@ -77,7 +77,7 @@ function usePlan(mission: Mission | null) {
   return { plan, states, kinds, open, setOpen, toggle };
 }
 
-/** What was clicked on, and what the pointer rests on; Escape forgets the latter, then the former. */
+/** The row that was clicked on and the one under the pointer; Escape forgets the latter, then the former. */
 function useChoice(run: Run | null) {
   const [chosen, setChosen] = useState<Choice | null>(null);
   const [peeked, setPeeked] = useState<string | null>(null);
@@ -119,7 +119,7 @@ function MissionName({ mission, hasPlan, current, onChoose }: { mission: Mission
   );
 }
 
-/** What goes wrong with the mission. */
+/** The problems of the mission. */
 function Banners({ mission, requests }: Current) {
   return (
     <>

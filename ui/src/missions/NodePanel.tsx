@@ -12,7 +12,7 @@ interface Props {
   onSelect: (row: number) => void;
 }
 
-/** What a node of the chart did and waits for. */
+/** The runs of a node of the chart, and the nodes that it waits for. */
 export function NodeFacts({ run, row, index, onSelect }: Props) {
   const waitedBy = run.rows.flatMap((other, at) => (other.waits.some((wait) => wait.row === index) ? [at] : []));
   const bar = row.bars[row.bars.length - 1];

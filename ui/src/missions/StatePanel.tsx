@@ -42,7 +42,7 @@ interface Props {
   mission: Mission;
   control: Control | null;
   lives: Map<string, Life>;
-  /** Of all states of the plan, by path. */
+  /** The kinds of all states of the plan, by path. */
   kinds: Map<string, string>;
   requests: Requests;
   breakpoints: string[];
@@ -51,7 +51,7 @@ interface Props {
   onToggle: (path: string) => void;
   known: KnownValues | null;
   onClose: () => void;
-  /** What the chart knows of it. */
+  /** The facts that the chart has about the state. */
   children?: ReactNode;
 }
 

@@ -18,7 +18,7 @@ interface Props {
   lives: Map<string, Life>;
   selected: string | null;
   onSelect: (path: string | null) => void;
-  /** With those that have been asked for. */
+  /** The breakpoints as they will be once all requests are answered. */
   breakpoints: string[];
   mayBreak: boolean;
   onBreak: (path: string) => void;
@@ -61,8 +61,7 @@ function useFollow({ control, selected, onSelect, open, onOpen }: Props, follows
     if (hidden.length > 0) onOpen(new Set([...open, ...hidden]));
     if (selected !== null && before.current.includes(selected) && !at.includes(selected)) onSelect(at[0] ?? null);
     before.current = at;
-    // What is opened, closed or selected there afterwards stays so.
-    // eslint-disable-next-line react-hooks/exhaustive-deps
+    // A state that somebody opens, closes or selects there afterwards stays so.
   }, [place, follows]);
 }
 

@@ -49,7 +49,7 @@ export function ValuesTable({ known, asks }: { known: KnownValues | null; asks: 
 
 const short = (port: PortValue) => (port.text.length > longest ? port.text.slice(0, longest) + '…' : port.text + (port.cut ? '…' : ''));
 
-/** The same in a few lines. */
+/** The values of a state in a few lines, for a tip. */
 export function ValuesTip({ path, known }: { path: string; known: KnownValues | null }) {
   const values = known?.values;
   const lines = values ? [...values.inputs.map((port) => ['→', port] as const), ...values.outputs.map((port) => ['←', port] as const)] : [];

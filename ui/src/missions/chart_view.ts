@@ -6,7 +6,7 @@ import type { Run } from './run';
 /** A run that has just begun is drawn as if it had lasted so long, in seconds. */
 const shortestRun = 1e-3;
 
-/** What is drawn. */
+/** The run that is drawn, and the marks on it. */
 export interface Drawn {
   run: Run;
   bars: Bars;
@@ -17,7 +17,7 @@ function nowOf(run: Run): number {
   return run.ended || run.began === null ? run.until : Math.max(run.until, Date.now() / 1000 - run.began);
 }
 
-/** What is seen of a run on a canvas: it follows a run that goes on, until somebody zooms or moves it. */
+/** The visible part of a run on a canvas: it follows a run that goes on, until somebody zooms or moves it. */
 export class ChartView {
   private held: Window | null = null;
   private palette: Palette | null = null;

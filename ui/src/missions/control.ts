@@ -113,7 +113,7 @@ function begunBy(path: string, lives: Map<string, Life>): string[] {
   return containers.slice((idle < 0 ? containers.length : idle) - 1);
 }
 
-/** What is under way in the innermost container around that state that runs: going on at the state preempts it. */
+/** The states that run in the innermost container around that state that runs: going on at the state preempts them. */
 export function preemptedBy(path: string, lives: Map<string, Life>): string[] {
   const around = begunBy(path, lives)[0] ?? '';
   const inside = around === '' ? '' : around + '/';

@@ -43,7 +43,7 @@ export class Bars {
 export interface Palette extends Colours {
   accent: string;
   byStatus: string[];
-  /** The same as pixels. */
+  /** The colours `byStatus` as pixels. */
   pixels: Uint32Array;
 }
 

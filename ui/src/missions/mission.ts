@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { isMap, type Json } from '../robot/change';
 
-/** What the document "mission" looks like (segue/control/robot_service.hpp, segue/draw/shown_plan.hpp). */
+/** The document "mission" (segue/control/robot_service.hpp, segue/draw/shown_plan.hpp). */
 export interface PlanState {
   path: string;
   in?: string;
@@ -80,7 +80,7 @@ function isPlan(plan: Json): boolean {
 
 const checked = new WeakMap<object, boolean>();
 
-/** What the mission says of itself; it is another program, so what is not as it should be is not a plan. */
+/** The plan in the mission's report. The mission is another program, so a document with another structure is not a plan. */
 export function planOf(mission: Mission): Plan | null {
   const { plan } = mission;
   if (typeof plan !== 'object' || plan === null) return null;
@@ -96,7 +96,7 @@ export function planProblem(mission: Mission): string {
   return mission.state === 'ended' ? 'Nobody looked while it ran, so its plan is not known.' : 'Waiting for the plan …';
 }
 
-/** What happened, in its order: keys of maps that look like numbers are sorted by JavaScript. */
+/** The entries in the order of events: keys of maps that look like numbers are sorted by JavaScript. */
 export function entriesOf(mission: Mission): Entry[] {
   return Object.values(mission.entries);
 }
@@ -126,13 +126,13 @@ export function livesOf(mission: Mission, at: string[] = []): Map<string, Life> 
   for (const entry of entries) {
     if (entry.kind === 'asked') continue;
     const execution = entry.action + '#' + entry.iteration;
-    // What may not begin has an end only.
+    // An action that may not begin has an end only.
     const change = entry.kind === 'began' ? 1 : begun.has(execution) ? -1 : 0;
     if (entry.kind === 'began') begun.add(execution);
     else begun.delete(execution);
     const paths = pathsTo(entry.action);
     for (const path of paths) {
-      // What ran ahead in a container, and was not needed, has no end.
+      // An action that ran ahead in a container, and was not needed, has no end.
       const isOver = entry.kind === 'ended' && path === entry.action && containers.has(path);
       const count = isOver ? 0 : Math.max(0, (running.get(path) ?? 0) + change);
       running.set(path, count);

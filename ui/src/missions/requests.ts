@@ -5,7 +5,7 @@ import { useConnection } from '../robot/hooks';
 import type { Control, Step } from './control';
 import type { Mission } from './mission';
 
-/** What the verb "mission" takes. */
+/** The requests of the verb "mission". */
 export type Request =
   | { what: 'pause' | 'resume' | 'stop' }
   | { what: 'step'; how: Step }
@@ -22,7 +22,10 @@ export interface Asked {
   state: string;
 }
 
-/** Those that the mission has not heard yet; of one that does not say what it has heard, until its state changes. */
+/**
+ * The requests that the mission has not heard yet; of one that does not say what it has heard, those since its last
+ * change of state.
+ */
 export function unheard(asked: Asked[], mission: Mission, control: Control | null): Asked[] {
   return asked.filter((one) => {
     if (one.run !== mission.run || mission.state === 'ended') return false;
@@ -64,7 +67,7 @@ export interface Requests {
 /** How long a request to a mission that does not say what it has heard is shown. */
 const longestAsked = 5000;
 
-/** What this page asks of the mission. What becomes of it is in the document, for all pages alike. */
+/** This page's requests to the mission. Their results are in the document, for all pages alike. */
 export function useRequests(mission: Mission | null, control: Control | null): Requests {
   const connection = useConnection();
   const [all, setAll] = useState<Asked[]>([]);
@@ -78,7 +81,7 @@ export function useRequests(mission: Mission | null, control: Control | null): R
   useEffect(() => {
     if (asked.length < all.length) setAll(asked);
   }, [asked, all]);
-  // Somebody else may have asked for the opposite before this browser saw what became of it.
+  // Somebody else may have asked for the opposite before this browser saw the result of its own request.
   useEffect(() => {
     if (says || asked.length === 0) return;
     const timer = setTimeout(() => setAll([]), longestAsked);

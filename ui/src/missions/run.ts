@@ -29,7 +29,7 @@ export interface Row {
   error: string;
   /** Part of the longest chain of nodes that waited for each other. */
   critical: boolean;
-  /** It began before it was certain to count, and does. */
+  /** The run began before it was certain to count, and counts. */
   ahead: boolean;
   bars: Bar[];
   waits: Wait[];
@@ -84,7 +84,7 @@ function statusOf(outcome: string): RowStatus {
   return outcome === 'aborted' ? 'failed' : outcome === 'preempted' ? 'preempted' : outcome === 'lost' ? 'lost' : 'done';
 }
 
-/** From the row that ended last back along what each waited for. */
+/** Marks the row that ended last, the row that it waited for last, and so on back to the beginning. */
 function markCritical(rows: Row[]): void {
   let last: Row | undefined;
   for (const row of rows) {
@@ -105,7 +105,10 @@ function startOf(row: Row): number {
   return row.bars[row.bars.length - 1]?.from ?? 0;
 }
 
-/** What a node that has begun waited for: of what it comes after, whatever ended last. As written: whatever ended last at all. */
+/**
+ * The wait of a node that has begun: for the candidate that ended last before. In a sequential run the candidates are
+ * the nodes before it.
+ */
 function lastWait(row: Row, rows: Row[], candidates: { row: number; kind: string; because: string }[]): Wait[] {
   const start = startOf(row);
   let found: Wait | null = null;
@@ -118,7 +121,7 @@ function lastWait(row: Row, rows: Row[], candidates: { row: number; kind: string
   return found ? [found] : [];
 }
 
-/** Of the mission that runs at the robot, or the last one that did. */
+/** The run of the mission that runs at the robot, or of the last one that did. */
 export function runOfMission(mission: Mission): Run {
   const entries = entriesOf(mission);
   const began = entries[0]?.time_s ?? 0;
@@ -193,7 +196,7 @@ function explain(rows: Row[], nodes: PlanNode[], rowOfNode: number[], order: num
   });
 }
 
-/** What a node comes after, through what is not an action. */
+/** The actions that a node comes after, also through nodes that are not actions. */
 function reasonsOf(node: PlanNode, nodes: PlanNode[], rowOfNode: number[]): { row: number; kind: string; because: string }[] {
   const found: { row: number; kind: string; because: string }[] = [];
   const seen = new Set<number>();
@@ -237,7 +240,7 @@ const statuses: Record<string, RowStatus> = {
 const text = (value: Json | undefined): string => (typeof value === 'string' ? value : '');
 const number = (value: Json | undefined): number => (typeof value === 'number' && Number.isFinite(value) ? value : 0);
 
-/** Of what `segue mission run --format json` has printed; throws an Error that says what is wrong with it. */
+/** The run in the output of `segue mission run --format json`; throws an Error that says what is wrong with it. */
 export function runOfFile(content: string): Run {
   let document: Json;
   try {

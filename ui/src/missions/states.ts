@@ -3,7 +3,7 @@ import type { BoxMark } from '../network/BoxButtons';
 import type { GraphEdge, GraphGroup, GraphNode } from '../network/drawn_graph';
 import { pathsTo, type Life, type Plan, type PlanState } from './mission';
 
-/** Of a plan with more states only the outermost are open at first. */
+/** A plan with more states shows only its outermost ones open at first. */
 const mostOpen = 40;
 
 export interface StateGraph {
@@ -48,7 +48,7 @@ function visibleFor(path: string, open: Set<string>): string {
 /** Breakpoints as they are drawn; null: the mission cannot have any. */
 export interface Breaks {
   at: string[];
-  /** They can only be looked at. */
+  /** The breakpoints can only be looked at. */
   fixed: boolean;
 }
 

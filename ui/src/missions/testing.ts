@@ -11,7 +11,7 @@ export function control(more: Partial<Control> = {}): Control {
   return { steps: true, back: true, at: ['a'], breakpoints: [], heard: 0, ...more };
 }
 
-/** Of actions that began, or with an outcome ended, in this order. */
+/** Entries of actions that began or, where an outcome is given, ended, in this order. */
 export function entries(...list: [action: string, outcome?: string][]): Record<string, Entry> {
   const made = list.map(([action, outcome], index): Entry => ({ number: index + 1, time_s: index, kind: outcome === undefined ? 'began' : 'ended', action, iteration: 0, outcome }));
   return Object.fromEntries(made.map((entry) => [String(entry.number), entry]));

@@ -5,7 +5,7 @@ import { positionOf, type Control, type Values } from './control';
 import type { Mission } from './mission';
 import { numberOf } from './requests';
 
-/** What is known of a state's values; `isCurrent`: the mission has not gone on since. */
+/** The known values of a state; `isCurrent`: the mission has not gone on since. */
 export interface KnownValues {
   values: Values;
   isCurrent: boolean;
@@ -54,7 +54,7 @@ export class ValueAsker {
   took(number: number): void {
     if (this.pending) this.pending.number = number;
   }
-  /** It is not repeated at that position. */
+  /** The question failed, and is not repeated at that position. */
   failed(): void {
     if (!this.pending) return;
     const { path, position } = this.pending;
@@ -68,7 +68,7 @@ export class ValueAsker {
   }
 }
 
-/** Between two questions, so that a mission that goes on fast is not kept busy by them. */
+/** The shortest time between two questions, so that a mission that goes on fast is not kept busy by them. */
 const shortestPause = 300;
 
 /** The values of these states as far as they are known; the mission is asked for them again wherever it has gone on. */

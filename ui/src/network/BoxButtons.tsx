@@ -4,20 +4,20 @@ import { createContext, useContext } from 'react';
 /** Something that can be set at a box and removed again. */
 export interface BoxMark {
   on: boolean;
-  /** What it is, and of what. */
+  /** The kind of the mark and the name of the box. */
   label: string;
-  /** It is shown only. */
+  /** The mark is shown only; it cannot be changed. */
   fixed?: boolean;
 }
 
-/** What the buttons in boxes do, by the id of the box. */
+/** The actions of the buttons in boxes, by the id of the box. */
 export interface BoxActions {
   toggle: (id: string) => void;
   mark: (id: string) => void;
 }
 export const BoxActionsContext = createContext<BoxActions>({ toggle: () => {}, mark: () => {} });
 
-/** By keyboard, the box itself has keys for both. */
+/** These buttons are for the pointer; at the keyboard the box itself has keys for both. */
 const byPointer = { type: 'button', tabIndex: -1 } as const;
 
 /** Opens and closes a box; nothing where it cannot be opened. */

@@ -3,7 +3,7 @@ import type { Status } from '../robot/types';
 import { connectionsOf, describeConnection } from './connections';
 import type { Flows } from './graph';
 
-/** What the edges of a task say, and more. */
+/** The connections of a task with the figures that its edges show, and more. */
 export function Connections({ id, status, flows }: { id: string; status: Status; flows: Flows }) {
   const connections = connectionsOf(status, id);
   return (

@@ -32,7 +32,7 @@ interface Props {
   follow?: string | null;
   /** The pointer rests on a box or its tip, or it has the focus of the keyboard; null: on none. */
   onPeek?: (id: string | null) => void;
-  /** What is said of a box beside it. */
+  /** The text beside a box. */
   tip?: { id: string; content: ReactNode } | null;
 }
 

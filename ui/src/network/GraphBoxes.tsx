@@ -2,7 +2,7 @@
 import { Handle, Position, type Node, type NodeProps } from '@xyflow/react';
 import { MarkButton, OpenButton, type BoxMark } from './BoxButtons';
 
-/** What the buttons of a box show. */
+/** The state of the buttons of a box. */
 export type Buttons = { expanded?: boolean; mark?: BoxMark };
 export type TaskNode = Node<{ title: string; detail: string; look: string; folded?: boolean } & Buttons, 'task'>;
 export type GroupNode = Node<{ title: string; look: string } & Buttons, 'place'>;

@@ -4,9 +4,9 @@ import type { CSSProperties, ReactNode, RefObject } from 'react';
 
 const gap = 6;
 const widest = 320;
-/** Less is no room for a tip. */
+/** The least height that has room for a tip. */
 const lowest = 110;
-/** Of what is at the top of a group. */
+/** The height of a group's title. */
 const titleHeight = 30;
 
 export interface Span {
@@ -24,7 +24,7 @@ export function placeOfTip({ upper, lower }: Span, title: number, window: number
 
 interface Props {
   id: string;
-  /** Of the box, in the coordinates of the graph. */
+  /** The place of the box, in the coordinates of the graph. */
   x: number;
   y: number;
   height: number;

@@ -6,7 +6,7 @@ import { latencyOf, matching, rateOf, type Flow, type Flows } from './graph';
 import { bundlesOf, edgesOf, foldedAround, mostOpen, pictureOf, sameStructure, structureOf, type Structure } from './places';
 import { TaskPanel } from './TaskPanel';
 
-/** What went through each connection between the last two statuses. */
+/** The flow through each connection between the last two statuses. */
 function useFlows(status: Status): Flows {
   const before = useRef<{ connections: Record<string, ConnectionStatus>; uptime: number } | null>(null);
   const [flows, setFlows] = useState<Flows>(new Map());
@@ -26,7 +26,7 @@ function useFlows(status: Status): Flows {
   return flows;
 }
 
-/** The same object as long as nothing comes or goes. */
+/** The structure of the network; the object stays identical as long as no part comes or goes. */
 function useStructure(status: Status): Structure {
   const last = useRef<{ status: Status; structure: Structure } | null>(null);
   if (!last.current || !sameStructure(last.current.status, status)) last.current = { status, structure: structureOf(status) };
@@ -43,7 +43,7 @@ function useFolding(structure: Structure) {
     isFolded,
     toggle: (place: string) => set(!isFolded(place), [place]),
     setAll: (folded: boolean) => set(folded, structure.places.map((place) => place.id)),
-    /** So that a task can be seen. */
+    /** Unfolds the places around a task, so that it can be seen. */
     reveal: (task: string) => {
       if (!foldedAround(structure, task, isFolded)) return;
       const place = structure.placeOf.get(task);

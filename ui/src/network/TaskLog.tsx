@@ -7,7 +7,7 @@ import type { TaskReport } from '../robot/types';
 
 const mostEntries = 100;
 
-/** What the task logged and the events that name it. Stays at its end unless somebody has scrolled back. */
+/** The log of the task and the events that name it. Stays at its end unless somebody has scrolled back. */
 export function TaskLog({ report }: { report: TaskReport }) {
   const shown = useDocument('events');
   const entries = entriesOf(report.log ?? [], eventsOf(shown?.value), report.id, mostEntries);

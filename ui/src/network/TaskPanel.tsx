@@ -155,7 +155,7 @@ function Operation({ task, operation, fixed }: { task: string; operation: Operat
   );
 }
 
-/** What the task is and how it is. */
+/** The component and the state of the task. */
 function Summary({ id, status }: { id: string; status: Status }) {
   const task = status.tasks[id];
   const trouble = troubleOfTask(status, id);
@@ -173,7 +173,7 @@ function Summary({ id, status }: { id: string; status: Status }) {
   );
 }
 
-/** What the task says of itself, and what can be done to it. */
+/** The ports, properties and operations of the task, with the means to use them. */
 function Interior({ id, report, fixed, children }: { id: string; report: TaskReport; fixed: boolean; children: ReactNode }) {
   const properties = Object.entries(report.properties);
   return (

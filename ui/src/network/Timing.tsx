@@ -5,7 +5,7 @@ import { barsOf, summaryOf } from './histogram';
 const width = 330;
 const height = 64;
 
-/** Counts by duration; both axes are logarithmic. The table has the same for who cannot see the drawing. */
+/** Counts by duration; both axes are logarithmic. The table has the same numbers for people who cannot see the drawing. */
 function HistogramFigure({ title, histogram }: { title: string; histogram: Histogram }) {
   const bars = barsOf(histogram);
   const step = Math.min(24, width / Math.max(1, bars.length));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Graph draws: boxes, boxes around them, and arrows.
+// The elements that Graph draws: boxes, boxes around them, and arrows.
 import type { BoxMark } from './BoxButtons';
 
 export interface GraphNode {

@@ -22,7 +22,7 @@ export function rateOf(before: ConnectionStatus | undefined, now: ConnectionStat
   return (now.written - before.written) / seconds;
 }
 
-/** What goes through a connection of late. */
+/** The recent flow through a connection. */
 export interface Flow {
   /** Samples per second; null: not known. */
   rate: number | null;

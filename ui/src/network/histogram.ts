@@ -10,7 +10,7 @@ export function durationOf(microseconds: number): string {
 }
 
 export interface Bar {
-  /** From 0 to 1, as the digits of the count. */
+  /** From 0 to 1, the highest bar: proportional to the logarithm of the count. */
   height: number;
   from: string;
   /** "" where the bin has no end. */
@@ -28,7 +28,7 @@ export function barsOf(histogram: Histogram): Bar[] {
   }));
 }
 
-/** What the drawing shows, in words. */
+/** The content of the drawing, in words. */
 export function summaryOf(histogram: Histogram): string {
   const total = histogram.bins.reduce((sum, bin) => sum + bin.count, 0);
   if (total === 0) return 'none yet';

@@ -21,7 +21,7 @@ export class Keeper<T> {
     return entry.made;
   }
 
-  /** What was not kept since begin() is forgotten. */
+  /** Forgets everything that was not kept since begin(). */
   end(): void {
     this.before = this.now;
   }

@@ -15,7 +15,7 @@ export interface Box {
   height: number;
 }
 
-/** What has children is drawn around them. */
+/** A box; one with children is drawn around them. */
 export interface BoxTree {
   id: string;
   children?: BoxTree[];
@@ -29,8 +29,8 @@ export interface Anchor {
 }
 
 /**
- * Size and ends of edges of a node for React Flow. What is said need not be measured: React Flow hides a node until it
- * has been measured, and misses that where nodes are replaced in between.
+ * Size and ends of edges of a node for React Flow. Sizes that are given need not be measured: React Flow hides a node
+ * until it has been measured, and misses that where nodes are replaced in between.
  */
 export function geometry(width: number, height: number, anchors: Anchor[]) {
   return {
@@ -51,7 +51,7 @@ export function geometry(width: number, height: number, anchors: Anchor[]) {
 
 export interface LayoutInput {
   roots: BoxTree[];
-  /** Between nodes, or between anchors with an id of nodes. */
+  /** Edges between nodes, or between their anchors that have an id. */
   edges: { id: string; source: string; target: string; sourceAnchor?: string; targetAnchor?: string }[];
   /** nodeHeight unless given. */
   heightOf?: (id: string) => number;
@@ -73,7 +73,7 @@ export const noLayout: Layout = { boxes: new Map(), routes: new Map() };
 let elk: Elk | null = null;
 
 const layered = { 'elk.algorithm': 'layered', 'elk.direction': 'RIGHT' };
-/** Between two boxes a label such as "×12, 68/s, 4.54 ms" has room. */
+/** Distances with room for a label such as "×12, 68/s, 4.54 ms" between two boxes. */
 const spacing = { 'elk.layered.spacing.nodeNodeBetweenLayers': '124', 'elk.layered.spacing.edgeNodeBetweenLayers': '16', 'elk.spacing.nodeNode': '30', 'elk.spacing.edgeNode': '14' };
 
 function portId(node: string, type: Anchor['type'], anchor: string): string {
@@ -107,7 +107,7 @@ function idsOf(boxes: BoxTree[]): string[] {
   return boxes.flatMap((box) => [box.id, ...idsOf(box.children ?? [])]);
 }
 
-/** With more edges each box is laid out for itself: all together they would take many seconds. */
+/** Above, each box is laid out for itself, since all together they would take many seconds. */
 export const mostRouted = 300;
 
 interface Laid {
@@ -128,7 +128,7 @@ function pathsOf(boxes: BoxTree[], outer: string[] = [], found = new Map<string,
   return found;
 }
 
-/** Of each box ('': the whole) the edges between those directly in it: those that are given, or boxes around their ends. */
+/** The edges directly in each box ('': the whole): those that are given, or edges between the boxes around their ends. */
 export function liftedEdges(input: LayoutInput): Map<string, Planned[]> {
   const paths = pathsOf(input.roots);
   const found = new Map<string, Map<string, Planned>>();
@@ -192,8 +192,8 @@ function graphOf(input: LayoutInput): ElkNode {
 }
 
 /**
- * Places from left to right along the edges, and ways of the edges around them; computed in a worker. Of more than
- * mostRouted edges, those between tasks in different boxes are straight lines.
+ * Places from left to right along the edges, and ways of the edges around them; computed in a worker. With
+ * more than mostRouted edges, those between tasks in different boxes are straight lines.
  */
 export async function layOut(input: LayoutInput): Promise<Layout> {
   elk ??= new ElkApi({ workerUrl });

@@ -21,7 +21,7 @@ export interface Wire {
   key: string;
 }
 
-/** What stands where. */
+/** The places of all tasks. */
 export interface Structure {
   /** Hosts before their processes; the first process is the runtime's own. */
   places: Place[];
@@ -31,7 +31,7 @@ export interface Structure {
   wires: Wire[];
 }
 
-/** What is drawn between two tasks or folded places, and the connections that it stands for. */
+/** The edge between two tasks or folded places, and the connections that it stands for. */
 export interface Bundle {
   id: string;
   source: string;
@@ -146,7 +146,7 @@ function foldedNode(place: Place, status: Status, found: Set<string> | null): Gr
   };
 }
 
-/** What is drawn of a network in which some places are folded; what was not `found` is dimmed. */
+/** The picture of a network in which some places are folded; elements that were not `found` are dimmed. */
 export function pictureOf(status: Status, structure: Structure, isFolded: (place: string) => boolean, found: Set<string> | null): { groups: GraphGroup[]; nodes: GraphNode[] } {
   const groups: GraphGroup[] = [];
   const nodes: GraphNode[] = [];

@@ -15,7 +15,7 @@ interface Asked {
 
 const isFolded = (node: Node) => node.data['expanded'] === undefined && (node.type !== 'task' || node.data['folded'] === true);
 
-/** What clicks and buttons do. The same functions as long as the graph is shown: others would draw each task anew. */
+/** The handlers of clicks and buttons. They stay the same functions as long as the graph is shown: others would draw each task anew. */
 function useClicks(asked: { readonly current: Asked }, toggles: (id: string) => void) {
   const act = useCallback(
     (id: string, isToggle: boolean) => {
@@ -45,7 +45,7 @@ function usePeeks(asked: { readonly current: Asked }) {
   return { reachedByKey, enter, leaveNode, focus };
 }
 
-/** What is done at boxes by pointer and keyboard; `toggles` is told before a box is opened or closed. */
+/** The handlers of pointer and keyboard at boxes; `toggles` is told before a box is opened or closed. */
 export function useBoxActions(props: Asked, toggles: (id: string) => void) {
   const flow = useReactFlow();
   const asked = useLatest(props);

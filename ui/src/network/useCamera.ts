@@ -6,7 +6,7 @@ import { nodeHeight, nodeWidth, type Box } from './layout';
 
 const fitting = { padding: 0.08, maxZoom: 1.15 };
 const readable = 0.7;
-/** What is followed need not be larger. */
+/** The zoom at which a target that is followed is large enough. */
 const legible = 0.45;
 
 export interface Corner {
@@ -14,7 +14,7 @@ export interface Corner {
   y: number;
 }
 
-/** What is left of and above a box, with the boxes around it. */
+/** The upper left corner of a box in the graph; positions of boxes are relative to the boxes around them. */
 export function cornerOf(id: string, boxes: Map<string, Box>, around: Map<string, string | undefined>): Corner | null {
   let corner: Corner = { x: 0, y: 0 };
   for (let at: string | undefined = id; at !== undefined; at = around.get(at)) {
@@ -25,7 +25,7 @@ export function cornerOf(id: string, boxes: Map<string, Box>, around: Map<string
   return corner;
 }
 
-/** What there is to see. */
+/** The boxes of the graph. */
 interface Scene {
   boxes: Map<string, Box>;
   /** The box around each box. */
@@ -50,11 +50,11 @@ function bringFollowed(flow: ReactFlowInstance, { boxes, around, follow }: Scene
   return true;
 }
 
-/** What the camera remembers from one drawing to the next. */
+/** The camera's memory from one drawing to the next. */
 interface Memory {
   /** The view was moved, by somebody or to something. */
   moved: boolean;
-  /** What was opened or closed, and where it was then. */
+  /** The box that was opened or closed, and its corner before. */
   toggled: { id: string; corner: Corner } | null;
   /** The last target that was moved into view. */
   reached: string | null;
@@ -93,12 +93,12 @@ function useTarget({ boxes, around, target }: Scene, memory: Memory): void {
     const box = boxes.get(target);
     const zoom = Math.max(flow.getZoom(), readable);
     void flow.setCenter(corner.x + (box?.width ?? 0) / 2, corner.y + (box?.height ?? 0) / 2, { zoom, duration: 250 });
-    // What is around a box changes with the boxes.
+    // `around` changes with the boxes.
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [target, boxes, flow, memory]);
 }
 
-/** What of a graph is seen: all of it until somebody moves it, and what is followed or jumped to. */
+/** The visible part of a graph: all of it until somebody moves it; it follows or jumps to targets. */
 export function useCamera(scene: Scene) {
   const flow = useReactFlow();
   const width = useStore((store) => store.width);

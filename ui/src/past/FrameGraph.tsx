@@ -5,7 +5,7 @@ import type { Frame, Presence } from './film';
 
 const looks: Record<Presence, string> = { there: 'there', 'not yet': 'not-there', gone: 'not-there' };
 
-/** What was there is drawn as in the view Network; what was not yet or no more there is faint. */
+/** The network of a frame, drawn as in the view Network; elements that are not there yet or not any more are faint. */
 export function FrameGraph({ label, frame }: { label: string; frame: Frame }) {
   const groups = useMemo(
     () =>

@@ -67,7 +67,7 @@ function TimeBar({ span, time, onTime }: Pick<Props, 'span' | 'time' | 'onTime'>
   );
 }
 
-/** What is known of that time. */
+/** The notes, the controller, the transition and the missions of that time. */
 function Facts({ moment, onPlay }: { moment: PastMoment; onPlay: (id: number) => void }) {
   return (
     <>

@@ -99,7 +99,7 @@ export function filmOf(transition: PastTransition): Film {
   return { transition, before: networkOf(transition.before), after: networkOf(transition.after), steps, length: Math.max(last, transition.lasted_s ?? 0) };
 }
 
-/** Of an action at a time of the film. */
+/** The state of an action at a time of the film. */
 export type Moment = 'waiting' | 'running' | 'done' | 'failed' | 'skipped';
 
 export function momentOf(action: PastAction, at: number): Moment {
@@ -139,7 +139,7 @@ function placeOf(network: PastNetwork | null, id: string): string | undefined {
   return task && [task.host, task.process].filter((part) => part !== '').join(' / ');
 }
 
-/** What is drawn of a network that does not change. */
+/** The frame of a network that does not change. */
 export function frameOfNetwork(network: PastNetwork): Frame {
   const edges = new Map<string, FrameEdge>();
   for (const { from, to } of network.connections) {

@@ -84,7 +84,7 @@ export function useRequests(words: string, changed: string) {
   return { requests, more, older, problem };
 }
 
-/** What had been asked for behind the first page stays. */
+/** The first page anew; pages behind it that were loaded before stay. */
 function withFirst(first: Page, before: Page | null): Page {
   const last = first.requests[first.requests.length - 1]?.id ?? 0;
   const behind = before && first.more ? before.requests.filter((one) => one.id < last) : [];

@@ -2,7 +2,7 @@
 import { Skipped } from '../robot/Skipped';
 import type { SampleState } from './useSamples';
 
-/** What a reader should know of the samples of a panel. */
+/** Notes on the samples of a panel: errors, pauses and skipped samples. */
 export function Footer({ state, paused, problem }: { state: SampleState; paused: boolean; problem?: string }) {
   return (
     <p className="panel-notes">

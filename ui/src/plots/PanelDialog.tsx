@@ -13,7 +13,7 @@ const shapeNames: Record<Field['shape'], string> = {
   number: 'number', numbers: 'list of numbers', pose: 'pose', path: 'path', scan: 'laser scan', grid: 'occupancy grid', image: 'image',
 };
 
-/** What is chosen, with the field that it was when it was chosen; unknown in a panel that is edited. */
+/** The chosen source, with the field that it was when it was chosen; unknown in a panel that is edited. */
 interface Choice {
   source: Source;
   field: Field | null;
@@ -144,7 +144,7 @@ function KindChoice({ kind, suggested, setAsked }: Choices) {
   );
 }
 
-/** What a panel is to show. */
+/** The kind, title and sources of a panel, as chosen. */
 export interface Chosen {
   kind: PanelKind;
   title: string;

@@ -14,7 +14,7 @@ const longestFile = 1 << 20;
 interface Note {
   text: string;
   bad: boolean;
-  /** What a loaded layout has replaced. */
+  /** The panels that a loaded layout has replaced. */
   before?: Panel[];
 }
 

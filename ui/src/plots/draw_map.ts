@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { gridPixels, roundLength, toCanvas, type Grid, type Point, type Pose, type View } from './map';
 
-/** What a map shows, in metres. */
+/** The elements of a map, in metres. */
 export interface Scene {
   grids: Grid[];
   paths: Point[][];

@@ -4,7 +4,7 @@ import { isMap, type Json, type JsonMap } from '../robot/change';
 /** Keys of maps and indices of lists, from the whole sample inward. */
 export type Path = string[];
 
-/** What a value can be shown as. */
+/** The forms in which a value can be shown. */
 export type Shape = 'number' | 'numbers' | 'pose' | 'path' | 'scan' | 'grid' | 'image';
 export type PanelKind = 'time' | 'profile' | 'image' | 'map';
 
@@ -93,7 +93,7 @@ export function shapeOf(value: Json | undefined): Shape | null {
   return isListOfNumbers(value) ? 'numbers' : pointsOf(value) ? 'path' : null;
 }
 
-/** What of a sample can be shown, the outer before the inner; the first `most`. */
+/** The parts of a sample that can be shown, the outer before the inner; the first `most`. */
 export function fieldsOf(value: Json, most = 100): Field[] {
   const found: Field[] = [];
   const visit = (part: Json, path: Path) => {

@@ -13,7 +13,7 @@ export interface Panel {
   id: number;
   kind: PanelKind;
   title: string;
-  /** Of three columns. */
+  /** The width in columns; the page has three. */
   columns: number;
   rows: number;
   /** How much of the past is shown: of plots over time and of trails in maps. */
@@ -26,7 +26,7 @@ export class LayoutError extends Error {}
 export const version = 1;
 export const mostPanels = 24;
 export const mostSources = 16;
-/** Of all panels; the studio lets a browser look at 64 documents. */
+/** The limit of all panels together; the studio lets a browser look at 64 documents. */
 export const mostPorts = 48;
 export const windows = [10, 30, 60, 300, 600];
 const longestFile = 1 << 18;
@@ -87,7 +87,7 @@ function textAt(value: unknown, where: string): string {
   return value;
 }
 
-/** As the robot names tasks and ports. */
+/** The name of a task or port, in the form that the robot uses. */
 function nameAt(value: unknown, where: string): string {
   const name = textAt(value, where);
   if (!/^[A-Za-z0-9_][A-Za-z0-9_.:-]*$/.test(name)) fail(where, 'is not the name of a task or port: ' + JSON.stringify(name.slice(0, 40)));

@@ -12,7 +12,7 @@ export interface Point {
   y: number;
 }
 
-/** What part of the plane a map shows: `centre` in metres, `scale` in pixels a metre; y is upward. */
+/** The part of the plane that a map shows: `centre` in metres, `scale` in pixels a metre; y is upward. */
 export interface View {
   x: number;
   y: number;
@@ -27,7 +27,7 @@ export function poseOf(value: Json | undefined): Pose | null {
   return { x: value['x'], y: value['y'], theta: isNumber(value['theta']) ? value['theta'] : 0 };
 }
 
-/** Where a scan met something, seen from `pose`. What is infinite, or beyond its limits, met nothing. */
+/** Points where a scan met something, seen from `pose`. Ranges that are infinite or beyond the scan's limits met nothing. */
 export function scanPoints(value: Json | undefined, pose: Pose): Point[] {
   if (!isMap(value) || !Array.isArray(value['ranges'])) return [];
   const first = isNumber(value['first_angle']) ? value['first_angle'] : 0;

@@ -17,7 +17,7 @@ function emptyScene(): Scene {
   return { grids: [], paths: [], scans: [], trails: [], poses: [] };
 }
 
-/** What the sources' newest samples show, scans in the frame of the first pose. */
+/** The shapes of the sources' newest samples, scans in the frame of the first pose. */
 function sceneOf(panel: Panel, samples: Map<string, Json>, trails: Map<number, Past[]>): Scene {
   const scene = emptyScene();
   const values = panel.sources.map((source) => valueAt(samples.get(documentOf(source)), source.path));
@@ -42,7 +42,7 @@ function sceneOf(panel: Panel, samples: Map<string, Json>, trails: Map<number, P
 
 const atFirst: View = { x: 0, y: 0, scale: 40 };
 
-/** What a map shows of its panel's samples, and what part of the world is seen: everything, until somebody moves it. */
+/** The shapes of a map, from its panel's samples, and the visible part of the world: all, until somebody moves it. */
 export class MapView {
   private readonly samples = new Map<string, Json>();
   private readonly trails = new Map<number, Past[]>();
@@ -73,7 +73,7 @@ export class MapView {
     this.showsAll = true;
   }
 
-  /** What is seen stays as it is from now on. */
+  /** The visible part stays as it is from now on. */
   hold(): void {
     this.showsAll = false;
   }

@@ -4,18 +4,18 @@ import type { Json } from '../robot/change';
 import { valueAt } from './fields';
 import { documentOf, sourceText, type Source } from './layout';
 
-/** What a chart draws: names of lines, then x and the lines' values; null: nothing there. */
+/** The data of a chart: names of lines, then x and the lines' values; null: nothing there. */
 export interface Drawn {
   labels: string[];
   data: UPlot.AlignedData;
 }
 
-/** Of one list over time. */
+/** The limit of the lines that one list over time makes. */
 export const mostLinesOfList = 32;
 
 interface Record {
   times: number[];
-  /** By source and element: the values at `times`. */
+  /** The values at `times`, by source and element. */
   columns: Map<string, (number | null)[]>;
 }
 
@@ -44,7 +44,7 @@ export class TimeRecorder {
     this.forget(record, time - this.seconds);
   }
 
-  /** What comes from now on is not joined by lines to what was before. */
+  /** Interrupts the lines: values that come from now on are not joined by lines to those before. */
   gap(): void {
     for (const record of this.records.values()) {
       const last = record.times[record.times.length - 1];

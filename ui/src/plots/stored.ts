@@ -4,7 +4,7 @@ import { layoutText, parseLayout, type Panel } from './layout';
 
 const keyOf = (robot: string) => 'segue-studio-plots/' + robot;
 
-/** What this browser keeps for a robot; the problem where it cannot be read. */
+/** The layout that this browser keeps for a robot; the problem where it cannot be read. */
 export function storedLayout(robot: string): { panels: Panel[]; problem: string } {
   try {
     const text = window.localStorage.getItem(keyOf(robot));

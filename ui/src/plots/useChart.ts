@@ -62,7 +62,7 @@ function writeValues(list: HTMLElement, chart: UPlot, profile: boolean): void {
   }
 }
 
-/** What is seen, by a factor, around the cursor or the middle; null: nothing is. */
+/** The visible range times a factor, around the cursor or the middle; null: there is none. */
 function zoomedRange(chart: UPlot | null, factor: number): Range | null {
   const scale = chart?.scales['x'];
   if (!chart || scale?.min === undefined || scale.max === undefined || scale.min === null || scale.max === null) return null;

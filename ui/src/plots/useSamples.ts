@@ -5,7 +5,7 @@ import { useConnection } from '../robot/hooks';
 import { documentOf, type Source } from './layout';
 
 export interface SampleState {
-  /** Of ports that have none. */
+  /** Why ports have no samples. */
   errors: string[];
   waiting: boolean;
   skipped: number;

@@ -4,7 +4,7 @@
 export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
 export type JsonMap = { [key: string]: Json };
 
-/** What turns one map into another, as the server sends it (segue/web/change.hpp). */
+/** A change that turns one map into another, as the server sends it (segue/web/change.hpp). */
 export interface Change {
   set?: JsonMap;
   remove?: string[];

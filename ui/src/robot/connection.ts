@@ -2,7 +2,7 @@
 import { applyChange, type Change, type Json } from './change';
 import { keptKey, protocolsOf } from './key';
 
-/** What is known of something that the robot shows. */
+/** The last known value of a document that the robot shows. */
 export interface Shown {
   value: Json;
   error?: string;

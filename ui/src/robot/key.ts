@@ -16,7 +16,7 @@ export function keepKey(): void {
   }
 }
 
-/** That of the newest page of this studio, in whatever tab. */
+/** The key of the newest page of this studio, in whatever tab. */
 export function keptKey(): string | null {
   try {
     return window.localStorage.getItem(name);
@@ -25,7 +25,7 @@ export function keptKey(): string | null {
   }
 }
 
-/** What a WebSocket of the studio offers; nothing where a certificate is shown instead. */
+/** The protocols that a WebSocket of the studio offers; none where a certificate is shown instead. */
 export function protocolsOf(key: string | null): string[] {
   return key === null ? [] : ['segue.studio', 'key.' + key];
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { isMap, type Json } from './change';
 
-/** What a robot's documents look like, as far as the page reads them (segue/control/robot_service.hpp). */
+/** The robot's documents, as far as the page reads them (segue/control/robot_service.hpp). */
 export interface TaskStatus {
   id: string;
   component: string;
@@ -27,7 +27,7 @@ export interface ConnectionStatus {
   dropped: number;
   /** How many samples the next two are of; none where the robot runs an older Segue. */
   measured?: number;
-  /** From the write of a sample to its read: the mean, and the worst, since the connection was made. */
+  /** The time from the write of a sample to its read: the mean, and the worst, since the connection was made. */
   latency_us?: number;
   latency_worst_us?: number;
 }
@@ -41,7 +41,7 @@ export interface Trouble {
   why: string;
   since: string;
   for_s: number;
-  /** What repairs it. */
+  /** The repair that helps. */
   repair: string;
   /** The verb "repair" does. */
   on_request: boolean;
@@ -51,14 +51,14 @@ export interface Status {
   robot: string;
   controller: string;
   state: string;
-  /** Not of a robot that runs an older Segue. */
+  /** Absent where the robot runs an older Segue. */
   health?: { state: 'healthy' | 'in_transition' | 'in_trouble' | 'lost'; troubles: Trouble[] };
   /** Why this runtime commands the robot no longer: another one has got it. */
   lost?: string | null;
   commanded_by: string | null;
   /** The last halt, until something has been requested. */
   halt: Halt | null;
-  /** Who has stopped the robot until it is released. */
+  /** The person who has stopped the robot until it is released. */
   stopped_by: string | null;
   controllers: string[];
   ready: { controller: string; ready: boolean; reason: string }[];
@@ -110,7 +110,7 @@ export interface TaskReport extends TaskStatus {
   properties: { [name: string]: Json };
   operations: OperationModel[];
   timing: { [name: string]: number };
-  /** As the log, not of a process that runs an older Segue. */
+  /** Both are missing in reports of a process that runs an older Segue. */
   histograms?: { updates: Histogram; latencies: Histogram };
   log?: LogLine[];
 }
@@ -123,7 +123,7 @@ export interface LogLine {
   message: string;
 }
 
-/** From the first bin that has anything to the last one. */
+/** Its bins go from the first one that has anything to the last one. */
 export interface Histogram {
   p50_us: number;
   p99_us: number;
@@ -136,7 +136,7 @@ export interface RobotEvent {
   kind: string;
   subject: string;
   message: string;
-  /** Not of a robot that runs an older Segue. */
+  /** Absent where the robot runs an older Segue. */
   trouble?: boolean;
 }
 

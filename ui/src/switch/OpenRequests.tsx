@@ -48,7 +48,7 @@ export function OpenRequests({ status }: { status: Status }) {
   );
 }
 
-/** What is undone, as the robot reports it. */
+/** The actions that undo a transition, as the robot reports them. */
 export function UndoList({ undoing }: { undoing: Undoing }) {
   if (undoing.why === null) return null;
   return (

@@ -17,7 +17,7 @@ function seconds(value: number): string {
   return value < 0.001 ? (value * 1e6).toFixed(0) + ' µs' : value < 1 ? (value * 1e3).toFixed(1) + ' ms' : value.toFixed(1) + ' s';
 }
 
-/** What was planned when the switch was asked for: the picture stays while the robot changes. */
+/** A switch as it was planned when it was asked for: the picture stays while the robot changes. */
 interface Attempt {
   transition: Transition;
   difference: Difference;

@@ -9,7 +9,7 @@ export interface Difference {
   edges: { id: string; source: string; target: string; fate: Fate }[];
 }
 
-/** What a transition does to the network that runs, as one graph of both networks. */
+/** The changes of a transition to the network that runs, as one graph of both networks. */
 export function differenceOf(status: Status, transition: Transition): Difference {
   const touched = new Set(transition.actions.flatMap((action) => (action.task ? [action.task] : [])));
   const removed = new Set(transition.removes ?? []);
@@ -49,7 +49,7 @@ export function subjectOf(action: Action): string {
 
 export type Progress = 'waiting' | 'done' | 'failed';
 
-/** What events after the request say of each action; what is done to undo it does not count. */
+/** The progress of each action by the events after the request; the undoing of an action does not count. */
 export function progressOf(actions: Action[], events: RobotEvent[], after: number): Map<number, Progress> {
   const told = new Map<string, Progress>();
   for (const event of events) {
@@ -77,7 +77,7 @@ function median(values: number[]): number {
   return sorted[Math.floor(sorted.length / 2)] ?? 0;
 }
 
-/** From how long these actions, or others of their kind, took in past transitions. */
+/** Estimates the time of a switch from how long these actions, or others of their kind, took in past transitions. */
 export function estimateOf(actions: Action[], history: Transition[]): Estimate {
   const times = new Map<string, number[]>();
   const note = (key: string, seconds: number) => times.set(key, [...(times.get(key) ?? []), seconds]);

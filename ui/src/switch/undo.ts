@@ -19,7 +19,7 @@ export interface Undoing {
   steps: UndoStep[];
 }
 
-/** What events after the request say of how it was undone, until the robot says how that ended. */
+/** The undoing of a transition by the events after the request, until the robot says how that ended. */
 export function undoingOf(events: RobotEvent[], after: number): Undoing {
   const undoing: Undoing = { why: null, steps: [] };
   for (const event of events) {
