@@ -8,7 +8,7 @@
 #include <segue/journal/journal_reader.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 #include <segue/remote_robot/served_robot.hpp>
 #include <segue/runtime/runtime_service.hpp>
 
@@ -58,7 +58,7 @@ void carry_out(runtime::Runtime& runtime, std::size_t look_ahead, double seconds
   runtime::RuntimeService service(runtime, nullptr, [] {});
   Diagnostics diagnostics;
   auto mission = mission::read_mission(mission_text(seconds), "round.yaml", diagnostics);
-  const auto plan = mission_run::Session::create(std::move(mission).value()).value();
+  const auto plan = mission_run::LoadedMission::create(std::move(mission).value()).value();
   mission_run::RunRequest request;
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(
       std::make_shared<remote_robot::ServedRobot>(service, "the mission"),

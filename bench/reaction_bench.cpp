@@ -10,7 +10,7 @@
 #include <segue/control/server.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 #include <segue/remote_robot/served_robot.hpp>
 #include <segue/runtime/runtime_service.hpp>
 
@@ -96,7 +96,7 @@ void carry_out(control::RobotService& service, int goals, std::int64_t updates) 
   Diagnostics diagnostics;
   auto mission = mission::read_mission(mission_text(goals, updates), "round.yaml", diagnostics);
   if (!mission) give_up(to_string(diagnostics));
-  const auto plan = mission_run::Session::create(std::move(mission).value()).value();
+  const auto plan = mission_run::LoadedMission::create(std::move(mission).value()).value();
   mission_run::RunRequest request;
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(
       std::make_shared<remote_robot::ServedRobot>(service, "the mission"), mission::ControllerOptions{}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/runtime_service.hpp>
 
@@ -18,7 +18,7 @@ namespace segue::cli {
 
 namespace {
 
-using mission_run::RunMode;
+using mission_run::LoadedMission;
 using mission_run::RunRequest;
 
 /// A setting, divided into changes of the robot and inputs of the mission.
@@ -107,12 +107,12 @@ class FreshRobot {
   std::shared_ptr<remote_robot::ServedRobot> served_;
 };
 
-Result<mission_run::Session> load_for(const MissionExperiment& experiment, remote_robot::ServedRobot& robot) {
+Result<LoadedMission> load_for(const MissionExperiment& experiment, remote_robot::ServedRobot& robot) {
   const auto conflicts = robot.conflicts(Wait(TimePoint::max()));
   if (!conflicts) return conflicts.error();
-  Diagnostics diagnostics;
-  auto plan = mission_run::Session::load(experiment.mission, experiment.libraries, diagnostics, &*conflicts);
-  if (!plan) return diagnostics.to_error();
+  auto plan =
+      LoadedMission::load(experiment.mission, {.libraries = experiment.libraries, .conflicts = &*conflicts});
+  if (!plan) return plan.error();
   if (plan->is_network())
     return fail(ErrorCode::Unsupported, experiment.mission.string() + " is a task network, no mission");
   return std::move(*plan);
@@ -123,11 +123,11 @@ double seconds_at(TimePoint when) {
 }
 
 /// The makespan of a concurrent run with these durations, in virtual time.
-Result<double> ideal_makespan(const mission_run::Session& plan, RunRequest request, const MissionTrace& trace,
+Result<double> ideal_makespan(const LoadedMission& plan, RunRequest request, const MissionTrace& trace,
                               const std::function<double(TimePoint)>& clock) {
-  request.mode = RunMode::Concurrent;
-  request.clock = task_network::ClockKind::Virtual;
-  request.python.clear();
+  request.mode = mission_run::Concurrent{};
+  request.clock = mission_run::RunClock::Virtual;
+  request.scripts.reset();
   request.on_event = {};
   request.runners = {};
   request.runners.run_all_by(trace.replay(clock));
@@ -137,7 +137,7 @@ Result<double> ideal_makespan(const mission_run::Session& plan, RunRequest reque
 }
 
 /// Adds the times of a run by both clocks.
-Result<void> take_times(MissionRun& measured, const mission_run::Session& plan, const RunRequest& request,
+Result<void> take_times(MissionRun& measured, const LoadedMission& plan, const RunRequest& request,
                         const MissionTrace& trace, const RobotClock* clock, TimePoint begin, TimePoint end) {
   const auto wall = ideal_makespan(plan, request, trace, seconds_at);
   if (!wall) return wall.error();
@@ -195,7 +195,7 @@ Result<MissionRun> run_mission_afresh(const MissionExperiment& experiment, const
   auto robot = FreshRobot::start(experiment.robot, std::move(dealt.robot));
   if (!robot) return robot.error();
   RunRequest request;
-  request.mode = concurrent ? RunMode::Concurrent : RunMode::Sequential;
+  if (concurrent) request.mode = mission_run::Concurrent{};
   request.inputs = std::move(dealt.inputs);
   auto measured = run_on(**robot, experiment, std::move(request), stop);
   if (!measured) return measured;

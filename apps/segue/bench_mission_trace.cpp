@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_mission_trace.hpp"
 
+#include <segue/mission/action.hpp>
 #include <segue/model/robot_condition.hpp>
 
 #include <algorithm>

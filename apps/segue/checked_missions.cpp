@@ -4,7 +4,8 @@
 #include <segue/draw/diagram.hpp>
 #include <segue/mission/controllers.hpp>
 #include <segue/mission/pool_actions.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission/program.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 
 #include <utility>
 
@@ -27,7 +28,8 @@ void append(Value::List& all, Value list, const std::string& file) {
 
 void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diagnostics,
                             const RobotControllers* robot) {
-  const auto plan = mission_run::Session::load(file, libraries_, diagnostics);
+  const auto plan = mission_run::LoadedMission::load(file, {.libraries = libraries_});
+  diagnostics.append(plan ? plan->warnings() : diagnostics_of(plan.error()));
   if (!plan) return;
   if (plan->program() != nullptr) scripts_.check(plan->program()->mission(), diagnostics);
   if (robot != nullptr && plan->program() != nullptr) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/mission_io.hpp>
-#include <segue/mission_run/session.hpp>
 #include <segue/pddl/pddl.hpp>
 #include <segue/rafcon/rafcon.hpp>
 #include <segue/task_network/flat_file.hpp>
@@ -12,6 +11,7 @@
 
 #include "checked_missions.hpp"
 #include "mission_convert.hpp"
+#include "mission_request.hpp"
 #include "mission_run.hpp"
 #include "mission_steering.hpp"
 #include "models.hpp"

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mission_convert.hpp"
 
-#include <segue/mission_run/session.hpp>
+#include <segue/convert/ahead_of_failures.hpp>
+#include <segue/draw/diagram.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 #include <segue/type/json.hpp>
 
 #include <algorithm>
@@ -56,10 +58,10 @@ int convert_plan(const ConvertOptions& options, const Context& context) {
   if (!options.output.empty()) {
     if (const auto fits = check_writable(options.output); !fits) return failed(context, fits.error());
   }
-  Diagnostics diagnostics;
-  const auto plan = mission_run::Session::load(options.mission.file, options.mission.libraries, diagnostics);
-  if (!plan) return report_failure(context, diagnostics);
-  print_diagnostics(diagnostics);
+  const auto plan =
+      mission_run::LoadedMission::load(options.mission.file, {.libraries = options.mission.libraries});
+  if (!plan) return report_failure(context, plan.error());
+  print_diagnostics(plan->warnings());
   auto inputs = parse_inputs(options.mission.inputs);
   if (!inputs) return failed(context, inputs.error());
   mission_run::ConvertRequest request;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "mission_run.hpp"
+#include "mission_request.hpp"
 
 namespace segue::cli {
 

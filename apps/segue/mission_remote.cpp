@@ -80,10 +80,10 @@ MissionRemote::MissionRemote(remote_robot::ServedRobot& robot, const mission::Pr
       plan_(std::move(plan)),
       control_(control),
       stop_(std::move(stop)),
-      thread_(concurrent::start_stoppable_thread("segue-remote",
-                                                 [this](const std::stop_token& end) { work(end); })),
       stopping_(stop_.get_token(), Stopping{*answers_}) {
-  robot_.record().began(mission_);
+  robot_.record().began(mission_);  // before the thread reports the plan, which would else be that of no run
+  thread_ =
+      concurrent::start_stoppable_thread("segue-remote", [this](const std::stop_token& end) { work(end); });
 }
 
 void MissionRemote::ended(std::string_view outcome, std::string_view error) {

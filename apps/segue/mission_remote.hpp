@@ -86,7 +86,7 @@ class MissionRemote {
     Answers& answers;
     void operator()() const { answers.bell().ring(); }
   };
-  std::jthread thread_;
+  std::jthread thread_;  ///< runs from the end of the construction on
   const std::stop_callback<Stopping> stopping_;
 };
 

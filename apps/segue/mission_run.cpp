@@ -2,24 +2,26 @@
 #include "mission_run.hpp"
 
 #include <segue/base/text.hpp>
+#include <segue/draw/gantt.hpp>
 #include <segue/draw/shown_plan.hpp>
 #include <segue/mission/controllers.hpp>
 #include <segue/mission/pool_actions.hpp>
+#include <segue/mission/program.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_robot/fact_observer.hpp>
 #include <segue/mission_robot/pool_runner.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
+#include <segue/mission_run/run_control.hpp>
 #include <segue/mission_script/script_robot.hpp>
 #include <segue/remote_robot/served_robot.hpp>
-#include <segue/type/yaml.hpp>
 
 #include <fmt/core.h>
 
 #include <atomic>
-#include <charconv>
 #include <memory>
 #include <stop_token>
 #include <utility>
+#include <variant>
 
 #include "connection.hpp"
 #include "mission_progress.hpp"
@@ -35,71 +37,13 @@ namespace segue::cli {
 namespace {
 
 using mission_run::FinishedRun;
-using mission_run::RunMode;
+using mission_run::LoadedMission;
 using mission_run::RunRequest;
 
 /// A robot that is not at rest by its own limit stops its devices, which takes seconds.
 constexpr Duration kRestTimeout = std::chrono::minutes(2);
 /// More do not help a reader; --format json has all.
 constexpr std::size_t kMostRows = 1000;
-
-/// "NAME=COUNT"
-Result<std::pair<std::string, std::uint32_t>> parse_count(const std::string& text) {
-  const auto equals = std::min(text.rfind('='), text.size());
-  std::uint32_t count = 0;
-  const char* first = text.data() + std::min(equals + 1, text.size());
-  const auto [end, error] = std::from_chars(first, text.data() + text.size(), count);
-  if (error != std::errc() || end != text.data() + text.size())
-    return fail(ErrorCode::InvalidArgument, quote(text) + " is not NAME=COUNT");
-  return std::pair(text.substr(0, equals), count);
-}
-
-Result<mission::UnitCounts> parse_counts(const std::vector<std::string>& texts) {
-  mission::UnitCounts counts;
-  for (const std::string& text : texts) {
-    auto count = parse_count(text);
-    if (!count) return count.error();
-    counts.push_back(std::move(*count));
-  }
-  return counts;
-}
-
-std::optional<mission_run::JournalRequest> journal_request(const MissionOptions& options) {
-  if (options.journal.empty()) return std::nullopt;
-  using UnderWay = mission::RunJournal::UnderWay;
-  const UnderWay under_way = options.under_way == "again"   ? UnderWay::Again
-                             : options.under_way == "skip"  ? UnderWay::Skip
-                             : options.under_way == "abort" ? UnderWay::Abort
-                                                            : UnderWay::GoOn;
-  return mission_run::JournalRequest{options.journal, options.resume, under_way};
-}
-
-Result<RunRequest> request_of(const MissionOptions& options, const NetworkOptions& network, bool is_network) {
-  RunRequest request;
-  const std::string mode = !options.mode.empty() ? options.mode : is_network ? "concurrent" : "sequential";
-  request.mode = mode == "concurrent" ? RunMode::Concurrent : RunMode::Sequential;
-  request.clock =
-      options.clock == "virtual" ? task_network::ClockKind::Virtual : task_network::ClockKind::Real;
-  auto inputs = parse_inputs(options.inputs);
-  if (!inputs) return inputs.error();
-  request.inputs = std::move(*inputs);
-  request.facts = options.facts;
-  request.start_at = options.start_at;
-  request.breakpoints = options.breakpoints;
-  request.steps_back = options.steps_back;
-  request.journal = journal_request(options);
-  request.python = options.python;
-  request.simulate = options.simulate;
-  request.strict = network.strict;
-  request.workers = network.workers;
-  request.world_copies = network.world_copies;
-  request.seed = network.seed;
-  if (network.order == "goal") request.order = task_network::OrderRule::Goal;
-  auto counts = parse_counts(network.resources);
-  if (!counts) return counts.error();
-  request.resources = std::move(*counts);
-  return request;
-}
 
 MissionProgress::Style style_of(const MissionOptions& options, const Context& context) {
   using Style = MissionProgress::Style;
@@ -109,19 +53,20 @@ MissionProgress::Style style_of(const MissionOptions& options, const Context& co
 }
 
 /// The plan of the run as it is known before; empty for a mission that runs sequentially.
-draw::Diagram known_plan(const mission_run::Session& plan, const RunRequest& request) {
-  if (request.mode != RunMode::Concurrent) return {};
+draw::Diagram known_plan(const LoadedMission& plan, const RunRequest& request) {
+  const auto* const concurrent = std::get_if<mission_run::Concurrent>(&request.mode);
+  if (concurrent == nullptr) return {};
   mission_run::ConvertRequest wanted;
   wanted.inputs = request.inputs;
   wanted.facts = request.facts;
   wanted.order = request.order;
-  wanted.strict = request.strict;
+  wanted.strict = concurrent->strict;
   wanted.most = wanted.horizon;
   auto diagram = plan.convert(wanted);  // where it fails, so does the run
   return diagram ? std::move(*diagram) : draw::Diagram{};
 }
 
-Result<std::unique_ptr<FinishedRun>> run_with_progress(const mission_run::Session& plan, RunRequest request,
+Result<std::unique_ptr<FinishedRun>> run_with_progress(const LoadedMission& plan, RunRequest request,
                                                        const MissionOptions& options,
                                                        const std::stop_token& stop, const Context& context) {
   const auto style = style_of(options, context);
@@ -129,10 +74,13 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const mission_run::Sessio
   MissionProgress progress(plan.name(), style, options.clock == "real",
                            shows_plan ? known_plan(plan, request) : draw::Diagram{});
   request.note = [&](const std::string& text) { progress.note(text); };
-  request.on_held = [&](const std::vector<std::string>& paths) {
-    progress.note("held" + (paths.empty() ? "" : " before " + listed(paths)) +
-                  "; it goes on with 'segue mission step' or 'resume'");
-  };
+  auto* const sequential = std::get_if<mission_run::Sequential>(&request.mode);
+  if (sequential != nullptr && sequential->stepping) {
+    sequential->stepping->on_held = [&](const std::vector<std::string>& paths) {
+      progress.note("held" + (paths.empty() ? "" : " before " + listed(paths)) +
+                    "; it goes on with 'segue mission step' or 'resume'");
+    };
+  }
   if (style != MissionProgress::Style::None) {
     request.on_event = [&, further = request.on_event](const mission::StateEvent& event) {
       progress.observe(event);
@@ -143,7 +91,7 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const mission_run::Sessio
 }
 
 /// Whether the run needs a robot; one that is stepped does, too, since the steps are requested through it.
-bool needs_robot(const mission_run::Session& plan, const MissionOptions& options) {
+bool needs_robot(const LoadedMission& plan, const MissionOptions& options) {
   if (plan.program() == nullptr) return false;
   const bool is_stepped = !options.breakpoints.empty() || options.steps_back;
   return is_stepped || (!options.simulate && mission::needs_robot(plan.program()->mission()));
@@ -228,7 +176,7 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const remote_robo
 
 /// Lets the robot's pools carry out actions that are calls of pools. A pool has as many units as instances,
 /// unless the user has given another number.
-Result<void> add_pools(RunRequest& request, const mission_run::Session& plan,
+Result<void> add_pools(RunRequest& request, const LoadedMission& plan,
                        const std::shared_ptr<remote_robot::ServedRobot>& robot,
                        const mission::ControllerOptions& how) {
   if (plan.program() == nullptr || !mission::uses_pools(plan.program()->mission())) return {};
@@ -236,7 +184,7 @@ Result<void> add_pools(RunRequest& request, const mission_run::Session& plan,
   if (!pools) return pools.error();
   const auto units = mission::pool_units(plan.program()->mission(), *pools);
   if (!units) return units.error();
-  request.resources.insert(request.resources.begin(), units->begin(), units->end());
+  request.resources.insert(units->begin(), units->end());
   mission::PoolOptions of_pools;
   of_pools.unreachable = how.unreachable;
   request.runners.set_pools(std::make_shared<mission::PoolRunner>(robot, of_pools));
@@ -245,7 +193,7 @@ Result<void> add_pools(RunRequest& request, const mission_run::Session& plan,
 
 }  // namespace
 
-Result<void> run_by_robot(RunRequest& request, const mission_run::Session& plan,
+Result<void> run_by_robot(RunRequest& request, const LoadedMission& plan,
                           const std::shared_ptr<remote_robot::ServedRobot>& robot,
                           const mission::ControllerOptions& how) {
   if (auto units = add_pools(request, plan, robot, how); !units) return units;
@@ -254,54 +202,22 @@ Result<void> run_by_robot(RunRequest& request, const mission_run::Session& plan,
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how, controllers));
   mission::ScriptRobotOptions of_scripts;
   of_scripts.unreachable = how.unreachable;
-  request.script_robot = std::make_shared<mission::ScriptRobot>(robot, controllers, of_scripts);
+  if (request.scripts)
+    request.scripts->robot = std::make_shared<mission::ScriptRobot>(robot, controllers, of_scripts);
   if (const auto& observed = plan.program()->mission().observed; !observed.empty())
     request.runners.set_observer(
         std::make_shared<mission::FactObserver>(robot, observed, mission::FactObserver::Options{}));
   return {};
 }
 
-Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts) {
-  type::ValueMap inputs;
-  for (const std::string& text : texts) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos)
-      return fail(ErrorCode::InvalidArgument, "--input must be NAME=VALUE, got '" + text + "'");
-    auto value = type::parse_yaml(text.substr(equals + 1));
-    if (!value) return value.error();
-    inputs.erase(text.substr(0, equals));
-    inputs.append(text.substr(0, equals), std::move(*value));
-  }
-  return inputs;
-}
-
-void add_network_options(Verb& verb, NetworkOptions& options) {
-  verb.option("--order ORDER", options.order,
-              "of a task network: epoch (default) keeps the whole final world, goal only its goal")
-      .one_of({"epoch", "goal"});
-  verb.option("--seed N", options.seed,
-              "vary durations of simulated actions, reproducibly for each number; 0: as expected");
-  verb.option("--workers N", options.workers, "nodes that run at the same time; 0: any number");
-  verb.option("--world-copies N", options.world_copies, "projected worlds at the same time; 0: any number");
-  verb.option("--resource NAME=COUNT", options.resources,
-              "how many units of a resource exist, such as process:planner=2");
-  verb.flag(
-      "--strict", options.strict,
-      "whatever remains waits until nothing before it can fail any more, as if all were declared strict");
-}
-
-void add_library_option(Verb& verb, MissionOptions& options) {
-  verb.option("--libraries DIR", options.libraries,
-              "folders with the state machines used by missions; for RAFCON machines NAME=DIR");
-}
-
 namespace {
 
 using Ran = Result<std::unique_ptr<FinishedRun>>;
 
-type::Value shown_plan(const mission_run::Session& plan, const RunRequest& request,
+type::Value shown_plan(const LoadedMission& plan, const RunRequest& request,
                        MissionRemote::PlanDetail detail) {
-  if (request.mode != RunMode::Concurrent) return draw::shown_plan(*plan.program(), nullptr);
+  if (!std::holds_alternative<mission_run::Concurrent>(request.mode))
+    return draw::shown_plan(*plan.program(), nullptr);
   if (detail == MissionRemote::PlanDetail::Whole) {
     const draw::Diagram diagram = known_plan(plan, request);
     return draw::shown_plan(*plan.program(), &diagram);
@@ -312,7 +228,7 @@ type::Value shown_plan(const mission_run::Session& plan, const RunRequest& reque
 }
 
 /// `robot` as of show_run().
-int show(const Ran& run, const mission_run::Session& plan, const MissionOptions& options,
+int show(const Ran& run, const LoadedMission& plan, const MissionOptions& options,
          const remote_robot::ServedRobot* robot, const Context& context) {
   if (!run) return failed(context, run.error());
   if (options.show) show_run(**run, plan.is_network(), options.follow, robot, context);
@@ -335,8 +251,7 @@ void tell_end(const Ran& run, MissionRemote& remote) {
 
 /// Gives the robot back. Unless the mission has ended as it should, or wants the robot to run on, it comes to
 /// rest, which is waited for; false where it does not.
-bool leave(remote_robot::ServedRobot& robot, const Ran& run, const mission_run::Session& plan,
-           bool is_unreachable) {
+bool leave(remote_robot::ServedRobot& robot, const Ran& run, const LoadedMission& plan, bool is_unreachable) {
   const bool keep = (run && (*run)->overview().succeeded) ||
                     plan.program()->mission().at_end == mission::Mission::AtEnd::Keep;
   const auto rest = robot.give_back(keep, deadline_in(kRestTimeout));
@@ -352,9 +267,10 @@ bool leave(remote_robot::ServedRobot& robot, const Ran& run, const mission_run::
 }
 
 /// Lets the robot carry out actions that are controllers. The plan is made anew, since it depends on which
-/// controllers the robot can run at once.
-int run_on_robot(RunRequest request, const MissionOptions& options, control::RobotService& service,
-                 const Context& context) {
+/// controllers the robot can run at once. `steering`
+/// is that of the request.
+int run_on_robot(RunRequest request, mission_run::RunControl& steering, const MissionOptions& options,
+                 control::RobotService& service, const Context& context) {
   StopSignal signal;  // until the run has been shown
   std::stop_source stop;
   const std::stop_callback stopping(signal.token(), [&] { stop.request_stop(); });
@@ -363,9 +279,9 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   if (auto taken = robot->take(); !taken) return failed(context, taken.error());
   const auto conflicts = robot->conflicts(Wait(TimePoint::max()));
   if (!conflicts) return failed(context, conflicts.error());
-  Diagnostics diagnostics;
-  const auto plan = mission_run::Session::load(options.file, options.libraries, diagnostics, &*conflicts);
-  if (!plan) return report_failure(context, diagnostics);
+  const auto plan =
+      LoadedMission::load(options.file, {.libraries = options.libraries, .conflicts = &*conflicts});
+  if (!plan) return report_failure(context, plan.error());
   mission::ControllerOptions how;
   how.look_ahead = options.look_ahead;
   const auto is_unreachable = std::make_shared<std::atomic<bool>>(false);
@@ -376,8 +292,6 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
     };
   }
   if (auto given = run_by_robot(request, *plan, robot, how); !given) return failed(context, given.error());
-  mission_run::RunControl steering;
-  request.control = &steering;
   Ran run = fail(ErrorCode::Internal, "the mission has not run");
   {
     MissionRemote remote(
@@ -402,11 +316,11 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, Conte
     return failed(context, fail(ErrorCode::InvalidArgument,
                                 "with --format json drawings go to files, not to standard output"));
   }
-  Diagnostics diagnostics;
-  const auto plan = mission_run::Session::load(options.file, options.libraries, diagnostics);
-  if (!plan) return report_failure(context, diagnostics);
-  print_diagnostics(diagnostics);
-  auto request = request_of(options, network, plan->is_network());
+  const auto plan = LoadedMission::load(options.file, {.libraries = options.libraries});
+  if (!plan) return report_failure(context, plan.error());
+  print_diagnostics(plan->warnings());
+  mission_run::RunControl steering;
+  auto request = run_request(options, network, plan->is_network(), steering);
   if (!request) return failed(context, request.error());
   if (!needs_robot(*plan, options)) {
     StopSignal stop;  // until the run has been shown
@@ -418,7 +332,7 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, Conte
                                 "a robot cannot run in virtual time; simulate the mission with --simulate"));
   }
   return with_robot(context, [&](control::RobotService& robot) {
-    return run_on_robot(std::move(*request), options, robot, context);
+    return run_on_robot(std::move(*request), steering, options, robot, context);
   });
 }
 

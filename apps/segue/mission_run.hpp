@@ -3,64 +3,19 @@
 
 #include <segue/base/result.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 #include <segue/remote_robot/served_robot.hpp>
-#include <segue/type/value.hpp>
 
-#include <cstdint>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "command.hpp"
-#include "run_files.hpp"
+#include "mission_request.hpp"
 
 namespace segue::cli {
 
-/// Options that mostly matter to concurrent runs.
-struct NetworkOptions {
-  std::string order = "epoch";
-  std::uint64_t seed = 0;
-  std::uint32_t workers = 0;
-  std::uint32_t world_copies = 0;
-  bool strict = false;
-  std::vector<std::string> resources;  ///< NAME=COUNT
-};
-
-struct MissionOptions {
-  std::string file;
-  std::string mode;  ///< "": task networks concurrently, missions sequentially
-  std::string clock = "real";
-  bool simulate = false;
-  std::vector<std::string> inputs;
-  std::vector<std::string> facts;
-  std::string start_at;
-  std::vector<std::string> breakpoints;
-  bool steps_back = false;
-  std::vector<std::string> libraries;
-  std::string journal;  ///< "": none
-  bool resume = false;
-  std::string under_way = "go-on";
-  RunFiles files;
-  bool follow = false;   ///< print its events
-  bool progress = true;  ///< show what goes on, in real time
-  bool show = true;      ///< what was executed, on standard output
-  std::string python = "python3";
-  std::size_t look_ahead = 3;  ///< controllers of a robot that are kept prepared
-};
-
-/// Adds the options of NetworkOptions.
-void add_network_options(Verb& verb, NetworkOptions& options);
-/// --libraries
-void add_library_option(Verb& verb, MissionOptions& options);
-
-/// The inputs that --input options name: "NAME=VALUE", the value as in YAML; of two with one name the last
-/// counts. InvalidArgument, ParseError.
-Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts);
-
 /// Lets the robot carry out actions that are controllers or calls of pools, and compares observed facts with
 /// it. A pool has as many units as instances, unless the request has given another number.
-Result<void> run_by_robot(mission_run::RunRequest& request, const mission_run::Session& plan,
+Result<void> run_by_robot(mission_run::RunRequest& request, const mission_run::LoadedMission& plan,
                           const std::shared_ptr<remote_robot::ServedRobot>& robot,
                           const mission::ControllerOptions& how);
 

@@ -127,4 +127,9 @@ int report_failure(const Context& context, Diagnostics& diagnostics) {
   return kFailed;
 }
 
+int report_failure(const Context& context, const Error& error) {
+  Diagnostics diagnostics = diagnostics_of(error);
+  return report_failure(context, diagnostics);
+}
+
 }  // namespace segue::cli

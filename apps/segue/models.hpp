@@ -40,5 +40,7 @@ std::optional<model::Network> load_valid_network(const std::string& files,
 
 /// Prints diagnostics on standard error, and with JSON on standard output too. Returns kFailed.
 int report_failure(const Context& context, Diagnostics& diagnostics);
+/// Prints the diagnostics that the error carries, in the same way.
+int report_failure(const Context& context, const Error& error);
 
 }  // namespace segue::cli

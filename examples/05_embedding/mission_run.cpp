@@ -3,7 +3,7 @@
 // progress, and draws what it did.
 //   mission_run MISSION_FILE [SVG_FILE]
 #include <segue/draw/gantt.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 
 #include <cstdio>
 #include <fstream>
@@ -36,17 +36,16 @@ void show(const mission::StateEvent& event) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return fail_with("usage: mission_run MISSION_FILE [SVG_FILE]");
-  Diagnostics diagnostics;
-  const auto session = mission_run::Session::load(argv[1], {}, diagnostics);
-  if (!session) return fail_with(to_string(diagnostics));
+  const auto mission = mission_run::LoadedMission::load(argv[1]);
+  if (!mission) return fail_with(to_string(diagnostics_of(mission.error())));
 
   mission_run::RunRequest request;
-  request.mode = mission_run::RunMode::Concurrent;
-  request.clock = task_network::ClockKind::Virtual;  // simulated actions take no time
+  request.mode = mission_run::Concurrent{};
+  request.clock = mission_run::RunClock::Virtual;  // simulated actions take no time
   request.runners.add("weigh", weigh);
   request.on_event = show;
   std::stop_source stop;  // request_stop(), on any thread, preempts what is running
-  const auto run = session->run(request, stop.get_token());
+  const auto run = mission->run(request, stop.get_token());
   if (!run) return fail_with(to_string(run.error()));
 
   const mission_run::RunOverview& overview = (*run)->overview();

@@ -2,6 +2,7 @@
 #include <segue/base/diagnostic.hpp>
 
 #include <algorithm>
+#include <memory>
 #include <tuple>
 #include <utility>
 
@@ -49,7 +50,8 @@ Error Diagnostics::to_error(ErrorCode code) const {
   if (first == items_.end()) return fail(ErrorCode::Internal, "to_error() without an error");
   std::string message = first->message;
   if (errors_ > 1) message += " (and " + std::to_string(errors_ - 1) + " more)";
-  return Error{code, std::move(message), first->where, {}, nullptr};
+  return Error{
+      code, std::move(message), first->where, {}, nullptr, std::make_shared<const Diagnostics>(*this)};
 }
 
 std::string to_string(const Diagnostics& diagnostics) {
@@ -57,6 +59,15 @@ std::string to_string(const Diagnostics& diagnostics) {
   for (const Diagnostic& item : diagnostics.items())
     text += to_string(item) + '\n';
   return text;
+}
+
+Diagnostics diagnostics_of(const Error& error) {
+  if (error.diagnostics != nullptr) return *error.diagnostics;
+  Error said = error;
+  said.where = {};  // in its own field
+  Diagnostics diagnostics;
+  diagnostics.error(std::string(to_string(error.code)), to_string(said), error.where);
+  return diagnostics;
 }
 
 }  // namespace segue

@@ -44,7 +44,8 @@ class Diagnostics {
   /// Sorts by file, line and column; findings without a place come last.
   void sort();
 
-  /// The first error, with the number of further ones in its message. Requires has_errors().
+  /// The first error, with the number of further ones in its message; it carries all that was found.
+  /// Requires has_errors().
   [[nodiscard]] Error to_error(ErrorCode code = ErrorCode::InvalidArgument) const;
 
  private:
@@ -54,5 +55,9 @@ class Diagnostics {
 
 /// One diagnostic a line.
 std::string to_string(const Diagnostics& diagnostics);
+
+/// The diagnostics that the error carries; else the error itself as the only one, whose code is that of the
+/// error.
+[[nodiscard]] Diagnostics diagnostics_of(const Error& error);
 
 }  // namespace segue

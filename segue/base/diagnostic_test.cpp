@@ -69,5 +69,18 @@ TEST(Diagnostics, AsOneErrorTellsHowManyMoreThereAre) {
   EXPECT_EQ(to_string(diagnostics.to_error()), "f.yaml:2:7: unknown task (and 1 more)");
 }
 
+TEST(Diagnostics, AreCarriedByTheErrorThatTheyBecome) {
+  Diagnostics diagnostics;
+  diagnostics.warning("w", "looks odd");
+  diagnostics.error("a", "unknown task", {"f.yaml", 2, 7});
+  EXPECT_EQ(diagnostics_of(diagnostics.to_error()).items(), diagnostics.items());
+}
+
+TEST(Diagnostics, OfAnErrorThatCarriesNoneAreThatError) {
+  const Error error = fail(ErrorCode::IoError, "cannot read", {}, {"f.yaml", 2, 7})
+                          .because_of(fail(ErrorCode::NotFound, "no such file"));
+  EXPECT_EQ(to_string(diagnostics_of(error)), "f.yaml:2:7: error: cannot read (no such file) [io-error]\n");
+}
+
 }  // namespace
 }  // namespace segue

@@ -43,6 +43,8 @@ enum class ErrorCode {
 /// "not-found", "type-mismatch" ...: stable names for tools.
 std::string_view to_string(ErrorCode code);
 
+class Diagnostics;
+
 /// One failure: its message, the place in a file or the task or action that it concerns, and its cause.
 struct Error {
   ErrorCode code = ErrorCode::Internal;
@@ -50,6 +52,9 @@ struct Error {
   SourceLocation where;
   std::string subject;  ///< id of the task, connection or action; may be empty
   std::shared_ptr<const Error> cause;
+  /// All that was found in the files that were read, of which the message names the first error; null where
+  /// no file was read. See diagnostics_of().
+  std::shared_ptr<const Diagnostics> diagnostics{};
 
   /// This error with `inner` as its cause.
   [[nodiscard]] Error because_of(Error inner) &&;

@@ -133,8 +133,7 @@ std::string difference_after_crash(const std::shared_ptr<const mission::Program>
   for (std::uint64_t left = 2 + seed / 8 % (lines - 2); left > 0; --left)
     end = text.find('\n', end) + 1;
   EXPECT_TRUE(write_file(file, mission::interrupted_journal(text, end)));
-  auto journal =
-      mission::RunJournal::resume(file, program->mission(), true, mission::RunJournal::UnderWay::Again);
+  auto journal = mission::RunJournal::resume(file, program->mission(), true, mission::UnderWay::Again);
   if (!journal) return to_string(journal.error());
   options.journal = std::move(*journal);
   const ConcurrentRun resumed(program, options);

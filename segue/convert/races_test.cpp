@@ -165,8 +165,7 @@ RunOptions resumed(const std::string& text, const std::function<void(mission::Ru
   start.concurrent = true;
   record(*mission::RunJournal::create(file, mission, start).value());
   RunOptions options;
-  options.journal =
-      mission::RunJournal::resume(file, mission, true, mission::RunJournal::UnderWay::Refuse).value();
+  options.journal = mission::RunJournal::resume(file, mission, true, mission::UnderWay::Refuse).value();
   std::filesystem::remove(file);
   return options;
 }

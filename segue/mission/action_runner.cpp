@@ -3,6 +3,7 @@
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/controllers.hpp>
 #include <segue/mission/mission_index.hpp>
+#include <segue/mission/program.hpp>
 #include <segue/model/reader.hpp>
 
 #include <algorithm>

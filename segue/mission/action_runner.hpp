@@ -4,10 +4,10 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/pending_changes.hpp>
 #include <segue/base/result.hpp>
-#include <segue/mission/enclosing_scope.hpp>
-#include <segue/mission/globals.hpp>
-#include <segue/mission/program.hpp>
+#include <segue/mission/outcome.hpp>
+#include <segue/mission/state_index.hpp>
 #include <segue/mission/world_view.hpp>
+#include <segue/type/value.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -19,6 +19,11 @@
 #include <vector>
 
 namespace segue::mission {
+
+struct Action;
+class Globals;
+struct ObservedNeeds;
+class Program;
 
 /// How an execution ended; `error` says why it aborted. `pending`: what an execution that may be discarded
 /// has changed beside its outputs and the global variables; null: nothing.

@@ -3,6 +3,7 @@
 
 #include <segue/mission/action.hpp>
 #include <segue/mission/declared_data.hpp>
+#include <segue/mission/state_index.hpp>
 
 #include <array>
 #include <cstdint>
@@ -14,10 +15,6 @@
 namespace segue::mission {
 
 using StateId = Id<struct StateTag>;  ///< unique among the children of a state
-
-/// Position in Mission::states.
-using StateIndex = std::uint32_t;
-inline constexpr StateIndex kNoState = static_cast<StateIndex>(-1);
 
 enum class StateKind : std::uint8_t { Execution, Hierarchy, Barrier, Preemptive, Library, Decider };
 inline constexpr std::array<std::string_view, 6> kStateKindNames = {"execution",  "hierarchy", "barrier",

@@ -2,20 +2,19 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/mission/commanded_robot.hpp>
 #include <segue/mission/mission.hpp>
+#include <segue/mission/outcome.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace segue::mission {
 
-/// Outcomes as numbers: negative for those that every state has, from 0 for its own in declaration order.
-using Outcome = std::int32_t;
-inline constexpr Outcome kAborted = -1;
-inline constexpr Outcome kPreempted = -2;
+struct ControllerConflicts;
 
 /// The next step after an outcome.
 struct NextStep {

@@ -269,7 +269,7 @@ TEST(MissionEngine, passesBreakpointsThatAnEarlierRunHasPassed) {
     EXPECT_EQ(executions, 3);
     options.journal->close();
   }
-  options.journal = RunJournal::resume(file, mission, false, RunJournal::UnderWay::Again).value();
+  options.journal = RunJournal::resume(file, mission, false, UnderWay::Again).value();
   const auto engine = engine_for(mission, runners, options);
   ASSERT_TRUE(engine->set_breakpoints({"y"}));
   EXPECT_EQ(engine->run(), Engine::Progress::Held);

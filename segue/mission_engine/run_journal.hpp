@@ -7,6 +7,7 @@
 #include <segue/mission/program.hpp>
 #include <segue/mission/units.hpp>
 #include <segue/mission_engine/run_journal_file.hpp>
+#include <segue/mission_engine/under_way.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -46,10 +47,6 @@ class RunJournal {
     UnitCounts resources{};   ///< units in place of those that the mission declares
     std::uint64_t seed = 0;   ///< varies simulated durations
   };
-  /// How resume() treats potentially irreversible actions that were running when the run was interrupted:
-  /// refuse; go on with them where they are, and refuse if that is not possible; execute them again; take
-  /// them as ended as expected, with default outputs; or as aborted.
-  enum class UnderWay : std::uint8_t { Refuse, GoOn, Again, Skip, Abort };
   /// Asked with GoOn: whether an action can go on from its recorded progress (null: it had commanded nothing
   /// yet).
   using CanGoOn = std::function<Result<void>(const Action& action, const type::Value& progress)>;

@@ -15,7 +15,6 @@ namespace segue::mission {
 namespace {
 
 using ::testing::HasSubstr;
-using UnderWay = RunJournal::UnderWay;
 
 constexpr const char* kMission = R"(
 mission: m

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/base/varied_duration.hpp>
+#include <segue/mission/program.hpp>
 #include <segue/mission_engine/runners.hpp>
 #include <segue/mission_robot/observing_runner.hpp>
 

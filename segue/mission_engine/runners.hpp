@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/result.hpp>
 #include <segue/mission/action_runner.hpp>
 
 #include <cstdint>
@@ -16,6 +17,7 @@ namespace segue::mission {
 using Function = std::function<Ending(ActionCall&)>;
 
 class FactObserver;
+struct Mission;
 
 /// Assigns runners to actions: callbacks by name; simulated actions and decisions are built in. Copies share
 /// the runners.

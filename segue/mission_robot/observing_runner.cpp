@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/mutex.hpp>
+#include <segue/mission/enclosing_scope.hpp>
 #include <segue/mission_robot/observing_runner.hpp>
 
 #include <segue/base/question.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a run is compared with: the chain that it could not have been faster than, and the resources.
-#include <segue/mission_run/session_test_support.hpp>
+#include <segue/draw/gantt.hpp>
+#include <segue/mission_run/loaded_mission_test_support.hpp>
 
 #include <gmock/gmock.h>
 
@@ -43,10 +44,10 @@ states:
   c: {on: {success: return success}}
 )j";
 
-class ComparedTimes : public Sessions {
+class ComparedTimes : public LoadedMissions {
  protected:
   std::unique_ptr<FinishedRun> ran(const char* text, RunMode mode) const {
-    return load("compared.yaml", text).run(request(mode)).value();
+    return load("compared.yaml", text).run(request(std::move(mode))).value();
   }
   static std::vector<std::string> critical(FinishedRun& run) {
     std::vector<std::string> names;
@@ -58,16 +59,16 @@ class ComparedTimes : public Sessions {
 };
 
 TEST_F(ComparedTimes, WhatComesAfterAContainerIsOnTheCriticalPathBehindTheStateThatEndedIt) {
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent})
-    EXPECT_EQ(in_seconds(ran(kWatched, mode)->comparison().critical_path), 15) << static_cast<int>(mode);
+  for (const RunMode& mode : kBothModes)
+    EXPECT_EQ(in_seconds(ran(kWatched, mode)->comparison().critical_path), 15) << is_concurrent(mode);
 }
 
 TEST_F(ComparedTimes, AWatchThatIsPreemptedIsNotCriticalInARunAsWritten) {
-  EXPECT_THAT(critical(*ran(kWatched, RunMode::Sequential)), ElementsAre("guarded/fetch", "charge"));
+  EXPECT_THAT(critical(*ran(kWatched, Sequential{})), ElementsAre("guarded/fetch", "charge"));
 }
 
 TEST_F(ComparedTimes, ARunIsNoShorterThanItsBusiestResourceIsInUse) {
-  const auto run = ran(kOneArm, RunMode::Concurrent);
+  const auto run = ran(kOneArm, Concurrent{});
   EXPECT_EQ(in_seconds(run->comparison().critical_path), 5);
   EXPECT_EQ(in_seconds(run->comparison().shortest), 15);
 }

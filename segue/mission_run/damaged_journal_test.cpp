@@ -2,7 +2,7 @@
 //
 // Runs whose journals are damaged in any way are refused, or go on and repeat nothing that may not be.
 #include <segue/mission_engine/interrupted_journal.hpp>
-#include <segue/mission_run/session_test_support.hpp>
+#include <segue/mission_run/loaded_mission_test_support.hpp>
 
 #include <gmock/gmock.h>
 
@@ -70,18 +70,17 @@ class DamagedJournals : public ::testing::TestWithParam<RunMode> {
   DamagedJournals()
       : folder_(std::filesystem::temp_directory_path() / ("damaged_journals." + std::to_string(::getpid()))) {
     std::filesystem::create_directories(folder_);
-    Diagnostics diagnostics;
     EXPECT_TRUE(write_file((folder_ / "m.yaml").string(), kMoves));
-    session_ = Session::load(folder_ / "m.yaml", {}, diagnostics);
-    EXPECT_TRUE(session_) << to_string(diagnostics);
+    plan_ = LoadedMission::load(folder_ / "m.yaml").value();
   }
   ~DamagedJournals() override { std::filesystem::remove_all(folder_); }
 
   Result<std::string> run(bool resume) {
     RunRequest request;
     request.mode = GetParam();
-    request.clock = task_network::ClockKind::Virtual;
-    request.journal = JournalRequest{file_, resume, mission::RunJournal::UnderWay::GoOn};
+    request.clock = RunClock::Virtual;
+    request.journal = Journal{file_};
+    if (resume) request.journal->resume = mission::UnderWay::GoOn;
     request.note = [&](const std::string& text) { notes_ += text + "\n"; };
     request.runners.add("look", [](mission::ActionCall& call) {
       call.set_output("n", type::Value(2));
@@ -91,7 +90,7 @@ class DamagedJournals : public ::testing::TestWithParam<RunMode> {
       const int time = ++moves_[call.path()];
       return mission::Ending{*call.outcome(call.path() == "there" && time < 3 ? "again" : "done"), {}};
     });
-    const auto run = session_->run(request);
+    const auto run = plan_->run(request);
     return run ? Result<std::string>((*run)->overview().outcome) : run.error();
   }
   /// The journal of a whole run.
@@ -111,7 +110,7 @@ class DamagedJournals : public ::testing::TestWithParam<RunMode> {
 
   const std::filesystem::path folder_;
   const std::filesystem::path file_ = folder_ / "journal";
-  std::optional<Session> session_;
+  std::optional<LoadedMission> plan_;
   Times moves_;
   std::string notes_;
 };
@@ -213,10 +212,7 @@ TEST_P(DamagedJournals, AreRefusedWhereTheirEndMayHaveToldOfAMove) {
   EXPECT_EQ(moves_, moves_in(left));
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, DamagedJournals, ::testing::Values(RunMode::Sequential, RunMode::Concurrent),
-                         [](const auto& mode) {
-                           return mode.param == RunMode::Sequential ? "Sequential" : "Concurrent";
-                         });
+INSTANTIATE_TEST_SUITE_P(Modes, DamagedJournals, ::testing::ValuesIn(kBothModes), name_of_mode);
 
 }  // namespace
 }  // namespace segue::mission_run

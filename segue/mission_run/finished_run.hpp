@@ -3,16 +3,20 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/error.hpp>
-#include <segue/draw/gantt.hpp>
-#include <segue/task_network/run_report.hpp>
+#include <segue/task_network/node_status.hpp>
+#include <segue/task_network/run_summary.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstddef>
-#include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace segue::draw {
+struct Gantt;
+}  // namespace segue::draw
 
 namespace segue::mission_run {
 
@@ -42,8 +46,8 @@ struct RunRow {
 /// A run that has ended, and all that lists, files and drawings show of it. One thread at a time.
 class FinishedRun {
  public:
-  FinishedRun() = default;
-  virtual ~FinishedRun() = default;
+  FinishedRun();
+  virtual ~FinishedRun();
   FinishedRun(const FinishedRun&) = delete;
   FinishedRun& operator=(const FinishedRun&) = delete;
 
@@ -68,7 +72,7 @@ class FinishedRun {
   RunOverview overview_;
 
  private:
-  std::optional<draw::Gantt> gantt_;
+  std::unique_ptr<const draw::Gantt> gantt_;
 };
 
 }  // namespace segue::mission_run

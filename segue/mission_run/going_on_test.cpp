@@ -6,7 +6,8 @@
 #include <segue/mission_engine/interrupted_journal.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_robot/fake_commanded_robot.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/both_modes.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 
 #include <support/eventually.hpp>
 
@@ -47,7 +48,7 @@ class GoingOn : public ::testing::TestWithParam<RunMode> {
       : folder_(std::filesystem::temp_directory_path() / ("going_on_test." + std::to_string(::getpid()))) {
     std::filesystem::create_directories(folder_);
     Diagnostics diagnostics;
-    session_ = Session::create(mission::read_mission(kMission, "m.yaml", diagnostics).value()).value();
+    plan_ = LoadedMission::create(mission::read_mission(kMission, "m.yaml", diagnostics).value()).value();
   }
   ~GoingOn() override { std::filesystem::remove_all(folder_); }
 
@@ -55,13 +56,14 @@ class GoingOn : public ::testing::TestWithParam<RunMode> {
   Result<std::string> run(const std::string& journal, bool resume, std::stop_source stop = {}) {
     RunRequest request;
     request.mode = GetParam();
-    request.journal = JournalRequest{folder_ / journal, resume, mission::RunJournal::UnderWay::GoOn};
+    request.journal = Journal{folder_ / journal};
+    if (resume) request.journal->resume = mission::UnderWay::GoOn;
     mission::ControllerOptions how;
     how.period = 1ms;
     how.look_ahead = 0;
     how.unreachable = [&](const Error& /*why*/) { stop.request_stop(); };
     request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot_, how));
-    const auto run = session_->run(request, stop.get_token());
+    const auto run = plan_->run(request, stop.get_token());
     return run ? Result<std::string>((*run)->overview().outcome) : run.error();
   }
 
@@ -81,7 +83,7 @@ class GoingOn : public ::testing::TestWithParam<RunMode> {
   }
 
   const std::filesystem::path folder_;
-  std::optional<Session> session_;
+  std::optional<LoadedMission> plan_;
   std::shared_ptr<FakeCommandedRobot> robot_ = std::make_shared<FakeCommandedRobot>();
 };
 
@@ -133,10 +135,7 @@ TEST_P(GoingOn, IsWhatARunDoesAfterItsRobotWasUnreachable) {
   EXPECT_THAT(robot_->asked(), ElementsAre("request go_home", "call planner.set_goal home"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, GoingOn, ::testing::Values(RunMode::Sequential, RunMode::Concurrent),
-                         [](const auto& mode) {
-                           return mode.param == RunMode::Sequential ? "Sequential" : "Concurrent";
-                         });
+INSTANTIATE_TEST_SUITE_P(Modes, GoingOn, ::testing::ValuesIn(kBothModes), name_of_mode);
 
 }  // namespace
 }  // namespace segue::mission_run

@@ -1,19 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/mission_run/session.hpp>
+#include <segue/draw/diagram.hpp>
+#include <segue/mission/program.hpp>
+#include <segue/mission/units.hpp>
+#include <segue/mission_engine/run_journal.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
+#include <segue/task_network/completion_queue.hpp>
+#include <segue/task_network/flat_file.hpp>
 
+#include <chrono>
 #include <ctime>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
 
-/// The runs behind Session::run. Internal.
+/// The runs behind LoadedMission::run. Internal.
 namespace segue::mission_run::detail {
 
 using RunResult = Result<std::unique_ptr<FinishedRun>>;
 using SharedProgram = std::shared_ptr<const mission::Program>;
 
-/// Each blocks until its run has ended.
-RunResult run_as_written(SharedProgram program, const RunRequest& request, const std::stop_token& stop);
-RunResult run_concurrently(SharedProgram program, const RunRequest& request, const std::stop_token& stop);
+/// Each blocks until its run has ended; the mode is that of the request.
+RunResult run_as_written(SharedProgram program, const RunRequest& request, const Sequential& how,
+                         const std::stop_token& stop);
+RunResult run_concurrently(SharedProgram program, const RunRequest& request, const Concurrent& how,
+                           const std::stop_token& stop);
 RunResult run_network(std::shared_ptr<const task_network::FlatNetwork> network, const RunRequest& request,
                       const std::stop_token& stop);
 
@@ -33,6 +46,12 @@ Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& t
 /// Those of the request, with scripts and simulation as it says.
 mission::Runners runners_for(const RunRequest& request);
 
+inline task_network::ClockKind clock_kind(RunClock clock) {
+  return clock == RunClock::Virtual ? task_network::ClockKind::Virtual : task_network::ClockKind::Real;
+}
+
+using Microseconds = std::chrono::duration<double, std::micro>;
+
 inline double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
@@ -40,15 +59,15 @@ inline double seconds(Duration duration) {
 /// Measures the processor time of this thread from its construction on.
 class ProcessorTime {
  public:
-  [[nodiscard]] double microseconds() const { return now() - begin_; }
+  [[nodiscard]] Duration used() const { return now() - begin_; }
 
  private:
-  static double now() {
+  static Duration now() {
     timespec time{};
     ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) * 1e6 + static_cast<double>(time.tv_nsec) * 1e-3;
+    return std::chrono::seconds(time.tv_sec) + Duration(time.tv_nsec);
   }
-  double begin_ = now();
+  Duration begin_ = now();
 };
 
 }  // namespace segue::mission_run::detail

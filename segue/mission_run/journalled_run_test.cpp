@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Runs with a journal, which later runs continue.
-#include <segue/mission_run/session_test_support.hpp>
+#include <segue/mission/program.hpp>
+#include <segue/mission_engine/run_journal.hpp>
+#include <segue/mission_run/loaded_mission_test_support.hpp>
 
 #include <gmock/gmock.h>
 
@@ -17,29 +19,28 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-TEST_F(Sessions, AJournalLetsALaterRunContinue) {
-  const Session session = load("m.yaml", kGrasp);
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
-    const bool concurrent = mode == RunMode::Concurrent;
+TEST_F(LoadedMissions, AJournalLetsALaterRunContinue) {
+  const LoadedMission plan = load("m.yaml", kGrasp);
+  for (const RunMode& mode : kBothModes) {
+    const bool concurrent = is_concurrent(mode);
     RunRequest wanted = request(mode);
-    wanted.journal = JournalRequest{folder_ / (concurrent ? "concurrent" : "sequential")};
+    wanted.journal = Journal{folder_ / (concurrent ? "concurrent" : "sequential")};
     std::stop_source stop;
     wanted.on_event = [&](const mission::StateEvent& event) {
       if (event.kind == mission::StateEvent::Kind::Ended && event.path == "look") stop.request_stop();
     };
-    EXPECT_EQ(session.run(wanted, stop.get_token()).value()->overview().outcome, "preempted");
-    EXPECT_EQ(session.run(wanted).error().code, ErrorCode::AlreadyExists);
+    EXPECT_EQ(plan.run(wanted, stop.get_token()).value()->overview().outcome, "preempted");
+    EXPECT_EQ(plan.run(wanted).error().code, ErrorCode::AlreadyExists);
 
     std::vector<std::string> begun;
     std::vector<std::string> notes;
-    wanted.journal->resume = true;
     // Concurrently the grasp may have begun before the stop was heeded.
-    if (concurrent) wanted.journal->under_way = mission::RunJournal::UnderWay::Again;
+    wanted.journal->resume = concurrent ? mission::UnderWay::Again : mission::UnderWay::Refuse;
     wanted.note = [&](const std::string& text) { notes.push_back(text); };
     wanted.on_event = [&](const mission::StateEvent& event) {
       if (event.kind == mission::StateEvent::Kind::Began) begun.emplace_back(event.path);
     };
-    const auto run = session.run(wanted).value();
+    const auto run = plan.run(wanted).value();
     EXPECT_EQ(run->overview().outcome, "success");
     EXPECT_EQ(*run->overview().outputs.find("pose"), type::Value(7)) << "from the journal";
     // Concurrently it looks while it warms up.
@@ -47,34 +48,34 @@ TEST_F(Sessions, AJournalLetsALaterRunContinue) {
                                 : std::vector<std::string>({"grasp"}));
     EXPECT_THAT(notes, ElementsAre(concurrent ? "the run is resumed: 1 action had ended"
                                               : "the run is resumed: 2 actions had ended"));
-    EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidState) << "it has ended";
+    EXPECT_EQ(plan.run(wanted).error().code, ErrorCode::InvalidState) << "it has ended";
   }
 }
 
-TEST_F(Sessions, ARunIsResumedWithWhatItBeganWith) {
+TEST_F(LoadedMissions, ARunIsResumedWithWhatItBeganWith) {
   std::string text = kGrasp;
   text.insert(text.find("run: {callback: grasp}"), "resources: [{block: hand}], ");
-  const Session session = load("m.yaml", text);
-  RunRequest wanted = request(RunMode::Sequential);
-  wanted.journal = JournalRequest{folder_ / "journal"};
+  const LoadedMission plan = load("m.yaml", text);
+  RunRequest wanted = request(Sequential{});
+  wanted.journal = Journal{folder_ / "journal"};
   wanted.inputs.set("force", 2);
   wanted.facts = {"warm()"};
-  wanted.resources = {{"hand", 1}, {"hand", 3}};
+  wanted.resources = {{"hand", 3}};
   wanted.seed = 4;
   std::stop_source stop;
   wanted.on_event = [&](const mission::StateEvent& event) {
     if (event.kind == mission::StateEvent::Kind::Ended && event.path == "look") stop.request_stop();
   };
-  const auto first = session.run(wanted, stop.get_token());
+  const auto first = plan.run(wanted, stop.get_token());
   ASSERT_TRUE(first) << to_string(first.error());
   EXPECT_EQ((*first)->overview().outcome, "preempted");
-  wanted.journal->resume = true;
+  wanted.journal->resume = mission::UnderWay::Refuse;
   wanted.on_event = {};
 
   const auto error_with = [&](const std::function<void(RunRequest&)>& change) {
     RunRequest other = wanted;
     change(other);
-    const auto run = session.run(other);
+    const auto run = plan.run(other);
     return run ? "it has been resumed" : run.error().message;
   };
   EXPECT_THAT(error_with([](RunRequest& other) { other.inputs.set("force", 3); }),
@@ -83,7 +84,7 @@ TEST_F(Sessions, ARunIsResumedWithWhatItBeganWith) {
               EndsWith("the input 'weight' was not given and is 3"));
   EXPECT_THAT(error_with([](RunRequest& other) { other.facts = {"!warm()"}; }),
               EndsWith("its facts were others"));
-  EXPECT_THAT(error_with([](RunRequest& other) { other.start_at = "grasp"; }),
+  EXPECT_THAT(error_with([](RunRequest& other) { other.mode = Sequential{.start_at = "grasp"}; }),
               EndsWith("it began at its start"));
   EXPECT_THAT(error_with([](RunRequest& other) { other.seed = 5; }), EndsWith("its seed was 4"));
   EXPECT_THAT(error_with([](RunRequest& other) {
@@ -97,17 +98,17 @@ TEST_F(Sessions, ARunIsResumedWithWhatItBeganWith) {
   EXPECT_EQ(error_with([](RunRequest& /*other*/) {}), "it has been resumed") << "the same again";
 }
 
-TEST_F(Sessions, AScriptThatWasInterruptedIsRefusedForWhatIsMissing) {
+TEST_F(LoadedMissions, AScriptThatWasInterruptedIsRefusedForWhatIsMissing) {
   write("grasp.py", "def execute(self, inputs, outputs, gvm):\n    return 0\n");
-  const Session session = load("m.yaml",
-                               "mission: m\n"
-                               "actions: {grasp: {run: {python: grasp.py}}}\n"
-                               "action: grasp\n");
+  const LoadedMission plan = load("m.yaml",
+                                  "mission: m\n"
+                                  "actions: {grasp: {run: {python: grasp.py}}}\n"
+                                  "action: grasp\n");
   const auto file = folder_ / "journal";
-  mission::RunJournal::create(file, session.program()->mission(), {}).value()->began({""}, true, "grasp");
-  RunRequest wanted = request(RunMode::Sequential);
-  wanted.journal = JournalRequest{file, true, mission::RunJournal::UnderWay::GoOn};
-  const auto run = session.run(wanted);
+  mission::RunJournal::create(file, plan.program()->mission(), {}).value()->began({""}, true, "grasp");
+  RunRequest wanted = request(Sequential{});
+  wanted.journal = Journal{file, mission::UnderWay::GoOn};
+  const auto run = plan.run(wanted);
   ASSERT_FALSE(run);
   EXPECT_THAT(run.error().message, HasSubstr("cannot go on: nobody can see how far it got"));
   EXPECT_THAT(run.error().message, EndsWith("--under-way again, skip or abort"));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lists and drawings of a concurrent run show the actions that count, whatever the plan consists of besides.
 #include <segue/base/file.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/draw/gantt.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -56,19 +57,16 @@ class ListedNodes : public ::testing::Test {
       : file_(std::filesystem::temp_directory_path() / ("listed_" + std::to_string(::getpid()) + ".yaml")) {}
   ~ListedNodes() override { std::filesystem::remove(file_); }
 
-  std::unique_ptr<FinishedRun> run(const std::string& text, RunMode mode,
-                                   task_network::ClockKind clock) const {
+  std::unique_ptr<FinishedRun> run(const std::string& text, RunMode mode, RunClock clock) const {
     EXPECT_TRUE(write_file(file_.string(), text));
-    Diagnostics diagnostics;
-    const auto session = Session::load(file_, {}, diagnostics);
-    EXPECT_TRUE(session) << to_string(diagnostics);
+    const auto plan = LoadedMission::load(file_).value();
     RunRequest request;
-    request.mode = mode;
+    request.mode = std::move(mode);
     request.clock = clock;
     request.runners.add("again", [rounds = std::make_shared<int>(0)](mission::ActionCall& call) {
       return mission::Ending{*call.outcome(++*rounds < 3 ? "more" : "enough"), {}};
     });
-    auto ended = session->run(request);
+    auto ended = plan.run(request);
     EXPECT_TRUE(ended);
     return std::move(*ended);
   }
@@ -89,10 +87,10 @@ std::vector<std::string> on_the_path(const FinishedRun& run) {
 }
 
 TEST_F(ListedNodes, AreTheSameInBothModesAndOnBothClocks) {
-  const auto expected = on_the_path(*run(kForm, RunMode::Sequential, task_network::ClockKind::Virtual));
+  const auto expected = on_the_path(*run(kForm, Sequential{}, RunClock::Virtual));
   ASSERT_EQ(expected.size(), 15U);
-  for (const auto clock : {task_network::ClockKind::Virtual, task_network::ClockKind::Real}) {
-    const auto concurrent = run(kForm, RunMode::Concurrent, clock);
+  for (const auto clock : {RunClock::Virtual, RunClock::Real}) {
+    const auto concurrent = run(kForm, Concurrent{}, clock);
     EXPECT_THAT(on_the_path(*concurrent), ElementsAreArray(expected));
     EXPECT_EQ(concurrent->overview().actions, expected.size());
     EXPECT_EQ(concurrent->gantt().nodes.size(), concurrent->rows().size());
@@ -103,7 +101,7 @@ TEST_F(ListedNodes, AreTheSameInBothModesAndOnBothClocks) {
 /// `look` waits for the reader of the global variable and for a join, and `reach` for the begin of its
 /// container.
 TEST_F(ListedNodes, WaitForActionsOnly) {
-  const auto concurrent = run(kForm, RunMode::Concurrent, task_network::ClockKind::Virtual);
+  const auto concurrent = run(kForm, Concurrent{}, RunClock::Virtual);
   std::map<std::string, std::string> waited_for;
   for (const RunRow& row : concurrent->rows())
     waited_for[row.name] = row.waited_for;
@@ -125,7 +123,7 @@ TEST_F(ListedNodes, WaitForActionsOnly) {
 TEST_F(ListedNodes, ShowAContainerThatCouldNotBegin) {
   std::string text(kForm);
   text.insert(text.find("    start: reach"), "    preconditions: [\"!turned()\"]\n");
-  const auto failed = run(text, RunMode::Concurrent, task_network::ClockKind::Virtual);
+  const auto failed = run(text, Concurrent{}, RunClock::Virtual);
   EXPECT_EQ(failed->overview().outcome, "aborted");
   EXPECT_EQ(failed->rows().back().name, "grasp");
   EXPECT_EQ(failed->rows().back().status, task_network::NodeStatus::Failed);

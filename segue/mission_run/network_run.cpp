@@ -6,6 +6,7 @@
 #include <segue/convert/concurrent_run.hpp>
 #include <segue/convert/in_sequence.hpp>
 #include <segue/mission_run/implementation.hpp>
+#include <segue/mission_run/run_control.hpp>
 #include <segue/task_network/concurrent_engine.hpp>
 #include <segue/task_network/critical_path.hpp>
 #include <segue/task_network/priority.hpp>
@@ -15,6 +16,7 @@
 #include <map>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 namespace segue::mission_run::detail {
 
@@ -61,12 +63,12 @@ class NetworkRun : public FinishedRun {
   }
 
   /// After the run.
-  void compare(Duration sequential, double used_us) {
+  void compare(Duration sequential, Duration used) {
     comparison_.sequential = sequential;
     comparison_.critical_path = task_network::critical_path(network(), order(), result()).length;
     comparison_.shortest =
         std::max(comparison_.critical_path, task_network::busiest_resource(network(), result()));
-    comparison_.engine_us_per_node = network().size() == 0 ? 0 : used_us / network().size();
+    if (network().size() > 0) comparison_.engine_per_node = Microseconds(used) / network().size();
     overview_.name = network().name;
     overview_.makespan = result().makespan;
     listed_ = task_network::listed_nodes(network(), result(), which_are_listed());
@@ -102,7 +104,7 @@ class NetworkRun : public FinishedRun {
 
 class ConcurrentMissionRun final : public NetworkRun {
  public:
-  Result<void> prepare(SharedProgram program, const RunRequest& request) {
+  Result<void> prepare(SharedProgram program, const RunRequest& request, const Concurrent& how) {
     convert::RunOptions options;
     auto runners = runners_for(request);
     auto start = open_journal(program->mission(), request, runners, options.journal);
@@ -115,10 +117,10 @@ class ConcurrentMissionRun final : public NetworkRun {
     options.facts = std::move(*facts);
     options.resources = start->resources;
     options.world_data = request.world_data;
-    options.clock = request.clock;
-    options.strict = request.strict;
-    options.workers = request.workers;
-    options.world_copies = request.world_copies;
+    options.clock = clock_kind(request.clock);
+    options.strict = how.strict;
+    options.workers = how.workers.value_or(0);
+    options.world_copies = how.world_copies.value_or(0);
     options.warn = request.note;
     options.observe = request.on_event;
     auto run = convert::Run::create(std::move(program), runners, std::move(*inputs), std::move(options));
@@ -127,16 +129,16 @@ class ConcurrentMissionRun final : public NetworkRun {
     return {};
   }
 
-  void execute(const RunRequest& request, const std::stop_token& stop) {
+  void execute(RunControl* control, const std::stop_token& stop) {
     const ProcessorTime time;
     const mission::MissionResult* ended = nullptr;
     {
       const std::stop_callback end(stop, [this] { run_->stop(); });
       const RunControl::Attachment steering(
-          request.control, {.set_paused = [this](bool paused) { paused ? run_->pause() : run_->resume(); }});
+          control, {.set_paused = [this](bool paused) { paused ? run_->pause() : run_->resume(); }});
       ended = &run_->run();
     }
-    compare(time_of_all(result()), time.microseconds());
+    compare(time_of_all(result()), time.used());
     overview_.outcome = ended->outcome_name;
     overview_.succeeded = ended->outcome >= 0;
     if (!ended->error.empty()) overview_.error = Error{ErrorCode::HookFailed, ended->error, {}, {}, {}};
@@ -250,17 +252,17 @@ class FlatNetworkRun final : public NetworkRun {
 
   /// Also runs it sequentially in virtual time, for the comparison.
   void execute(const RunRequest& request, const std::stop_token& stop) {
-    const bool sequential = request.mode == RunMode::Sequential;
+    const auto* const concurrent = std::get_if<Concurrent>(&request.mode);
     const ProcessorTime time;
-    task_network::SimulatedEnvironment simulated(network(), flat_->trials, request.seed);
+    task_network::SimulatedEnvironment simulated(network(), flat_->trials, request.seed.value_or(0));
     ObservedEnvironment observed(*flat_, simulated, request.on_event);
     task_network::Environment& environment =
         request.on_event ? static_cast<task_network::Environment&>(observed) : simulated;
-    result_ = sequential ? task_network::run_sequential(network(), environment, request.clock, stop)
-                         : run_concurrently(environment, request, stop);
-    const double used = time.microseconds();
-    const bool is_reference =
-        sequential && request.clock == task_network::ClockKind::Virtual && !result_.stopped;
+    const auto clock = clock_kind(request.clock);
+    result_ = concurrent == nullptr ? task_network::run_sequential(network(), environment, clock, stop)
+                                    : run_concurrently(environment, *concurrent, clock, stop);
+    const Duration used = time.used();
+    const bool is_reference = concurrent == nullptr && request.clock == RunClock::Virtual && !result_.stopped;
     compare(is_reference ? result_.makespan : sequential_time(request, stop), used);
     overview_.outcome = task_network::outcome_of(result_);
     overview_.succeeded = result_.done();
@@ -276,20 +278,20 @@ class FlatNetworkRun final : public NetworkRun {
   }
 
   [[nodiscard]] Duration sequential_time(const RunRequest& request, const std::stop_token& stop) const {
-    task_network::SimulatedEnvironment environment(network(), flat_->trials, request.seed);
+    task_network::SimulatedEnvironment environment(network(), flat_->trials, request.seed.value_or(0));
     const auto whole =
         task_network::run_sequential(network(), environment, task_network::ClockKind::Virtual, stop);
     return whole.stopped ? time_of_all(result_) : whole.makespan;
   }
 
   [[nodiscard]] task_network::RunResult run_concurrently(task_network::Environment& environment,
-                                                         const RunRequest& request,
+                                                         const Concurrent& how, task_network::ClockKind clock,
                                                          const std::stop_token& stop) const {
     task_network::ConcurrentEngineOptions options;
-    options.clock = request.clock;
-    options.strict = request.strict;
-    options.workers = request.workers;
-    options.world_copies = request.world_copies;
+    options.clock = clock;
+    options.strict = how.strict;
+    options.workers = how.workers.value_or(0);
+    options.world_copies = how.world_copies.value_or(0);
     options.priorities = task_network::choose_priorities(network(), order_, flat_->trials, options, stop);
     task_network::ConcurrentEngine engine(network(), order_, environment, options);
     const std::stop_callback end(stop, [&] { engine.stop(); });
@@ -303,10 +305,11 @@ class FlatNetworkRun final : public NetworkRun {
 
 }  // namespace
 
-RunResult run_concurrently(SharedProgram program, const RunRequest& request, const std::stop_token& stop) {
+RunResult run_concurrently(SharedProgram program, const RunRequest& request, const Concurrent& how,
+                           const std::stop_token& stop) {
   auto run = std::make_unique<ConcurrentMissionRun>();
-  if (auto prepared = run->prepare(std::move(program), request); !prepared) return prepared.error();
-  run->execute(request, stop);
+  if (auto prepared = run->prepare(std::move(program), request, how); !prepared) return prepared.error();
+  run->execute(how.control, stop);
   return std::unique_ptr<FinishedRun>(std::move(run));
 }
 

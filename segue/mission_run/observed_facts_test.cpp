@@ -2,10 +2,12 @@
 //
 // Facts that a mission binds to the robot, in both modes.
 #include <segue/mission/mission_io.hpp>
+#include <segue/mission/program.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_robot/fact_observer.hpp>
 #include <segue/mission_robot/fake_commanded_robot.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/both_modes.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,8 +45,8 @@ class ObservedFacts : public ::testing::TestWithParam<RunMode> {
     Diagnostics diagnostics;
     auto read = mission::read_mission(text, "m.yaml", diagnostics);
     ASSERT_TRUE(read) << to_string(diagnostics);
-    const auto session = Session::create(std::move(*read));
-    ASSERT_TRUE(session) << to_string(session.error());
+    const auto plan = LoadedMission::create(std::move(*read));
+    ASSERT_TRUE(plan) << to_string(plan.error());
     RunRequest request;
     request.mode = GetParam();
     request.simulate = simulate;
@@ -54,9 +56,9 @@ class ObservedFacts : public ::testing::TestWithParam<RunMode> {
     request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot_, how));
     if (!simulate) {
       request.runners.set_observer(std::make_shared<mission::FactObserver>(
-          robot_, session->program()->mission().observed, mission::FactObserver::Options{.period = kNever}));
+          robot_, plan->program()->mission().observed, mission::FactObserver::Options{.period = kNever}));
     }
-    thread_ = std::jthread([this, session = *session, request] { run_ = session.run(request); });
+    thread_ = std::jthread([this, plan = *plan, request] { run_ = plan.run(request); });
   }
   std::string ended() {
     thread_.join();
@@ -186,10 +188,7 @@ TEST_P(ObservedFacts, AreLikeOthersInASimulation) {
   EXPECT_THAT(robot_->asked(), ElementsAre());
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, ObservedFacts, ::testing::Values(RunMode::Sequential, RunMode::Concurrent),
-                         [](const auto& mode) {
-                           return mode.param == RunMode::Sequential ? "Sequential" : "Concurrent";
-                         });
+INSTANTIATE_TEST_SUITE_P(Modes, ObservedFacts, ::testing::ValuesIn(kBothModes), name_of_mode);
 
 }  // namespace
 }  // namespace segue::mission_run

@@ -3,6 +3,7 @@
 #include <segue/mission_run/implementation.hpp>
 
 #include <map>
+#include <variant>
 
 namespace segue::mission_run::detail {
 
@@ -52,11 +53,16 @@ Result<void> check_unchanged(const RunJournal::Start& wanted, const RunJournal::
 Result<RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
                                        const mission::Runners& runners,
                                        std::shared_ptr<RunJournal>& journal) {
-  const bool concurrent = request.mode == RunMode::Concurrent;
-  RunJournal::Start start{request.inputs, request.facts,     request.start_at,
-                          concurrent,     request.resources, request.seed};
+  const auto* const sequential = std::get_if<Sequential>(&request.mode);
+  const bool concurrent = sequential == nullptr;
+  RunJournal::Start start{request.inputs,
+                          request.facts,
+                          concurrent ? "" : sequential->start_at.value_or(""),
+                          concurrent,
+                          {request.resources.begin(), request.resources.end()},
+                          request.seed.value_or(0)};
   if (!request.journal) return start;
-  const JournalRequest& wanted = *request.journal;
+  const Journal& wanted = *request.journal;
   if (!wanted.resume) {
     auto created = RunJournal::create(wanted.file, mission, start, request.note);
     if (!created) return created.error();
@@ -66,8 +72,7 @@ Result<RunJournal::Start> open_journal(const mission::Mission& mission, const Ru
   const auto can_go_on = [&](const mission::Action& action, const type::Value& progress) {
     return runners.go_on(action, progress);
   };
-  auto found =
-      RunJournal::resume(wanted.file, mission, concurrent, wanted.under_way, request.note, can_go_on);
+  auto found = RunJournal::resume(wanted.file, mission, concurrent, *wanted.resume, request.note, can_go_on);
   if (!found) return found.error();
   if (auto same = check_unchanged(start, (*found)->start()); !same) return same.error();
   journal = std::move(*found);

@@ -109,7 +109,6 @@ RunControl::Position RunControl::position() const {
   return position_;
 }
 
-///
 std::optional<Error> RunControl::refusal() const {
   if (!run_) return fail(ErrorCode::InvalidState, "the mission does not run");
   if (run_->engine != nullptr) return std::nullopt;

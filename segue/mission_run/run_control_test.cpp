@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Runs that are steered from other threads: paused, stepped, held at breakpoints, sent elsewhere.
-#include <segue/mission_run/session_test_support.hpp>
+#include <segue/mission_run/loaded_mission_test_support.hpp>
+#include <segue/mission_run/run_control.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +15,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace segue::mission_run {
@@ -54,26 +56,25 @@ class Waiting final : public mission::ActionRunner {
   int begun_ = 0;
 };
 
-TEST_F(Sessions, BeginNothingWhileTheyArePaused) {
-  Diagnostics diagnostics;
-  const auto file = write("m.yaml",
-                          "mission: m\nactions: {a: {run: {callback: wait}}}\nstart: first\n"
-                          "states: {first: {action: a, on: {success: second}}, second: {action: a, "
-                          "on: {success: return success}}}\n");
-  const auto plan = Session::load(file, {}, diagnostics);
-  ASSERT_TRUE(plan) << to_string(diagnostics);
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+TEST_F(LoadedMissions, BeginNothingWhileTheyArePaused) {
+  const LoadedMission plan = load("m.yaml",
+                                  "mission: m\nactions: {a: {run: {callback: wait}}}\nstart: first\n"
+                                  "states: {first: {action: a, on: {success: second}}, second: {action: a, "
+                                  "on: {success: return success}}}\n");
+  for (const RunMode& mode : kBothModes) {
     for (const bool stops : {false, true}) {
       const auto waiting = std::make_shared<Waiting>();
       RunControl control;
       std::stop_source stop;
       RunRequest request;
-      request.mode = mode;
+      if (is_concurrent(mode)) {
+        request.mode = Concurrent{.control = &control};
+      } else {
+        request.mode = Sequential{.stepping = Stepping{.control = control}};
+      }
       request.runners.add("wait", waiting);
-      request.control = &control;
       std::string outcome;
-      std::jthread thread(
-          [&] { outcome = plan->run(request, stop.get_token()).value()->overview().outcome; });
+      std::jthread thread([&] { outcome = plan.run(request, stop.get_token()).value()->overview().outcome; });
       ASSERT_TRUE(waiting->wait_until_begun(1));
       control.pause();
       waiting->end();
@@ -116,14 +117,16 @@ states: {first: {action: a, on: {success: return success}}}
 /// A mission that runs on a thread of its own until it is destroyed.
 class Steered {
  public:
-  Steered(const Session& session, RunRequest request) : session_(session), request_(std::move(request)) {
-    request_.control = &control_;
-    request_.on_held = [this](const Paths& paths) {
-      const std::lock_guard lock(mutex_);
-      told_.insert(told_.end(), paths.begin(), paths.end());
-      held_.notify_all();
-    };
-    thread_ = std::jthread([this] { ended_.set_value(session_.run(request_, stop_.get_token())); });
+  Steered(const LoadedMission& plan, RunRequest request, Paths breakpoints = {})
+      : plan_(plan), request_(std::move(request)) {
+    if (auto* concurrent = std::get_if<Concurrent>(&request_.mode)) concurrent->control = &control_;
+    if (auto* sequential = std::get_if<Sequential>(&request_.mode)) {
+      sequential->stepping = Stepping{.control = control_,
+                                      .breakpoints = std::move(breakpoints),
+                                      .steps_back = true,
+                                      .on_held = [this](const Paths& paths) { held_before(paths); }};
+    }
+    thread_ = std::jthread([this] { ended_.set_value(plan_.run(request_, stop_.get_token())); });
   }
   ~Steered() { stop_.request_stop(); }
   Steered(const Steered&) = delete;
@@ -170,7 +173,13 @@ class Steered {
   }
 
  private:
-  const Session& session_;
+  void held_before(const Paths& paths) {
+    const std::lock_guard lock(mutex_);
+    told_.insert(told_.end(), paths.begin(), paths.end());
+    held_.notify_all();
+  }
+
+  const LoadedMission& plan_;
   RunRequest request_;
   RunControl control_;
   std::stop_source stop_;
@@ -181,19 +190,11 @@ class Steered {
   std::jthread thread_;
 };
 
-class Steering : public Sessions {
- protected:
-  static RunRequest steered(Paths breakpoints) {
-    RunRequest steered = request(RunMode::Sequential);
-    steered.breakpoints = std::move(breakpoints);
-    steered.steps_back = true;
-    return steered;
-  }
-};
+using Steering = LoadedMissions;
 
 TEST_F(Steering, StepsFromABreakpointToTheEnd) {
-  const Session session = load("m.yaml", kNested);
-  Steered run(session, steered({"fetch"}));
+  const LoadedMission plan = load("m.yaml", kNested);
+  Steered run(plan, request(Sequential{}), {"fetch"});
   EXPECT_THAT(run.held_at(), ElementsAre("fetch"));
   EXPECT_TRUE(run.control().paused());
   const auto position = run.control().position();
@@ -214,8 +215,8 @@ TEST_F(Steering, StepsFromABreakpointToTheEnd) {
 }
 
 TEST_F(Steering, ChangesBreakpointsAndGoesOnElsewhere) {
-  const Session session = load("m.yaml", kNested);
-  Steered run(session, steered({"fetch"}));
+  const LoadedMission plan = load("m.yaml", kNested);
+  Steered run(plan, request(Sequential{}), {"fetch"});
   EXPECT_THAT(run.held_at(), ElementsAre("fetch"));
   EXPECT_THAT(to_string(run.set_breakpoints({"nowhere"}).error()), HasSubstr("there is no state 'nowhere'"));
   EXPECT_THAT(run.control().position().breakpoints, ElementsAre("fetch"));
@@ -252,11 +253,11 @@ states:
 
 TEST_F(Steering, ABreakpointHoldsTheWorkBesideAWatchThatGoesOn) {
   const auto watch = std::make_shared<Waiting>();
-  const Session session = load("m.yaml", kWatchedWork);
-  RunRequest request = steered({"work/two"});
-  request.runners.add("wait", watch);
-  request.runners.add("work", [](mission::ActionCall&) { return mission::Ending{}; });
-  Steered run(session, request);
+  const LoadedMission plan = load("m.yaml", kWatchedWork);
+  RunRequest wanted = request(Sequential{});
+  wanted.runners.add("wait", watch);
+  wanted.runners.add("work", [](mission::ActionCall&) { return mission::Ending{}; });
+  Steered run(plan, wanted, {"work/two"});
   EXPECT_THAT(run.held_at(), ElementsAre("work/two"));
   ASSERT_TRUE(watch->wait_until_begun(1));
   EXPECT_THAT(run.step(RunControl::Step::Back), ElementsAre(HasSubstr("still is")));
@@ -267,8 +268,8 @@ TEST_F(Steering, ABreakpointHoldsTheWorkBesideAWatchThatGoesOn) {
 }
 
 TEST_F(Steering, WhatIsHeldCanBeStopped) {
-  const Session session = load("m.yaml", kNested);
-  Steered run(session, steered({"fetch/take"}));
+  const LoadedMission plan = load("m.yaml", kNested);
+  Steered run(plan, request(Sequential{}), {"fetch/take"});
   EXPECT_THAT(run.held_at(), ElementsAre("fetch/take"));
   run.stop();
   EXPECT_EQ(run.outcome(), "preempted");
@@ -276,10 +277,10 @@ TEST_F(Steering, WhatIsHeldCanBeStopped) {
 
 TEST_F(Steering, RefusesStepsWhileItRuns) {
   const auto waiting = std::make_shared<Waiting>();
-  const Session session = load("m.yaml", kOneWait);
+  const LoadedMission plan = load("m.yaml", kOneWait);
   RunRequest request;
   request.runners.add("wait", waiting);
-  Steered run(session, request);
+  Steered run(plan, request);
   ASSERT_TRUE(waiting->wait_until_begun(1));
   EXPECT_THAT(run.step(RunControl::Step::Over), ElementsAre(HasSubstr("the mission is not held")));
   EXPECT_THAT(run.step(RunControl::Step::Back), ElementsAre(HasSubstr("the mission is not held")));
@@ -290,11 +291,11 @@ TEST_F(Steering, RefusesStepsWhileItRuns) {
 
 TEST_F(Steering, AConcurrentRunHasNoSteps) {
   const auto waiting = std::make_shared<Waiting>();
-  const Session session = load("m.yaml", kOneWait);
+  const LoadedMission plan = load("m.yaml", kOneWait);
   RunRequest request;
-  request.mode = RunMode::Concurrent;
+  request.mode = Concurrent{};
   request.runners.add("wait", waiting);
-  Steered run(session, request);
+  Steered run(plan, request);
   ASSERT_TRUE(waiting->wait_until_begun(1));
   EXPECT_FALSE(run.control().position().steps);
   EXPECT_THAT(run.step(RunControl::Step::Over), ElementsAre(HasSubstr("--mode sequential")));
@@ -303,27 +304,21 @@ TEST_F(Steering, AConcurrentRunHasNoSteps) {
 }
 
 TEST_F(Steering, IsRefusedBeforeAnythingIsExecuted) {
-  const Session session = load("m.yaml", kNested);
+  const LoadedMission plan = load("m.yaml", kNested);
   RunControl control;
-  RunRequest wrong = steered({"fetch/nowhere"});
-  EXPECT_THAT(to_string(session.run(wrong).error()), HasSubstr("need a control"));
-  wrong.control = &control;
-  EXPECT_EQ(session.run(wrong).error().code, ErrorCode::NotFound);
-  wrong = steered({"fetch"});
-  wrong.control = &control;
-  wrong.mode = RunMode::Concurrent;
-  EXPECT_EQ(session.run(wrong).error().code, ErrorCode::Unsupported);
-  wrong = steered({});
-  wrong.control = &control;
-  wrong.journal = JournalRequest{folder_ / "run.journal"};
-  EXPECT_EQ(session.run(wrong).error().code, ErrorCode::Unsupported);
+  RunRequest wrong =
+      request(Sequential{.stepping = Stepping{.control = control, .breakpoints = {"fetch/nowhere"}}});
+  EXPECT_EQ(plan.run(wrong).error().code, ErrorCode::NotFound);
+  wrong = request(Sequential{.stepping = Stepping{.control = control, .steps_back = true}});
+  wrong.journal = Journal{folder_ / "run.journal"};
+  EXPECT_EQ(plan.run(wrong).error().code, ErrorCode::Unsupported);
 }
 
 /// The answer comes whether the run reaches the question or ends before.
 TEST_F(Steering, AnswersEveryQuestionOnce) {
-  const Session session = load("m.yaml", kNested);
+  const LoadedMission plan = load("m.yaml", kNested);
   for (int i = 0; i < 50; ++i) {
-    Steered run(session, steered({"again"}));
+    Steered run(plan, request(Sequential{}), {"again"});
     EXPECT_THAT(run.held_at(), ElementsAre("again"));
     run.control().resume();
     int answers = 0;
@@ -344,9 +339,9 @@ TEST_F(Steering, AnswersEveryQuestionOnce) {
 }
 
 TEST_F(Steering, TheLastWishCounts) {
-  const Session session = load("m.yaml", kNested);
+  const LoadedMission plan = load("m.yaml", kNested);
   for (int i = 0; i < 50; ++i) {
-    Steered run(session, steered({"fetch", "again"}));
+    Steered run(plan, request(Sequential{}), {"fetch", "again"});
     EXPECT_THAT(run.held_at(), ElementsAre("fetch"));
     run.control().resume();
     run.control().pause();

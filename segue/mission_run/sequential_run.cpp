@@ -3,6 +3,7 @@
 #include <segue/draw/mission_gantt.hpp>
 #include <segue/mission_engine/engine.hpp>
 #include <segue/mission_run/implementation.hpp>
+#include <segue/mission_run/run_control.hpp>
 
 namespace segue::mission_run::detail {
 
@@ -15,11 +16,11 @@ using type::ValueMap;
 /// A mission as it is written, with the reference engine.
 class SequentialRun final : public FinishedRun {
  public:
-  explicit SequentialRun(task_network::ClockKind clock)
-      : clock_(clock == task_network::ClockKind::Virtual ? static_cast<Clock&>(virtual_clock_)
-                                                         : RealClock::instance()) {}
+  explicit SequentialRun(RunClock clock)
+      : clock_(clock == RunClock::Virtual ? static_cast<Clock&>(virtual_clock_) : RealClock::instance()) {}
 
-  Result<void> prepare(SharedProgram program, const RunRequest& request) {
+  Result<void> prepare(SharedProgram program, const RunRequest& request,
+                       const std::optional<Stepping>& stepping) {
     mission::EngineOptions options;
     options.clock = &clock_;
     options.warn = request.note;
@@ -27,7 +28,7 @@ class SequentialRun final : public FinishedRun {
       if (tell_held_) tell_held_();
     };
     options.observe = request.on_event;
-    options.backward = request.steps_back;
+    options.backward = stepping && stepping->steps_back;
     auto runners = runners_for(request);
     auto start = open_journal(program->mission(), request, runners, options.journal);
     if (!start) return start.error();
@@ -43,30 +44,21 @@ class SequentialRun final : public FinishedRun {
     for (const auto& [name, value] : start->inputs) {
       if (auto set = engine_->set_input(name, value); !set) return set;
     }
-    if (auto set = engine_->set_breakpoints(request.breakpoints); !set) return set;
+    if (stepping) {
+      if (auto set = engine_->set_breakpoints(stepping->breakpoints); !set) return set;
+    }
     return start->start_at.empty() ? Result<void>{} : engine_->start_at(start->start_at);
   }
 
-  void execute(const RunRequest& request, const std::stop_token& stop) {
+  void execute(const std::optional<Stepping>& stepping, const std::stop_token& stop) {
     begin_ = clock_.now();
     const ProcessorTime time;
     {
       const std::stop_callback end(stop, [this] { engine_->stop(); });
-      RunControl::Attachment steering(
-          request.control,
-          {.engine = engine_.get(), .back = request.steps_back, .breakpoints = request.breakpoints});
-      tell_held_ = [&] {
-        const auto paths = engine_->held_at();
-        if (steering.held_at(paths) && request.on_held) request.on_held(paths);
-      };
-      while (engine_->run() == mission::Engine::Progress::Held) {
-        tell_held_();
-        engine_->wait_for_message();
-      }
-      tell_held_ = {};
+      run_engine(stepping);
     }
     if (engine_->executions() > 0)
-      engine_us_ = time.microseconds() / static_cast<double>(engine_->executions());
+      engine_time_ = Microseconds(time.used()) / static_cast<double>(engine_->executions());
     const mission::MissionResult& result = engine_->result();
     overview_.name = program().mission().name;
     overview_.outcome = result.outcome_name;
@@ -123,7 +115,7 @@ class SequentialRun final : public FinishedRun {
     for (const auto& [resource, count] : engine_->units().counts())
       units.append(resource, static_cast<std::uint64_t>(count));
     map.append("units", std::move(units));
-    map.append("engine_us_per_node", engine_us_);
+    map.append("engine_us_per_node", engine_time_.count());
     return map;
   }
 
@@ -131,11 +123,29 @@ class SequentialRun final : public FinishedRun {
   [[nodiscard]] draw::Gantt make_gantt() const override {
     draw::Gantt gantt = draw::gantt_of(program(), engine_->history(), engine_->result().outcome, begin_,
                                        begin_ + overview_.makespan);
-    gantt.summary.engine_us_per_node = engine_us_;
+    gantt.summary.engine_per_node = engine_time_;
     return gantt;
   }
 
  private:
+  void run_engine(const std::optional<Stepping>& stepping) {
+    RunControl::Run steered{.engine = engine_.get()};
+    if (stepping) {
+      steered.back = stepping->steps_back;
+      steered.breakpoints = stepping->breakpoints;
+    }
+    RunControl::Attachment steering(stepping ? &stepping->control.get() : nullptr, std::move(steered));
+    tell_held_ = [&] {
+      const auto paths = engine_->held_at();
+      if (steering.held_at(paths) && stepping && stepping->on_held) stepping->on_held(paths);
+    };
+    while (engine_->run() == mission::Engine::Progress::Held) {
+      tell_held_();
+      engine_->wait_for_message();
+    }
+    tell_held_ = {};
+  }
+
   [[nodiscard]] const mission::Program& program() const { return engine_->program(); }
   [[nodiscard]] const std::vector<mission::History::Item>& items() const {
     return engine_->history().items();
@@ -177,15 +187,17 @@ class SequentialRun final : public FinishedRun {
   std::unique_ptr<mission::Engine> engine_;
   std::function<void()> tell_held_;  ///< while it runs
   TimePoint begin_{};
-  double engine_us_ = 0;
+  Microseconds engine_time_{};  ///< for each execution
 };
 
 }  // namespace
 
-RunResult run_as_written(SharedProgram program, const RunRequest& request, const std::stop_token& stop) {
+RunResult run_as_written(SharedProgram program, const RunRequest& request, const Sequential& how,
+                         const std::stop_token& stop) {
   auto run = std::make_unique<SequentialRun>(request.clock);
-  if (auto prepared = run->prepare(std::move(program), request); !prepared) return prepared.error();
-  run->execute(request, stop);
+  if (auto prepared = run->prepare(std::move(program), request, how.stepping); !prepared)
+    return prepared.error();
+  run->execute(how.stepping, stop);
   return std::unique_ptr<FinishedRun>(std::move(run));
 }
 

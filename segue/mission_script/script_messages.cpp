@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/mission_io.hpp>
+#include <segue/mission/program.hpp>
 #include <segue/mission_script/script_data.hpp>
 #include <segue/mission_script/script_messages.hpp>
 #include <segue/type/json.hpp>

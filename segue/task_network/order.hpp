@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/task_network/node_ids.hpp>
+#include <segue/task_network/order_rule.hpp>
 #include <segue/task_network/task_network.hpp>
 
 #include <cstddef>
@@ -116,12 +117,6 @@ class Order::After {
 inline Order::After Order::after(NodeId node) const {
   return {*this, node};
 }
-
-/// Epoch: every linear extension reads the same values and ends in the same world as the sequential
-/// execution; found in one walk, linear in the accesses. Goal: only preconditions and the network's goal are
-/// kept (causal links from the earliest producer, threats), facts under conditions as in Epoch; it needs the
-/// whole network, and resources that are only blocked keep no order.
-enum class OrderRule : std::uint8_t { Epoch, Goal };
 
 /// The order of a whole network. The order keeps one reason for two nodes that come after one another because
 /// of facts or places; `further`, where it is given, gets all others, in program order of `to`.

@@ -107,7 +107,7 @@ Value to_value(const TaskNetwork& network, const Order& order, const RunResult& 
                                       {"wasted", statistics.wasted},
                                       {"recalled", statistics.preempted},
                                       {"repeated", statistics.repeated}}));
-  root.set("engine_us_per_node", summary.engine_us_per_node);
+  root.set("engine_us_per_node", summary.engine_per_node.count());
   return root;
 }
 

@@ -3,6 +3,7 @@
 
 #include <segue/task_network/order.hpp>
 #include <segue/task_network/run_result.hpp>
+#include <segue/task_network/run_summary.hpp>
 #include <segue/task_network/task_network.hpp>
 #include <segue/task_network/waits.hpp>
 #include <segue/type/value.hpp>
@@ -18,14 +19,6 @@ namespace segue::task_network {
 std::string_view to_string(NodeStatus status);
 /// "done", "stopped" or "failed".
 std::string_view outcome_of(const RunResult& result);
-
-/// Figures that a run is compared with.
-struct RunSummary {
-  Duration sequential{};     ///< sequential time
-  Duration critical_path{};  ///< lower bound of the makespan, whatever the resources
-  Duration shortest{};       ///< lower bound of the makespan with the resources that there are
-  double engine_us_per_node = 0;
-};
 
 /// Which nodes lists and drawings of a run show: all, or those that began. How many others there are of a
 /// plan that is made while it runs depends on how far planning was ahead when it ended.

@@ -5,6 +5,7 @@
 #include <segue/base/error.hpp>
 #include <segue/task_network/environment.hpp>
 #include <segue/task_network/node_ids.hpp>
+#include <segue/task_network/node_status.hpp>
 #include <segue/task_network/versioned_world.hpp>
 
 #include <cstdint>
@@ -12,9 +13,6 @@
 #include <vector>
 
 namespace segue::task_network {
-
-/// The state of a node at the end of a run.
-enum class NodeStatus : std::uint8_t { NotReached, Done, Skipped, Failed, Preempted };
 
 struct NodeResult {
   NodeStatus status = NodeStatus::NotReached;

@@ -128,7 +128,7 @@ class Trial {
     if (journal_.empty()) return;
     const auto& mission = program_->mission();
     auto opened =
-        resume_ ? RunJournal::resume(journal_, mission, concurrent, RunJournal::UnderWay::Again)
+        resume_ ? RunJournal::resume(journal_, mission, concurrent, UnderWay::Again)
                 : RunJournal::create(journal_, mission,
                                      {.inputs = {}, .facts = {}, .start_at = {}, .concurrent = concurrent});
     ASSERT_TRUE(opened) << to_string(opened.error());

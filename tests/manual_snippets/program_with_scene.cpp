@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the request of a run is made and an action is carried out, in a program with a geometric model.
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 
 #include <string>
 

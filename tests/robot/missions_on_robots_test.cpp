@@ -3,7 +3,7 @@
 // model all along, while its actions fail, and while others ask for the robot and take it over.
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 #include <segue/remote_robot/served_robot.hpp>
 #include <segue/runtime/runtime_service.hpp>
 #include <segue/runtime/test_support.hpp>
@@ -73,7 +73,7 @@ class RobotRun {
         trouble_(trouble),
         controllers_(random_controllers(random_)),
         mission_(random_robot_mission(random_, controllers_.size())),
-        mode_(one_in(random_, 2) ? mission_run::RunMode::Concurrent : mission_run::RunMode::Sequential),
+        is_concurrent_(one_in(random_, 2)),
         service_(robot_.runtime, nullptr, [] {}) {
     for (const auto& controller : controllers_)
       EXPECT_FALSE(robot_.runtime.add_controller(controller).has_errors());
@@ -96,8 +96,8 @@ class RobotRun {
     served_.reset();
     if (auto wrong = checked_->problem()) return wrong;
     checked_.reset();
-    if (!was_lost && trouble_.fault_in == 0 && mission_.is_a_sequence &&
-        mode_ == mission_run::RunMode::Sequential && left != left_by_a_sequence()) {
+    if (!was_lost && trouble_.fault_in == 0 && mission_.is_a_sequence && !is_concurrent_ &&
+        left != left_by_a_sequence()) {
       return "the mission left other controllers running than it should";
     }
     return after_all();
@@ -121,10 +121,10 @@ class RobotRun {
     ASSERT_TRUE(mission) << to_string(diagnostics) << mission_.text;
     const auto conflicts = checked_->conflicts(Wait(TimePoint::max()));
     ASSERT_TRUE(conflicts);
-    const auto plan = mission_run::Session::create(std::move(*mission), &*conflicts);
+    const auto plan = mission_run::LoadedMission::create(std::move(*mission), &*conflicts);
     ASSERT_TRUE(plan) << to_string(plan.error()) << mission_.text;
     mission_run::RunRequest request;
-    request.mode = mode_;
+    if (is_concurrent_) request.mode = mission_run::Concurrent{};
     request.on_event = [this](const mission::StateEvent& event) { note(event); };
     request.runners.set_controllers(
         std::make_shared<mission::ControllerRunner>(checked_, mission::ControllerOptions{.period = 1ms}));
@@ -215,7 +215,7 @@ class RobotRun {
   const Trouble trouble_;
   const std::vector<model::Network> controllers_;
   const RobotMission mission_;
-  const mission_run::RunMode mode_;
+  const bool is_concurrent_;
   runtime::testing::StandInRobot robot_;
   runtime::RuntimeService service_;
   std::shared_ptr<remote_robot::ServedRobot> served_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/input_file.hpp>
+#include <segue/convert/ahead_of_failures.hpp>
 #include <segue/convert/concurrent_run.hpp>
+#include <segue/draw/gantt.hpp>
 #include <segue/draw/plan_diagram.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_run/implementation.hpp>
@@ -9,6 +11,8 @@
 #include <segue/type/json.hpp>
 
 #include <string_view>
+#include <utility>
+#include <variant>
 
 namespace segue::mission_run {
 
@@ -39,42 +43,51 @@ std::optional<mission::Mission> load_mission(const std::filesystem::path& file,
 
 }  // namespace
 
+FinishedRun::FinishedRun() = default;
+FinishedRun::~FinishedRun() = default;
+
 const draw::Gantt& FinishedRun::gantt() {
-  if (!gantt_) gantt_ = make_gantt();
+  if (!gantt_) gantt_ = std::make_unique<const draw::Gantt>(make_gantt());
   return *gantt_;
 }
 
-std::optional<Session> Session::load(const std::filesystem::path& file,
-                                     const std::vector<std::string>& libraries, Diagnostics& diagnostics,
-                                     const mission::ControllerConflicts* conflicts) {
+Result<LoadedMission> LoadedMission::load(const std::filesystem::path& file, const LoadOptions& options) {
+  Diagnostics diagnostics;
+  LoadedMission loaded;
   if (is_task_network(file)) {
     auto network = task_network::load_flat_network(file, diagnostics);
-    if (!network) return std::nullopt;
-    return create(std::move(*network));
+    if (!network) return diagnostics.to_error();
+    loaded = create(std::move(*network));
+  } else {
+    auto mission = load_mission(file, options.libraries, diagnostics);
+    if (!mission) return diagnostics.to_error();
+    auto created = create(std::move(*mission), options.conflicts);
+    if (!created) {
+      diagnostics.error("invalid-mission", created.error().message, created.error().where);
+      return diagnostics.to_error();
+    }
+    loaded = std::move(*created);
   }
-  auto mission = load_mission(file, libraries, diagnostics);
-  if (!mission) return std::nullopt;
-  auto session = create(std::move(*mission), conflicts);
-  if (session) return std::move(*session);
-  diagnostics.error("invalid-mission", session.error().message, session.error().where);
-  return std::nullopt;
+  loaded.warnings_ = std::move(diagnostics);
+  return loaded;
 }
 
-Result<Session> Session::create(mission::Mission mission, const mission::ControllerConflicts* conflicts) {
+Result<LoadedMission> LoadedMission::create(mission::Mission mission,
+                                            const mission::ControllerConflicts* conflicts) {
   auto program = mission::Program::compile(std::move(mission), conflicts);
   if (!program) return program.error();
-  Session session;
-  session.program_ = std::move(*program);
-  return session;
+  LoadedMission loaded;
+  loaded.program_ = std::move(*program);
+  return loaded;
 }
 
-Session Session::create(task_network::FlatNetwork network) {
-  Session session;
-  session.network_ = std::make_shared<const task_network::FlatNetwork>(std::move(network));
-  return session;
+LoadedMission LoadedMission::create(task_network::FlatNetwork network) {
+  LoadedMission loaded;
+  loaded.network_ = std::make_shared<const task_network::FlatNetwork>(std::move(network));
+  return loaded;
 }
 
-const std::string& Session::name() const {
+const std::string& LoadedMission::name() const {
   return is_network() ? network_->network.name : program_->mission().name;
 }
 
@@ -82,37 +95,46 @@ namespace {
 
 constexpr std::string_view kNoGoal =
     "an order by the goal is for task networks: it needs the goal and all nodes before the run, but a "
-    "mission "
-    "has no goal and becomes a network while it runs";
+    "mission has no goal and becomes a network while it runs";
 
-bool is_debugged(const RunRequest& request) {
-  return !request.breakpoints.empty() || request.steps_back;
+/// Of the mode: what only missions have.
+bool is_of_missions(const Sequential& how) {
+  return how.start_at || how.stepping;
+}
+bool is_of_missions(const Concurrent& how) {
+  return how.control != nullptr;
 }
 
-/// What a request has and the plan could not heed, or "".
-std::string problem_of(const RunRequest& request, bool is_network) {
-  const bool of_missions = !request.inputs.empty() || !request.facts.empty() || !request.start_at.empty() ||
-                           !request.world_data.empty() || request.journal.has_value() ||
-                           request.control != nullptr || is_debugged(request);
+/// What a request has and the plan could not heed.
+Result<void> check_kind(const RunRequest& request, bool is_network) {
+  const bool of_missions = !request.inputs.empty() || !request.facts.empty() || !request.world_data.empty() ||
+                           request.journal.has_value() ||
+                           std::visit([](const auto& how) { return is_of_missions(how); }, request.mode);
   if (is_network && of_missions)
-    return "inputs, facts, a state to start at, a journal, pauses and steps are for missions, not for task "
-           "networks";
-  if (!is_network && request.order != task_network::OrderRule::Epoch) return std::string(kNoGoal);
-  if (request.mode == RunMode::Sequential &&
-      (request.strict || request.workers != 0 || request.world_copies != 0))
-    return "strict, a number of workers and of copies of the world are for concurrent runs";
-  if (request.mode == RunMode::Concurrent && !request.start_at.empty())
-    return "a state to start at is for missions that run as they are written";
-  if (request.mode == RunMode::Concurrent && is_debugged(request))
-    return "breakpoints and steps back are for missions that run as they are written";
-  if (request.control == nullptr && is_debugged(request))
-    return "breakpoints and steps back need a control that lets the run go on";
+    return fail(ErrorCode::Unsupported,
+                "inputs, facts, a state to start at, a journal, pauses and steps are for missions, not for "
+                "task networks");
+  if (!is_network && request.order != task_network::OrderRule::Epoch)
+    return fail(ErrorCode::Unsupported, std::string(kNoGoal));
+  return {};
+}
+
+/// Numbers that are left out where they shall not count.
+Result<void> check_numbers(const RunRequest& request) {
+  if (request.seed == 0U)
+    return fail(ErrorCode::InvalidArgument,
+                "a seed of 0 varies nothing; without a seed, durations are as expected");
+  const auto* const concurrent = std::get_if<Concurrent>(&request.mode);
+  if (concurrent != nullptr && (concurrent->workers == 0U || concurrent->world_copies == 0U))
+    return fail(ErrorCode::InvalidArgument,
+                "a run needs a worker and a copy of the world; without a number there are as many as it can "
+                "use");
   return {};
 }
 
 }  // namespace
 
-Result<draw::Diagram> Session::convert(const ConvertRequest& request) const {
+Result<draw::Diagram> LoadedMission::convert(const ConvertRequest& request) const {
   if (!is_network() && request.order != task_network::OrderRule::Epoch)
     return fail(ErrorCode::Unsupported, std::string(kNoGoal));
   if (!is_network()) return detail::diagram_of(program_, request);
@@ -125,7 +147,7 @@ Result<draw::Diagram> Session::convert(const ConvertRequest& request) const {
   return diagram;
 }
 
-Result<convert::AheadOfFailures> Session::ahead_of_failures(const ConvertRequest& request) const {
+Result<convert::AheadOfFailures> LoadedMission::ahead_of_failures(const ConvertRequest& request) const {
   if (request.strict) return convert::AheadOfFailures{};
   if (is_network()) {
     const task_network::TaskNetwork& network = network_->network;
@@ -142,13 +164,14 @@ Result<convert::AheadOfFailures> Session::ahead_of_failures(const ConvertRequest
   return convert::ahead_of_failures(program_, std::move(*inputs), *facts);
 }
 
-Result<std::unique_ptr<FinishedRun>> Session::run(const RunRequest& request,
-                                                  const std::stop_token& stop) const {
-  if (auto problem = problem_of(request, is_network()); !problem.empty())
-    return fail(ErrorCode::Unsupported, std::move(problem));
+Result<std::unique_ptr<FinishedRun>> LoadedMission::run(const RunRequest& request,
+                                                        const std::stop_token& stop) const {
+  if (auto fits = check_kind(request, is_network()); !fits) return fits.error();
+  if (auto fits = check_numbers(request); !fits) return fits.error();
   if (is_network()) return detail::run_network(network_, request, stop);
-  if (request.mode == RunMode::Sequential) return detail::run_as_written(program_, request, stop);
-  return detail::run_concurrently(program_, request, stop);
+  if (const auto* sequential = std::get_if<Sequential>(&request.mode))
+    return detail::run_as_written(program_, request, *sequential, stop);
+  return detail::run_concurrently(program_, request, std::get<Concurrent>(request.mode), stop);
 }
 
 namespace detail {
@@ -176,10 +199,10 @@ Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& t
 
 mission::Runners runners_for(const RunRequest& request) {
   mission::Runners runners = request.runners;
-  if (!request.python.empty()) {
+  if (request.scripts) {
     mission::ScriptOptions scripts;
-    scripts.python = request.python;
-    scripts.robot = request.script_robot;
+    scripts.python = request.scripts->python;
+    scripts.robot = request.scripts->robot;
     runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
   }
   if (request.simulate) runners.simulate_all();

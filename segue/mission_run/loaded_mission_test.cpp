@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/ahead_of_failures.hpp>
+#include <segue/draw/diagram.hpp>
+#include <segue/draw/gantt.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission/world_effects.hpp>
-#include <segue/mission_run/session_test_support.hpp>
+#include <segue/mission_run/loaded_mission_test_support.hpp>
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>
@@ -44,12 +47,12 @@ std::vector<std::string> outputs_of(const FinishedRun& run) {
   return texts;
 }
 
-TEST_F(Sessions, AMissionEndsTheSameInEitherMode) {
-  const Session session = load("m.yaml", kGrasp);
-  EXPECT_FALSE(session.is_network());
-  EXPECT_EQ(session.name(), "m");
-  const auto sequential = session.run(request(RunMode::Sequential)).value();
-  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+TEST_F(LoadedMissions, AMissionEndsTheSameInEitherMode) {
+  const LoadedMission plan = load("m.yaml", kGrasp);
+  EXPECT_FALSE(plan.is_network());
+  EXPECT_EQ(plan.name(), "m");
+  const auto sequential = plan.run(request(Sequential{})).value();
+  const auto concurrent = plan.run(request(Concurrent{})).value();
   for (const auto& run : {sequential.get(), concurrent.get()}) {
     EXPECT_TRUE(run->overview().succeeded);
     EXPECT_EQ(run->overview().name, "m");
@@ -64,9 +67,9 @@ TEST_F(Sessions, AMissionEndsTheSameInEitherMode) {
   EXPECT_EQ(seconds(concurrent->overview().makespan), 4);
 }
 
-TEST_F(Sessions, RowsTellWhenAndWhy) {
-  const Session session = load("m.yaml", kGrasp);
-  const auto sequential = session.run(request(RunMode::Sequential)).value();
+TEST_F(LoadedMissions, RowsTellWhenAndWhy) {
+  const LoadedMission plan = load("m.yaml", kGrasp);
+  const auto sequential = plan.run(request(Sequential{})).value();
   const auto first = sequential->rows(2);
   ASSERT_EQ(first.size(), 2U);
   EXPECT_TRUE(sequential->as_written());
@@ -74,14 +77,14 @@ TEST_F(Sessions, RowsTellWhenAndWhy) {
   EXPECT_EQ(seconds(first[1].start), 4);
   EXPECT_EQ(seconds(first[1].end), 7);
   EXPECT_EQ(first[1].outcome, "success");
-  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+  const auto concurrent = plan.run(request(Concurrent{})).value();
   EXPECT_FALSE(concurrent->as_written());
   EXPECT_EQ(concurrent->rows()[2].waited_for, "world warm() of warm_up");
 }
 
-TEST_F(Sessions, ProgressTellsOfEachActionInEitherMode) {
-  const Session session = load("m.yaml", kGrasp);
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+TEST_F(LoadedMissions, ProgressTellsOfEachActionInEitherMode) {
+  const LoadedMission plan = load("m.yaml", kGrasp);
+  for (const RunMode& mode : kBothModes) {
     std::vector<std::string> begun;
     std::vector<std::string> ended;
     RunRequest wanted = request(mode);
@@ -92,16 +95,16 @@ TEST_F(Sessions, ProgressTellsOfEachActionInEitherMode) {
         ended.push_back(std::string(event.path) + ": " + std::string(event.outcome));
       }
     };
-    ASSERT_TRUE(session.run(wanted));
+    ASSERT_TRUE(plan.run(wanted));
     EXPECT_THAT(begun, ::testing::UnorderedElementsAre("warm_up", "look", "grasp"));
     EXPECT_THAT(ended,
                 ::testing::UnorderedElementsAre("warm_up: success", "look: success", "grasp: success"));
   }
 }
 
-TEST_F(Sessions, AnActionThatAbortsIsReportedWithItsError) {
-  const Session session = load("m.yaml", kGrasp);
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+TEST_F(LoadedMissions, AnActionThatAbortsIsReportedWithItsError) {
+  const LoadedMission plan = load("m.yaml", kGrasp);
+  for (const RunMode& mode : kBothModes) {
     std::vector<std::string> errors;
     RunRequest wanted = request(mode);
     wanted.runners.add("grasp", [](mission::ActionCall&) {
@@ -111,7 +114,7 @@ TEST_F(Sessions, AnActionThatAbortsIsReportedWithItsError) {
       if (!event.error.empty())
         errors.push_back(std::string(event.outcome) + ": " + std::string(event.error));
     };
-    const auto run = session.run(wanted).value();
+    const auto run = plan.run(wanted).value();
     EXPECT_FALSE(run->overview().succeeded);
     EXPECT_EQ(run->overview().outcome, "aborted");
     ASSERT_TRUE(run->overview().error);
@@ -143,23 +146,23 @@ states:
   again: {on: {success: return success}}
 )j";
 
-TEST_F(Sessions, ARunThatAbortsKeepsItsOutputsInEitherMode) {
-  const Session session = load("m.yaml", kFailing);
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+TEST_F(LoadedMissions, ARunThatAbortsKeepsItsOutputsInEitherMode) {
+  const LoadedMission plan = load("m.yaml", kFailing);
+  for (const RunMode& mode : kBothModes) {
     RunRequest wanted = request(mode);
     wanted.runners.add("grasp", [](mission::ActionCall& call) {
       call.set_output("force", type::Value(5));
       return mission::Ending{mission::kAborted, "it slipped"};
     });
-    const auto run = session.run(wanted).value();
+    const auto run = plan.run(wanted).value();
     EXPECT_EQ(run->overview().outcome, "aborted");
     EXPECT_THAT(outputs_of(*run),
                 ElementsAre("pose: 7", "n: 3", "force: 5", "never: 9", "error: \"it slipped\""));
   }
 }
 
-TEST_F(Sessions, AContainerThatAbortsGivesItsErrorInEitherMode) {
-  const Session session = load("m.yaml", R"j(mission: m
+TEST_F(LoadedMissions, AContainerThatAbortsGivesItsErrorInEitherMode) {
+  const LoadedMission plan = load("m.yaml", R"j(mission: m
 actions:
   grasp: {effects: ["+held()"], run: {callback: grasp}}
   rest: {effects: ["+rested()"], run: {simulated: {duration: 1s}}}
@@ -174,22 +177,22 @@ states:
     on: {success: return success, aborted: rest}
   rest: {on: {success: return success}}
 )j");
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+  for (const RunMode& mode : kBothModes) {
     RunRequest wanted = request(mode);
     wanted.runners.add("grasp", [](mission::ActionCall&) {
       return mission::Ending{mission::kAborted, "it slipped"};
     });
-    const auto run = session.run(wanted).value();
+    const auto run = plan.run(wanted).value();
     EXPECT_TRUE(run->overview().succeeded);
     EXPECT_THAT(outputs_of(*run), ElementsAre("why: \"it slipped\""));
   }
 }
 
-TEST_F(Sessions, WhatARunDoesNotReachHasNoOutcome) {
-  const Session session = load("m.yaml", kFailing);
-  RunRequest wanted = request(RunMode::Concurrent);
+TEST_F(LoadedMissions, WhatARunDoesNotReachHasNoOutcome) {
+  const LoadedMission plan = load("m.yaml", kFailing);
+  RunRequest wanted = request(Concurrent{});
   wanted.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{mission::kAborted, "no"}; });
-  const auto run = session.run(wanted).value();
+  const auto run = plan.run(wanted).value();
   const type::Value json = run->to_value();
   std::vector<std::string> outcomes;
   for (const type::Value& node : json.find("nodes")->as_list())
@@ -200,9 +203,9 @@ TEST_F(Sessions, WhatARunDoesNotReachHasNoOutcome) {
   EXPECT_THAT(run->gantt().nodes.back().outcome, IsEmpty());
 }
 
-TEST_F(Sessions, AStopFromAnotherThreadEndsTheRun) {
-  const Session session = load("m.yaml", kEndless);
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+TEST_F(LoadedMissions, AStopFromAnotherThreadEndsTheRun) {
+  const LoadedMission plan = load("m.yaml", kEndless);
+  for (const RunMode& mode : kBothModes) {
     RunRequest wanted = request(mode);
     std::stop_source stop;
     std::atomic<bool> goes_on = false;
@@ -214,19 +217,19 @@ TEST_F(Sessions, AStopFromAnotherThreadEndsTheRun) {
       goes_on.wait(false);
       stop.request_stop();
     });
-    const auto run = session.run(wanted, stop.get_token()).value();
+    const auto run = plan.run(wanted, stop.get_token()).value();
     EXPECT_FALSE(run->overview().succeeded);
     EXPECT_EQ(run->overview().outcome, "preempted");
   }
 }
 
-TEST_F(Sessions, AStopBeforeTheRunLeavesNothingDone) {
+TEST_F(LoadedMissions, AStopBeforeTheRunLeavesNothingDone) {
   std::stop_source stop;
   stop.request_stop();
   for (const auto& [file, text] : {std::pair("m.yaml", kEndless), std::pair("n.json", kNetwork)}) {
-    const Session session = load(file, text);
-    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
-      const auto run = session.run(request(mode), stop.get_token()).value();
+    const LoadedMission plan = load(file, text);
+    for (const RunMode& mode : kBothModes) {
+      const auto run = plan.run(request(mode), stop.get_token()).value();
       EXPECT_FALSE(run->overview().succeeded) << file;
       for (const RunRow& row : run->rows())
         EXPECT_NE(row.status, task_network::NodeStatus::Done) << file << ' ' << row.name;
@@ -267,8 +270,8 @@ mission::WorldEffects<Scene> scene_effects() {
   return effects;
 }
 
-TEST_F(Sessions, EffectsChangeDataOfAnyTypeThatScriptsSeeToo) {
-  const Session session = load("scene.yaml", R"j(mission: m
+TEST_F(LoadedMissions, EffectsChangeDataOfAnyTypeThatScriptsSeeToo) {
+  const LoadedMission plan = load("scene.yaml", R"j(mission: m
 actions:
   grasp: {effects: ["+holding(red)"], run: {callback: grasp}}
   put: {effects: ["-holding(red)"], run: {callback: put}}
@@ -293,11 +296,10 @@ states:
   plan: {on: {success: return success}}
 )j");
   for (const bool slips : {false, true}) {
-    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    for (const RunMode& mode : kBothModes) {
       SCOPED_TRACE(slips);
       RunRequest wanted = request(mode);
-      wanted.clock = task_network::ClockKind::Real;
-      wanted.python = "python3";
+      wanted.clock = RunClock::Real;
       wanted.world_data.emplace("scene", mission::world_data(Scene{{"red", 2.0}}, scene_effects()));
       wanted.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{}; });
       wanted.runners.add("put", [&](mission::ActionCall&) {
@@ -309,7 +311,7 @@ states:
         call.set_output("red", type::Value(scene->contains("red") ? scene->at("red") : -1.0));
         return mission::Ending{};
       });
-      const auto run = session.run(wanted).value();
+      const auto run = plan.run(wanted).value();
       const auto& outputs = run->overview().outputs;
       EXPECT_EQ(*outputs.find("red"), type::Value(slips ? -1.0 : 3.0))
           << "what was predicted wrongly is undone";
@@ -328,21 +330,21 @@ mission::WorldEffects<std::string> noted_changes(const std::vector<std::string>&
   return effects.shown_as([](const std::string& notes) { return type::Value(notes); });
 }
 
-std::string noted(const Session& session, RunRequest request, const std::vector<std::string>& facts) {
+std::string noted(const LoadedMission& plan, RunRequest request, const std::vector<std::string>& facts) {
   std::string seen;
   request.world_data.emplace("notes", mission::world_data(std::string(), noted_changes(facts)));
   request.runners.add("look", [&](mission::ActionCall& call) {
     seen = *mission::data_of<std::string>(call.world().value(), "notes");
     return mission::Ending{};
   });
-  const auto run = session.run(request).value();
+  const auto run = plan.run(request).value();
   EXPECT_TRUE(run->overview().succeeded);
   return seen;
 }
 
-TEST_F(Sessions, EffectsComeInTheOrderOfThePlan) {
+TEST_F(LoadedMissions, EffectsComeInTheOrderOfThePlan) {
   for (const std::string how : {"", "pure: true, "}) {
-    const Session session = load("order.yaml", R"j(mission: m
+    const LoadedMission plan = load("order.yaml", R"j(mission: m
 actions:
   slow: {effects: ["+a()"], run: {simulated: {duration: 4s}}}
   quick: {preconditions: ["!d()", "!b()"], effects: ["+c()", "+b()", "+d()"], run: {simulated: {duration: 1s}}}
@@ -361,14 +363,14 @@ states:
       again: {on: {success: return success}}
   look: {on: {success: return success}}
 )j");
-    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
-      EXPECT_EQ(noted(session, request(mode), {"a", "b", "c", "d"}), " +a +c +b +d -c +c") << how;
+    for (const RunMode& mode : kBothModes) {
+      EXPECT_EQ(noted(plan, request(mode), {"a", "b", "c", "d"}), " +a +c +b +d -c +c") << how;
     }
   }
 }
 
-TEST_F(Sessions, FactsThatCameToTheSameInAnotherWayAreNotTheSameToData) {
-  const Session session = load("ways.yaml", R"j(mission: m
+TEST_F(LoadedMissions, FactsThatCameToTheSameInAnotherWayAreNotTheSameToData) {
+  const LoadedMission plan = load("ways.yaml", R"j(mission: m
 actions:
   open: {effects: ["+open()"], run: {simulated: {duration: 4s, outcomes: [aborted]}}, expect: {duration: 4s}}
   close: {effects: ["-open()"], run: {simulated: {duration: 1s}}}
@@ -379,8 +381,8 @@ states:
   close: {on: {success: look}}
   look: {on: {success: return success}}
 )j");
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
-    EXPECT_EQ(noted(session, request(mode), {"open"}), "");
+  for (const RunMode& mode : kBothModes) {
+    EXPECT_EQ(noted(plan, request(mode), {"open"}), "");
   }
 }
 
@@ -415,34 +417,34 @@ states:
   last: {action: tell, on: {success: return success}}
 )j";
 
-TEST_F(Sessions, DataFollowFactsByFunctionsInPython) {
+TEST_F(LoadedMissions, DataFollowFactsByFunctionsInPython) {
   write("scene.py",
         "def lift(scene, box):\n  scene['gripper'] = scene.pop(box)\n"
         "def put(scene, box):\n  return {**{k: v for k, v in scene.items() if k != 'gripper'},\n"
         "          box: scene['gripper'] + 1}\n");
-  const Session session = load("scripted.yaml", kScriptedScene);
+  const LoadedMission plan = load("scripted.yaml", kScriptedScene);
   for (const bool slips : {false, true}) {
-    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    for (const RunMode& mode : kBothModes) {
       SCOPED_TRACE(slips);
       RunRequest wanted = request(mode);
-      wanted.clock = task_network::ClockKind::Real;
+      wanted.clock = RunClock::Real;
       wanted.runners.add("put", [&](mission::ActionCall&) {
         return slips ? mission::Ending{mission::kAborted, "it stuck"} : mission::Ending{};
       });
-      const auto run = session.run(wanted).value();
+      const auto run = plan.run(wanted).value();
       const auto& outputs = run->overview().outputs;
       ASSERT_TRUE(run->overview().succeeded);
       EXPECT_EQ(type::to_json(*outputs.find("first"), -1), R"j([["scene"],{"gripper":2.0}])j");
       EXPECT_EQ(type::to_json(*outputs.find("last"), -1),
                 slips ? R"j([["scene"],{"gripper":2.0}])j" : R"j([["scene"],{"red":3.0}])j");
       wanted.world_data.emplace("scene", mission::world_data(Scene(), scene_effects()));
-      EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidArgument) << "both have a scene";
+      EXPECT_EQ(plan.run(wanted).error().code, ErrorCode::InvalidArgument) << "both have a scene";
     }
   }
 }
 
-TEST_F(Sessions, ActionsSeeTheWorldThatIsPredictedWithWhatIsAttachedToIt) {
-  const Session session = load("world.yaml", R"j(mission: m
+TEST_F(LoadedMissions, ActionsSeeTheWorldThatIsPredictedWithWhatIsAttachedToIt) {
+  const LoadedMission plan = load("world.yaml", R"j(mission: m
 actions:
   place: {inputs: {box: text}, effects: ["+on_shelf({box})"], run: {callback: place}}
   plan: {outputs: {seen: int}, pure: true, reads_world: true, run: {callback: plan}}
@@ -457,7 +459,7 @@ states:
   blind: {on: {success: return success}}
 )j");
   for (const bool fails : {false, true}) {
-    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    for (const RunMode& mode : kBothModes) {
       RunRequest wanted = request(mode);
       std::vector<std::int64_t> planned;
       wanted.world_data.emplace("shelf", std::make_shared<Shelf>());
@@ -479,9 +481,9 @@ states:
         EXPECT_EQ(call.world().error().code, ErrorCode::InvalidState) << "it does not declare reads_world";
         return mission::Ending{};
       });
-      const auto run = session.run(wanted).value();
+      const auto run = plan.run(wanted).value();
       EXPECT_EQ(*run->overview().outputs.find("seen"), type::Value(fails ? 1 : 2));
-      const bool ahead = mode == RunMode::Concurrent;
+      const bool ahead = is_concurrent(mode);
       if (fails && ahead) {
         EXPECT_THAT(planned, ElementsAre(2, 1)) << "the prediction was wrong";
       } else {
@@ -491,12 +493,12 @@ states:
   }
 }
 
-TEST_F(Sessions, ANetworkRunsInEitherMode) {
-  const Session session = load("n.json", kNetwork);
-  EXPECT_TRUE(session.is_network());
-  EXPECT_EQ(session.program(), nullptr);
-  const auto sequential = session.run(request(RunMode::Sequential)).value();
-  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+TEST_F(LoadedMissions, ANetworkRunsInEitherMode) {
+  const LoadedMission plan = load("n.json", kNetwork);
+  EXPECT_TRUE(plan.is_network());
+  EXPECT_EQ(plan.program(), nullptr);
+  const auto sequential = plan.run(request(Sequential{})).value();
+  const auto concurrent = plan.run(request(Concurrent{})).value();
   EXPECT_EQ(seconds(sequential->overview().makespan), 6);
   EXPECT_EQ(seconds(concurrent->overview().makespan), 4);
   EXPECT_EQ(concurrent->overview().outcome, "done");
@@ -505,8 +507,8 @@ TEST_F(Sessions, ANetworkRunsInEitherMode) {
   EXPECT_EQ(concurrent->gantt().nodes.size(), 3U);
 }
 
-TEST_F(Sessions, ConvertShowsTheNodesBeforeAnyRun) {
-  const Session mission = load("m.yaml", kGrasp);
+TEST_F(LoadedMissions, ConvertShowsTheNodesBeforeAnyRun) {
+  const LoadedMission mission = load("m.yaml", kGrasp);
   const auto nodes = mission.convert({}).value().nodes;
   ASSERT_EQ(nodes.size(), 3U);
   EXPECT_EQ(nodes[2].name, "grasp");
@@ -518,69 +520,79 @@ TEST_F(Sessions, ConvertShowsTheNodesBeforeAnyRun) {
   EXPECT_EQ(load("n.json", kNetwork).convert({}).value().nodes.size(), 3U);
 }
 
-TEST_F(Sessions, WhatCannotBeRequestedIsRefusedBeforeTheRun) {
-  const Session mission = load("m.yaml", kGrasp);
-  const Session network = load("n.json", kNetwork);
-  RunRequest odd = request(RunMode::Sequential);
+TEST_F(LoadedMissions, WhatCannotBeRequestedIsRefusedBeforeTheRun) {
+  const LoadedMission mission = load("m.yaml", kGrasp);
+  const LoadedMission network = load("n.json", kNetwork);
+  RunRequest odd = request(Sequential{});
   odd.inputs.append("x", 1);
   EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
   EXPECT_EQ(network.run(odd).error().code, ErrorCode::Unsupported);
-  odd = request(RunMode::Concurrent);
+  odd = request(Concurrent{});
   odd.inputs.append("force", "strong");
   EXPECT_EQ(mission.run(odd).error().code, ErrorCode::TypeMismatch);
-  odd = request(RunMode::Concurrent);
-  odd.start_at = "look";
-  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
-  odd = request(RunMode::Sequential);
-  odd.start_at = "nowhere";
-  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
-  odd = request(RunMode::Sequential);
+  EXPECT_EQ(mission.run(request(Sequential{.start_at = "nowhere"})).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(network.run(request(Sequential{.start_at = "short"})).error().code, ErrorCode::Unsupported);
+  odd = request(Sequential{});
   odd.facts = {"(("};
   EXPECT_EQ(mission.run(odd).error().code, ErrorCode::ParseError);
-  odd = request(RunMode::Concurrent);
+  odd = request(Concurrent{});
   odd.resources = {{"nothing", 2}};
   EXPECT_EQ(network.run(odd).error().code, ErrorCode::NotFound);
   EXPECT_EQ(mission.run({}).error().code, ErrorCode::NotFound) << "no callback";
-  odd = request(RunMode::Concurrent);
+  odd = request(Concurrent{});
   odd.resources = {{"nothing", 2}};
   EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
-  odd.mode = RunMode::Sequential;
+  odd.mode = Sequential{};
   EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
-  odd = request(RunMode::Concurrent);
+  odd = request(Concurrent{});
   odd.order = task_network::OrderRule::Goal;
   EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
-  odd = request(RunMode::Sequential);
-  odd.workers = 2;
-  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
-  EXPECT_EQ(network.run(odd).error().code, ErrorCode::Unsupported);
 }
 
-TEST_F(Sessions, EveryProblemOfAFileIsReported) {
-  Diagnostics diagnostics;
+TEST_F(LoadedMissions, ANumberOfNothingIsRefused) {
+  const LoadedMission network = load("n.json", kNetwork);
+  EXPECT_EQ(network.run(request(Concurrent{.workers = 0})).error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(network.run(request(Concurrent{.world_copies = 0})).error().code, ErrorCode::InvalidArgument);
+  RunRequest odd = request(Sequential{});
+  odd.seed = 0;
+  EXPECT_EQ(network.run(odd).error().code, ErrorCode::InvalidArgument);
+  odd.seed = 1;
+  EXPECT_TRUE(network.run(odd));
+}
+
+TEST_F(LoadedMissions, EveryProblemOfAFileIsReported) {
   const auto file = write("broken.yaml", "mission: x\nstart: nowhere\nstates: {}\n");
-  EXPECT_FALSE(Session::load(file, {}, diagnostics));
-  EXPECT_TRUE(diagnostics.has_errors());
-  EXPECT_THAT(to_string(diagnostics), HasSubstr("nowhere"));
-  Diagnostics again;
-  EXPECT_FALSE(Session::load(write("broken.json", R"({"nodes": [{"name": 3}]})"), {}, again));
-  EXPECT_TRUE(again.has_errors());
-  Diagnostics none;
-  EXPECT_TRUE(Session::load(write("m.yaml", kGrasp), {}, none));
-  EXPECT_TRUE(Session::load(write("n.json", kNetwork), {}, none));
-  EXPECT_THAT(to_string(none), IsEmpty());
+  const auto broken = LoadedMission::load(file);
+  ASSERT_FALSE(broken);
+  EXPECT_EQ(broken.error().code, ErrorCode::InvalidArgument);
+  ASSERT_TRUE(broken.error().diagnostics);
+  EXPECT_TRUE(broken.error().diagnostics->has_errors());
+  EXPECT_THAT(to_string(*broken.error().diagnostics), HasSubstr("nowhere"));
+  const auto network = LoadedMission::load(write("broken.json", R"({"nodes": [{"name": 3}]})"));
+  ASSERT_FALSE(network);
+  EXPECT_TRUE(diagnostics_of(network.error()).has_errors());
+  EXPECT_FALSE(LoadedMission::load(folder_ / "missing.yaml"));
 }
 
-TEST_F(Sessions, AMissionNeedsNoFile) {
+TEST_F(LoadedMissions, WarningsAreKept) {
+  EXPECT_TRUE(load("m.yaml", kGrasp).warnings().empty());
+  EXPECT_TRUE(load("n.json", kNetwork).warnings().empty());
+  std::string twice = kGrasp;
+  twice.insert(twice.find("\"+warm()\""), "\"+warm()\", ");
+  EXPECT_THAT(to_string(load("twice.yaml", twice).warnings()), HasSubstr("warning: "));
+}
+
+TEST_F(LoadedMissions, AMissionNeedsNoFile) {
   Diagnostics diagnostics;
   auto mission = mission::read_mission(kGrasp, "m.yaml", diagnostics);
   ASSERT_TRUE(mission);
-  const Session session = Session::create(std::move(*mission)).value();
-  EXPECT_TRUE(session.run(request(RunMode::Concurrent)).value()->overview().succeeded);
+  const LoadedMission plan = LoadedMission::create(std::move(*mission)).value();
+  EXPECT_TRUE(plan.run(request(Concurrent{})).value()->overview().succeeded);
 
   auto broken = mission::read_mission(kEndless, "m.yaml", diagnostics);
   ASSERT_TRUE(broken);
   broken->states.back().action = mission::ActionName("missing");
-  EXPECT_EQ(Session::create(std::move(*broken)).error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(LoadedMission::create(std::move(*broken)).error().code, ErrorCode::InvalidArgument);
 }
 
 }  // namespace

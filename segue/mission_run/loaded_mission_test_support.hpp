@@ -2,12 +2,14 @@
 #pragma once
 
 #include <segue/base/file.hpp>
-#include <segue/mission_run/session.hpp>
+#include <segue/mission_run/both_modes.hpp>
+#include <segue/mission_run/loaded_mission.hpp>
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include <unistd.h>
 
@@ -29,29 +31,29 @@ states:
   grasp: {on: {success: return success}}
 )j";
 
-class Sessions : public ::testing::Test {
+class LoadedMissions : public ::testing::Test {
  protected:
-  Sessions()
-      : folder_(std::filesystem::temp_directory_path() / ("session_test." + std::to_string(::getpid()))) {
+  LoadedMissions()
+      : folder_(std::filesystem::temp_directory_path() /
+                ("loaded_mission_test." + std::to_string(::getpid()))) {
     std::filesystem::create_directories(folder_);
   }
-  ~Sessions() override { std::filesystem::remove_all(folder_); }
+  ~LoadedMissions() override { std::filesystem::remove_all(folder_); }
 
   std::filesystem::path write(const std::string& name, const std::string& text) const {
     EXPECT_TRUE(write_file((folder_ / name).string(), text));
     return folder_ / name;
   }
-  Session load(const std::string& name, const std::string& text) const {
-    Diagnostics diagnostics;
-    auto session = Session::load(write(name, text), {}, diagnostics);
-    EXPECT_TRUE(session) << to_string(diagnostics);
-    return *session;
+  LoadedMission load(const std::string& name, const std::string& text) const {
+    auto plan = LoadedMission::load(write(name, text));
+    EXPECT_TRUE(plan) << to_string(diagnostics_of(plan.error()));
+    return *plan;
   }
   /// In virtual time, with a grasp that succeeds at once.
   static RunRequest request(RunMode mode) {
     RunRequest request;
-    request.mode = mode;
-    request.clock = task_network::ClockKind::Virtual;
+    request.mode = std::move(mode);
+    request.clock = RunClock::Virtual;
     request.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{}; });
     return request;
   }
