@@ -52,7 +52,7 @@ struct Outcome {
 
 # The door: what a connection reaches first. It never changes but by additions, so that any two versions can tell each
 # other apart; hence the id, which does not depend on where it is written.
-interface Gate @0xc07a9d1168695c5c {
+interface Bootstrap @0xc07a9d1168695c5c {
   # `wants` and `serves`: "robot", "deployment", "processes" or "host"; version 1 knew only robots and says nothing. `service`
   # (a Robot, Deployment or Processes) only where `error` is null.
   hello @0 (version :UInt32, software :Text, wants :Text)

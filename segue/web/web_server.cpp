@@ -7,10 +7,10 @@
 #include <segue/concurrent/thread.hpp>
 #include <segue/rpc/connection_table.hpp>
 #include <segue/rpc_tls/tls_server.hpp>
+#include <segue/web/authenticator.hpp>
 #include <segue/web/browser_session.hpp>
 #include <segue/web/detail/answer.hpp>
 #include <segue/web/detail/browser_stream.hpp>
-#include <segue/web/gate.hpp>
 #include <segue/web/hub.hpp>
 #include <segue/web/page_verbs.hpp>
 
@@ -78,9 +78,9 @@ struct Shared {
   asio::steady_timer watch{context};
   PageFiles page;
   ServerOptions options;
-  std::uint16_t port = 0;    ///< from start() on
-  std::optional<Gate> gate;  ///< from listen() on
-  RobotLink watching;        ///< apart, so that calls that take long cannot use up the connection's calls
+  std::uint16_t port = 0;                      ///< from start() on
+  std::optional<Authenticator> authenticator;  ///< from listen() on
+  RobotLink watching;  ///< apart, so that calls that take long cannot use up the connection's calls
   RobotLink calling;
   Hub hub{watching, options.periods};
   Verbs verbs{calling, options.models};
@@ -92,7 +92,8 @@ struct Shared {
   [[nodiscard]] std::string address() const {
     const std::string place = ":" + std::to_string(acceptor.local_endpoint().port());
     if (options.credentials) return "https://" + options.credentials->name() + place + "/";
-    return "http://" + written(acceptor.local_endpoint().address()) + place + "/?token=" + gate->token();
+    return "http://" + written(acceptor.local_endpoint().address()) + place +
+           "/?token=" + authenticator->token();
   }
   /// Puts out whose certificate was revoked or has expired.
   void check_certificates() {
@@ -154,7 +155,8 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
     stream_.text(true);
     if (!request[http::field::sec_websocket_protocol].empty()) {
       stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
-        response.set(http::field::sec_websocket_protocol, {Gate::kProtocol.data(), Gate::kProtocol.size()});
+        response.set(http::field::sec_websocket_protocol,
+                     {Authenticator::kProtocol.data(), Authenticator::kProtocol.size()});
       }));
     }
     stream_.async_accept(request, [self = shared_from_this()](error_code problem) {
@@ -293,14 +295,14 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
     if (place_.is_cut_off()) return;
     const bool is_socket = websocket::is_upgrade(request_);
     const auto admission =
-        shared_.gate->admit({.target = text_of(request_.target()),
-                             .host = text_of(request_[http::field::host]),
-                             .origin = text_of(request_[http::field::origin]),
-                             .cookies = text_of(request_[http::field::cookie]),
-                             .protocols = text_of(request_[http::field::sec_websocket_protocol]),
-                             .is_socket = is_socket,
-                             .address = own_address(),
-                             .certified = certified()});
+        shared_.authenticator->admit({.target = text_of(request_.target()),
+                                      .host = text_of(request_[http::field::host]),
+                                      .origin = text_of(request_[http::field::origin]),
+                                      .cookies = text_of(request_[http::field::cookie]),
+                                      .protocols = text_of(request_[http::field::sec_websocket_protocol]),
+                                      .is_socket = is_socket,
+                                      .address = own_address(),
+                                      .certified = certified()});
     if (!admission) return refuse(admission.error());
     if (admission->forgotten != 0)
       place_.cut_off_others(std::to_string(admission->forgotten), "its browser is not known any more");
@@ -345,7 +347,7 @@ class Connection final : public Open, public std::enable_shared_from_this<Connec
 
   /// A page of its own instead of a redirection: a browser that came from another page sends no strict cookie
   /// with the request to which it is redirected. The page that follows finds its key behind '#'.
-  void welcome(const Gate::Admission& admission) {
+  void welcome(const Authenticator::Admission& admission) {
     auto response = response_of(
         request_, http::status::ok, "text/html; charset=utf-8",
         message_page("<meta http-equiv=\"refresh\" content=\"0;url=/#key=" + admission.new_key + "\">",
@@ -415,7 +417,7 @@ Result<void> Server::Implementation::listen() {
   if (problem)
     return system_error("cannot listen at " + written(own) + ":" + std::to_string(options.port),
                         problem.value());
-  Gate::Place entrance{.port = acceptor.local_endpoint().port()};
+  Authenticator::Place entrance{.port = acceptor.local_endpoint().port()};
   if (options.credentials) {
     entrance.scheme = "https";
     entrance.names = options.credentials->identity().addresses;
@@ -423,7 +425,7 @@ Result<void> Server::Implementation::listen() {
   } else {
     entrance.names.push_back("localhost");
   }
-  gate.emplace(std::move(entrance), options.role);
+  authenticator.emplace(std::move(entrance), options.role);
   return {};
 }
 

@@ -34,10 +34,10 @@ struct ServerOptions {
 };
 
 /// Serves a page and its WebSocket (at /socket) to browsers: one port, one thread. control::ConnectionTable
-/// says which connections may stay; one comes in with its first request that Gate admits, and each person,
-/// without certificates each browser, counts as one. Later requests have 10 s, 16 KiB of headers and no body,
-/// messages 1 MiB. A person whose certificate is revoked is disconnected with the next message, or within a
-/// second.
+/// says which connections may stay; one comes in with its first request that Authenticator admits, and each
+/// person, without certificates each browser, counts as one. Later requests have 10 s, 16 KiB of headers and
+/// no body, messages 1 MiB. A person whose certificate is revoked is disconnected with the next message, or
+/// within a second.
 class Server {
  public:
   /// AlreadyExists where the port is taken; InvalidArgument where the address is none, or not of this

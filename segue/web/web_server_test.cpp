@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/descriptor.hpp>
-#include <segue/web/gate.hpp>
+#include <segue/web/authenticator.hpp>
 #include <segue/web/test_support.hpp>
 #include <segue/web/web_server.hpp>
 
@@ -330,7 +330,7 @@ TEST_F(ServerTest, ABrowserThatIsForgottenIsPutOut) {
   Client oldest(server_->port(), cookie_, protocols_);
   enter();
   Client second(server_->port(), cookie_, protocols_);
-  for (std::size_t more = 2; more <= Gate::kMostBrowsers; ++more)
+  for (std::size_t more = 2; more <= Authenticator::kMostBrowsers; ++more)
     enter();
   EXPECT_TRUE(oldest.is_ended());
   EXPECT_EQ(second.ask(R"({"id": 1, "verb": "status"})").find("error"), nullptr);

@@ -150,7 +150,7 @@ class Speaker {
   /// The error of a greeting, or an empty one.
   Error hello(std::uint32_t version, const char* wants) {
     return ask([this, version, wants](capnp::Capability::Client) {
-      auto request = client_->bootstrap().castAs<wire::Gate>().helloRequest();
+      auto request = client_->bootstrap().castAs<wire::Bootstrap>().helloRequest();
       request.setVersion(version);
       request.setSoftware("99.0");
       request.setWants(wants);

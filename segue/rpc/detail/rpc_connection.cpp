@@ -26,11 +26,11 @@ kj::Exception not_connected() {
   return KJ_EXCEPTION(DISCONNECTED, "not connected");
 }
 
-wire::Gate::Client gate_of(capnp::RpcSystem<capnp::rpc::twoparty::VatId>& rpc) {
+wire::Bootstrap::Client bootstrap_of(capnp::RpcSystem<capnp::rpc::twoparty::VatId>& rpc) {
   capnp::MallocMessageBuilder message(8);
   auto id = message.initRoot<capnp::rpc::twoparty::VatId>();
   id.setSide(capnp::rpc::twoparty::Side::SERVER);
-  return rpc.bootstrap(id).castAs<wire::Gate>();
+  return rpc.bootstrap(id).castAs<wire::Bootstrap>();
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ capnp::Capability::Client RpcConnection::held_capability(StreamId id) {
 }
 
 RpcConnection::Answer RpcConnection::hello(std::string_view kind) {
-  auto request = gate_of(rpc_).helloRequest();
+  auto request = bootstrap_of(rpc_).helloRequest();
   request.setVersion(kProtocolVersion);
   request.setSoftware(SEGUE_VERSION);
   request.setWants(as_text(std::string(kind)));

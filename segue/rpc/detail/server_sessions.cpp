@@ -92,7 +92,7 @@ class Session {
           network(messages, core.offered.kind().descriptors, capnp::rpc::twoparty::Side::SERVER,
                   limits_of(kClientMessageWords)),
           system(capnp::makeRpcServer(
-              network, make_gate(core, session.client_, [&session] { return session.come_in(); }))) {
+              network, make_bootstrap(core, session.client_, [&session] { return session.come_in(); }))) {
       session.stream_.watch(network);
       system.setFlowLimit(kServerMessageWords);
     }

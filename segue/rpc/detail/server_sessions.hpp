@@ -4,7 +4,7 @@
 #include <segue/rpc/connection_table.hpp>
 #include <segue/rpc/detail/caller.hpp>
 #include <segue/rpc/detail/encryption.hpp>
-#include <segue/rpc/detail/gate_server.hpp>
+#include <segue/rpc/detail/bootstrap_server.hpp>
 
 #include <kj/async-io.h>
 

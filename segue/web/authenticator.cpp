@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/web/gate.hpp>
+#include <segue/web/authenticator.hpp>
 
 #include <segue/base/secret.hpp>
 #include <segue/base/text.hpp>
@@ -24,7 +24,7 @@ std::string_view next_part(std::string_view& parts, char separator) {
   return one;
 }
 
-/// What follows `prefix` in the parts that begin with it.
+/// The rest behind `prefix`, of each part that begins with it.
 std::vector<std::string_view> values_of(std::string_view parts, char separator, std::string_view prefix) {
   std::vector<std::string_view> values;
   while (!parts.empty()) {
@@ -51,19 +51,19 @@ std::uint16_t usual_port(const std::string& scheme) {
 
 }  // namespace
 
-Gate::Gate(Place place, Role role)
+Authenticator::Authenticator(Place place, Role role)
     : place_(std::move(place)),
       role_(role),
       cookie_name_("segue_studio_" + std::to_string(place_.port)),
       token_(random_secret()) {}
 
-std::string Gate::token() const {
+std::string Authenticator::token() const {
   const Lock lock(mutex_);
   return token_;
 }
 
 /// `host` in small letters. Browsers leave out the port that is usual.
-bool Gate::is_meant(const std::string& host, const std::string& address) const {
+bool Authenticator::is_meant(const std::string& host, const std::string& address) const {
   const bool is_usual = place_.port == usual_port(place_.scheme);
   const std::string port = ":" + std::to_string(place_.port);
   const auto is_same = [&](const std::string& name) {
@@ -73,7 +73,7 @@ bool Gate::is_meant(const std::string& host, const std::string& address) const {
          std::ranges::any_of(place_.names, [&](const auto& name) { return is_same(written_name(name)); });
 }
 
-Result<void> Gate::check_names(const Entrance& entrance) const {
+Result<void> Authenticator::check_names(const Entrance& entrance) const {
   const std::string host = in_small_letters(entrance.host);
   if (!is_meant(host, entrance.address))
     return fail(ErrorCode::PermissionDenied, "the request is for another host: " + quote(entrance.host));
@@ -83,7 +83,7 @@ Result<void> Gate::check_names(const Entrance& entrance) const {
   return {};
 }
 
-const Gate::Browser* Gate::browser_with(std::string_view cookies) const {
+const Authenticator::Browser* Authenticator::browser_with(std::string_view cookies) const {
   const Browser* found = nullptr;
   for (const std::string_view cookie : values_of(cookies, ';', cookie_name_ + "=")) {
     for (const Browser& browser : browsers_) {
@@ -93,7 +93,7 @@ const Gate::Browser* Gate::browser_with(std::string_view cookies) const {
   return found;
 }
 
-Result<Gate::Admission> Gate::admit_known(const Entrance& entrance) const {
+Result<Authenticator::Admission> Authenticator::admit_known(const Entrance& entrance) const {
   const Browser* browser = browser_with(entrance.cookies);
   if (browser == nullptr)
     return fail(ErrorCode::PermissionDenied, entrance.target.starts_with(kTokenQuery)
@@ -107,7 +107,7 @@ Result<Gate::Admission> Gate::admit_known(const Entrance& entrance) const {
   return Admission{role_, browser->number};
 }
 
-Gate::Admission Gate::add_browser() {
+Authenticator::Admission Authenticator::add_browser() {
   std::uint64_t forgotten = 0;
   if (browsers_.size() >= kMostBrowsers) {
     forgotten = browsers_.front().number;
@@ -119,7 +119,7 @@ Gate::Admission Gate::add_browser() {
   return {role_, browser.number, cookie, browser.key, forgotten};
 }
 
-Result<Gate::Admission> Gate::admit(const Entrance& entrance) {
+Result<Authenticator::Admission> Authenticator::admit(const Entrance& entrance) {
   if (auto named = check_names(entrance); !named) return named.error();
   if (entrance.certified) return Admission{std::min(role_, *entrance.certified)};
   const Lock lock(mutex_);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/rpc/connection_table.hpp>
-#include <segue/rpc/detail/gate_server.hpp>
+#include <segue/rpc/detail/bootstrap_server.hpp>
 
 #include <optional>
 #include <string>
@@ -12,9 +12,9 @@ namespace segue::control::detail {
 namespace {
 
 /// Accepts clients of the same protocol version that request the service which is offered.
-class GateServer final : public wire::Gate::Server {
+class BootstrapServer final : public wire::Bootstrap::Server {
  public:
-  GateServer(ServerCore& core, std::shared_ptr<ClientState> client, std::function<bool()> enter)
+  BootstrapServer(ServerCore& core, std::shared_ptr<ClientState> client, std::function<bool()> enter)
       : core_(core), client_(std::move(client)), enter_(std::move(enter)) {}
 
   kj::Promise<void> hello(HelloContext context) override {
@@ -65,9 +65,9 @@ class GateServer final : public wire::Gate::Server {
 
 }  // namespace
 
-wire::Gate::Client make_gate(ServerCore& core, std::shared_ptr<ClientState> client,
-                             std::function<bool()> enter) {
-  return kj::heap<GateServer>(core, std::move(client), std::move(enter));
+wire::Bootstrap::Client make_bootstrap(ServerCore& core, std::shared_ptr<ClientState> client,
+                                       std::function<bool()> enter) {
+  return kj::heap<BootstrapServer>(core, std::move(client), std::move(enter));
 }
 
 }  // namespace segue::control::detail

@@ -15,7 +15,7 @@ namespace segue::web {
 
 using control::Role;
 
-/// What a browser sent, as far as it matters for who may enter. Empty: it has no such header.
+/// The parts of a browser's request that decide whether it may enter. Empty: it has no such header.
 struct Entrance {
   std::string target{};  ///< path and query
   std::string host{};
@@ -38,7 +38,7 @@ struct Entrance {
 /// address that browsers do not send, and then kept by the page, where only pages of this port find it.
 ///
 /// All functions may be called from any thread.
-class Gate {
+class Authenticator {
  public:
   /// Of the browsers that are known; the one that came first is forgotten, and its connections are to end.
   static constexpr std::size_t kMostBrowsers = 64;
@@ -50,7 +50,7 @@ class Gate {
     std::uint64_t browser = 0;  ///< its number; 0: it has shown a certificate
     /// "Set-Cookie" of a browser that has brought the token: it is spent, and another one is valid.
     std::string new_cookie{};
-    std::string new_key{};  ///< likewise; for the page alone
+    std::string new_key{};  ///< the key of such a browser; for the page alone
     /// The number of the browser that was forgotten for this one; 0: none was.
     std::uint64_t forgotten = 0;
   };
@@ -63,7 +63,7 @@ class Gate {
   };
 
   /// Nobody gets more than `role`.
-  Gate(Place place, Role role);
+  Authenticator(Place place, Role role);
 
   /// PermissionDenied, with why.
   Result<Admission> admit(const Entrance& entrance);
