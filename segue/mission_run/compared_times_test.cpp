@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run is compared with: the chain that it could not have been faster than, and the resources.
+// The times that a run is compared with: the chain that it could not have been faster than, and the
+// resources.
 #include <segue/draw/gantt.hpp>
 #include <segue/mission_run/loaded_mission_test_support.hpp>
 

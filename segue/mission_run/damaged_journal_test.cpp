@@ -51,7 +51,8 @@ std::string joined_lines(const std::vector<std::string>& lines) {
   return text;
 }
 
-/// What had been carried out or begun of what may not be repeated: its entries are whole.
+/// How often each action that may not be repeated had been carried out or begun: its entries in the journal
+/// are whole.
 Times moves_in(const std::string& journal) {
   Times times;
   for (const std::string& line : lines_of(journal)) {

@@ -62,7 +62,7 @@ class FinishedRun {
   [[nodiscard]] const draw::Gantt& gantt();
   /// The times of the sequential run and of the critical path, to compare the makespan with.
   [[nodiscard]] virtual const task_network::RunSummary& comparison() = 0;
-  /// What kept a concurrent run of a mission from doing more at the same time (convert::why_in_sequence).
+  /// Why a concurrent run of a mission did not do more at the same time (convert::why_in_sequence).
   [[nodiscard]] virtual std::vector<std::string> why_in_sequence() const { return {}; }
   /// All of it, as `segue mission run --format json` prints it.
   [[nodiscard]] virtual type::Value to_value() = 0;

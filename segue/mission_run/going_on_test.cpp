@@ -67,7 +67,7 @@ class GoingOn : public ::testing::TestWithParam<RunMode> {
     return run ? Result<std::string>((*run)->overview().outcome) : run.error();
   }
 
-  /// What a run that is killed leaves: its journal up to the line that contains `last`.
+  /// Leaves the journal of a run that is killed: it ends with the line that contains `last`.
   void interrupt_after(const std::string& last) {
     std::stop_source stop;
     std::jthread running([&] { EXPECT_TRUE(run("first", false, stop)); });

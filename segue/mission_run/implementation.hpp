@@ -30,8 +30,8 @@ RunResult run_concurrently(SharedProgram program, const RunRequest& request, con
 RunResult run_network(std::shared_ptr<const task_network::FlatNetwork> network, const RunRequest& request,
                       const std::stop_token& stop);
 
-/// What the run begins with: as requested, or as the journal says that it continues. `runners`: of the run,
-/// which say what can go on. `journal` is set if one is wanted.
+/// The start of the run: as requested, or where the journal says that it continues. `runners` are those of
+/// the run, which say what can go on. `journal` is set if one is wanted.
 Result<mission::RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
                                                 const mission::Runners& runners,
                                                 std::shared_ptr<mission::RunJournal>& journal);

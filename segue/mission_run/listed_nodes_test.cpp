@@ -74,8 +74,8 @@ class ListedNodes : public ::testing::Test {
   const std::filesystem::path file_;
 };
 
-/// What counts, sorted. Other runs were speculative and discarded, which on the real clock is a matter of
-/// luck.
+/// The names of the executions that count, sorted. Others were speculative and discarded, which on the real
+/// clock is a matter of luck.
 std::vector<std::string> on_the_path(const FinishedRun& run) {
   std::vector<std::string> names;
   for (const RunRow& row : run.rows()) {

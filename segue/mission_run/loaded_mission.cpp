@@ -105,7 +105,7 @@ bool is_of_missions(const Concurrent& how) {
   return how.control != nullptr;
 }
 
-/// What a request has and the plan could not heed.
+/// The problem of a request that the plan could not heed.
 Result<void> check_kind(const RunRequest& request, bool is_network) {
   const bool of_missions = !request.inputs.empty() || !request.facts.empty() || !request.world_data.empty() ||
                            request.journal.has_value() ||

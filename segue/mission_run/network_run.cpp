@@ -33,7 +33,7 @@ Duration time_of_all(const task_network::RunResult& result) {
   return sum;
 }
 
-/// What both kinds have: a network, its order, and what became of each node.
+/// The part that both kinds have: a network, its order, and the result of each node.
 class NetworkRun : public FinishedRun {
  public:
   [[nodiscard]] bool as_written() const override { return false; }

@@ -23,7 +23,8 @@ std::map<std::string, std::uint32_t> by_name(const mission::UnitCounts& counts) 
   return found;
 }
 
-/// What is said again about a run, as in the same command with `--resume`, must be what it began with.
+/// An option that is given again for a run, as in the same command with `--resume`, must have the value that
+/// the run began with.
 Result<void> check_unchanged(const RunJournal::Start& wanted, const RunJournal::Start& begun) {
   for (const auto& [name, value] : wanted.inputs) {
     const type::Value* const before = begun.inputs.find(name);

@@ -51,7 +51,7 @@ class RunControl {
   };
   [[nodiscard]] Position position() const;
 
-  /// What a run is steered by.
+  /// The means to steer a run.
   struct Run {
     std::function<void(bool paused)> set_paused{};  ///< of a concurrent run; from any thread
     mission::Engine* engine = nullptr;              ///< of a sequential one

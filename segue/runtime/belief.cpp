@@ -32,7 +32,8 @@ model::Network BeliefState::desired() const {
 BeliefState split_observation(model::Network seen, const model::Network& controller,
                               std::optional<model::Network> wanted) {
   BeliefState belief;
-  // What is wanted belongs to the controller also where it was not seen before, as on a host that was lost.
+  // A task that is wanted belongs to the controller also where it was not seen before, as on a host that was
+  // lost.
   belief.extra = subtract(seen, wanted ? unite(controller, *wanted) : controller);
   belief.controller = belief.extra.empty() ? std::move(seen) : subtract(seen, belief.extra);
   belief.controller.name = controller.name;

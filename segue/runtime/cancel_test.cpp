@@ -312,7 +312,7 @@ TEST(Cancel, of_a_superseded_request_is_refused) {
   EXPECT_EQ(newer.get().outcome, Outcome::Done);
 }
 
-/// What is left of it, the next transition takes away.
+/// The next transition takes the rest away.
 TEST(Retire, ends_with_the_action_in_progress_when_something_newer_is_requested) {
   Robot robot;
   std::promise<std::future<SwitchResult>> newer;

@@ -21,7 +21,7 @@ class ChangeCount {
   [[nodiscard]] std::uint64_t count() const noexcept { return count_.load(std::memory_order_seq_cst); }
   /// As Runtime::watch_changes().
   void watch(std::uint64_t seen, const Wait& wait, std::function<void(Result<std::uint64_t>)> answered);
-  /// What waits is answered with an error; later questions are at once.
+  /// Ends all waits with an error; later questions are answered at once.
   void close() { watches_.close(); }
 
  private:

@@ -131,7 +131,7 @@ std::optional<ControllerSet> ControllerFiles::read(Diagnostics& diagnostics) con
   if (files) {
     check_robot(files->robot, found);
     keep_models(files->controllers.files, found);
-    // What the robot lacks may be in a file that could not be read.
+    // Not after errors: a part that the robot seems to lack may be in a file that could not be read.
     if (!found.has_errors()) found.append(model::validate(files->robot, files->controllers.controllers));
   }
   found.sort();

@@ -38,7 +38,7 @@ class ControllerRegistry {
   void add(model::Network controller);
   /// Controllers of files, fallback, halt and files are those of `set` from now on. Returns what was before.
   Definitions replace(const ControllerSet& set);
-  /// What replace() returned is in force again.
+  /// Puts definitions in force again that replace() has returned.
   void restore(Definitions before);
 
   /// As of find_controller(), with the same errors.

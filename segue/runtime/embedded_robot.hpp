@@ -34,7 +34,7 @@ struct EmbeddedOptions {
   LogLevel log_level = LogLevel::Info;   ///< of deployment processes
   bool journal = false;                  ///< keep a journal (RuntimeOptions::journal)
   std::filesystem::path journal_file{};  ///< its file; empty: journal::default_path()
-  /// What differs from the files. Properties are as in the files again once those are applied.
+  /// Differences from the files. Properties are as in the files again once those are applied.
   model::RobotChanges changes{};
 };
 

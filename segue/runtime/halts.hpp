@@ -37,14 +37,14 @@ struct DevicesStopped {
 /// when it is to stay there. Has a thread of its own. Thread safe; nothing but the destructor blocks.
 class Halts {
  public:
-  /// What it asks of the runtime, without its own lock.
+  /// Functions by which it asks the runtime for something, called without its own lock.
   struct Ways {
     /// Takes the robot from whoever commands it; `by` says who does.
     std::function<void(const std::string& by)> take_robot;
     /// Has the robot run that before all else.
     std::function<std::future<SwitchResult>(const std::string& by, Request request, Duration action_deadline)>
         request;
-    /// What runs, but for tasks that hold devices.
+    /// The tasks that run, but for those that hold devices.
     std::function<DevicesStopped()> devices_stopped;
   };
 
@@ -57,7 +57,7 @@ class Halts {
   /// Nothing is watched and nothing is begun any more. Blocks as the destructor does.
   void end();
 
-  /// What rest is from now on; null: the robot does not say it.
+  /// Says how the robot rests from now on; null: the robot does not say it.
   void use(std::shared_ptr<const model::Halt> halt);
   /// The tasks of the running controller are these from now on: conditions of `when` look at no others, and
   /// anew at those that were not among them. Does not block.

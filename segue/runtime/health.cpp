@@ -25,7 +25,7 @@ std::string attempts_text(int attempts) {
   return std::to_string(attempts) + (attempts == 1 ? " attempt has" : " attempts have") + " not helped";
 }
 
-/// What tasks say that have failed: the first of each id and of each process.
+/// The errors of tasks that have failed: the first of each id and of each process.
 class FailedTasks {
  public:
   explicit FailedTasks(const std::vector<task_host::TaskReport>& reports) {
@@ -54,7 +54,7 @@ class FailedTasks {
   std::map<model::DeploymentKey, const std::string*> by_process_;
 };
 
-/// What the host says of the task or process that is at fault.
+/// The error that the host reports of the task or process that is at fault.
 std::string why_at_fault(const DetectedFault& fault, const HealthView& view, const FailedTasks& failed) {
   if (const auto* process = std::get_if<model::DeploymentKey>(&fault.subject)) {
     const auto found = view.ended.find(*process);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is wrong with a robot, since when, why, and what repairs it.
+// Troubles of a robot: since when there is one, why, and what repairs it.
 #include <segue/runtime/health.hpp>
 #include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/runtime_service.hpp>

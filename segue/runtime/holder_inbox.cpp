@@ -31,7 +31,7 @@ bool is_step(const Value* value) {
   return is_path(value) && std::ranges::find(kSteps, value->as_string()) != kSteps.end();
 }
 
-/// What can be asked for.
+/// A question that a holder can be asked.
 struct Question {
   std::string_view what;
   int latest_of;  ///< of those with the same number the latest counts; 0: each counts

@@ -10,9 +10,8 @@
 
 namespace segue::runtime::detail {
 
-/// What the holder of a lease has been asked to do and has not heard yet
-/// (control::RobotService::send_command). Bounded: a holder that does not listen must not make it grow. Not
-/// thread safe; nothing blocks.
+/// Requests to the holder of a lease that it has not heard yet (control::RobotService::send_command).
+/// Bounded: a holder that does not listen must not make it grow. Not thread safe; nothing blocks.
 class HolderInbox {
  public:
   static constexpr std::size_t kMostWaiting = 16;

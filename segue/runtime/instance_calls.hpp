@@ -20,11 +20,11 @@
 
 namespace segue::runtime::detail {
 
-/// What the instances of pools carry out, and which of them do so for nobody: whoever called waits no longer,
-/// but an operation that has begun cannot be taken back. An instance carries calls out in the order in which
-/// they come, so only the oldest one has begun. One that runs although this runtime has not started it was
-/// left by an earlier one, whose calls are not known; its computer may be reached long after the start.
-/// Thread safe.
+/// The calls that the instances of pools carry out, and which of them are for nobody: whoever called waits no
+/// longer, but an operation that has begun cannot be taken back. An instance carries calls out in the order
+/// in which they come, so only the oldest one has begun. One that runs although this runtime has not started
+/// it was left by an earlier one, whose calls are not known; its computer may be reached long after the
+/// start. Thread safe.
 class InstanceCalls {
  public:
   /// `host` and `pools` must outlive this. `notify` is called, from any thread, when an instance is to be

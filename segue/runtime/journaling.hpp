@@ -16,8 +16,8 @@
 /// Entries of the journal built from results of the runtime.
 namespace segue::runtime {
 
-/// What runs, as JSON: {"tasks": [{"id", "component", "state", "host", "process"}], "connections": [{"from",
-/// "to"}]}, sorted, so that the same network gives the same text.
+/// The network that runs, as JSON: {"tasks": [{"id", "component", "state", "host", "process"}],
+/// "connections": [{"from", "to"}]}, sorted, so that the same network gives the same text.
 std::string network_text(const model::Network& network);
 
 /// The entry of an executed transition from `current`. `known` are the durations known before it
@@ -46,7 +46,7 @@ class JournalKeeper {
   void loaded(const model::Network& network);
   /// Drift, and how it was handled: "reported", "repaired", "given up".
   void drifted(const std::string& subject, const std::string& sentence, const std::string& done);
-  /// What a mission that commands the robot did.
+  /// An action of a mission that commands the robot.
   void did(journal::MissionEntry entry);
   /// Entries that are not recorded.
   void lost(std::uint64_t entries, const std::string& reason);
@@ -59,7 +59,7 @@ class JournalKeeper {
 
   /// The durations known before a transition, for ended(); null if no journal is kept.
   [[nodiscard]] Known known() const;
-  /// What ran before and after a transition, without what the host adds.
+  /// The networks that ran before and after a transition, without parts that the host adds.
   struct Ends {
     model::Network before;
     model::Network after;

@@ -25,7 +25,7 @@ class KnownFaults {
   /// Faults that are being mended, or will be.
   void set_in_repair(std::vector<UnresolvedFault> faults);
   [[nodiscard]] std::vector<UnresolvedFault> in_repair() const;
-  /// What has been done about each fault of the running controller, by its name.
+  /// The handling of each fault of the running controller so far, by its name.
   void set_handled(std::map<std::string, Handling> handled);
   [[nodiscard]] std::map<std::string, Handling> handled() const;
 

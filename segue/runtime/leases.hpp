@@ -46,7 +46,7 @@ class Leases {
   [[nodiscard]] control::LeaseStanding standing_of(std::uint64_t number) const;
   /// Why nothing is done with that lease any more; nothing for 0, which is none.
   [[nodiscard]] std::optional<Error> refusal_of(std::uint64_t lease) const;
-  /// What the holder does, and what it has been asked to do (control::RobotService::report, send_command).
+  /// Records what the holder says that it is doing (control::RobotService::report).
   Result<void> report(std::uint64_t number, type::Value doing);
   [[nodiscard]] type::Value doing() const;
   /// As of control::RobotService::mission. Asks the holder for its plan where that is wanted and not known.

@@ -25,7 +25,7 @@ class LeftActions {
   [[nodiscard]] bool any() const;
   /// Whether one of them is about these.
   [[nodiscard]] bool concern(const NetworkParts& parts) const;
-  /// What was observed, without processes that begin or end: nothing can be done with them meanwhile.
+  /// The observed network without processes that begin or end: nothing can be done with them meanwhile.
   [[nodiscard]] model::Network without_their_processes(model::Network observed) const;
 
  private:

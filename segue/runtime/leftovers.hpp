@@ -6,9 +6,9 @@
 #include <map>
 #include <set>
 
-/// What earlier requests left in the observed network, and how a transition may use it. A task that was to
-/// move to another process when its request was superseded, or undone, has two incarnations: the plain id
-/// denotes the one that belongs to the running controller, a full id (task_host/full_id.hpp) the leftover.
+/// Tasks that earlier requests left in the observed network, and how a transition may use them. A task that
+/// was to move to another process when its request was superseded, or undone, has two incarnations: the plain
+/// id denotes the one that belongs to the running controller, a full id (task_host/full_id.hpp) the leftover.
 namespace segue::runtime::detail {
 
 /// The tasks of `current` that do not belong to the running controller: standby tasks and leftovers.

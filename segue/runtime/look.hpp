@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-/// What a runtime says of its robot when somebody looks.
+/// The report of a runtime on its robot when somebody looks.
 namespace segue::runtime {
 
 /// Why two controllers cannot run at once; with `influence`: they can, but `a` changes what tasks of `b` get

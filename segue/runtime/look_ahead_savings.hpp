@@ -15,7 +15,7 @@
 
 namespace segue::runtime::detail {
 
-/// What the robot had before a transition.
+/// The networks of the robot before a transition.
 struct BeforeTransition {
   model::Network current;     ///< all of it, as observed
   model::Network controller;  ///< the part that ran

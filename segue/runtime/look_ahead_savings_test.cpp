@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-/// What look-ahead saves, measured.
+/// The time that look-ahead saves, measured.
 namespace segue::runtime {
 namespace {
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-/// What missions report, in the journal of the robot.
+/// Reports of missions in the journal of the robot.
 namespace segue::runtime {
 namespace {
 

@@ -15,7 +15,7 @@
 #include <set>
 #include <vector>
 
-/// What waits for the worker of a Runtime. Plain values; the queue's mutex protects them.
+/// Requests that wait for the worker of a Runtime. Plain values; the queue's mutex protects them.
 namespace segue::runtime::detail {
 
 /// Longer deadlines are cut to this: adding an arbitrary duration to a time point could overflow.
@@ -35,10 +35,10 @@ struct PendingApply {
 
 model::NetworkName name_of(const Request& request);
 
-/// What the runtime permits its own requests only.
+/// Privileges that the runtime gives its own requests only.
 struct Privileges {
   bool although_halted = false;  ///< accepted although the robot is halted, or lost to another runtime
-  /// What is on computers that cannot be reached is left as it is, in place of a refusal.
+  /// Tasks on computers that cannot be reached are left as they are, in place of a refusal.
   bool leaves_lost_hosts = false;
   /// Pools of processes end, too, and are not started again before the next request.
   bool ends_pools = false;

@@ -56,7 +56,7 @@ Result<model::Transition> solve_from_observed(const model::Network& current, con
 Result<model::Network> variant_of(model::Network network, const std::vector<PropertySetting>& properties,
                                   const model::ComponentCatalog& catalog);
 
-/// What stays beside a controller.
+/// Networks that stay beside a controller.
 struct KeptNetworks {
   model::Network keep;   ///< those parts of it that exist
   model::Network pools;  ///< parts of the present network, as they are

@@ -176,7 +176,7 @@ void PoolKeeper::start(const DetectedFault& fault, const Repair& repair) {
     sources_.journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
   }
   calls_.starts(instance);
-  // What an instance carries out cannot be interrupted, so a process that is to be replaced is killed.
+  // A call that an instance carries out cannot be interrupted, so a process that is to be replaced is killed.
   const auto pools_part = model::unite(only(instance, network_), part(seen.network));
   if (repair(seen, scope_of_instance(fault), pools_part, fault.needs_process)) {
     have_run_.insert(instance);  // also where it has failed before it is looked at again

@@ -36,13 +36,14 @@ class PoolKeeper {
     EventLog& log;
     JournalKeeper& journal;
   };
-  /// What `sources` and `options` refer to must outlive this. `notify` is called, from any thread, when an
-  /// instance is to be ended; it must not block.
+  /// `sources`, `options` and the objects that they refer to must outlive this. `notify` is called, from any
+  /// thread, when an instance is to be ended; it must not block.
   PoolKeeper(const Sources& sources, const RuntimeOptions& options, std::function<void()> notify);
 
   /// All instances, as they shall be.
   [[nodiscard]] const model::Network& network() const { return network_; }
-  /// What of `network` belongs to pools that are kept, as it is there; and all else.
+  /// The parts of `network` that belong to pools which are kept, as they are there; without() gives all
+  /// others.
   [[nodiscard]] model::Network part(const model::Network& network) const;
   [[nodiscard]] model::Network without(const model::Network& network) const;
   /// Why a network cannot be requested: it names what belongs to a pool.

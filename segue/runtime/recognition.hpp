@@ -7,7 +7,7 @@
 
 #include <optional>
 
-/// What a runtime that has just begun, or has lost track, finds on its robot.
+/// Recognises the controller that runs, for a runtime that has just begun or has lost track of its robot.
 namespace segue::runtime::detail {
 
 /// The name of the controller, or of the union of several, that just this network is; empty: of none. Of

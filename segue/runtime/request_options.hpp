@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-/// What a request says beside its network, and how far it is.
+/// Options of a request beside its network, and its progress.
 namespace segue::runtime {
 
 using control::PropertySetting;

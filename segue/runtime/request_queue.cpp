@@ -39,7 +39,7 @@ RequestQueue::Place RequestQueue::put(PendingRequest& job, const std::function<b
     place.older = std::exchange(waiting_.request, std::move(job));
     const auto& parts = waiting_.request->parts;
     if (transaction_) {
-      // What look-ahead prepares may be for a controller that nobody wants now.
+      // The transition may be look-ahead, which prepares for a controller that nobody wants now.
       transaction_yields_&& parts ? transaction_->make_way(*parts) : transaction_->supersede();
     }
   }

@@ -33,7 +33,7 @@ class RequestQueue {
   /// `log` must outlive this.
   explicit RequestQueue(EventLog& log);
 
-  // What waits
+  // The request and the files that wait for the worker.
   struct Waiting {
     std::optional<PendingRequest> request{};
     std::optional<PendingApply> files{};

@@ -68,7 +68,7 @@ class Runtime {
   /// transition, which then follows that request. A controller that runs and is not in the set keeps running.
   /// If the transition is refused, or fails and is undone, the controllers are rolled back.
   std::future<ApplyResult> apply(ControllerSet set, RequestOptions options = {});
-  /// What load() would replace, with the problems of networks that cannot run here.
+  /// The controllers that load() would replace, with the problems of networks that cannot run here.
   std::vector<ControllerChange> compare(const ControllerSet& set, Diagnostics& diagnostics) const;
   /// The files of the last load() or apply() that is in force.
   [[nodiscard]] std::vector<LoadedFile> files() const;
@@ -96,9 +96,9 @@ class Runtime {
   /// where there is none, and by others beside what the holder is doing, which is an event: "ann sets
   /// 'wheels.speed'". InvalidState. Nothing is changed by this.
   Result<void> allow(const Sender& sender, const std::string& what);
-  /// What the holder of that lease says that it is doing, for status; InvalidState where it lost it. One that
-  /// is stopped, and has said that it has nothing to do then, commands nothing any more, and the robot halts
-  /// at once.
+  /// Records what the holder of that lease is doing, for status; InvalidState where it has lost the lease. A
+  /// holder that is stopped, and has said that it has nothing to do then, commands nothing any more, and the
+  /// robot halts at once.
   Result<void> report(std::uint64_t lease, type::Value doing);
   [[nodiscard]] type::Value reported() const;  ///< null: nothing
   /// As of control::RobotService::mission.
@@ -160,7 +160,7 @@ class Runtime {
   /// Between the observed and the desired network; empty during a transition. Blocks for a snapshot.
   [[nodiscard]] std::vector<std::string> observed_differences() const;
 
-  /// What there is and what is wrong with it; each process is asked once. Blocks while they are.
+  /// The parts of the robot and their problems; each process is asked once. Blocks while they are asked.
   [[nodiscard]] Look look() const;
   /// Processes of the running controller that have ended and are missing: why, and the end of their logs.
   [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;

@@ -24,7 +24,7 @@ detail::Halts::Ways Runtime::Implementation::ways_to_rest() {
           [this] { return with_devices_stopped(); }};
 }
 
-/// What waits is dropped, and what is prepared, retired or undone gives way.
+/// The request that waits is dropped, and a transition that prepares, retires or undoes gives way.
 std::future<SwitchResult> Runtime::Implementation::request_rest(const std::string& by, Request request,
                                                                 Duration action_deadline) {
   PendingRequest job{0, std::move(request), {}, {}};

@@ -135,7 +135,7 @@ Result<type::Value> RuntimeService::answer_to(AcceptedRequest accepted, std::str
                                               const RequestOptions& options, const Wait& wait) {
   auto answer = answer_of(std::move(accepted.result), target, wait);
   if (!answer && wait.is_stopped()) {
-    // What has just ended, or is past its commit, goes on.
+    // A transition that has just ended, or is past its commit, is not cancelled by this.
     static_cast<void>(runtime_.cancel(accepted.number, options.who));
     return no_longer_wanted();
   }
@@ -149,7 +149,7 @@ Result<type::Value> RuntimeService::repair(const RequestOptions& options, const 
   return answer_to(runtime_.repair(options), runs, options, wait);
 }
 
-/// What a network that was sent asks for.
+/// The request in a network that was sent.
 RuntimeService::Sent RuntimeService::read_sent(std::string_view text, std::string_view file) const {
   Diagnostics diagnostics;
   auto network = model::read_network(text, std::string(file), diagnostics);

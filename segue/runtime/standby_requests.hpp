@@ -30,7 +30,7 @@ class StandbyRequests {
     const ControllerRegistry& controllers;
     EventLog& log;
   };
-  /// What `sources` refers to must outlive this.
+  /// `sources` and the objects that they refer to must outlive this.
   StandbyRequests(const Sources& sources, const model::LookAhead& budget)
       : sources_(sources), budget_(budget) {}
 
@@ -44,7 +44,8 @@ class StandbyRequests {
   void answer(std::vector<Readiness> readiness);
   [[nodiscard]] std::vector<Readiness> readiness() const;
 
-  /// What is prepared may have to change: look-ahead is due where there is anything to prepare, or to answer.
+  /// Controllers that are prepared may have to change: look-ahead is due where there is anything to prepare,
+  /// or to answer.
   void look_again();
   /// Whether it was due; it is not from now on.
   [[nodiscard]] bool take_due();

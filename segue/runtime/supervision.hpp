@@ -33,13 +33,13 @@ struct DetectedFault {
 std::vector<DetectedFault> find_faults(const model::Network& wanted, const model::Network& observed,
                                        model::FailurePolicy otherwise);
 
-/// What has been done about a fault so far.
+/// The attempts to repair a fault so far.
 struct Handling {
   int attempts = 0;
   bool given_up = false;
 };
 
-/// What happens when the limit on the number of attempts is reached.
+/// The policy when the limit on the number of attempts is reached.
 enum class AfterLimit {
   GiveUp,  ///< it is reported, and nothing more is tried
   GoOn     ///< it is reported, and tried on at the longest interval at last
@@ -65,7 +65,7 @@ class RepairScheduler {
   [[nodiscard]] int attempts(const DetectedFault& fault) const;
   /// The present faults, as they were given to decide(), whose limit has been reached.
   [[nodiscard]] std::vector<DetectedFault> exhausted(const std::vector<DetectedFault>& faults) const;
-  /// What has been done about each of these, by name.
+  /// The handling of each of these faults so far, by the name of the fault.
   [[nodiscard]] std::map<std::string, Handling> handling(const std::vector<DetectedFault>& faults) const;
   /// Forgets all attempts: a new request has changed what runs.
   void reset() { cases_.clear(); }

@@ -114,7 +114,7 @@ void Supervisor::supervise() {
                parts_.pools.network().empty() ? std::vector<task_host::TaskReport>() : parts_.host.tasks(),
                {}});
   parts_.faults.set_unresolved(std::move(left));
-  // What is left in progress may be just what is to be prepared; its end wakes this thread.
+  // An action left in progress may prepare just what look-ahead would; its end wakes this thread.
   if (!parts_.queue.left_actions()->any() && parts_.standby_requests.take_due() &&
       !parts_.queue.has_request()) {
     look_ahead();

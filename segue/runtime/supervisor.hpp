@@ -62,7 +62,7 @@ class Supervisor {
   void look_ahead();
   /// Executes a plan that only prepares, and notes in `ahead` where that has failed.
   void prepare(const Observation& seen, const SwitchPlan& plan, LookAheadPlan& ahead);
-  /// What was requested and is not there; where nothing was, tasks that are broken.
+  /// Parts that were requested and are not there; where nothing was requested, tasks that are broken.
   [[nodiscard]] std::vector<DetectedFault> faults_in(const model::Network& observed) const;
   [[nodiscard]] Look judge(task_host::TaskHost::View seen);  ///< without differences
   [[nodiscard]] std::set<model::HostName> returned_hosts() const;

@@ -11,7 +11,7 @@
 #include <utility>
 #include <variant>
 
-/// What is wrong with the robot, what Supervisor does about it, and what it says to whoever looks.
+/// Troubles of the robot, how Supervisor handles them, and its report to whoever looks.
 namespace segue::runtime::detail {
 
 namespace {

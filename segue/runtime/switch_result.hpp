@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-/// What requests lead to.
+/// Results of requests.
 namespace segue::runtime {
 
 /// Cancelled: on somebody's request, and undone as where it failed.

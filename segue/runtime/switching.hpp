@@ -74,13 +74,13 @@ class Switching {
   [[nodiscard]] Transaction::Options transaction_options(const model::Network& current,
                                                          Duration action_deadline,
                                                          std::function<void()> committed);
-  /// Returns what was observed to run.
+  /// Adopts the observed network, with the controller that it is or was asked to be.
   model::Network conclude(const SwitchPlan& plan, SwitchResult& result);
   void conclude_failed(const SwitchPlan& plan, const Observation& seen, SwitchResult& result);
   /// Brings the belief in line with it; returns what runs now, as part of a sentence.
   std::string adopt_after_failure(const SwitchPlan& plan, const Observation& seen,
                                   const SwitchResult& result);
-  /// What was observed, with the controller that it is or was asked to be.
+  /// Adopts the observed network, with the controller that it is or was asked to be.
   void adopt_recognised();
   /// Not at tasks that change with the transition's commit, until the belief has what runs then.
   void look_away_from_changed(const model::Transition& transition);

@@ -82,7 +82,7 @@ class Transaction {
   /// From here on it cannot be cancelled; who did before.
   std::optional<std::string> enter_undo();
   std::shared_ptr<Execution> begin(const model::Transition& transition);
-  /// What kept a transition from being committed.
+  /// Why a transition was not committed.
   struct Failure {
     std::string what;  ///< "'start a' failed"
     Error error;
@@ -101,9 +101,9 @@ class Transaction {
   void end_early(SwitchResult& result);
   /// `why` for the log. The stage is Undo.
   Undo undo(const std::string& why);
-  /// What runs now, without computers that are lost or were at any time since the transition was planned:
-  /// what these hold was not part of it, or they have given it up. The runtime looks after them when it has
-  /// ended.
+  /// The network that runs now, without computers that are lost, or were lost at any time since the
+  /// transition was planned: their tasks were not part of it, or they have given them up. The runtime looks
+  /// after these computers when the transition has ended.
   struct Look {
     model::Network network;
     std::set<model::HostName> lost;

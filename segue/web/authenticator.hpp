@@ -24,7 +24,7 @@ struct Entrance {
   std::string protocols{};  ///< that its WebSocket offers, one of them "key.KEY"
   bool is_socket = false;   ///< asks for a WebSocket
   std::string address{};    ///< of this computer to which the connection came, without port
-  /// What its certificate permits; nothing: it has shown none, and needs a token, or a cookie and a key.
+  /// The role of its certificate; nothing: it has shown none, and needs a token, or a cookie and a key.
   std::optional<Role> certified{};
 };
 

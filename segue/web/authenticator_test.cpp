@@ -12,7 +12,7 @@ namespace {
 const Authenticator::Place kPlace{.names = {"127.0.0.1", "localhost"}, .port = 8475};
 constexpr const char* kHost = "127.0.0.1:8475";
 
-/// What a browser has that came in.
+/// The cookie and the key of a browser that came in.
 struct Known {
   std::string cookie;
   std::string protocols;
