@@ -73,7 +73,7 @@ class LoadedMission {
   [[nodiscard]] const std::string& name() const;
   /// Null for a task network.
   [[nodiscard]] const mission::Program* program() const { return program_.get(); }
-  /// What load() has found and is no error.
+  /// The findings of load() that are no errors.
   [[nodiscard]] const Diagnostics& warnings() const { return warnings_; }
 
   /// The task network as it would run concurrently, and why each node comes after others. NotFound and
@@ -81,8 +81,8 @@ class LoadedMission {
   /// while it plans; nothing is executed.
   [[nodiscard]] Result<draw::Diagram> convert(const ConvertRequest& request) const;
 
-  /// What may happen in a concurrent run although something earlier fails, which a sequential run would not
-  /// do. Nothing if strict. Errors as of convert().
+  /// The actions that may happen in a concurrent run although something earlier fails, which a sequential run
+  /// would not execute. Nothing if strict. Errors as of convert().
   [[nodiscard]] Result<convert::AheadOfFailures> ahead_of_failures(const ConvertRequest& request = {}) const;
 
   /// Runs the plan to its end, on this thread; blocks. That an action or the mission fails is not an error

@@ -21,7 +21,7 @@ namespace segue::mission {
 class ScriptRobot;
 }  // namespace segue::mission
 
-/// What a run of a mission or a task network is to be like (LoadedMission::run). Plain values.
+/// The options of a run of a mission or a task network (LoadedMission::run). Plain values.
 namespace segue::mission_run {
 
 class RunControl;
