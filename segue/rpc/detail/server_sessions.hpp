@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/rpc/connection_table.hpp>
+#include <segue/rpc/detail/bootstrap_server.hpp>
 #include <segue/rpc/detail/caller.hpp>
 #include <segue/rpc/detail/encryption.hpp>
-#include <segue/rpc/detail/bootstrap_server.hpp>
 
 #include <kj/async-io.h>
 
