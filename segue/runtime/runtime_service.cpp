@@ -20,6 +20,10 @@ constexpr auto kJournalPatience = std::chrono::seconds(2);
 /// How long whoever wants to command a robot waits until it is at rest.
 constexpr auto kRestPatience = std::chrono::seconds(5);
 
+Result<type::Value> answer_of(const Result<model::Transition>& planned) {
+  return planned ? Result<type::Value>(model::to_value(*planned)) : planned.error();
+}
+
 Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view target, const Wait& wait) {
   if (!has_answered(future, wait)) {
     return fail(ErrorCode::DeadlineExceeded,
@@ -126,8 +130,7 @@ Result<type::Value> RuntimeService::switch_to(std::string_view controller, const
 
 Result<type::Value> RuntimeService::diff(std::string_view controller, const RequestOptions& options,
                                          const Wait& /*wait*/) {
-  const auto transition = runtime_.plan(model::NetworkName(controller), options);
-  return transition ? Result<type::Value>(model::to_value(*transition)) : transition.error();
+  return answer_of(runtime_.plan(model::NetworkName(controller), options));
 }
 
 /// The result of a request, which is cancelled where it is not wanted any more.
@@ -185,8 +188,7 @@ Result<type::Value> RuntimeService::diff_to_network(std::string_view text, std::
   if (!sent.network) {
     return std::move(sent.refusal);
   }
-  const auto transition = runtime_.plan(*std::move(sent.network), options);
-  return transition ? Result<type::Value>(model::to_value(*transition)) : transition.error();
+  return answer_of(runtime_.plan(*std::move(sent.network), options));
 }
 
 Result<type::Value> RuntimeService::plan(std::string_view controller, const RequestOptions& options,

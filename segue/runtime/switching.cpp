@@ -55,8 +55,8 @@ void Switching::carry_out(const model::Network& current, const SwitchPlan& plan,
 
 Transaction::Options Switching::transaction_options(const model::Network& current, Duration action_deadline,
                                                     std::function<void()> committed) {
-  const auto fallback = parts_.controllers.fallback();
-  auto way_out = fallback ? std::optional(parts_.host.expanded(*fallback)) : std::nullopt;
+  const auto fallback = parts_.controllers.fallback_name();
+  auto way_out = fallback ? parts_.controllers.expanded(*fallback) : std::nullopt;
   if (way_out) {
     way_out = model::unite(*std::move(way_out), parts_.pools.part(current));
   }
