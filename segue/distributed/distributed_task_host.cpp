@@ -152,12 +152,13 @@ void DistributedTaskHost::Implementation::watch() {
 }
 
 void DistributedTaskHost::Implementation::lose(const Error& why) {
+  // Posted first: the hosts that are given up for it are told after their reason.
+  events.post(task_host::LossEvent{to_string(why)});
   {
     const Lock lock(mutex);
     lost = true;
   }
   changed.notify_all();
-  events.post(task_host::LossEvent{to_string(why)});
 }
 
 void DistributedTaskHost::Implementation::give_up() {
