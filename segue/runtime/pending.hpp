@@ -40,6 +40,7 @@ struct Privileges {
   bool although_halted = false;  ///< accepted although the robot is halted, or lost to another runtime
   /// Tasks on computers that cannot be reached are left as they are, in place of a refusal.
   bool leaves_lost_hosts = false;
+  bool leaves_faulty = false;  ///< see KeptNetworks
   /// Pools of processes end, too, and are not started again before the next request.
   bool ends_pools = false;
 };

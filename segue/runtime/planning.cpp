@@ -173,6 +173,41 @@ Result<model::Network> variant_of(model::Network network, const std::vector<Prop
   return network;
 }
 
+namespace {
+
+/// Tasks in error states, but for those that are to be stopped, are wanted as they are. What shares its
+/// process with a task in Fatal that is to be stopped is created again with that process, and comes no
+/// further.
+void leave_faulty(model::Network& target, const model::Network& current) {
+  const model::TaskIndex now(current);
+  const auto processes = model::task_processes(current);
+  const auto process_of = [&](const model::TaskId& task) {
+    const auto found = processes.find(task);
+    return found == processes.end() ? model::DeploymentKey{} : found->second;
+  };
+  std::set<model::DeploymentKey> replaced;
+  for (const auto& task : target.tasks) {
+    const auto* is = now.find(task.id);
+    if (is != nullptr && is->state == TaskState::Fatal && task.state == TaskState::Stopped) {
+      replaced.insert(process_of(task.id));
+    }
+  }
+  for (auto& task : target.tasks) {
+    const auto* is = now.find(task.id);
+    if (is == nullptr || !is_error(is->state)) {
+      continue;
+    }
+    const bool is_to_be_stopped = task.state == TaskState::Stopped && is->state != TaskState::Exception;
+    if (replaced.contains(process_of(task.id))) {
+      task.state = TaskState::PreOperational;
+    } else if (!is_to_be_stopped) {
+      task = *is;
+    }
+  }
+}
+
+}  // namespace
+
 tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
                                                const KeptNetworks& beside, const task_host::TaskHost& host,
                                                const model::ComponentCatalog& catalog,
@@ -183,6 +218,9 @@ tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, mo
   controller = host.expanded(std::move(controller));
   if (auto refusal = refusal_for_unknown(controller, quoted_name(controller.name), host)) {
     return tl::unexpected(std::move(*refusal));
+  }
+  if (beside.leaves_faulty) {
+    leave_faulty(controller, current);
   }
   auto lost = unreachable_hosts(host);
   model::Network target = unite(without_hosts(controller, lost), already_present(beside.keep, current));

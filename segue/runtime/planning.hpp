@@ -56,10 +56,13 @@ Result<model::Transition> solve_from_observed(const model::Network& current, con
 Result<model::Network> variant_of(model::Network network, const std::vector<PropertySetting>& properties,
                                   const model::ComponentCatalog& catalog);
 
-/// Networks that stay beside a controller.
+/// Tasks that a transition leaves as they are.
 struct KeptNetworks {
-  model::Network keep;   ///< those parts of it that exist
-  model::Network pools;  ///< parts of the present network, as they are
+  model::Network keep{};   ///< beside the controller: those parts of it that exist
+  model::Network pools{};  ///< beside the controller: parts of the present network
+  /// Tasks of the controller that are in an error state are not repaired. Those that are to be stopped are
+  /// stopped, unless they are in Exception, where nothing runs.
+  bool leaves_faulty = false;
 };
 
 /// Validates `controller` to the depth that the host requires and solves from `current`.

@@ -32,10 +32,11 @@ std::future<SwitchResult> Runtime::Implementation::request_rest(const std::strin
     *controller = model::joined_name(model::controllers_in(controller->str()));
   }
   job.parts = switching.parts_of(job.request);
-  job.at_commit = std::holds_alternative<model::NetworkName>(job.request);
+  const bool is_controller = std::holds_alternative<model::NetworkName>(job.request);
+  job.at_commit = is_controller;
   job.options.action_deadline = action_deadline;
   job.options.who = kWho;
-  job.privileges = {.although_halted = true, .leaves_lost_hosts = true};
+  job.privileges = {.although_halted = true, .leaves_lost_hosts = true, .leaves_faulty = !is_controller};
   auto future = job.promise.get_future();
   const auto wanted = detail::name_of(job.request);
   auto dropped = queue.put_before_all(std::move(job), [&](std::uint64_t number) {
@@ -72,9 +73,12 @@ DevicesStopped Runtime::Implementation::with_devices_stopped() const {
     const auto* component = catalog.find(task.component);
     const bool has_device =
         !task.exclusive.empty() || (component != nullptr && !component->exclusive.empty());
-    if (has_device && task.state != TaskState::PreOperational) {
+    const bool commands = task.state != TaskState::PreOperational && task.state != TaskState::Exception;
+    if (has_device && commands) {
       task.state = TaskState::Stopped;
       all.tasks.push_back(task.id);
+    } else if (is_error(task.state)) {
+      task.state = TaskState::Running;  // as it should be; the request leaves it as it is
     }
   }
   return all;

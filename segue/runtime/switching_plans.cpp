@@ -78,7 +78,7 @@ Planned Switching::plan(const model::Network& current, const Request& request, c
   auto how = solve_options(parts_.host, options.order, options.force);
   how.idle = idle_tasks(current, parts_.belief.controller());
   const KeptNetworks beside{parts_.standby_requests.plan(parts_.host.expanded(*network)).standby,
-                            parts_.pools.part(current)};
+                            parts_.pools.part(current), privileges.leaves_faulty};
   return plan_network(current, std::move(*network), beside, parts_.host, parts_.catalog, std::move(how));
 }
 
