@@ -23,7 +23,7 @@ namespace {
 using type::Value;
 
 /// How often it is looked whether a mission has followed.
-constexpr Duration kLookPeriod = std::chrono::milliseconds(50);
+constexpr Duration kPollPeriod = std::chrono::milliseconds(50);
 
 struct SteeringOptions {
   Duration timeout = std::chrono::seconds(10);
@@ -112,7 +112,7 @@ Result<Value> ask(control::RobotService& robot, std::string_view what, const Val
           fmt::format("mission {} has not followed yet ({}; {}); watch it with 'segue mission status'",
                       quote(text_at(*doing, "mission")), text_at(*doing, "state"), where(*doing)));
     }
-    std::this_thread::sleep_for(kLookPeriod);
+    std::this_thread::sleep_for(kPollPeriod);
   }
   return doing;
 }
@@ -148,7 +148,7 @@ Result<Value> rest_after(control::RobotService& robot, TimePoint deadline) {
       return fail(ErrorCode::DeadlineExceeded,
                   "the mission has ended, but the robot is not at rest yet; watch it with 'segue events'");
     }
-    std::this_thread::sleep_for(kLookPeriod);
+    std::this_thread::sleep_for(kPollPeriod);
   }
 }
 

@@ -43,8 +43,8 @@ void PlannedNodes::ended(const std::string& name, const std::string& outcome) {
 }
 
 /// `any_way`: of a join, which is reached by any of several ways.
-void PlannedNodes::look_at(const Diagram::Dependency& dependency, std::vector<View>& views, View& own,
-                           bool any_way) const {
+void PlannedNodes::consider(const Diagram::Dependency& dependency, std::vector<View>& views, View& own,
+                            bool any_way) const {
   const std::uint32_t from = dependency.from;
   const auto is_condition = [](const Diagram::Cause& cause) {
     return cause.kind == Diagram::Kind::Condition;
@@ -70,7 +70,7 @@ std::vector<PlannedNodes::View> PlannedNodes::views() const {
   for (std::size_t i = 0; i < plan_.nodes.size(); ++i) {
     const Diagram::Node& node = plan_.nodes[i];
     for (const Diagram::Dependency& dependency : node.before)
-      look_at(dependency, views, views[i], node.role == Diagram::Role::Join);
+      consider(dependency, views, views[i], node.role == Diagram::Role::Join);
   }
   return views;
 }

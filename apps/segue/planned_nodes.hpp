@@ -40,8 +40,8 @@ class PlannedNodes {
     std::vector<std::uint32_t> blockers;  ///< nodes, few
   };
   [[nodiscard]] std::vector<View> views() const;
-  void look_at(const draw::Diagram::Dependency& dependency, std::vector<View>& views, View& own,
-               bool any_way) const;
+  void consider(const draw::Diagram::Dependency& dependency, std::vector<View>& views, View& own,
+                bool any_way) const;
   [[nodiscard]] static bool is_action(draw::Diagram::Role role);
 
   draw::Diagram plan_;

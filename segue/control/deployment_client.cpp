@@ -24,7 +24,7 @@ using detail::count_of;
 using detail::decode;
 using detail::encode;
 using detail::kGrace;
-using detail::kLookTimeout;
+using detail::kQueryTimeout;
 using detail::RpcChannel;
 using detail::time_left;
 using type::Value;
@@ -83,11 +83,11 @@ class DeploymentClient final : public detail::TaskAccessClient<deploy::Deploymen
   }
 
   Result<deploy::DeploymentInfo> info() override {
-    return ask<deploy::DeploymentInfo>(kLookTimeout, &ask_for_info);
+    return ask<deploy::DeploymentInfo>(kQueryTimeout, &ask_for_info);
   }
 
   Result<deploy::Snapshot> snapshot() override {
-    return ask<deploy::Snapshot>(kLookTimeout, [](Process::Client process) {
+    return ask<deploy::Snapshot>(kQueryTimeout, [](Process::Client process) {
       auto request = process.snapshotRequest();
       return RpcChannel::send<deploy::Snapshot>(request,
                                                 [](auto& results) { return decode(results.getSnapshot()); });
@@ -95,7 +95,7 @@ class DeploymentClient final : public detail::TaskAccessClient<deploy::Deploymen
   }
 
   Result<void> expect(const model::Network& network) override {
-    return ask<void>(kLookTimeout, [&](Process::Client process) {
+    return ask<void>(kQueryTimeout, [&](Process::Client process) {
       auto request = process.expectRequest();
       encode(network, request.initNetwork());
       return RpcChannel::send<void>(request, kNothing);
@@ -155,7 +155,7 @@ class DeploymentClient final : public detail::TaskAccessClient<deploy::Deploymen
   }
 
   Result<void> forget(sample_link::Incarnation peer) override {
-    return ask<void>(kLookTimeout, [&](Process::Client process) {
+    return ask<void>(kQueryTimeout, [&](Process::Client process) {
       auto request = process.forgetRequest();
       request.setIncarnation(peer);
       return RpcChannel::send<void>(request, kNothing);

@@ -22,7 +22,7 @@ using detail::count_of;
 using detail::decode;
 using detail::encode;
 using detail::kGrace;
-using detail::kLookTimeout;
+using detail::kQueryTimeout;
 using detail::RpcChannel;
 using detail::time_left;
 
@@ -76,9 +76,9 @@ class HostedRobotClient final : public detail::TaskAccessClient<distributed::Hos
   Result<void> release() override {
     return order(kHostPatience, [](wire::HostedRobot::Client robot) { return robot.releaseRequest(); });
   }
-  Result<distributed::HostView> look() override {
+  Result<distributed::HostView> snapshot() override {
     return ask<distributed::HostView>(kHostPatience, [](wire::HostedRobot::Client robot) {
-      auto request = robot.lookRequest();
+      auto request = robot.snapshotRequest();
       return RpcChannel::send<distributed::HostView>(request,
                                                      [](auto& results) { return decode(results.getView()); });
     });
@@ -165,7 +165,7 @@ class HostedRobotClient final : public detail::TaskAccessClient<distributed::Hos
     });
   }
   Result<void> withdraw() override {
-    return order(kLookTimeout, [](wire::HostedRobot::Client robot) { return robot.withdrawRequest(); });
+    return order(kQueryTimeout, [](wire::HostedRobot::Client robot) { return robot.withdrawRequest(); });
   }
   Result<void> end_processes(TimePoint deadline) override {
     const Duration left = time_left(deadline);
@@ -244,7 +244,7 @@ class HostClient final : public distributed::HostService {
   ~HostClient() override { channel_->unwatch(); }
 
   Result<distributed::HostInfo> info() override {
-    return ask<distributed::HostInfo>(kLookTimeout, [](wire::Host::Client host) {
+    return ask<distributed::HostInfo>(kQueryTimeout, [](wire::Host::Client host) {
       auto request = host.infoRequest();
       return RpcChannel::send<distributed::HostInfo>(request,
                                                      [](auto& results) { return decode(results.getInfo()); });
@@ -260,7 +260,7 @@ class HostClient final : public distributed::HostService {
   }
   Result<std::vector<distributed::LeaseInfo>> robots() override {
     using Leases = std::vector<distributed::LeaseInfo>;
-    return ask<Leases>(kLookTimeout, [](wire::Host::Client host) {
+    return ask<Leases>(kQueryTimeout, [](wire::Host::Client host) {
       auto request = host.robotsRequest();
       return RpcChannel::send<Leases>(request, [](auto& results) {
         return detail::decode_list<distributed::LeaseInfo>(results.getRobots(),
@@ -276,7 +276,7 @@ class HostClient final : public distributed::HostService {
     });
   }
   Result<process_server::LogPart> log(const distributed::LogRequest& what) override {
-    return ask<process_server::LogPart>(kLookTimeout, [&](wire::Host::Client host) {
+    return ask<process_server::LogPart>(kQueryTimeout, [&](wire::Host::Client host) {
       auto request = host.logRequest();
       request.setRobot(as_text(what.robot));
       request.setProcess(as_text(what.process.str()));

@@ -189,7 +189,7 @@ TEST_F(HostTest, TransitionsOfARobotTravel) {
     RC_ASSERT(robot->perform(transition.actions, soon()).size() == transition.actions.size());
     RC_ASSERT(transition.actions.empty() || fake.tasks.seen()->performed == transition.actions);
     fake.set([&](auto& fields) { fields.view.network = target; });
-    RC_ASSERT(robot->look().value().network == target);
+    RC_ASSERT(robot->snapshot().value().network == target);
   });
 }
 
@@ -313,7 +313,7 @@ TEST_F(HostTest, RefusalsTravel) {
     EXPECT_EQ(answer.error().code, ErrorCode::Superseded) << what;
     EXPECT_EQ(answer.error().subject, "spot") << what;
   }
-  EXPECT_EQ(robot->look().error().code, ErrorCode::Superseded);
+  EXPECT_EQ(robot->snapshot().error().code, ErrorCode::Superseded);
 }
 
 TEST_F(HostTest, ArgumentsThatCannotBeDecodedAreRefusedAndTheRobotLives) {
@@ -384,7 +384,7 @@ TEST_F(HostTest, WhatAHostHoldsTravels) {
     connection.dropped = 3;
     fields.view.connections = {connection};
   });
-  const auto view = robot->look().value();
+  const auto view = robot->snapshot().value();
   ASSERT_EQ(view.tasks.size(), 1U);
   EXPECT_EQ(view.tasks[0].id, TaskId("a"));
   EXPECT_EQ(to_string(view.tasks[0].process), "left/p");
@@ -437,7 +437,7 @@ TEST_F(HostTest, AConnectionThatBreaksIsTold) {
   ends.get();
   EXPECT_TRUE(blocked.get()) << "calls in progress are answered";
   EXPECT_TRUE(eventually([&] { return gone == 1; }));
-  EXPECT_EQ(robot->look().error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(robot->snapshot().error().code, ErrorCode::Unavailable);
   EXPECT_EQ(robot->renew().error().code, ErrorCode::Unavailable);
   EXPECT_EQ(robot->vote(1, 1s).error().code, ErrorCode::Unavailable);
   EXPECT_EQ(robot->commit(1).error().code, ErrorCode::Unavailable);
@@ -454,7 +454,7 @@ TEST_F(HostTest, ARobotKeepsItsConnection) {
   auto host = client();
   const auto robot = robot_of(*host);
   host.reset();
-  EXPECT_TRUE(robot->look());
+  EXPECT_TRUE(robot->snapshot());
   EXPECT_TRUE(robot->renew());
 }
 
@@ -473,7 +473,7 @@ TEST_F(HostTest, ClientsAndServersMayEndAtAnyTime) {
         if (!robot) return;
         (*robot)->set_listener([&](const task_host::HostEvent&) { ++heard; });
         for (int call = 0; call < 10; ++call) {
-          (void)(*robot)->look();
+          (void)(*robot)->snapshot();
           answered.release();
           (*robot)->begin_all({action_of(model::ActionKind::Stop, "a")}, soon(), [](const auto&) {});
         }

@@ -18,7 +18,7 @@ namespace {
 using detail::as_text;
 using detail::decode;
 using detail::kGrace;
-using detail::kLookTimeout;
+using detail::kQueryTimeout;
 using detail::RpcChannel;
 using detail::time_left;
 using process_server::ProcessInfo;
@@ -84,7 +84,7 @@ class ProcessesClient final : public process_server::ProcessService {
   }
 
   Result<std::vector<ProcessInfo>> processes(const std::string& robot) override {
-    return ask<std::vector<ProcessInfo>>(kLookTimeout, [&](wire::Processes::Client processes) {
+    return ask<std::vector<ProcessInfo>>(kQueryTimeout, [&](wire::Processes::Client processes) {
       auto request = processes.processesRequest();
       request.setRobot(as_text(robot));
       return RpcChannel::send<std::vector<ProcessInfo>>(request, [](auto& results) {
@@ -99,7 +99,7 @@ class ProcessesClient final : public process_server::ProcessService {
     listener_->set(std::move(listener));
     const Lock lock(listening_mutex_);
     if (!wanted || listening_) return;
-    const auto done = ask<void>(kLookTimeout, [this](wire::Processes::Client processes) {
+    const auto done = ask<void>(kQueryTimeout, [this](wire::Processes::Client processes) {
       auto request = processes.listenRequest();
       request.setListener(kj::heap<ListenerServer>(listener_));
       return RpcChannel::send<void>(request, [](auto&) { return Result<void>(); });

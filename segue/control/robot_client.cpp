@@ -20,7 +20,7 @@ namespace {
 
 using detail::as_text;
 using detail::kGrace;
-using detail::kLookTimeout;
+using detail::kQueryTimeout;
 using detail::RpcChannel;
 using detail::time_left;
 using type::Value;
@@ -47,14 +47,14 @@ class Client final : public RobotService {
   explicit Client(std::shared_ptr<RpcChannel> channel) : channel_(std::move(channel)) {}
 
   Result<Value> status(const Wait& wait) override {
-    return look(wait, [](RpcChannel::Connection& connection) {
+    return query(wait, [](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().statusRequest();
       return RpcChannel::send(request);
     });
   }
 
   Result<Value> task(std::string_view id) override {
-    return channel_->ask(kLookTimeout, [id = std::string(id)](RpcChannel::Connection& connection) {
+    return channel_->ask(kQueryTimeout, [id = std::string(id)](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().taskRequest();
       request.setId(as_text(id));
       return RpcChannel::send(request);
@@ -71,7 +71,7 @@ class Client final : public RobotService {
   }
 
   Result<Value> running(std::uint64_t lease, const Wait& wait) override {
-    return look(wait, [lease](RpcChannel::Connection& connection) {
+    return query(wait, [lease](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().runningRequest();
       request.setLease(lease);
       return RpcChannel::send(request);
@@ -126,7 +126,7 @@ class Client final : public RobotService {
   }
 
   Result<Value> conflicts(const std::vector<std::string>& controllers, const Wait& wait) override {
-    return look(wait, [&](RpcChannel::Connection& connection) {
+    return query(wait, [&](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().conflictsRequest();
       auto names = request.initControllers(static_cast<unsigned>(controllers.size()));
       for (unsigned i = 0; i < names.size(); ++i)
@@ -138,7 +138,7 @@ class Client final : public RobotService {
   Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) override {
     const RpcChannel::StreamId id = channel_->new_stream_id();
     const auto answer =
-        channel_->ask(kLookTimeout, [holder = std::string(holder), id](RpcChannel::Connection& connection) {
+        channel_->ask(kQueryTimeout, [holder = std::string(holder), id](RpcChannel::Connection& connection) {
           auto request = connection.as<wire::Robot>().leaseRequest();
           request.setHolder(as_text(holder));
           return connection.open(id, request);
@@ -149,7 +149,7 @@ class Client final : public RobotService {
   Result<void> report(std::uint64_t lease, const Value& doing) override {
     if (auto fits = detail::check_size(doing, detail::kServerMessageWords); !fits) return fits;
     return without_value(
-        channel_->ask(kLookTimeout, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+        channel_->ask(kQueryTimeout, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().reportRequest();
           request.setLease(lease);
           if (auto done = detail::encode(doing, request.initDoing()); !done)
@@ -159,7 +159,7 @@ class Client final : public RobotService {
   }
 
   Result<Value> mission(std::uint64_t after, bool with_plan) override {
-    return channel_->ask(kLookTimeout, [after, with_plan](RpcChannel::Connection& connection) {
+    return channel_->ask(kQueryTimeout, [after, with_plan](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().missionRequest();
       request.setAfter(after);
       request.setWithPlan(with_plan);
@@ -170,7 +170,7 @@ class Client final : public RobotService {
   Result<std::uint64_t> send_command(std::string_view what, const Value& arguments) override {
     if (auto fits = detail::check_size(arguments, detail::kServerMessageWords); !fits) return fits.error();
     const auto number = channel_->ask(
-        kLookTimeout,
+        kQueryTimeout,
         [what = std::string(what), arguments](RpcChannel::Connection& connection) -> RpcChannel::Answer {
           auto request = connection.as<wire::Robot>().sendCommandRequest();
           request.setWhat(as_text(what));
@@ -217,7 +217,7 @@ class Client final : public RobotService {
 
   Result<void> release_stop(std::string_view who) override {
     return without_value(
-        channel_->ask(kLookTimeout, [who = std::string(who)](RpcChannel::Connection& connection) {
+        channel_->ask(kQueryTimeout, [who = std::string(who)](RpcChannel::Connection& connection) {
           auto request = connection.as<wire::Robot>().releaseRequest();
           request.setWho(as_text(who));
           return RpcChannel::send(request);
@@ -251,7 +251,7 @@ class Client final : public RobotService {
   }
 
   Result<void> reset_belief() override {
-    return without_value(channel_->ask(kLookTimeout, [](RpcChannel::Connection& connection) {
+    return without_value(channel_->ask(kQueryTimeout, [](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().resetBeliefRequest();
       return RpcChannel::send(request);
     }));
@@ -308,7 +308,7 @@ class Client final : public RobotService {
   Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
                                                   std::size_t buffer, const Wait& wait) override {
     const RpcChannel::StreamId id = channel_->new_stream_id();
-    auto type = look(wait, [&, id](RpcChannel::Connection& connection) {
+    auto type = query(wait, [&, id](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().openPortRequest();
       request.setTask(as_text(std::string(task)));
       request.setPort(as_text(std::string(port)));
@@ -320,7 +320,7 @@ class Client final : public RobotService {
 
   Result<Value> events(std::uint64_t after, Duration wait) override {
     const Duration patience = std::max(wait, Duration(0));
-    return channel_->ask(patience + kLookTimeout, [after, patience](RpcChannel::Connection& connection) {
+    return channel_->ask(patience + kQueryTimeout, [after, patience](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().eventsRequest();
       request.setAfter(after);
       request.setWait(patience.count());
@@ -330,7 +330,7 @@ class Client final : public RobotService {
 
   Result<Value> past(const Value& question) override {
     if (auto fits = detail::check_size(question, detail::kServerMessageWords); !fits) return fits.error();
-    return channel_->ask(kLookTimeout, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+    return channel_->ask(kQueryTimeout, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
       auto request = connection.as<wire::Robot>().pastRequest();
       if (auto done = detail::encode(question, request.initQuestion()); !done)
         return Result<Value>(done.error());
@@ -339,14 +339,14 @@ class Client final : public RobotService {
   }
 
   Result<Value> history() override {
-    return channel_->ask(kLookTimeout, [](RpcChannel::Connection& connection) {
+    return channel_->ask(kQueryTimeout, [](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().historyRequest();
       return RpcChannel::send(request);
     });
   }
 
   Result<void> shut_down() override {
-    return without_value(channel_->ask(kLookTimeout, [](RpcChannel::Connection& connection) {
+    return without_value(channel_->ask(kQueryTimeout, [](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().shutDownRequest();
       return RpcChannel::send(request);
     }));
@@ -354,8 +354,8 @@ class Client final : public RobotService {
 
  private:
   template <class Build>
-  Result<Value> look(const Wait& wait, const Build& build) {
-    return channel_->ask(detail::look_timeout(wait), build, wait.stop);
+  Result<Value> query(const Wait& wait, const Build& build) {
+    return channel_->ask(detail::query_timeout(wait), build, wait.stop);
   }
 
   /// `build(connection, left)`: the call, which the robot is to answer within that time.

@@ -68,7 +68,7 @@ class Search {
     for (bool changed = true; changed;) {
       changed = false;
       for (StateIndex i = static_cast<StateIndex>(count); i-- > 0;)
-        changed = look_at(i) || changed;
+        changed = update(i) || changed;
     }
     return std::move(reasons_);
   }
@@ -80,7 +80,7 @@ class Search {
   }
 
   /// Whether something has changed.
-  bool look_at(StateIndex state) {
+  bool update(StateIndex state) {
     const StateIndex inside = opaque_within(state);
     const OpaqueSubtreeReason reason = reason_of(state, inside);
     StateIndex unknown = inside;

@@ -203,7 +203,7 @@ void ActionRouter::perform(std::vector<model::Action> actions, Duration action_d
                                             task_host::Completion ended) {
     begin(std::move(some), action_deadline, std::move(ended));
   };
-  performer.observe = [this] { return sites_.look().view.network; };
+  performer.observe = [this] { return sites_.snapshot().view.network; };
   performer.place = [this](const model::Action& action) -> const void* {
     const auto site = site_of(action);
     return site ? *site : nullptr;

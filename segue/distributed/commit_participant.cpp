@@ -21,8 +21,8 @@ constexpr std::size_t kMostWaits = 4;
 
 }  // namespace
 
-Result<HostView> CommitParticipant::look() {
-  return tasks_.look();
+Result<HostView> CommitParticipant::snapshot() {
+  return tasks_.snapshot();
 }
 
 Result<void> CommitParticipant::expect(const model::Network& target) {

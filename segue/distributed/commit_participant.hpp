@@ -23,7 +23,7 @@ class CommitParticipant final : public HostedRobot {
 
   Result<void> renew() override { return {}; }
   Result<void> release() override { return {}; }
-  Result<HostView> look() override;
+  Result<HostView> snapshot() override;
   Result<void> expect(const model::Network& target) override;
   Result<void> begin_transition(const model::Network& before, const model::Network& target) override;
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,

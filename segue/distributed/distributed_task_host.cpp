@@ -71,7 +71,7 @@ struct DistributedTaskHost::Implementation {
   detail::LinkMatching matching{sites, router};
   concurrent::Notifier<task_host::HostEvent> events{500};
 
-  Mutex looking;        ///< one look at a time; taken before `mutex`
+  Mutex observing;      ///< one snapshot at a time; taken before `mutex`
   mutable Mutex mutex;  ///< protects everything below except the thread
   ConditionVariable changed;
   std::map<model::NetworkName, model::Network> expected SEGUE_GUARDED_BY(mutex);
@@ -101,7 +101,7 @@ void DistributedTaskHost::Implementation::begin() {
       is_up[site.get()] = site->reachable();
     }
   }
-  (void)sites.look();
+  (void)sites.snapshot();
   watcher = concurrent::start_thread("segue-hosts", [this] { watch(); });
 }
 
@@ -214,8 +214,8 @@ SampleType DistributedTaskHost::Implementation::type_of(const model::Task& write
 
 HostView DistributedTaskHost::Implementation::look_and_note() {
   // In turn, since counts that are less than before are those of a half that was made anew.
-  const Lock turn(looking);
-  auto [view, complete] = sites.look();
+  const Lock turn(observing);
+  auto [view, complete] = sites.snapshot();
   const Lock lock(mutex);
   counts.note(view.connections, complete);
   view.connections = counts.condense(std::move(view.connections));
@@ -364,7 +364,7 @@ void DistributedTaskHost::conclude(const model::Transition& transition) {
   self.sites.for_all([&](const Site& site, HostedRobot& robot) -> Result<void> {
     const auto part = parts.find(&site);
     if (!self.router.reach(site)) {
-      return {};  // it has given up the transition; the next look says what it holds
+      return {};  // it has given up the transition; the next snapshot says what it holds
     }
     return robot.conclude(part == parts.end() ? model::Transition{} : part->second);
   });
@@ -431,10 +431,10 @@ model::Network DistributedTaskHost::observe() const {
 }
 
 std::vector<task_host::TaskReport> DistributedTaskHost::tasks() const {
-  return implementation_->sites.with_lost(implementation_->sites.look().view.tasks);
+  return implementation_->sites.with_lost(implementation_->sites.snapshot().view.tasks);
 }
 
-task_host::TaskHost::View DistributedTaskHost::look() const {
+task_host::TaskHost::View DistributedTaskHost::snapshot() const {
   HostView view = implementation_->look_and_note();
   view.tasks = implementation_->sites.with_lost(std::move(view.tasks));
   return view;

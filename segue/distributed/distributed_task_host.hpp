@@ -88,7 +88,7 @@ class DistributedTaskHost final : public task_host::TaskHost {
                         const task_host::EarlyEnd& early_end, task_host::Completion completed) override;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override;
-  [[nodiscard]] View look() const override;
+  [[nodiscard]] View snapshot() const override;
   [[nodiscard]] std::vector<task_host::ConnectionReport> connections() const override;
   Result<model::ComponentModel> describe(const model::TaskId& task) const override;
   Result<type::Value> properties(const model::TaskId& task) const override;

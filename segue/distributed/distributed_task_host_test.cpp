@@ -693,7 +693,7 @@ TEST(DistributedTaskHost, ACallThatFailsLateDoesNotLoseTheNextConnection) {
   std::atomic<bool> first{true};
   computers.left.line.spoil_calls(
       [&, released = release.get_future().share()](const std::string& what) -> std::optional<Error> {
-        if (what != "look" || !first.exchange(false)) {
+        if (what != "snapshot" || !first.exchange(false)) {
           return std::nullopt;
         }
         entered.set_value();

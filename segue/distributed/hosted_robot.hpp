@@ -38,7 +38,7 @@ class HostedRobot : public deploy::TaskAccess {
   /// Ends the lease: another runtime may command the robot at once. Processes run on.
   virtual Result<void> release() = 0;
 
-  virtual Result<HostView> look() = 0;
+  virtual Result<HostView> snapshot() = 0;
   virtual Result<void> expect(const model::Network& target) = 0;
   /// Begins a transition. Does not wait for the host, which carries out later calls after this one.
   virtual Result<void> begin_transition(const model::Network& before, const model::Network& target) = 0;

@@ -66,7 +66,7 @@ std::map<std::string, std::optional<ErrorCode>> refusals(HostedRobot& robot) {
       1, model::ActionKind::Deploy, model::DeploymentAction{deployment}, model::Phase::Prepare, {}};
   std::map<std::string, std::optional<ErrorCode>> all;
   all["renew"] = code_of(robot.renew());
-  all["look"] = code_of(robot.look());
+  all["snapshot"] = code_of(robot.snapshot());
   all["expect"] = code_of(robot.expect({}));
   all["begin_transition"] = code_of(robot.begin_transition({}, {}));
   all["get_ready"] = code_of(robot.get_ready({}, {}, in_time()));
@@ -107,7 +107,7 @@ TEST(LocalHost, WhoseRobotWasTakenOverCanDoNothingAnyMore) {
   EXPECT_EQ(done.at("perform"), std::nullopt);
   EXPECT_EQ(done.at("describe"), ErrorCode::NotFound);
   EXPECT_EQ(done.at("release"), std::nullopt);
-  EXPECT_EQ(code_of(present->look()), ErrorCode::Unavailable) << "it has been released";
+  EXPECT_EQ(code_of(present->snapshot()), ErrorCode::Unavailable) << "it has been released";
 }
 
 TEST(LocalHost, WhoAsksAgainIsToldThatAnotherRuntimeHasHadTheRobotSince) {
@@ -173,7 +173,7 @@ TEST(LocalHost, WaitsForItsLastCallsWhenItEnds) {
   start.end();
   ends.get();
   (void)calls.get();
-  EXPECT_EQ(code_of(robot->look()), ErrorCode::Unavailable);
+  EXPECT_EQ(code_of(robot->snapshot()), ErrorCode::Unavailable);
 }
 
 TEST(LocalHost, AdoptsWhatRunsAfterARestart) {
@@ -200,7 +200,7 @@ TEST(LocalHost, AdoptsWhatRunsAfterARestart) {
   EXPECT_EQ(leases.front().robot, "robot");
   EXPECT_EQ(leases.front().holder, "b");
   EXPECT_GT(leases.front().epoch, epoch);
-  const auto seen = other->look();
+  const auto seen = other->snapshot();
   ASSERT_TRUE(seen);
   ASSERT_EQ(seen->network.deployments.size(), 1U);
   EXPECT_EQ(to_string(seen->network.deployments.front().key()), "left/q");
@@ -292,7 +292,7 @@ TEST(LocalHost, RuntimesThatComeAndGoHarmNobody) {
           continue;
         }
         (*robot)->set_listener([&](const task_host::HostEvent&) { ++done; });
-        done += (*robot)->look() ? 1 : 0;
+        done += (*robot)->snapshot() ? 1 : 0;
         done += (*robot)->withdraw() ? 1 : 0;
         (*robot)->set_listener({});
       }

@@ -38,8 +38,8 @@ class Session final : public HostedRobot {
 
   Result<void> renew() override { return robot_->lease.renew(epoch_); }
   Result<void> release() override { return robot_->lease.release(epoch_); }
-  Result<HostView> look() override {
-    return work([](CommitParticipant& part) { return part.look(); });
+  Result<HostView> snapshot() override {
+    return work([](CommitParticipant& part) { return part.snapshot(); });
   }
   Result<void> expect(const model::Network& target) override {
     return work([&](CommitParticipant& part) { return part.expect(target); });

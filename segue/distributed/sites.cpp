@@ -175,12 +175,12 @@ void Sites::for_all(const Work& work) const {
   pool_.run_all(std::move(jobs));
 }
 
-Sites::Look Sites::look() const {
+Sites::Snapshot Sites::snapshot() const {
   const std::uint64_t poll = placements_.begin_poll();
   Mutex mutex;
   std::vector<Seen> all;
   for_all([&](const Site& site, HostedRobot& robot) -> Result<void> {
-    auto view = robot.look();
+    auto view = robot.snapshot();
     if (!view) {
       return view.error();
     }

@@ -63,11 +63,11 @@ class Sites {
 
   /// The views of all sites in one, with tasks named by the placement table, which learns from it. Blocks
   /// until all sites have answered or are given up.
-  struct Look {
+  struct Snapshot {
     HostView view;
     bool complete = false;  ///< all sites have answered
   };
-  Look look() const;
+  Snapshot snapshot() const;
   /// Reports of tasks that are not link tasks, with those on sites that cannot be reached as they were seen
   /// last.
   [[nodiscard]] std::vector<task_host::TaskReport> with_lost(

@@ -3,16 +3,16 @@
 
 // ---- moving ----
 
-function look(seen) {
+function show(seen) {
   state.from = seen.from;
   state.until = seen.until;
   draw();
 }
-const pan = time => look(moved(windowNow(), time, end));
-const zoom = (factor, around = (state.from + state.until) / 2) => look(zoomed(windowNow(), factor, around, end));
-const everything = () => look(wholeOf(end));
+const pan = time => show(moved(windowNow(), time, end));
+const zoom = (factor, around = (state.from + state.until) / 2) => show(zoomed(windowNow(), factor, around, end));
+const everything = () => show(wholeOf(end));
 /// That much time from `from` on.
-const lookAt = (from, length) => look(zoomed({...windowNow(), from, until: from + length}, 1, from, end));
+const showFrom = (from, length) => show(zoomed({...windowNow(), from, until: from + length}, 1, from, end));
 
 function reveal(node) {
   const row = rowOf(node);
@@ -23,7 +23,7 @@ function reveal(node) {
   const bar = node.bars[node.bars.length - 1];
   if (!bar || (bar.until >= state.from && bar.from <= state.until)) return;
   const length = state.until - state.from;
-  lookAt(bar.from - length / 3, length);
+  showFrom(bar.from - length / 3, length);
 }
 
 function select(node) {
@@ -114,7 +114,7 @@ plot.addEventListener('pointermove', event => {
   plot.classList.add('drag');
   tip.hidden = true;
   const time = (drag.x - event.clientX) / (size.width - size.gutter) * (drag.seen.until - drag.seen.from);
-  look(moved(drag.seen, time, end));
+  show(moved(drag.seen, time, end));
   scroller.scrollTop = drag.top + drag.y - event.clientY;
 });
 plot.addEventListener('pointerup', event => {
@@ -140,7 +140,7 @@ scroller.addEventListener('wheel', event => {
 
 function centreOverview(event) {
   const time = timeAt({...windowNow(), from: 0, until: end}, size, event.offsetX);
-  lookAt(time - length() / 2, length());
+  showFrom(time - length() / 2, length());
 }
 overview.addEventListener('pointerdown', event => { overview.setPointerCapture(event.pointerId); centreOverview(event); });
 overview.addEventListener('pointermove', event => { if (event.buttons) centreOverview(event); });
@@ -153,7 +153,7 @@ function zoomToSelected() {
   const bar = state.selected && state.selected.bars[state.selected.bars.length - 1];
   if (!bar) return;
   const room = bar.until - bar.from + end * 1e-3;
-  lookAt(bar.from - room, bar.until - bar.from + 2 * room);
+  showFrom(bar.from - room, bar.until - bar.from + 2 * room);
 }
 function follow() {
   const waits = state.selected ? state.selected.waits : [];
@@ -165,7 +165,7 @@ const keys = {
   'ArrowLeft': () => pan(-length() / 8), 'ArrowRight': () => pan(length() / 8),
   'ArrowUp': () => step(-1), 'ArrowDown': () => step(1),
   '+': () => zoom(0.7), '=': () => zoom(0.7), '-': () => zoom(1 / 0.7), '0': everything,
-  'Home': () => lookAt(0, length()), 'End': () => lookAt(end - length(), length()),
+  'Home': () => showFrom(0, length()), 'End': () => showFrom(end - length(), length()),
   'Enter': zoomToSelected, 'w': follow, 'Escape': () => select(null),
 };
 scroller.addEventListener('keydown', event => {

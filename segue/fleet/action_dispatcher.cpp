@@ -366,7 +366,7 @@ void ActionDispatcher::conclude(const model::Transition& transition) {
     jobs.emplace_back([this, deadline, record = record, &part = part] {
       const auto service = record->service();
       if (service == nullptr || !service->conclude(part, deadline)) {
-        return;  // the next look says what it holds
+        return;  // the next snapshot says what it holds
       }
       for (const auto& task : part.removes) {
         fleet_.placements().drop({task, record->key()});

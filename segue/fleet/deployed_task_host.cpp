@@ -190,10 +190,10 @@ std::vector<task_host::TaskReport> DeployedTaskHost::tasks() const {
 }
 
 std::vector<task_host::ConnectionReport> DeployedTaskHost::connections() const {
-  return look().connections;
+  return snapshot().connections;
 }
 
-DeployedTaskHost::View DeployedTaskHost::look() const {
+DeployedTaskHost::View DeployedTaskHost::snapshot() const {
   auto merged = implementation_->fleet->poll_merged();
   for (auto& damaged : implementation_->remote_connector.note_damage(merged)) {
     merged.connections.push_back(std::move(damaged));

@@ -86,7 +86,7 @@ class DeployedTaskHost final : public task_host::TaskHost {
   void set_listener(Listener listener) override;
 
   /// observe(), tasks() and connections() of one moment.
-  [[nodiscard]] View look() const override;
+  [[nodiscard]] View snapshot() const override;
   /// The halves of a hand-over whose other half is on another computer: of the current incarnation, and to
   /// the next one where there is one.
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline);

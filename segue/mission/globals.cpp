@@ -63,7 +63,7 @@ std::optional<type::Value> Globals::get(std::string_view name) const {
 
 std::optional<GlobalContent> Globals::content(std::string_view name) const {
   const Lock guard(variables_->mutex);
-  const Variable variable = look(name);
+  const Variable variable = find(name);
   if (!variable.content) return std::nullopt;
   return GlobalContent{variable.content->shown(), variable.content->object};
 }
@@ -82,7 +82,7 @@ Result<void> Globals::set_object(const std::string& name, std::shared_ptr<const 
 /// content has the type that a new variable gets.
 Result<void> Globals::set(const std::string& name, Content content, Key key, const std::string& kind) {
   const Lock guard(variables_->mutex);
-  Variable variable = look(name);
+  Variable variable = find(name);
   if (variable.holder != 0 && variable.holder != key) return locked(name);
   if (variable.content)
     content.type = variable.content->type;
@@ -99,7 +99,7 @@ Result<void> Globals::set(const std::string& name, Content content, Key key, con
 
 Result<void> Globals::erase(const std::string& name) {
   const Lock guard(variables_->mutex);
-  const Variable variable = look(name);
+  const Variable variable = find(name);
   if (!variable.content) return {};
   if (variable.holder != 0) return locked(name);
   return put(name, {});
@@ -109,10 +109,10 @@ Result<Globals::Key> Globals::lock(const std::string& name, Duration timeout) {
   Lock guard(variables_->mutex);
   // Looked up each time: another thread may erase the variable while this one waits.
   if (!variables_->unlocked.wait_for(variables_->mutex, timeout, [&]() SEGUE_REQUIRES(variables_->mutex) {
-        return look(name).holder == 0;
+        return find(name).holder == 0;
       }))
     return fail(ErrorCode::DeadlineExceeded, "the global variable " + quote(name) + " stayed locked");
-  Variable variable = look(name);
+  Variable variable = find(name);
   if (!variable.content) variable.content = std::make_shared<const Content>();
   const Key key = variable.holder = ++variables_->last_key;
   if (auto done = put(name, std::move(variable)); !done) return done.error();
@@ -121,7 +121,7 @@ Result<Globals::Key> Globals::lock(const std::string& name, Duration timeout) {
 
 Result<void> Globals::unlock(const std::string& name, Key key, bool force) {
   const Lock guard(variables_->mutex);
-  Variable variable = look(name);
+  Variable variable = find(name);
   if (!variable.content) return fail(ErrorCode::NotFound, "there is no global variable " + quote(name));
   if (!force && variable.holder != key) return locked(name);
   variable.holder = 0;
@@ -130,7 +130,7 @@ Result<void> Globals::unlock(const std::string& name, Key key, bool force) {
 
 bool Globals::is_locked(std::string_view name, Key key) const {
   const Lock guard(variables_->mutex);
-  const Variable variable = look(name);
+  const Variable variable = find(name);
   return variable.content && variable.holder != 0 && variable.holder != key;
 }
 
@@ -153,7 +153,7 @@ std::vector<std::pair<std::string, GlobalContent>> Globals::contents() const {
   }
   std::vector<std::pair<std::string, GlobalContent>> found;
   for (const std::string& name : names) {
-    if (const Variable variable = look(name); variable.content)
+    if (const Variable variable = find(name); variable.content)
       found.emplace_back(name, GlobalContent{variable.content->shown(), variable.content->object});
   }
   return found;

@@ -99,7 +99,7 @@ class Globals {
   struct View;
   class Pending;
 
-  [[nodiscard]] Variable look(std::string_view name) const;
+  [[nodiscard]] Variable find(std::string_view name) const;
   Result<void> put(const std::string& name, Variable variable);
   Result<void> set(const std::string& name, Content content, Key key, const std::string& kind);
 

@@ -97,7 +97,7 @@ Globals::View::Use& Globals::View::use(const Variables& variables, std::string_v
   return use;
 }
 
-Globals::Variable Globals::look(std::string_view name) const SEGUE_REQUIRES(variables_->mutex) {
+Globals::Variable Globals::find(std::string_view name) const SEGUE_REQUIRES(variables_->mutex) {
   if (view_ && view_->kept_aside) return view_->closed ? Variable() : view_->use(*variables_, name).own;
   const auto found = variables_->by_name.find(name);
   if (!view_) return found == variables_->by_name.end() ? Variable() : found->second.now;

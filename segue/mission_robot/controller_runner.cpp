@@ -7,7 +7,7 @@
 #include <segue/mission/mission_index.hpp>
 #include <segue/mission_robot/controller_progress.hpp>
 #include <segue/mission_robot/prepared_controllers.hpp>
-#include <segue/mission_robot/robot_look.hpp>
+#include <segue/mission_robot/robot_poll.hpp>
 #include <segue/mission_robot/task_commands.hpp>
 #include <segue/mission_robot/upcoming_controllers.hpp>
 #include <segue/mission_robot/watched_controller.hpp>
@@ -125,7 +125,7 @@ class ControlledRun {
 
   /// The ending with this error; without its robot, the run ends as one that can be resumed.
   Ending failed(const Error& error, const std::stop_token& stop) {
-    if (!options_.unreachable || robot_.trouble(use_.controller, look(stop))) return aborted(error);
+    if (!options_.unreachable || robot_.trouble(use_.controller, until(stop))) return aborted(error);
     options_.unreachable(error);
     while (!stop.stop_requested())
       wait(stop);
@@ -196,14 +196,14 @@ class ControlledRun {
     for (const EndCondition& condition : use_.until) {
       const auto* shows = condition_of<SampleShows>(condition);
       if (shows == nullptr || ports_.follows(shows->port)) continue;
-      auto samples = robot_.open(shows->port, look(stop));
+      auto samples = robot_.open(shows->port, until(stop));
       if (!samples) return samples.error();
       ports_.follow(shows->port, std::move(*samples));
     }
     outputs_.resize(use_.outputs.size());
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
       if (outputs_[i]) continue;
-      auto opened = PortFeed::open(robot_, use_.outputs[i].port, look(stop));
+      auto opened = PortFeed::open(robot_, use_.outputs[i].port, until(stop));
       if (!opened) return opened.error();
       outputs_[i] = std::move(*opened);
     }
@@ -231,7 +231,7 @@ class ControlledRun {
       tasks_.ask();
       ports_.ask();
       controller_.ask();
-      bell_->wait({std::min(controller_.next_question(), next_look()), stop});
+      bell_->wait({std::min(controller_.next_question(), next_poll()), stop});
     }
     return preempted();
   }
@@ -263,7 +263,7 @@ class ControlledRun {
   std::optional<Ending> await_repair(const Error& error, TimePoint& give_up, const std::stop_token& stop) {
     bool was_lost = false;
     while (!stop.stop_requested()) {
-      const auto trouble = robot_.trouble(use_.controller, look(stop));
+      const auto trouble = robot_.trouble(use_.controller, until(stop));
       if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
       if (auto lost = loss_by(*trouble)) return lost;
       if (const auto up = time_is_up()) return ended_by(*up, stop);
@@ -275,7 +275,7 @@ class ControlledRun {
       if (now() > give_up || (!was_lost && !may_be_lost(error))) return aborted(error);
       wait(stop);
       tasks_.ask();
-      (void)tasks_.look();  // those that cannot be seen do not run
+      (void)tasks_.poll();  // those that cannot be seen do not run
     }
     return preempted();
   }
@@ -303,7 +303,7 @@ class ControlledRun {
   }
 
   /// When a condition may hold although nothing has been said of a task or a port.
-  [[nodiscard]] TimePoint next_look() const {
+  [[nodiscard]] TimePoint next_poll() const {
     return std::min({tasks_.next_question(), ports_.next_question(), next_call_, end_of_time()});
   }
 
@@ -319,8 +319,8 @@ class ControlledRun {
 
   /// The position of the first condition that holds; their number if none does.
   Result<std::size_t> first_that_holds(const std::stop_token& stop) {
-    if (auto looked = ports_.look(); !looked) return looked.error();
-    if (auto looked = tasks_.look(); !looked) return looked.error();
+    if (auto polled = ports_.poll(); !polled) return polled.error();
+    if (auto polled = tasks_.poll(); !polled) return polled.error();
     next_call_ = TimePoint::max();
     if (tasks_.has_begun_anew()) return use_.until.size();  // these are told first
     for (std::size_t i = 0; i < use_.until.size(); ++i) {
@@ -348,7 +348,7 @@ class ControlledRun {
   }
   /// The ending where the controller does not run as it should.
   std::optional<Ending> loss(const std::stop_token& stop) {
-    const auto trouble = controller_.trouble(look(stop));
+    const auto trouble = controller_.trouble(until(stop));
     if (!trouble) return stop.stop_requested() ? preempted() : failed(trouble.error(), stop);
     return loss_by(*trouble);
   }
@@ -387,7 +387,7 @@ class ControlledRun {
     for (std::size_t i = 0; i < use_.outputs.size(); ++i) {
       PortFeed& one = *outputs_[i];
       while (true) {
-        if (auto looked = one.look(look(stop)); !looked) return looked;
+        if (auto polled = one.poll(until(stop)); !polled) return polled;
         if (one.last) break;
         if (stop.stop_requested() || now() > deadline) {
           return fail(ErrorCode::DeadlineExceeded, "no sample came from " + to_string(one.port) +
@@ -400,10 +400,10 @@ class ControlledRun {
     return {};
   }
 
-  void wait(const std::stop_token& stop) const { wait_for_next_look(options_.period, stop); }
+  void wait(const std::stop_token& stop) const { wait_for_next_poll(options_.period, stop); }
 
   /// Waits as long as the robot takes.
-  static Wait look(const std::stop_token& stop) { return {TimePoint::max(), stop}; }
+  static Wait until(const std::stop_token& stop) { return {TimePoint::max(), stop}; }
   [[nodiscard]] TimePoint answer_by() const { return now() + options_.answer_deadline; }
 
   Shared& shared_;

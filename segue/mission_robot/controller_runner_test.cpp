@@ -94,20 +94,20 @@ TEST_F(ControllerActions, AreNotEndedByWhatATaskSaidBefore) {
 
 TEST_F(ControllerActions, AskOnceWhetherTheirControllerRunsWhereNothingChanges) {
   begin(std::string("controller: go_home, ") + kArrived);
-  robot_->wait_until_looked(1);
+  robot_->wait_until_polled(1);
   robot_->become("arrived");
   EXPECT_EQ(ended().outcome_name, "arrived");
-  EXPECT_EQ(robot_->looks(), 1U);
+  EXPECT_EQ(robot_->polls(), 1U);
 }
 
 TEST_F(ControllerActions, AskWhetherTheirControllerRunsWhereATaskSaysThatSomethingHasChanged) {
   begin(std::string("controller: go_home, ") + kArrived);
-  robot_->wait_until_looked(1);
+  robot_->wait_until_polled(1);
   robot_->tell_no_changes();
   robot_->take_over();
   robot_->become("arrived");
   EXPECT_EQ(ended().outcome_name, "aborted");
-  EXPECT_EQ(robot_->looks(), 2U);
+  EXPECT_EQ(robot_->polls(), 2U);
 }
 
 TEST_F(ControllerActions, AskAsOftenAsTheirTaskChangesHoweverOftenItUpdates) {
@@ -171,16 +171,16 @@ TEST_F(ControllerActions, AbortWhereTheControllerIsLost) {
 
 TEST_F(ControllerActions, AskWhetherTheirControllerRunsOnlyWhereSomethingHasChanged) {
   begin(std::string("controller: go_home, ") + kArrived);
-  robot_->wait_until_looked(1);
+  robot_->wait_until_polled(1);
   for (int i = 0; i < 10; ++i) {
     const std::size_t before = robot_->watches();
     robot_->become("on leg " + std::to_string(i));
     robot_->wait_until_watched(before + 1);
   }
-  EXPECT_EQ(robot_->looks(), 1U);
+  EXPECT_EQ(robot_->polls(), 1U);
   robot_->lose("task 'planner' failed still");
   EXPECT_EQ(ended().outcome_name, "aborted");
-  EXPECT_EQ(robot_->looks(), 2U);
+  EXPECT_EQ(robot_->polls(), 2U);
 }
 
 TEST_F(ControllerActions, AbortWhereATaskIsBroken) {

@@ -41,7 +41,7 @@ class RequestedRobot final : public CommandedRobot {
   }
   Result<ControllerTrouble> trouble(std::string_view controller, const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
-    looks_.emplace_back(controller);
+    polls_.emplace_back(controller);
     return ControllerTrouble{.why = broken_.contains(std::string(controller)) ? "it is broken" : "",
                              .tasks = {},
                              .repair = repair_};
@@ -115,9 +115,9 @@ class RequestedRobot final : public CommandedRobot {
     repair_ = task;
   }
   /// The controllers that somebody has looked at.
-  std::vector<std::string> looks() {
+  std::vector<std::string> polls() {
     const std::lock_guard lock(mutex_);
-    return looks_;
+    return polls_;
   }
   ControllerRequest runs() {
     const std::lock_guard lock(mutex_);
@@ -135,7 +135,7 @@ class RequestedRobot final : public CommandedRobot {
   ControllerRequest runs_;
   std::set<std::string> broken_;
   std::string repair_;
-  std::vector<std::string> looks_;
+  std::vector<std::string> polls_;
   bool held_ = false;
   bool keeps_conflicts_ = false;
   std::size_t let_go_ = 0;  ///< that many requests are answered although it holds
@@ -234,9 +234,9 @@ TEST_F(UnionOfControllers, DoesNotRequestWhatRunsWell) {
   EXPECT_TRUE(union_.begin("drive", speed(1)));
   EXPECT_TRUE(union_.begin("arm", {}));
   EXPECT_TRUE(union_.end("drive", true));
-  EXPECT_THAT(robot_->looks(), IsEmpty());
+  EXPECT_THAT(robot_->polls(), IsEmpty());
   EXPECT_TRUE(union_.begin("drive", speed(1)));
-  EXPECT_THAT(robot_->looks(), ElementsAre("drive"));
+  EXPECT_THAT(robot_->polls(), ElementsAre("drive"));
   EXPECT_THAT(robot_->requests(), SizeIs(2));
   EXPECT_TRUE(union_.begin("drive", speed(2))) << "it runs with other properties";
   EXPECT_THAT(robot_->requests(), SizeIs(3));
@@ -263,17 +263,17 @@ TEST_F(UnionOfControllers, DoesNotLookAtWhatWasSeenJustNow) {
   EXPECT_TRUE(one.begin("drive", {}));
   one.note_runs("drive", before, now());
   EXPECT_TRUE(one.begin("drive", {}));
-  EXPECT_THAT(robot_->looks(), SizeIs(1)) << "it was seen before the robot was to run this";
+  EXPECT_THAT(robot_->polls(), SizeIs(1)) << "it was seen before the robot was to run this";
   EXPECT_TRUE(one.begin("drive", {}));
   one.note_runs("drive", now(), now());
   EXPECT_TRUE(one.begin("drive", {}));
-  EXPECT_THAT(robot_->looks(), SizeIs(1));
+  EXPECT_THAT(robot_->polls(), SizeIs(1));
   EXPECT_TRUE(one.begin("arm", {}));
   EXPECT_TRUE(one.begin("drive", {}));
-  EXPECT_THAT(robot_->looks(), SizeIs(2)) << "another request has come since";
+  EXPECT_THAT(robot_->polls(), SizeIs(2)) << "another request has come since";
   one.note_changed();
   EXPECT_TRUE(one.begin("drive", {}));
-  EXPECT_THAT(robot_->looks(), SizeIs(3));
+  EXPECT_THAT(robot_->polls(), SizeIs(3));
   std::stop_source stopped;
   stopped.request_stop();
   EXPECT_FALSE(one.begin("drive", {}, {.stop = stopped.get_token()}));

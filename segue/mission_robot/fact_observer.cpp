@@ -49,9 +49,9 @@ void FactObserver::work(const std::stop_token& end) {
   while (!end.stop_requested()) {
     // Tasks and ports are asked anew: their last answers may be older than what somebody has been told
     // meanwhile.
-    (void)tasks_.look();
-    (void)port_tasks_.look();
-    (void)ports_.look();
+    (void)tasks_.poll();
+    (void)port_tasks_.poll();
+    (void)ports_.poll();
     follow_ports();
     const auto again = call_watchers();
     port_tasks_.ask();
@@ -65,13 +65,13 @@ void FactObserver::work(const std::stop_token& end) {
 /// All the time, since what a sample has shown counts until the next one.
 void FactObserver::follow_ports() {
   for (auto& [name, entry] : entries_) {
-    const Lock lock(looking_);
+    const Lock lock(polling_);
     const auto* shows = std::get_if<SampleShows>(&entry.declared.when);
     if (shows == nullptr) continue;
-    look(entry);
+    poll(entry);
     if (entry.feed && entry.followed == entry.opened) continue;
     follow_port(entry, shows->port);
-    look(entry);  // samples that came before it was followed
+    poll(entry);  // samples that came before it was followed
   }
 }
 
@@ -91,8 +91,8 @@ std::optional<TimePoint> FactObserver::call_watchers() {
   auto watches = std::exchange(watches_, {});
   lock.unlock();
   std::optional<TimePoint> again;
-  std::erase_if(watches, [&again](const Look& look) {
-    const auto next = look();
+  std::erase_if(watches, [&again](const Poll& poll) {
+    const auto next = poll();
     if (next) again = std::min(*next, again.value_or(TimePoint::max()));
     return !next;
   });
@@ -102,15 +102,15 @@ std::optional<TimePoint> FactObserver::call_watchers() {
   return again;
 }
 
-std::optional<bool> FactObserver::look(Entry& entry) {
-  const auto seen = std::visit([&](const auto& when) { return look(entry, when); }, entry.declared.when);
+std::optional<bool> FactObserver::poll(Entry& entry) {
+  const auto seen = std::visit([&](const auto& when) { return poll(entry, when); }, entry.declared.when);
   if (seen) entry.value = *seen;
   entry.seen = entry.seen || seen;
   return seen;
 }
 
 /// The states that a component declares are those of its task while that runs, or has failed.
-std::optional<bool> FactObserver::look(Entry& /*entry*/, const TaskReaches& when) {
+std::optional<bool> FactObserver::poll(Entry& /*entry*/, const TaskReaches& when) {
   const auto task = robot_->task(when.task, time_now() + options_.answer_deadline);
   if (!task) return std::nullopt;
   if (is_in(*task, when)) return true;
@@ -120,7 +120,7 @@ std::optional<bool> FactObserver::look(Entry& /*entry*/, const TaskReaches& when
 }
 
 /// A feed does not say that its task is gone, or is there anew.
-std::optional<bool> FactObserver::look(Entry& entry, const SampleShows& when) {
+std::optional<bool> FactObserver::poll(Entry& entry, const SampleShows& when) {
   const auto task = robot_->task(when.port.task, time_now() + options_.answer_deadline);
   if (!task || task->updates < entry.updates) entry.feed.reset();
   entry.updates = task ? task->updates : 0;
@@ -131,7 +131,7 @@ std::optional<bool> FactObserver::look(Entry& entry, const SampleShows& when) {
     entry.feed = std::move(*opened);
     entry.opened = time_now();
   }
-  if (!entry.feed->look(time_now() + options_.answer_deadline)) {
+  if (!entry.feed->poll(time_now() + options_.answer_deadline)) {
     entry.feed.reset();
     return std::nullopt;
   }
@@ -139,31 +139,31 @@ std::optional<bool> FactObserver::look(Entry& entry, const SampleShows& when) {
   return holds(when.what, *entry.feed->last);
 }
 
-std::optional<bool> FactObserver::look(Entry& /*entry*/, const OperationAnswers& when) {
+std::optional<bool> FactObserver::poll(Entry& /*entry*/, const OperationAnswers& when) {
   const auto answer = holds(*robot_, when, time_now() + options_.answer_deadline);
   return answer ? std::optional(*answer) : std::nullopt;
 }
 
-/// The value of the fact as a look shows it, or else as it was known last.
+/// The value of the fact as a poll shows it, or else as it was known last.
 bool FactObserver::value_now(Entry& entry) {
-  while (!look(entry)) {
+  while (!poll(entry)) {
     const bool may_still_come =
         entry.feed && !entry.feed->last && time_now() < entry.opened + entry.declared.settle;
     if (!may_still_come) break;
-    wait_for_next_look(std::chrono::milliseconds(1), {});
+    wait_for_next_poll(std::chrono::milliseconds(1), {});
   }
   return entry.value;
 }
 
 void FactObserver::begin(const World::Facts& facts) {
-  const Lock lock(looking_);
+  const Lock lock(polling_);
   for (auto& [name, entry] : entries_) {
     if (!entry.seen) entry.value = facts.contains(name);
   }
 }
 
 std::optional<GroundFact> FactObserver::first_false(std::span<const GroundFact> facts) {
-  const Lock lock(looking_);
+  const Lock lock(polling_);
   for (const GroundFact& fact : facts) {
     const auto found = entries_.find(fact.text);
     if (found != entries_.end() && value_now(found->second) != fact.holds) return fact;
@@ -172,13 +172,13 @@ std::optional<GroundFact> FactObserver::first_false(std::span<const GroundFact> 
 }
 
 std::optional<bool> FactObserver::observed(std::string_view fact) {
-  const Lock lock(looking_);
+  const Lock lock(polling_);
   const auto found = entries_.find(fact);
-  return found == entries_.end() ? std::nullopt : look(found->second);
+  return found == entries_.end() ? std::nullopt : poll(found->second);
 }
 
 void FactObserver::assume(std::span<const GroundFact> effects) {
-  const Lock lock(looking_);
+  const Lock lock(polling_);
   for (const GroundFact& effect : effects) {
     if (const auto found = entries_.find(effect.text); found != entries_.end())
       found->second.value = effect.holds;
@@ -190,10 +190,10 @@ Duration FactObserver::settle(std::string_view fact) const {
   return found == entries_.end() ? Duration::zero() : found->second.declared.settle;
 }
 
-void FactObserver::watch(Look look) {
+void FactObserver::watch(Poll poll) {
   {
     const Lock lock(mutex_);
-    watches_.push_back(std::move(look));
+    watches_.push_back(std::move(poll));
   }
   bell_->ring();
 }

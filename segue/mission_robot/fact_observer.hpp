@@ -9,7 +9,7 @@
 #include <segue/mission/footprint.hpp>
 #include <segue/mission/mission.hpp>
 #include <segue/mission/world.hpp>
-#include <segue/mission_robot/robot_look.hpp>
+#include <segue/mission_robot/robot_poll.hpp>
 #include <segue/mission_robot/watched_ports.hpp>
 #include <segue/mission_robot/watched_tasks.hpp>
 
@@ -49,7 +49,7 @@ class FactObserver {
   /// has answered; where a port has just been opened, until its first sample comes, for the fact's settling
   /// time at most.
   std::optional<GroundFact> first_false(std::span<const GroundFact> facts);
-  /// Whether the fact holds, as of a look now; nothing where it cannot be observed.
+  /// Whether the fact holds, as of a poll now; nothing where it cannot be observed.
   std::optional<bool> observed(std::string_view fact);
   /// An action has made these facts true or false: that counts for those that cannot be observed.
   void assume(std::span<const GroundFact> effects);
@@ -57,10 +57,10 @@ class FactObserver {
   [[nodiscard]] Duration settle(std::string_view fact) const;
 
   /// Says when it is to be called again at the latest; nothing: never again.
-  using Look = std::function<std::optional<TimePoint>()>;
-  /// Calls `look` on the thread of this: soon, whenever a fact may have changed, at the time that it has
+  using Poll = std::function<std::optional<TimePoint>()>;
+  /// Calls `poll` on the thread of this: soon, whenever a fact may have changed, at the time that it has
   /// said, and when the bell is rung.
-  void watch(Look look);
+  void watch(Poll poll);
   [[nodiscard]] const std::shared_ptr<Bell>& bell() const { return bell_; }
 
  private:
@@ -81,20 +81,20 @@ class FactObserver {
   void follow_port(Entry& entry, const Member& port);
   /// Calls the watchers; the time by which they are to be called again, nothing: nobody watches.
   std::optional<TimePoint> call_watchers();
-  std::optional<bool> look(Entry& entry);
-  std::optional<bool> look(Entry& entry, const TaskReaches& when);
-  std::optional<bool> look(Entry& entry, const SampleShows& when);
-  std::optional<bool> look(Entry& entry, const OperationAnswers& when);
+  std::optional<bool> poll(Entry& entry);
+  std::optional<bool> poll(Entry& entry, const TaskReaches& when);
+  std::optional<bool> poll(Entry& entry, const SampleShows& when);
+  std::optional<bool> poll(Entry& entry, const OperationAnswers& when);
   bool value_now(Entry& entry);
 
   const std::shared_ptr<CommandedRobot> robot_;
   const Options options_;
   /// Protects what is known of facts, but not which ones there are and what is declared of them, which never
   /// changes; held while the robot is asked.
-  Mutex looking_;
+  Mutex polling_;
   std::map<std::string, Entry, std::less<>> entries_;
   Mutex mutex_;  ///< protects `watches_`
-  std::vector<Look> watches_ SEGUE_GUARDED_BY(mutex_);
+  std::vector<Poll> watches_ SEGUE_GUARDED_BY(mutex_);
 
   // Used by the thread only. Their answers ring the bell; what is so then is asked anew.
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();

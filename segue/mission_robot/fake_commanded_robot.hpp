@@ -36,7 +36,7 @@ class FakeCommandedRobot : public CommandedRobot {
   }
   Result<ControllerTrouble> trouble(std::string_view controller, const Wait& /*wait*/) override {
     const std::lock_guard lock(mutex_);
-    ++looks_;
+    ++polls_;
     asked_one_.notify_all();
     if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     if (taken_over_) return ControllerTrouble{kTakenOver};
@@ -120,12 +120,12 @@ class FakeCommandedRobot : public CommandedRobot {
     return asked_;
   }
   /// How often somebody has asked whether a controller runs.
-  std::size_t looks() {
+  std::size_t polls() {
     const std::lock_guard lock(mutex_);
-    return looks_;
+    return polls_;
   }
-  void wait_until_looked(std::size_t times) {
-    wait_until([&] { return looks_ >= times; });
+  void wait_until_polled(std::size_t times) {
+    wait_until([&] { return polls_ >= times; });
   }
   /// Questions for the task so far.
   std::size_t watches() {
@@ -182,7 +182,7 @@ class FakeCommandedRobot : public CommandedRobot {
   std::string trouble_;
   std::vector<ControllerTrouble::Task> broken_;
   FakeTask task_;
-  std::size_t looks_ = 0;
+  std::size_t polls_ = 0;
   std::size_t watches_ = 0;
   bool failed_ = false;
   bool refuses_ = false;

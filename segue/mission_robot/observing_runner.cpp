@@ -75,7 +75,7 @@ class ObservedRun {
 
   /// The time when it is to be called again at the latest; nothing once it has ended. On the observer's
   /// thread.
-  std::optional<TimePoint> look() {
+  std::optional<TimePoint> poll() {
     const TimePoint now = clock_now();
     Then then;
     bool is_guarded = false;
@@ -100,7 +100,7 @@ class ObservedRun {
       guard();
     }
     const Lock lock(mutex_);
-    return is_over_ ? std::nullopt : std::optional(next_look(now));
+    return is_over_ ? std::nullopt : std::optional(next_poll(now));
   }
 
  private:
@@ -151,7 +151,7 @@ class ObservedRun {
   }
 
   /// When something happens after `now` although no fact changes.
-  [[nodiscard]] TimePoint next_look(TimePoint now) const SEGUE_REQUIRES(mutex_) {
+  [[nodiscard]] TimePoint next_poll(TimePoint now) const SEGUE_REQUIRES(mutex_) {
     TimePoint next = due_.value_or(TimePoint::max());
     for (const GroundFact& effect : effects_) {
       const TimePoint settled = settled_at(effect);
@@ -261,7 +261,7 @@ std::optional<Ending> ObservingRunner::start(ActionCall& call) {
     const auto completer = watched.defer(nullptr);
     completer(std::move(*ending), {call.outputs().begin(), call.outputs().end()});
   }
-  observer_->watch([run] { return run->look(); });
+  observer_->watch([run] { return run->poll(); });
   return std::nullopt;
 }
 

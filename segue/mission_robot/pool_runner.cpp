@@ -7,7 +7,7 @@
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/mission_index.hpp>
 #include <segue/mission/pool_call.hpp>
-#include <segue/mission_robot/robot_look.hpp>
+#include <segue/mission_robot/robot_poll.hpp>
 
 #include <algorithm>
 #include <cstdint>
@@ -35,7 +35,7 @@ class Instances {
   Instances(std::shared_ptr<CommandedRobot> robot, const PoolOptions& options)
       : robot_(std::move(robot)), options_(options) {}
 
-  Result<PoolView> look(const std::string& pool, const std::stop_token& stop) const {
+  Result<PoolView> query(const std::string& pool, const std::stop_token& stop) const {
     const auto pools = robot_->pools(Wait(TimePoint::max(), stop));
     if (!pools) return pools.error();
     const auto found = std::ranges::find(*pools, pool, &PoolView::name);
@@ -49,7 +49,7 @@ class Instances {
                                 const std::stop_token& stop) {
     TimePoint give_up = RealClock::instance().now() + options_.ready_deadline;
     while (!stop.stop_requested()) {
-      const auto view = look(pool, stop);
+      const auto view = query(pool, stop);
       if (!view) return view.error();
       Lock lock(mutex_);
       bool any_ready = false;
@@ -86,12 +86,12 @@ class Instances {
     if (has_answered || stop.stop_requested()) return false;
     const TimePoint give_up = RealClock::instance().now() + options_.notice;
     while (true) {
-      const auto view = look(pool, stop);
+      const auto view = query(pool, stop);
       if (!view) return false;
       const auto now = std::ranges::find(view->instances, instance.task, &PoolInstanceView::task);
       if (now == view->instances.end() || !now->ready || now->pid != instance.pid) return true;
       if (error.code != ErrorCode::Unavailable || RealClock::instance().now() > give_up) return false;
-      wait_for_next_look(options_.period, stop);
+      wait_for_next_poll(options_.period, stop);
       if (stop.stop_requested()) return false;
     }
   }
@@ -101,7 +101,7 @@ class Instances {
     if (!options_.unreachable || robot_->pools(Wait(TimePoint::max(), stop))) return false;
     if (!stop.stop_requested()) options_.unreachable(why);
     while (!stop.stop_requested())
-      wait_for_next_look(options_.period, stop);
+      wait_for_next_poll(options_.period, stop);
     return true;
   }
 
@@ -188,7 +188,7 @@ class PoolExecution {
       last = instance->task;
       if (outcome->answer) return ended_with(*outcome->answer, outputs);
       if (!outcome->lost) return failed(explained(outcome->answer.error(), *instance), instances, stop);
-      const auto pool = instances.look(call_.pool, stop);
+      const auto pool = instances.query(call_.pool, stop);
       if (!pool || !may_repeat_ || attempt > pool->instances.size())
         return failed(
             fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(outcome->answer.error()),

@@ -17,7 +17,7 @@ void WatchedPorts::forget(const Member& port) {
   std::erase_if(ports_, [&](const One& one) { return one.port == port; });
 }
 
-Result<void> WatchedPorts::look() {
+Result<void> WatchedPorts::poll() {
   for (One& one : ports_) {
     one.fresh.clear();
     auto answer = one.question.take();

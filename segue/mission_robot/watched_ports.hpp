@@ -34,13 +34,13 @@ class WatchedPorts {
   void forget(std::string_view task);
   void forget(const Member& port);
   /// Takes in the answers that have come. The error of a port that cannot be read.
-  Result<void> look();
+  Result<void> poll();
   /// Asks for samples of the ports that are not being asked of, where it is time.
   void ask();
   /// When ask() has something to do although the bell does not ring.
   [[nodiscard]] TimePoint next_question() const;
 
-  /// The samples that the last look() has taken in, oldest first.
+  /// The samples that the last poll() has taken in, oldest first.
   [[nodiscard]] std::span<const type::Value> fresh(const Member& port) const;
 
  private:

@@ -52,7 +52,7 @@ class PortsThatAreWatched : public ::testing::Test {
 
 TEST_F(PortsThatAreWatched, AreAskedOnceWhileNoSampleComes) {
   for (int i = 0; i < 10; ++i) {
-    EXPECT_TRUE(ports_.look());
+    EXPECT_TRUE(ports_.poll());
     ports_.ask();
   }
   EXPECT_EQ(notes_.waits.size(), 1U);
@@ -62,20 +62,20 @@ TEST_F(PortsThatAreWatched, AreAskedOnceWhileNoSampleComes) {
 TEST_F(PortsThatAreWatched, RingWhenASampleComes) {
   port_.show(Value(1));
   bell_->wait(Wait(TimePoint::max()));  // returns
-  EXPECT_TRUE(ports_.look());
+  EXPECT_TRUE(ports_.poll());
   EXPECT_THAT(ports_.fresh(place_), ElementsAre(Value(1)));
 }
 
 TEST_F(PortsThatAreWatched, ShowEachSampleOnce) {
   port_.show(Value(1));
-  EXPECT_TRUE(ports_.look());
-  EXPECT_TRUE(ports_.look());
+  EXPECT_TRUE(ports_.poll());
+  EXPECT_TRUE(ports_.poll());
   EXPECT_THAT(ports_.fresh(place_), IsEmpty());
 }
 
 TEST_F(PortsThatAreWatched, AreAskedAnewAfterAWhileAndMissNothing) {
   port_.show(Value(1));
-  EXPECT_TRUE(ports_.look());
+  EXPECT_TRUE(ports_.poll());
   port_.show(Value(2));
   port_.show(Value(3));
   const TimePoint next = ports_.next_question();
@@ -85,13 +85,13 @@ TEST_F(PortsThatAreWatched, AreAskedAnewAfterAWhileAndMissNothing) {
     ports_.ask();
   }
   EXPECT_GE(RealClock::instance().now(), next);
-  EXPECT_TRUE(ports_.look());
+  EXPECT_TRUE(ports_.poll());
   EXPECT_THAT(ports_.fresh(place_), ElementsAre(Value(2), Value(3)));
 }
 
 TEST_F(PortsThatAreWatched, SayWhyTheyCannotBeRead) {
   notes_.answers.back()(fail(ErrorCode::NotFound, "its task is gone"));
-  EXPECT_EQ(ports_.look().error().message, "its task is gone");
+  EXPECT_EQ(ports_.poll().error().message, "its task is gone");
 }
 
 TEST(APortThatIsWatched, IsAskedForNothingAnyMoreOnceNobodyFollowsIt) {

@@ -22,7 +22,7 @@ void WatchedTasks::follow_if_seen(const std::string& task, std::uint64_t after, 
   follow_one(task, after, patience);
 }
 
-Result<void> WatchedTasks::look() {
+Result<void> WatchedTasks::poll() {
   for (One& one : tasks_) {
     if (auto taken = take(one); !taken) return taken;
   }

@@ -35,13 +35,13 @@ class WatchedTasks {
 
   /// Follows that task; its updates are changes, too, while there have been no more than `after`.
   /// `patience`: how long a question waits. One that was gone is seen again when it runs. That it cannot be
-  /// seen is an error of look().
+  /// seen is an error of poll().
   void follow(const std::string& task, std::uint64_t after, Duration patience = kPatience);
-  /// Follows the task like follow(), but it is not an error of look() that the task cannot be seen.
+  /// Follows the task like follow(), but it is not an error of poll() that the task cannot be seen.
   void follow_if_seen(const std::string& task, std::uint64_t after = 0, Duration patience = kPatience);
   /// Takes in the answers that have come. The error of a task that cannot be seen: where one is gone, the
   /// robot may have it anew, so only a question for its present level can fail.
-  Result<void> look();
+  Result<void> poll();
   /// Asks of the tasks that are not being asked of, where it is time.
   void ask();
   /// When ask() has something to do although the bell does not ring.
@@ -57,7 +57,7 @@ class WatchedTasks {
   void note_gone(std::string_view task);
   /// Whether a task that was gone has not been seen to run again.
   [[nodiscard]] bool lacks_any() const;
-  /// The task as the last look() found it. Null: nothing is known yet.
+  /// The task as the last poll() found it. Null: nothing is known yet.
   [[nodiscard]] const TaskView* view(std::string_view task) const;
   /// Counts answers.
   [[nodiscard]] std::uint64_t news(std::string_view task) const;

@@ -59,9 +59,9 @@ class TasksThatAreWatched : public ::testing::Test {
   /// Answers the last question, and asks the next one.
   Result<void> answer(Result<TaskView> how) {
     robot_.asked.back().answer(std::move(how));
-    auto looked = tasks_.look();
+    auto polled = tasks_.poll();
     tasks_.ask();
-    return looked;
+    return polled;
   }
   const TaskQuestion& last() { return robot_.asked.back().question; }
 

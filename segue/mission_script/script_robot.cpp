@@ -6,7 +6,7 @@
 #include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission_robot/change_watch.hpp>
-#include <segue/mission_robot/robot_look.hpp>
+#include <segue/mission_robot/robot_poll.hpp>
 #include <segue/mission_script/script_messages.hpp>
 
 #include <algorithm>
@@ -200,8 +200,8 @@ class RobotUse final : public ScriptRobot::Use {
     const auto member = member_of(request);
     if (!member) return member.error();
     if (call == "read") {
-      return look_at(member->task, {deadline_of(request), stop},
-                     [&](const Wait& wait) { return read(*member, wait.deadline, wait.stop); });
+      return poll(member->task, {deadline_of(request), stop},
+                  [&](const Wait& wait) { return read(*member, wait.deadline, wait.stop); });
     }
     const Value value = value_at(request, "value");
     const Wait wait(deadline_of(request), stop);
@@ -222,23 +222,23 @@ class RobotUse final : public ScriptRobot::Use {
 
   Result<Value> task(const Value& request, const std::stop_token& stop) {
     const std::string name = detail::message_text(request, "name");
-    return look_at(name, {RealClock::instance().now() + kAnswer, stop}, [&](const Wait& wait) {
+    return poll(name, {RealClock::instance().now() + kAnswer, stop}, [&](const Wait& wait) {
       const auto view = robot_->task(name, wait);
       return view ? to_value(*view) : Result<Value>(view.error());
     });
   }
 
-  /// The answer of `look` about a task. Where the task was lost that the script has seen before, asks again
-  /// while the robot repairs it.
-  template <class Look>
-  Result<Value> look_at(const std::string& task, const Wait& wait, Look look) {
-    auto got = look(wait);
+  /// The answer of `question` about a task. Where the task was lost that the script has seen before, asks
+  /// again while the robot repairs it.
+  template <class Question>
+  Result<Value> poll(const std::string& task, const Wait& wait, Question question) {
+    auto got = question(wait);
     TimePoint give_up = RealClock::instance().now() + options_.notice;
     while (!got && may_be_lost(got.error()) && has_seen(task) && !wait.is_stopped()) {
       if (is_mended(wait.stop)) give_up = RealClock::instance().now() + options_.notice;
       if (RealClock::instance().now() >= std::min(give_up, wait.deadline)) return got;
-      wait_for_next_look(options_.period, wait.stop);
-      got = look(wait);
+      wait_for_next_poll(options_.period, wait.stop);
+      got = question(wait);
     }
     if (got) note_seen(task);
     return got;
@@ -273,7 +273,7 @@ class RobotUse final : public ScriptRobot::Use {
     const std::string name = detail::message_text(request, "name");
     const TaskReaches wanted{name, detail::message_text(request, "state")};
     const TimePoint deadline = request.find("timeout") == nullptr ? TimePoint::max() : deadline_of(request);
-    return look_at(name, {deadline, stop}, [&](const Wait& wait) { return reaches(wanted, wait); });
+    return poll(name, {deadline, stop}, [&](const Wait& wait) { return reaches(wanted, wait); });
   }
 
   Result<Value> reaches(const TaskReaches& wanted, const Wait& wait) {

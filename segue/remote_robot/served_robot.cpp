@@ -132,7 +132,7 @@ Result<T> ServedRobot::heard(Result<T> answer) {
 }
 
 template <class Ask>
-auto ServedRobot::look(const Wait& wait, Ask ask) const -> decltype(ask(wait)) {
+auto ServedRobot::query(const Wait& wait, Ask ask) const -> decltype(ask(wait)) {
   if (auto lost = loss()) return std::move(*lost);
   const EitherStop either(wait.stop, lost_.get_token());
   auto answer = ask(Wait(wait.deadline, either.token()));
@@ -142,7 +142,7 @@ auto ServedRobot::look(const Wait& wait, Ask ask) const -> decltype(ask(wait)) {
 }
 
 template <class T, class Ask>
-void ServedRobot::look_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const {
+void ServedRobot::query_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const {
   if (auto lost = loss()) return answered(std::move(*lost));
   const auto either = std::make_shared<EitherStop>(wait.stop, lost_.get_token());
   ask(Wait(wait.deadline, either->token()),
@@ -152,7 +152,7 @@ void ServedRobot::look_later(const Wait& wait, std::function<void(Result<T>)> an
 template <class Ask>
 auto ServedRobot::command(const Wait& wait, Ask ask) -> decltype(ask(wait)) {
   if (auto refused = refusal()) return std::move(*refused);
-  auto answer = look(wait, ask);
+  auto answer = query(wait, ask);
   if (!answer && !wait.is_stopped()) (void)lost_command(wait.stop);  // so that who is stopped knows it first
   return answer;
 }
@@ -176,23 +176,23 @@ Result<std::shared_ptr<control::RobotLease>> ServedRobot::present_lease() const 
 }
 
 /// One at a time has the lease to look at, and no other waits for it longer than it wants to.
-class ServedRobot::Looking {
+class ServedRobot::LeaseCheck {
  public:
-  Looking(ServedRobot& robot, const std::stop_token& stop) : robot_(robot) {
+  LeaseCheck(ServedRobot& robot, const std::stop_token& stop) : robot_(robot) {
     Lock lock(robot_.looking_mutex_);
     has_lease_ =
         robot_.looked_.wait(robot_.looking_mutex_, stop,
                             [this]() SEGUE_REQUIRES(robot_.looking_mutex_) { return !robot_.is_looked_at_; });
     if (has_lease_) robot_.is_looked_at_ = true;
   }
-  ~Looking() {
+  ~LeaseCheck() {
     if (!has_lease_) return;
     const Lock lock(robot_.looking_mutex_);
     robot_.is_looked_at_ = false;
     robot_.looked_.notify_one();
   }
-  Looking(const Looking&) = delete;
-  Looking& operator=(const Looking&) = delete;
+  LeaseCheck(const LeaseCheck&) = delete;
+  LeaseCheck& operator=(const LeaseCheck&) = delete;
   /// False: a stop came first.
   [[nodiscard]] bool has_lease() const { return has_lease_; }
 
@@ -202,7 +202,7 @@ class ServedRobot::Looking {
 };
 
 Result<std::optional<std::string>> ServedRobot::lost_command(const std::stop_token& stop) {
-  const Looking looking(*this, stop);
+  const LeaseCheck check(*this, stop);
   if (!looking.has_lease()) return no_longer_wanted();
   const auto lease = present_lease();
   if (!lease) return lease.error();
@@ -227,7 +227,7 @@ Result<void> ServedRobot::take() {
 
 Result<std::vector<control::HolderRequest>> ServedRobot::asked() {
   if (auto taken = take(); !taken) return taken.error();
-  const Looking looking(*this, {});
+  const LeaseCheck check(*this, {});
   const auto lease = present_lease();
   if (!lease) return lease.error();
   if (!*lease) return given_back();
@@ -318,7 +318,7 @@ control::Sender ServedRobot::sender() const {
 
 Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view controller, const Wait& wait) {
   const std::uint64_t lease = sender().lease;
-  auto status = look(wait, [&](const Wait& both) { return service_.running(lease, both); });
+  auto status = query(wait, [&](const Wait& both) { return service_.running(lease, both); });
   if (wait.deadline == TimePoint::max()) status = heard(std::move(status));  // which it answers at once
   if (!status) return status.error();
   // Once the robot was taken over, or comes to rest, its network is of no interest to this mission.
@@ -330,9 +330,9 @@ Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view control
 }
 
 Result<mission::ControllerConflicts> ServedRobot::conflicts(const Wait& wait) {
-  const auto status = look(wait, [&](const Wait& both) { return service_.status(both); });
+  const auto status = query(wait, [&](const Wait& both) { return service_.status(both); });
   if (!status) return status.error();
-  const auto pairs = look(wait, [&](const Wait& both) { return service_.conflicts({}, both); });
+  const auto pairs = query(wait, [&](const Wait& both) { return service_.conflicts({}, both); });
   if (!pairs) return pairs.error();
   const Value* names = status->find("controllers");
   if (names == nullptr || !names->is_list() || !pairs->is_list())
@@ -348,7 +348,7 @@ Result<mission::ControllerConflicts> ServedRobot::conflicts(const Wait& wait) {
 }
 
 Result<std::vector<mission::PoolView>> ServedRobot::pools(const Wait& wait) {
-  const auto status = look(wait, [&](const Wait& both) { return service_.status(both); });
+  const auto status = query(wait, [&](const Wait& both) { return service_.status(both); });
   if (!status) return status.error();
   std::vector<mission::PoolView> pools;
   for (const Value& pool : list_at(*status, "pools")) {
@@ -393,18 +393,19 @@ void ServedRobot::watch(const mission::TaskQuestion& question, const Wait& wait,
     asked.seen = task_host::TaskLevel{task_state_from(question.seen->state).value_or(TaskState::Fatal),
                                       question.seen->state_name, question.seen->updates};
   }
-  look_later<mission::TaskView>(wait, std::move(answered), [&](const Wait& both, mission::TaskAnswer answer) {
-    service_.watch(asked, both, [answer = std::move(answer)](Result<control::RobotLevel> seen) {
-      if (!seen) return answer(std::move(seen.error()));
-      auto& [level, changes] = *seen;
-      answer(mission::TaskView{std::string(to_string(level.state)), std::move(level.state_name),
-                               level.updates, changes});
-    });
-  });
+  query_later<mission::TaskView>(
+      wait, std::move(answered), [&](const Wait& both, mission::TaskAnswer answer) {
+        service_.watch(asked, both, [answer = std::move(answer)](Result<control::RobotLevel> seen) {
+          if (!seen) return answer(std::move(seen.error()));
+          auto& [level, changes] = *seen;
+          answer(mission::TaskView{std::string(to_string(level.state)), std::move(level.state_name),
+                                   level.updates, changes});
+        });
+      });
 }
 
 void ServedRobot::changes(std::uint64_t seen, const Wait& wait, mission::ChangesAnswer answered) {
-  look_later<std::uint64_t>(wait, std::move(answered), [&](const Wait& both, mission::ChangesAnswer answer) {
+  query_later<std::uint64_t>(wait, std::move(answered), [&](const Wait& both, mission::ChangesAnswer answer) {
     service_.changes(seen, both, std::move(answer));
   });
 }
@@ -412,7 +413,7 @@ void ServedRobot::changes(std::uint64_t seen, const Wait& wait, mission::Changes
 Result<std::unique_ptr<mission::PortSamples>> ServedRobot::open(const mission::Member& port,
                                                                 const Wait& wait) {
   auto stream =
-      look(wait, [&](const Wait& both) { return service_.open_port(port.task, port.name, kBuffer, both); });
+      query(wait, [&](const Wait& both) { return service_.open_port(port.task, port.name, kBuffer, both); });
   if (!stream) return stream.error();
   return std::make_unique<StreamSamples>(std::move(*stream));
 }

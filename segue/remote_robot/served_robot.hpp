@@ -86,11 +86,11 @@ class ServedRobot final : public mission::CommandedRobot {
   [[nodiscard]] std::optional<std::string> lost_by(const control::LeaseStanding& standing) const;
   /// Calls `ask(wait)`, which only looks, and ends, too, where the robot is lost.
   template <class Ask>
-  auto look(const Wait& wait, Ask ask) const -> decltype(ask(wait));
+  auto query(const Wait& wait, Ask ask) const -> decltype(ask(wait));
   /// Calls `ask(wait, answered)`, which only looks and returns at once; `answered` is called, too, where the
   /// robot is lost.
   template <class T, class Ask>
-  void look_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const;
+  void query_later(const Wait& wait, std::function<void(Result<T>)> answered, Ask ask) const;
   [[nodiscard]] control::Sender sender() const;
   void count_saving(const type::Value& transition);
   [[nodiscard]] std::string requester(const mission::ControllerRequest& what) const;
@@ -99,9 +99,9 @@ class ServedRobot final : public mission::CommandedRobot {
   const std::string who_;
   std::function<void()> when_stopped_ = [] {};
   MissionRecord record_;
-  /// Held while the lease is looked at: a caller that comes after one whose look was not answered knows that
+  /// Held while the lease is looked at: a caller that comes after one whose query was not answered knows that
   /// the robot is lost, and need not wait as long again.
-  class Looking;
+  class LeaseCheck;
   Mutex looking_mutex_;  ///< protects the next one
   bool is_looked_at_ SEGUE_GUARDED_BY(looking_mutex_) = false;
   StoppableConditionVariable looked_;

@@ -35,7 +35,7 @@ struct LogPosition {
 interface HostedRobot extends(Tasks.TaskAccess) {
   renew @0 () -> (error :Wire.Error);
   release @1 () -> (error :Wire.Error);
-  look @2 () -> (error :Wire.Error, view :View);
+  snapshot @2 () -> (error :Wire.Error, view :View);
   expect @3 (target :Model.Network) -> (error :Wire.Error);
   beginTransition @4 (before :Model.Network, target :Model.Network) -> (error :Wire.Error);
   getReady @5 (target :Model.Network, links :List(LinkWait), timeout :Int64) -> (error :Wire.Error);

@@ -28,7 +28,7 @@ void read_address(std::string_view text) {
   require(again.has_value() && *again == *address, "an address is read as it was written");
 }
 
-void look_at(X509* certificate) {
+void read(X509* certificate) {
   static_cast<void>(tls::common_name(certificate));
   const auto identity = tls::identity_of(certificate);
   if (identity) require(is_identifier(identity->name), "a name is an identifier");
@@ -36,11 +36,11 @@ void look_at(X509* certificate) {
 
 void read_certificate(const std::uint8_t* bytes, std::size_t size) {
   const tls::Certificate certificate(d2i_X509(nullptr, &bytes, static_cast<long>(size)));
-  if (certificate) look_at(certificate.get());
+  if (certificate) read(certificate.get());
 }
 
 void read_pem(std::string_view text) {
-  if (const auto certificate = tls::certificate_from(text, "fuzzed.crt")) look_at(certificate->get());
+  if (const auto certificate = tls::certificate_from(text, "fuzzed.crt")) read(certificate->get());
 }
 
 void read_list(std::string_view text) {

@@ -301,9 +301,9 @@ TEST_F(HealthTest, what_was_never_requested_is_not_repaired) {
 class CountingHost final : public segue::testing::ForwardingHost {
  public:
   using ForwardingHost::ForwardingHost;
-  [[nodiscard]] View look() const override {
+  [[nodiscard]] View snapshot() const override {
     ++looks;
-    return inner_.look();
+    return inner_.snapshot();
   }
   [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override {
     ++others;

@@ -158,7 +158,7 @@ Look Supervisor::judge(task_host::TaskHost::View seen) {
 }
 
 Look Supervisor::look() {
-  Look look = judge(parts_.host.look());
+  Look look = judge(parts_.host.snapshot());
   if (look.health.state != Health::State::InTransition) {
     look.differences = switching_.differences_from(look.seen.network, &look.seen.connections);
   }

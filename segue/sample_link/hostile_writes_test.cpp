@@ -100,12 +100,12 @@ class Case {
     if (waits) source_.out.write(sample_of<T>(++written_));
     hostile_.spoil(words());
     if (hostile_.below(2) == 0) flow(1 + hostile_.below(12));
-    EXPECT_TRUE(look() || flows() || look()) << "samples are lost for ever, and nobody knows";
+    EXPECT_TRUE(check() || flows() || check()) << "samples are lost for ever, and nobody knows";
     EXPECT_TRUE(region_ == Region::Payload || wrong_ == 0) << "samples that were never written";
     pair_.disconnect(link_);
     connect();
     EXPECT_TRUE(flows()) << "made again, it carries nothing";
-    EXPECT_FALSE(look());
+    EXPECT_FALSE(check());
     const auto late = *SharedMemory::create(kSmall);
     for (const auto& memory : {pair_.reader, pair_.writer})
       EXPECT_TRUE(late->admit(*memory->offer())) << "no process can connect to it any more";
@@ -174,7 +174,7 @@ class Case {
     return true;
   }
   /// For some seconds, as deployments do; samples may flow meanwhile.
-  bool look() {
+  bool check() {
     const bool goes_on = hostile_.below(2) == 0;
     for (int second = 0; second < 5; ++second) {
       const TimePoint now(std::chrono::hours(1) + std::chrono::seconds(second));

@@ -39,7 +39,7 @@ class Components {
       if (visit.next == before_.start(visit.node + 1)) {
         leave(visit.node);
       } else {
-        look_at(visit.node, before_.at(visit.next++));
+        visit_next(visit.node, before_.at(visit.next++));
       }
     }
   }
@@ -50,7 +50,7 @@ class Components {
     visits_.push_back({node, before_.start(node)});
   }
 
-  void look_at(int node, int other) {
+  void visit_next(int node, int other) {
     if (entered_[as_index(other)] == kNone) {
       enter(other);
     } else if (found_.group_of[as_index(other)] == kNone) {

@@ -110,7 +110,7 @@ class PortStorm : public ::testing::Test {
       ASSERT_TRUE(recovered) << to_string(recovered.error());
     }
   }
-  void look() {
+  void check() {
     const auto described = host_.describe(kFragile);
     if (described) most_ports_ = std::max(most_ports_, described->ports.size());
     if (auto reader = host_.open_reader({kFragile, "out_2"}, 4)) static_cast<void>((*reader)->read(10));
@@ -142,7 +142,7 @@ class PortStorm : public ::testing::Test {
 TEST_F(PortStorm, breaking_tasks_may_be_described_read_and_connected_meanwhile) {
   std::thread looker([&] {
     while (!over_)
-      look();
+      check();
   });
   std::thread wirer([&] {
     while (!over_)

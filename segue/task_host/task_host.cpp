@@ -42,7 +42,7 @@ bool TaskHost::stands_in(const model::ComponentName& /*component*/) const {
   return false;
 }
 
-TaskHost::View TaskHost::look() const {
+TaskHost::View TaskHost::snapshot() const {
   return {observe(), tasks(), connections()};
 }
 

@@ -140,7 +140,7 @@ class TaskHost {
     std::vector<TaskReport> tasks;
     std::vector<ConnectionReport> connections;
   };
-  [[nodiscard]] virtual View look() const;
+  [[nodiscard]] virtual View snapshot() const;
   /// Has `answered` called with how the task is, once that is not as `question.seen` says; or, at the
   /// deadline, as it is then. Only where the task lives is asked. Returns at once. NotFound, also where the
   /// task is removed meanwhile; Unavailable where its process is gone; DeadlineExceeded where that does not

@@ -9,20 +9,20 @@
 
 namespace segue::task_host::detail {
 
-Watches::Open::Open(Wait until, Look how, Watches& owner)
-    : wait(std::move(until)), look(std::move(how)), stopped(wait.stop, [&owner] { owner.wake(); }) {}
+Watches::Open::Open(Wait until, Poll how, Watches& owner)
+    : wait(std::move(until)), poll(std::move(how)), stopped(wait.stop, [&owner] { owner.wake(); }) {}
 
-void Watches::add(Wait wait, Look look) {
-  if (look(End::No)) return;
+void Watches::add(Wait wait, Poll poll) {
+  if (poll(End::No)) return;
   Lock lock(mutex_);
   if (closed_) {
     lock.unlock();
-    look(End::Closed);
+    poll(End::Closed);
     return;
   }
   if (!thread_) thread_ = concurrent::start_thread(thread_name_, [this] { run(); });
   open_count_.fetch_add(1, std::memory_order_seq_cst);  // W1
-  added_.push_back(std::make_unique<Open>(std::move(wait), std::move(look), *this));
+  added_.push_back(std::make_unique<Open>(std::move(wait), std::move(poll), *this));
   lock.unlock();
   wake();
 }
@@ -72,11 +72,11 @@ Watches::End Watches::end_of(const Open& open, TimePoint now) const {
 TimePoint Watches::look_at_all(TimePoint now) {
   TimePoint next = task::detail::kNever;
   for (auto one = open_.begin(); one != open_.end();) {
-    if ((*one)->look(end_of(**one, now))) {
+    if ((*one)->poll(end_of(**one, now))) {
       one = open_.erase(one);
       open_count_.fetch_sub(1, std::memory_order_seq_cst);
     } else {
-      next = std::min({next, now + look_, (*one)->wait.deadline});
+      next = std::min({next, now + period_, (*one)->wait.deadline});
       ++one;
     }
   }

@@ -22,23 +22,23 @@ namespace segue::task_host::detail {
 class Watches {
  public:
   /// Changes that ring for nothing, such as a task that hangs, are seen within this.
-  static constexpr Duration kLook = std::chrono::milliseconds(100);
+  static constexpr Duration kPollPeriod = std::chrono::milliseconds(100);
 
   enum class End : std::uint8_t { No, Deadline, Stop, Closed };
   /// Looks whether what is waited for has happened, and answers if so; true once it has answered. It must at
   /// an end, and must not block.
-  using Look = std::function<bool(End end)>;
+  using Poll = std::function<bool(End end)>;
 
   /// Looks at least so often while somebody waits. `thread` is the name of the thread: a literal of at most
   /// 15 characters.
-  explicit Watches(Duration look = kLook, const char* thread = "segue-watch")
-      : look_(look), thread_name_(thread) {}
+  explicit Watches(Duration period = kPollPeriod, const char* thread = "segue-watch")
+      : period_(period), thread_name_(thread) {}
   Watches(const Watches&) = delete;
   Watches& operator=(const Watches&) = delete;
   ~Watches() { close(); }
 
-  /// `look` is called now, after each ring(), and at the end of `wait`, one call at a time.
-  void add(Wait wait, Look look);
+  /// `poll` is called now, after each ring(), and at the end of `wait`, one call at a time.
+  void add(Wait wait, Poll poll);
   /// Something may have changed. Real-time safe, and free while nobody waits.
   void ring() noexcept;
   /// Ends all waits; later questions end at once.
@@ -46,19 +46,19 @@ class Watches {
 
  private:
   struct Open {
-    Open(Wait until, Look how, Watches& owner);
+    Open(Wait until, Poll how, Watches& owner);
     const Wait wait;
-    const Look look;
+    const Poll poll;
     const std::stop_callback<std::function<void()>> stopped;
   };
 
   void wake() noexcept;
   void run();
-  /// Looks for all questions; returns the time of the next look.
+  /// Looks for all questions; returns the time of the next poll.
   TimePoint look_at_all(TimePoint now);
   [[nodiscard]] End end_of(const Open& open, TimePoint now) const;
 
-  const Duration look_;
+  const Duration period_;
   const char* const thread_name_;
   /// W1: ring() looks at `open_count_` after the change that it stands for; add() raises that before it looks
   /// for changes (both sequentially consistent): so one of them sees the other.

@@ -13,7 +13,7 @@ namespace segue::task_host::detail {
 namespace {
 
 /// How often it is looked whether a task has taken a sample.
-constexpr Duration kLook = std::chrono::milliseconds(1);
+constexpr Duration kPollPeriod = std::chrono::milliseconds(1);
 
 /// Owns an output port, as only components can.
 class Source final : public task::Component {
@@ -75,7 +75,7 @@ Result<void> WrittenSamples::wait_until_taken(const model::PortRef& name,
                                               TimePoint deadline) {
   bool taken = connection.counters().read > 0;
   while (!taken && connection.connected() && RealClock::instance().now() < deadline) {
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollPeriod);
     taken = connection.counters().read > 0;
   }
   std::unique_ptr<Written> withdrawn;  // or the one before; disconnected without the mutex

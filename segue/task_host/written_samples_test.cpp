@@ -65,7 +65,7 @@ class WritingToPorts : public ::testing::Test {
   }
   Value total() { return host_.call(model::TaskId("adder"), "total", type::ValueMap{}, soon()).value(); }
   /// The value that the task has read last, from now on.
-  Value next_look() {
+  Value next_poll() {
     auto reader = host_.open_reader({model::TaskId("adder"), "last"}, 10).value();
     std::vector<Value> samples;
     while (samples.empty())
@@ -83,7 +83,7 @@ TEST_F(WritingToPorts, HandsEachSampleToTheTaskOnce) {
   for (int i = 1; i <= 10; ++i)
     EXPECT_EQ(refusal_of("number", i), "");
   EXPECT_EQ(total(), Value(55.0));
-  EXPECT_EQ(next_look(), Value(10.0)) << "it is the last sample until another comes";
+  EXPECT_EQ(next_poll(), Value(10.0)) << "it is the last sample until another comes";
   EXPECT_TRUE(host_.connections().empty()) << "no connection of the network";
 }
 
@@ -93,7 +93,7 @@ TEST_F(WritingToPorts, IsForgottenOnceATransitionHasStoppedTheTask) {
   perform(on_task(ActionKind::Stop, "adder"));
   host_.conclude(model::Transition{});
   perform(on_task(ActionKind::Start, "adder"));
-  EXPECT_EQ(next_look(), Value(-1.0));
+  EXPECT_EQ(next_poll(), Value(-1.0));
 }
 
 TEST_F(WritingToPorts, RefusesWhatNoTaskWillRead) {

@@ -51,18 +51,18 @@ void Session::execute(Command command) {
     const Lock lock(mutex_);
     ++in_progress_;
   }
-  if (command.verb() == "look" || command.verb() == "look_away") return answer(id, look(command));
+  if (command.verb() == "subscribe" || command.verb() == "unsubscribe") return answer(id, subscribe(command));
   verbs_.begin(std::move(command), identity_.role, identity_.who,
                [weak = weak_from_this(), id](const Result<Value>& result) {
                  if (const auto self = weak.lock()) self->answer(id, result);
                });
 }
 
-Result<Value> Session::look(const Command& command) {
+Result<Value> Session::subscribe(const Command& command) {
   const auto name = command.text("document");
   if (!name) return name.error();
   if (auto known = command.only({"document"}); !known) return known.error();
-  const bool away = command.verb() == "look_away";
+  const bool away = command.verb() == "unsubscribe";
   {
     const Lock lock(mutex_);
     if (away) {
@@ -73,10 +73,10 @@ Result<Value> Session::look(const Command& command) {
     }
   }
   if (away) {
-    hub_.look_away(*this, *name);
+    hub_.unsubscribe(*this, *name);
     return Value();
   }
-  if (auto done = hub_.look(shared_from_this(), *name); !done) return done.error();
+  if (auto done = hub_.subscribe(shared_from_this(), *name); !done) return done.error();
   const Lock lock(mutex_);
   sent_.emplace(*name, nullptr);
   changed_.insert(*name);

@@ -54,7 +54,7 @@ class Session final : public Viewer, public std::enable_shared_from_this<Session
  private:
   Session(Hub& hub, Verbs& verbs, Identity identity, std::function<void()> ready);
   void execute(Command command);
-  Result<type::Value> look(const Command& command);
+  Result<type::Value> subscribe(const Command& command);
   void answer(std::uint64_t id, const Result<type::Value>& result);
   std::string update(const std::string& name, const std::shared_ptr<const Document>& newest);
 

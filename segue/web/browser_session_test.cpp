@@ -149,7 +149,7 @@ TEST_F(SessionTest, WrongMessagesAreAnsweredByErrors) {
             "invalid-argument");
   EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "status", "arguments": {"x": 1}})"),
             "invalid-argument");
-  EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "look", "arguments": {"document": "../etc"}})"),
+  EXPECT_EQ(error_code(*session, R"({"id": 1, "verb": "subscribe", "arguments": {"document": "../etc"}})"),
             "not-found");
   EXPECT_EQ(
       error_code(*session,
@@ -160,7 +160,7 @@ TEST_F(SessionTest, WrongMessagesAreAnsweredByErrors) {
 
 TEST_F(SessionTest, ChangesFollowTheFirstValue) {
   const auto session = browser();
-  session->receive(R"({"id": 1, "verb": "look", "arguments": {"document": "status"}})");
+  session->receive(R"({"id": 1, "verb": "subscribe", "arguments": {"document": "status"}})");
   const Value first = message(*session, "document");
   EXPECT_EQ(*first.find("value"), Value::map({{"robot", "fake"}}));
   EXPECT_EQ(*first.find("skipped"), Value(0));
@@ -168,7 +168,7 @@ TEST_F(SessionTest, ChangesFollowTheFirstValue) {
   const Value second = message(*session, "document");
   EXPECT_EQ(second.find("value"), nullptr);
   EXPECT_EQ(*second.find("change"), Value::map({{"set", Value::map({{"state", "busy"}})}}));
-  session->receive(R"({"id": 2, "verb": "look_away", "arguments": {"document": "status"}})");
+  session->receive(R"({"id": 2, "verb": "unsubscribe", "arguments": {"document": "status"}})");
   EXPECT_EQ(*message(*session, "id").find("id"), Value(2));
   EXPECT_EQ(hub_.newest("status"), nullptr);
 }
@@ -177,7 +177,7 @@ TEST_F(SessionTest, WhoIsSlowGetsTheNewestAndIsTold) {
   const auto slow = browser();
   const auto quick = browser();
   for (const auto& session : {slow, quick})
-    session->receive(R"({"id": 1, "verb": "look", "arguments": {"document": "status"}})");
+    session->receive(R"({"id": 1, "verb": "subscribe", "arguments": {"document": "status"}})");
   message(*slow, "document");
   for (int number = 1; number <= 5; ++number) {
     robot_.show(Value::map({{"robot", "fake"}, {"number", number}}));
@@ -214,11 +214,11 @@ TEST_F(SessionTest, TooManyCallsAndDocumentsAreRefused) {
   for (std::size_t count = 0; count < Verbs::kMostCalls; ++count)
     EXPECT_EQ(*message(*session, "id").find("result"), Value("released"));
   for (std::size_t count = 0; count < Session::kMostDocuments; ++count) {
-    EXPECT_EQ(error_code(*session, R"({"id": 3, "verb": "look", "arguments": {"document": "task/t)" +
+    EXPECT_EQ(error_code(*session, R"({"id": 3, "verb": "subscribe", "arguments": {"document": "task/t)" +
                                        std::to_string(count) + "\"}}"),
               "");
   }
-  EXPECT_EQ(error_code(*session, R"({"id": 3, "verb": "look", "arguments": {"document": "status"}})"),
+  EXPECT_EQ(error_code(*session, R"({"id": 3, "verb": "subscribe", "arguments": {"document": "status"}})"),
             "resource-exhausted");
 }
 
@@ -253,7 +253,7 @@ TEST_F(SessionTest, ABrowserThatIsGoneGetsNoAnswer) {
   auto session = browser();
   session->receive(
       R"({"id": 1, "verb": "call", "arguments": {"task": "t", "operation": "wait", "value": []}})");
-  session->receive(R"({"id": 2, "verb": "look", "arguments": {"document": "status"}})");
+  session->receive(R"({"id": 2, "verb": "subscribe", "arguments": {"document": "status"}})");
   ASSERT_TRUE(robot_.entered.wait());
   session.reset();
   EXPECT_TRUE(eventually([&] { return hub_.newest("status") == nullptr; }));

@@ -150,7 +150,7 @@ Result<std::pair<Descriptor, std::string>> FileFolder::parent_of(std::string_vie
   return std::pair(std::move(parent), std::move(name));
 }
 
-Result<void> FileFolder::look(std::string_view path) const {
+Result<void> FileFolder::stat(std::string_view path) const {
   const auto place = parent_of(path);
   if (!place) return place.error();
   const auto file = open_file(place->first, place->second, path);

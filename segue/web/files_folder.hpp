@@ -28,7 +28,7 @@ class FileFolder {
 
   [[nodiscard]] Result<Content> read(std::string_view path) const;
   /// Whether read() would get that far that it reads.
-  [[nodiscard]] Result<void> look(std::string_view path) const;
+  [[nodiscard]] Result<void> stat(std::string_view path) const;
   /// Puts `text` in the place of the file, atomically and with the file's mode; answers the new version.
   /// InvalidState where the file is not of that version any more, or gone.
   [[nodiscard]] Result<std::string> replace(std::string_view path, std::string_view text,

@@ -31,7 +31,7 @@ class FileFolderTest : public ::testing::Test {
 
   [[nodiscard]] ErrorCode refusal(std::string_view path) const {
     const auto content = folder_->read(path);
-    const auto looked = folder_->look(path);
+    const auto found = folder_->stat(path);
     const auto saved = folder_->replace(path, "x", "");
     if (content || looked || saved) return ErrorCode::Internal;  // ADD_FAILURE() would not say which path
     EXPECT_EQ(content.error().code, looked.error().code) << path;

@@ -43,7 +43,7 @@ bool stays_within(const std::string& pattern, const fs::path& root, const FileFo
   return std::ranges::all_of(glob_files(root / path), [&](const fs::path& file) {
     std::error_code ignored;
     const std::string name = file.lexically_relative(root).generic_string();
-    return !fs::exists(fs::symlink_status(file, ignored)) || folder.look(name).has_value();
+    return !fs::exists(fs::symlink_status(file, ignored)) || folder.stat(name).has_value();
   });
 }
 
@@ -197,7 +197,7 @@ Result<Value> FileVerbs::list(const Command& /*command*/) {
   const RobotFiles found = files_of(*robot);
   for (const RobotFile& file : found.files) {
     const bool is_machine = file.kind == RobotFileKind::Machine;
-    const auto good = is_machine ? Result<void>() : folder->look(file.path);
+    const auto good = is_machine ? Result<void>() : folder->stat(file.path);
     files.push_back(Value::map({{"path", file.path},
                                 {"kind", std::string(to_string(file.kind))},
                                 {"named", file.is_named},

@@ -136,7 +136,7 @@ Hub::~Hub() {
     thread.join();
 }
 
-Result<void> Hub::look(const std::shared_ptr<Viewer>& viewer, const std::string& document) {
+Result<void> Hub::subscribe(const std::shared_ptr<Viewer>& viewer, const std::string& document) {
   const auto port = port_of(document);
   const auto task = task_of(document);
   if (!port && !task && document != "status" && document != "events" && document != "mission")
@@ -163,7 +163,7 @@ Result<void> Hub::look(const std::shared_ptr<Viewer>& viewer, const std::string&
   return {};
 }
 
-void Hub::look_away(const Viewer& viewer, const std::string& document) {
+void Hub::unsubscribe(const Viewer& viewer, const std::string& document) {
   std::shared_ptr<Watched> dropped;  // ends after the mutex is free, since a stream may have to be closed
   const Lock lock(mutex_);
   const auto found = documents_.find(document);
@@ -182,7 +182,7 @@ void Hub::leave(const Viewer& viewer) {
       names.push_back(name);
   }
   for (const std::string& name : names)
-    look_away(viewer, name);
+    unsubscribe(viewer, name);
 }
 
 std::shared_ptr<const Document> Hub::newest(const std::string& document) const {

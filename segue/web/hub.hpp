@@ -65,8 +65,8 @@ class Hub {
 
   /// From now on the viewer is told of changes of that document. NotFound where there is no such document,
   /// ResourceExhausted where too many are looked at.
-  Result<void> look(const std::shared_ptr<Viewer>& viewer, const std::string& document);
-  void look_away(const Viewer& viewer, const std::string& document);
+  Result<void> subscribe(const std::shared_ptr<Viewer>& viewer, const std::string& document);
+  void unsubscribe(const Viewer& viewer, const std::string& document);
   /// Takes the viewer off all documents. To be called before the viewer ends.
   void leave(const Viewer& viewer);
   /// Null where nobody looks at it or nothing is known yet.

@@ -27,23 +27,23 @@ class HubTest : public WebTest {
   RobotLink link_;
   const Hub::Periods often_{.snapshots = std::chrono::milliseconds(20),
                             .ports = std::chrono::milliseconds(20)};
-  const std::shared_ptr<Looker> looker_ = std::make_shared<Looker>();
+  const std::shared_ptr<Looker> viewer_ = std::make_shared<Looker>();
 };
 
 TEST_F(HubTest, NobodyLookingCostsTheRobotNothing) {
   Hub hub(link_, often_);
-  ASSERT_TRUE(hub.look(looker_, "status"));
-  ASSERT_TRUE(hub.look(looker_, "events"));
-  ASSERT_TRUE(hub.look(looker_, "port/t/out"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "status"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "events"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "port/t/out"));
   ASSERT_TRUE(becomes(hub, "status", Value::map({{"robot", "fake"}})));
   ASSERT_TRUE(eventually([&] { return hub.newest("port/t/out") != nullptr && robot_.open_streams == 1; }));
-  hub.leave(*looker_);
+  hub.leave(*viewer_);
   EXPECT_EQ(hub.newest("status"), nullptr);
   ASSERT_TRUE(eventually([&] { return robot_.open_streams == 0; })) << "the port is closed";
   // A question that was under way may still arrive; then there are no more, while another hub goes on asking.
   RobotLink other_link([this] { return connection()(); }, std::chrono::milliseconds(5));
   Hub other(other_link, often_);
-  ASSERT_TRUE(other.look(looker_, "task/t"));
+  ASSERT_TRUE(other.subscribe(viewer_, "task/t"));
   const auto wait_for_periods = [&](int count) {
     const int asked = robot_.task_questions;
     return eventually([&] { return robot_.task_questions >= asked + count; });
@@ -57,13 +57,13 @@ TEST_F(HubTest, NobodyLookingCostsTheRobotNothing) {
 TEST_F(HubTest, AChangeIsAVersionAndNothingElseIs) {
   Hub hub(link_, often_);
   robot_.show(Value::map({{"tasks", Value::list({Value::map({{"id", "a"}, {"n", 1}})})}}));
-  ASSERT_TRUE(hub.look(looker_, "status"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "status"));
   ASSERT_TRUE(becomes(hub, "status",
                       Value::map({{"tasks", Value::map({{"a", Value::map({{"id", "a"}, {"n", 1}})}})}})));
   const int asked = robot_.questions;
   ASSERT_TRUE(eventually([&] { return robot_.questions > asked + 3; }));
   EXPECT_EQ(hub.newest("status")->version, 1U);
-  EXPECT_EQ(looker_->told, 1);
+  EXPECT_EQ(viewer_->told, 1);
   robot_.show(Value::map({{"tasks", Value::list({Value::map({{"id", "a"}, {"n", 2}})})}}));
   ASSERT_TRUE(eventually([&] { return hub.newest("status")->version == 2; }));
   EXPECT_EQ(hub.newest("status")->change, R"({"in":{"tasks":{"in":{"a":{"set":{"n":2}}}}}})");
@@ -71,7 +71,7 @@ TEST_F(HubTest, AChangeIsAVersionAndNothingElseIs) {
 
 TEST_F(HubTest, ALostRobotIsSaidAndFoundAgain) {
   Hub hub(link_, often_);
-  ASSERT_TRUE(hub.look(looker_, "status"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "status"));
   ASSERT_TRUE(becomes(hub, "status", Value::map({{"robot", "fake"}})));
   serving_.reset();
   ASSERT_TRUE(eventually([&] { return !hub.newest("status")->error.empty(); }));
@@ -83,7 +83,7 @@ TEST_F(HubTest, ALostRobotIsSaidAndFoundAgain) {
 TEST_F(HubTest, LargeSamplesAreReadLessOftenAndThatIsSaid) {
   // A sample of the fake robot is one number: at a thousandth of a number a second it is large.
   Hub hub(link_, {.snapshots = often_.snapshots, .ports = often_.ports, .scalars_per_second = 1e-3});
-  ASSERT_TRUE(hub.look(looker_, "port/t/out"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "port/t/out"));
   const auto has_sample = [&] {
     const auto newest = hub.newest("port/t/out");
     return newest && newest->value.is_map();
@@ -92,7 +92,7 @@ TEST_F(HubTest, LargeSamplesAreReadLessOftenAndThatIsSaid) {
   EXPECT_DOUBLE_EQ(hub.newest("port/t/out")->value.find("period_s")->as_double(), 1000.0);
 
   Hub quick(link_, often_);
-  ASSERT_TRUE(quick.look(looker_, "port/t/out"));
+  ASSERT_TRUE(quick.subscribe(viewer_, "port/t/out"));
   EXPECT_TRUE(eventually([&] {
     const auto newest = quick.newest("port/t/out");
     return newest && newest->version > 10;
@@ -104,7 +104,7 @@ TEST_F(HubTest, LargeSamplesAreReadLessOftenAndThatIsSaid) {
 TEST_F(HubTest, ASilentPortIsOpenedAgain) {
   Hub hub(link_, {.snapshots = often_.snapshots, .ports = often_.ports, .silence = often_.ports});
   robot_.is_silent = true;
-  ASSERT_TRUE(hub.look(looker_, "port/t/out"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "port/t/out"));
   ASSERT_TRUE(eventually([&] { return robot_.opened > 2; }));
   robot_.is_gone = true;
   ASSERT_TRUE(eventually([&] {
@@ -121,7 +121,7 @@ TEST_F(HubTest, ASilentPortIsOpenedAgain) {
 
 TEST_F(HubTest, EventsAreKeptInOrder) {
   Hub hub(link_, often_);
-  ASSERT_TRUE(hub.look(looker_, "events"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "events"));
   ASSERT_TRUE(eventually([&] {
     const auto newest = hub.newest("events");
     return newest && newest->value.is_map() && newest->value.as_map().size() == 10;
@@ -133,9 +133,9 @@ TEST_F(HubTest, UnknownDocumentsAndTasksAreErrors) {
   Hub hub(link_, often_);
   for (const std::string name : {"", "secret", "task/", "task/../x", "task/a b", "port/", "port/t", "port/t/",
                                  "port//p", "port/t/p/q", "port/<b>/p"})
-    EXPECT_FALSE(hub.look(looker_, name)) << name;
-  ASSERT_TRUE(hub.look(looker_, "task/gone"));
-  ASSERT_TRUE(hub.look(looker_, "port/t/none"));
+    EXPECT_FALSE(hub.subscribe(viewer_, name)) << name;
+  ASSERT_TRUE(hub.subscribe(viewer_, "task/gone"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "port/t/none"));
   EXPECT_TRUE(eventually([&] {
     const auto task = hub.newest("task/gone");
     const auto port = hub.newest("port/t/none");
@@ -153,7 +153,7 @@ TEST_F(HubTest, AMissionIsFollowedAsItRunsAndTheNextOneToo) {
              shown->as_map().size() == entries && *newest->value.find("plan") == plan;
     });
   };
-  ASSERT_TRUE(hub.look(looker_, "mission"));
+  ASSERT_TRUE(hub.subscribe(viewer_, "mission"));
   EXPECT_TRUE(becomes(hub, "mission", Value::map({{"run", 0}})));
   robot_.show_mission(1, "running", 2, Value());
   EXPECT_TRUE(shows(1, 2, Value())) << "its plan comes later";

@@ -39,7 +39,7 @@ std::string library_name(const std::string& file, const std::string& user) {
 
 mission::MayUse within(const FileFolder& folder, const fs::path& root) {
   return [&folder, root](const fs::path& file) {
-    return folder.look(file.lexically_normal().lexically_relative(root).generic_string()).has_value();
+    return folder.stat(file.lexically_normal().lexically_relative(root).generic_string()).has_value();
   };
 }
 

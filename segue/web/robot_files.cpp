@@ -42,7 +42,7 @@ bool is_mission(const FileFolder& folder, const std::string& path) {
 }
 
 bool is_machine(const FileFolder& folder, const std::string& path) {
-  return !is_hidden(path) && folder.look(path + "/statemachine.json");
+  return !is_hidden(path) && folder.stat(path + "/statemachine.json");
 }
 
 std::vector<RobotFile> named_files(const fs::path& robot_file) {

@@ -387,7 +387,7 @@ TEST_F(ServerTest, AReaderThatDoesNotReadHoldsNobodyUp) {
   slow.receive();
   quick.receive();
   for (Client* client : {&slow, &quick})
-    client->send(R"({"id": 1, "verb": "look", "arguments": {"document": "status"}})");
+    client->send(R"({"id": 1, "verb": "subscribe", "arguments": {"document": "status"}})");
   // More than the system's buffer for sending holds (tcp_wmem: 4 MB), so that the slow one's connection is
   // stuck.
   std::uint64_t version = 0;
@@ -420,7 +420,7 @@ TEST_F(ServerTest, ItEndsWhileBrowsersAreIn) {
   enter();
   Client client(server_->port(), cookie_, protocols_);
   client.receive();
-  client.send(R"({"id": 1, "verb": "look", "arguments": {"document": "events"}})");
+  client.send(R"({"id": 1, "verb": "subscribe", "arguments": {"document": "events"}})");
   server_.reset();
   while (client.receive()) {
   }

@@ -152,7 +152,7 @@ Value message_of(const web::VerbForm& form, int id, HostileValues& values) {
 
 TEST_F(Observer, ChangesNothingThroughThePageOfTheStudio) {
   std::vector<web::VerbForm> forms = web::verb_forms();
-  for (const char* name : {"look", "look_away"})
+  for (const char* name : {"subscribe", "unsubscribe"})
     forms.push_back({.name = name, .verb = control::Verb::Status, .arguments = {"document"}});
   Browser page(robot_.studio_port(), robot_.enrolled(), "olga");
   ASSERT_TRUE(page.enter());

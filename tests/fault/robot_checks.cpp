@@ -23,9 +23,9 @@ pid_t pid_of(const fs::path& runtime_folder, const std::string& deployment) {
 }
 
 void expect_undisturbed(const std::string& watcher, const std::function<Sight()>& look) {
-  const Sight before = look();
+  const Sight before = sample();
   Sight now = before;
-  EXPECT_TRUE(eventually([&] { return (now = look()).beats > before.beats + 5; }))
+  EXPECT_TRUE(eventually([&] { return (now = sample()).beats > before.beats + 5; }))
       << watcher << " sees no beats any more";
   EXPECT_EQ(now.gaps, 0U) << watcher;
   EXPECT_EQ(now.restarts, 0U) << watcher;

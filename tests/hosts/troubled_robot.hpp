@@ -60,7 +60,7 @@ struct Trouble {
 };
 inline constexpr std::array<std::string_view, 9> kCalls = {"begin actions", "commit",           "vote",
                                                            "arm_commit",    "begin_transition", "get_ready",
-                                                           "conclude",      "withdraw",         "look"};
+                                                           "conclude",      "withdraw",         "snapshot"};
 std::string to_string(const Trouble& trouble);
 
 /// Defects that tests plant into the simulated parts, to see that they are found.

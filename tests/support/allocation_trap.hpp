@@ -19,7 +19,7 @@ namespace segue::testing {
 inline thread_local bool trapped = false;
 inline std::atomic<int> caught{0};
 
-inline void look() {
+inline void note_allocation() {
   if (trapped) caught.fetch_add(1);
 }
 
@@ -27,23 +27,23 @@ inline void look() {
 
 extern "C" {
 void* malloc(std::size_t size) {
-  segue::testing::look();
+  segue::testing::note_allocation();
   return __libc_malloc(size);
 }
 void* calloc(std::size_t count, std::size_t size) {
-  segue::testing::look();
+  segue::testing::note_allocation();
   return __libc_calloc(count, size);
 }
 void* realloc(void* memory, std::size_t size) {
-  segue::testing::look();
+  segue::testing::note_allocation();
   return __libc_realloc(memory, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  segue::testing::look();
+  segue::testing::note_allocation();
   return __libc_memalign(alignment, size);
 }
 void free(void* memory) {
-  if (memory != nullptr) segue::testing::look();
+  if (memory != nullptr) segue::testing::note_allocation();
   __libc_free(memory);
 }
 }

@@ -57,8 +57,8 @@ class FakeHostedRobot final : public distributed::HostedRobot {
 
   Result<void> renew() override { return note("renew"); }
   Result<void> release() override { return note("release"); }
-  Result<distributed::HostView> look() override {
-    if (auto noted = note("look"); !noted) return noted.error();
+  Result<distributed::HostView> snapshot() override {
+    if (auto noted = note("snapshot"); !noted) return noted.error();
     return fields().view;
   }
   Result<void> expect(const model::Network& target) override {

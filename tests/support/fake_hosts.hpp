@@ -193,8 +193,8 @@ class WiredRobot final : public HostedRobot {
   Result<void> release() override {
     return wire_.pass("release", [&] { return robot_->release(); });
   }
-  Result<HostView> look() override {
-    return wire_.line().forged(wire_.pass("look", [&] { return robot_->look(); }));
+  Result<HostView> snapshot() override {
+    return wire_.line().forged(wire_.pass("snapshot", [&] { return robot_->snapshot(); }));
   }
   Result<void> expect(const model::Network& target) override {
     return wire_.pass("expect", [&] { return robot_->expect(target); });

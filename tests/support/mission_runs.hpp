@@ -83,7 +83,7 @@ class Answers final : public mission::ActionRunner {
     std::uint64_t number = digest(call.path(), x.is_integer() ? static_cast<std::uint64_t>(x.as_int()) : 77);
     const type::Value& error = call.input("error");
     if (error.is_string()) number = digest(error.as_string(), number);
-    number = look(call, number);
+    number = sense(call, number);
     if (kind_ == Kind::Remember) return remember(call, number);
     if (kind_ != Kind::Shared) return number;
     for (const std::string& name : own(call.action())) {
@@ -95,7 +95,7 @@ class Answers final : public mission::ActionRunner {
   }
 
   /// Mostly looks at the world, if it may.
-  static std::uint64_t look(const mission::ActionCall& call, std::uint64_t number) {
+  static std::uint64_t sense(const mission::ActionCall& call, std::uint64_t number) {
     if (!call.action().reads_world || (number >> 12) % 4 == 0) return number;
     const auto world = call.world().value();
     for (const std::string& fact : world.facts())

@@ -12,7 +12,7 @@ async function holds(what, message) {
   }
 }
 
-/** `look(page, name)` takes a picture and asks axe-core; `folder` has the robot's files in `rover`. */
+/** `capture(page, name)` takes a picture and asks axe-core; `folder` has the robot's files in `rover`. */
 export async function driveEdit(page, { folder, look, run }) {
   const seen = (locator) => locator.waitFor({ timeout: 30000 });
   const place = join(folder, 'rover/controllers/explore.yaml');
@@ -50,7 +50,7 @@ export async function driveEdit(page, { folder, look, run }) {
   await page.keyboard.type('  - odometry.pose -> drive.command # 1');
   await seen(problems.getByText('error:'));
   await seen(page.locator('.cm-lint-marker-error'));
-  await look(page, 'edit_problem');
+  await capture(page, 'edit_problem');
   await page.getByRole('link', { name: 'Network' }).click();
   await page.getByRole('link', { name: 'Edit' }).click();
   await seen(status('unsaved changes'));
@@ -68,7 +68,7 @@ export async function driveEdit(page, { folder, look, run }) {
   await panel.getByLabel('beams', { exact: true }).press('Enter');
   await holds(async () => (await shown()).includes('laser: {component: "demo::LaserScanner", properties: {beams: 16}}'), 'a property is set');
   await page.getByText('Add a task').click();
-  await look(page, 'edit_task');
+  await capture(page, 'edit_task');
   await page.getByLabel('Find components').fill('joystick');
   await page.getByRole('button', { name: 'demo::Joystick' }).press('Enter');
   await page.getByText('Add a task').click();
@@ -82,7 +82,7 @@ export async function driveEdit(page, { folder, look, run }) {
   assert.ok(!(await shown()).includes('laser.scan -> drive.command'), 'ports of different types are not');
   await seen(status('unsaved changes'));
   await page.getByRole('button', { name: 'Fit View' }).click();
-  await look(page, 'edit');
+  await capture(page, 'edit');
   await node('joystick').focus();
   await page.keyboard.press('Enter');
   await page.getByRole('complementary', { name: 'Edit task joystick' }).getByLabel('Name', { exact: true }).fill('stick');
@@ -120,12 +120,12 @@ export async function driveEdit(page, { folder, look, run }) {
   await page.getByRole('button', { name: 'Save', exact: true }).click();
   await seen(page.getByRole('alert').filter({ hasText: 'changed by somebody else' }));
   assert.equal(onDisk(), theirs);
-  await look(page, 'edit_conflict');
+  await capture(page, 'edit_conflict');
   await page.getByRole('button', { name: 'keep mine' }).click();
   assert.match(await page.getByLabel('Your text of before').inputValue(), /^# mine\n/);
   await holds(async () => (await shown()).startsWith('# theirs\n'), 'the file is read again');
   await page.emulateMedia({ colorScheme: 'dark' });
-  await look(page, 'edit_dark');
+  await capture(page, 'edit_dark');
   await page.emulateMedia({ colorScheme: 'light' });
 
   // Nobody leaves the page with unsaved changes without being asked.

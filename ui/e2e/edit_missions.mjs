@@ -79,10 +79,10 @@ async function undoUntil(page, text, done) {
 }
 
 /** A picture and axe-core; axe-core itself fails where the page changes under it, and looks again then. */
-async function look(page, name) {
+async function capture(page, name) {
   for (let left = 5; ; --left) {
     try {
-      return await stage.look(page, name);
+      return await stage.capture(page, name);
     } catch (error) {
       if (left === 0 || error instanceof assert.AssertionError) throw error;
     }
@@ -125,7 +125,7 @@ async function editAction(page) {
   await action.getByLabel('default of force').fill('{');
   await page.keyboard.press('Enter');
   await action.locator('output.bad').waitFor();
-  await look(page, 'edit_mission_action');
+  await capture(page, 'edit_mission_action');
   await undoUntil(page, text, (lines) => lines.includes('  grasp: {inputs: {pose: map, force: float}, run: {simulated: {duration: 1s}}}'));
 }
 
@@ -154,7 +154,7 @@ async function editMission(page) {
   await page.getByText('Add a state').press('Enter');
   await seen(page.getByText('puts it away'));
   await seen(page.getByText('looks <b>around</b>').first());
-  await look(page, 'edit_mission_palette');
+  await capture(page, 'edit_mission_palette');
   await page.getByRole('button', { name: 'library tools/store' }).press('Enter');
   await has('  store: {library: tools/store}', 'a library is added');
   await seen(panel('store'));
@@ -197,7 +197,7 @@ async function editMission(page) {
   await page.getByRole('button', { name: 'Redo', exact: true }).press('Enter');
   await has('    on: {success: keep}   # it has it', 'done again');
   await seen(problems.getByText('No problems'));
-  await look(page, 'edit_mission');
+  await capture(page, 'edit_mission');
 
   // Into a container.
   await page.getByRole('button', { name: 'mission …' }).press('Enter');
@@ -212,7 +212,7 @@ async function editMission(page) {
   await page.getByLabel('data flows').check();
   await seen(state('look').locator('[data-handleid=pose]'));
   await seen(problems.getByText("state 'keep': its outcome 'success' has no transition"));
-  await look(page, 'edit_mission_flows');
+  await capture(page, 'edit_mission_flows');
   await page.getByLabel('data flows').uncheck();
   await undoUntil(page, text, (lines) => !lines.some((line) => line.startsWith('  hierarchy:')));
   await has('  keep: {library: tools/store, on: {success: return done}}', 'it is back');
@@ -239,7 +239,7 @@ async function editMission(page) {
   await has('# theirs', 'the file is read again');
   await seen(problems.getByText('No problems'));
   await page.emulateMedia({ colorScheme: 'dark' });
-  await look(page, 'edit_mission_dark');
+  await capture(page, 'edit_mission_dark');
   await page.emulateMedia({ colorScheme: 'light' });
 }
 
@@ -251,7 +251,7 @@ async function editFiles(page) {
   await has('mission: greet', 'the machine is a mission');
   await seen(state('say'));
   await problems.getByText('…').waitFor({ state: 'detached' });
-  await look(page, 'edit_rafcon');
+  await capture(page, 'edit_rafcon');
   await page.getByRole('button', { name: 'Save as a mission …' }).press('Enter');
   await page.getByLabel('File of the mission').fill('missions/fetch.yaml');
   await page.keyboard.press('Enter');
@@ -285,7 +285,7 @@ async function editFiles(page) {
   assert.equal(onDisk('robot.yaml'), robot, 'the pattern names it');
   await page.getByRole('button', { name: 'Delete …' }).press('Enter');
   await seen(problems.getByText('No problems'));
-  await look(page, 'edit_delete');
+  await capture(page, 'edit_delete');
   await page.getByRole('button', { name: 'Delete the file' }).press('Enter');
   await seen(page.getByText('Choose a file.'));
   assert.ok(!existsSync(file('controllers/parked.yaml')));

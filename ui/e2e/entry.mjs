@@ -33,7 +33,7 @@ async function comeBack(page) {
   assert.equal(new URL(page.url()).port, String(port));
   robot.child.kill('SIGKILL');
   await lost(page).waitFor();
-  await stage.look(page, 'studio_lost');
+  await stage.capture(page, 'studio_lost');
   robot = await startRobot(port);
   await refused(page).waitFor();
   const second = await stage.browser.newPage();

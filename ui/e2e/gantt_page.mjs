@@ -50,7 +50,7 @@ await stage.play(async () => {
   await page.getByRole('heading', { name: 'fetch' }).waitFor();
   await until(page, 'bars are drawn', async () => (await pixelsOf(page, '--sensing')) > 100 && (await pixelsOf(page, '--irreversible')) > 100);
   assert.ok((await pixelsOf(page, '--critical')) > 10, 'the critical path is framed');
-  await stage.look(page, 'gantt_page');
+  await stage.capture(page, 'gantt_page');
 
   // By keyboard: the node that was waited for, and a part of the time.
   const chart = page.getByRole('application', { name: 'Gantt chart' });
@@ -69,5 +69,5 @@ await stage.play(async () => {
   await page.emulateMedia({ colorScheme: 'dark' });
   await chart.press('0');
   await until(page, 'bars are drawn in the dark', async () => (await pixelsOf(page, '--irreversible')) > 100);
-  await stage.look(page, 'gantt_page_dark');
+  await stage.capture(page, 'gantt_page_dark');
 });

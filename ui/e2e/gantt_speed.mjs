@@ -71,11 +71,11 @@ try {
     window.firstDrawing = new Promise((resolve) => {
       document.querySelector('input[type=file]').addEventListener('change', () => {
         const begin = performance.now();
-        const look = () => {
+        const check = () => {
           if (document.querySelector('.chart canvas')) requestAnimationFrame(() => requestAnimationFrame((time) => resolve(time - begin)));
-          else requestAnimationFrame(look);
+          else requestAnimationFrame(check);
         };
-        look();
+        check();
       }, { capture: true });
     });
   });

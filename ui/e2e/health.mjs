@@ -47,7 +47,7 @@ async function crash(page) {
   await wrong(page).getByText("process 'localhost/sensors' is gone").waitFor();
   await page.getByText('in trouble: ').waitFor();
   assert.equal(exitOf(['status', '--exit-code']), 5);
-  await stage.look(page, 'health_crashed');
+  await stage.capture(page, 'health_crashed');
   await page.getByRole('link', { name: 'Events' }).click();
   await page.getByLabel('only trouble').check();
   await page.locator('tr.trouble', { hasText: 'SIGKILL' }).first().waitFor();
@@ -59,7 +59,7 @@ async function hang(page) {
   process.kill(pidOf('slam'), 'SIGSTOP');
   await wrong(page).getByText("process 'localhost/mapping' does not answer").waitFor();
   assert.equal(exitOf(['status', '--exit-code']), 5);
-  await stage.look(page, 'health_half_dead');
+  await stage.capture(page, 'health_half_dead');
   await repair(page);
 }
 
@@ -73,7 +73,7 @@ await stage.play(async () => {
   await page.getByText('drive, idle').waitFor();
   await page.getByText('3 tasks, 2 connections').waitFor();
   await page.locator('.react-flow__node[data-id=laser]').waitFor();
-  await stage.look(page, 'health_healthy');
+  await stage.capture(page, 'health_healthy');
   await crash(page);
   await hang(page);
 

@@ -77,14 +77,14 @@ async function step(page) {
   await seen(mark('plan/check', true));
   await seen(state('plan').locator('.life-running').first());
   await seen(state('plan/look').locator('.life-done'));
-  await stage.look(page, 'steps_held');
+  await stage.capture(page, 'steps_held');
 
   await state('plan/check').click();
   const check = panel('plan/check');
   await seen(check.locator('[data-port=place]').getByText('{"x":1000.0,"y":0.0}'));
   await seen(check.locator('[data-port=limit]').getByText('2.5'));
   await seen(check.getByText('as they would be if it began now'));
-  await stage.look(page, 'steps');
+  await stage.capture(page, 'steps');
 
   await page.keyboard.press('n');
   await heldAt('both');
@@ -112,7 +112,7 @@ async function peek(page) {
   const tip = page.getByRole('tooltip');
   await state('drive').hover();
   await seen(tip.getByText('{"x":1000.0,"y":0.0}'));
-  await stage.look(page, 'steps_tip');
+  await stage.capture(page, 'steps_tip');
   await page.keyboard.press('Escape');
   await gone(tip);
   await page.mouse.move(2, 2);
@@ -143,21 +143,21 @@ async function breakAndGoOn(page, other) {
   await heldAt('both/right/lift');
   assert.deepEqual(JSON.parse(stage.run(['mission', 'status', '--format', 'json'])).control.breakpoints, ['both/right/lift']);
   await partsOf(other).heldAt('both/right/lift');
-  await stage.look(page, 'steps_concurrent');
+  await stage.capture(page, 'steps_concurrent');
 
   // What is preempted is named first.
   await state('drive').click();
   await panel('drive').getByRole('button', { name: 'Go on here …' }).click();
   const question = panel('drive').getByRole('group', { name: 'Go on at drive' });
   await seen(question.getByText('both is under way and will be preempted.'));
-  await stage.look(page, 'steps_question');
+  await stage.capture(page, 'steps_question');
   await question.getByRole('button', { name: 'Preempt and go on here' }).click();
   await heldAt('drive');
 
   // There is no way back; all pages see why.
   await button('Back').click();
   for (const one of [page, other]) await seen(one.locator('.refusal').getByRole('alert'));
-  await stage.look(page, 'steps_refused');
+  await stage.capture(page, 'steps_refused');
   await page.getByRole('button', { name: 'dismiss' }).click();
   await gone(page.locator('.refusal'));
 
@@ -193,7 +193,7 @@ async function runOn(page, other) {
   assert.ok(await button('Into').isDisabled());
   assert.equal(await button('Into').getAttribute('title'), 'Not now: the mission must be paused first');
   await page.emulateMedia({ colorScheme: 'dark' });
-  await stage.look(page, 'steps_dark');
+  await stage.capture(page, 'steps_dark');
   await page.emulateMedia({ colorScheme: 'light' });
   await page.getByRole('button', { name: 'Stop', exact: true }).click();
   for (const one of [page, other]) await seen(partsOf(one).badge('ended: preempted'));
@@ -209,7 +209,7 @@ async function runConcurrently(page) {
   await seen(button('Pause'));
   assert.equal(await button('Into').count(), 0);
   assert.equal(await state('drive').locator('.box-mark').count(), 0);
-  await stage.look(page, 'steps_not');
+  await stage.capture(page, 'steps_not');
   await end(child);
   await seen(badge('ended'));
 }

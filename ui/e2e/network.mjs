@@ -88,7 +88,7 @@ async function fold(page) {
   await node(page, host).getByText('3 tasks').waitFor();
   await node(page, 'seeker').waitFor({ state: 'detached' });
   await page.locator('.react-flow__edge', { hasText: '×2' }).waitFor({ state: 'attached' });
-  await stage.look(page, 'network_folded');
+  await stage.capture(page, 'network_folded');
   await page.getByPlaceholder('Find tasks').fill('laser');
   await page.getByPlaceholder('Find tasks').press('Enter');
   await node(page, 'laser').waitFor();
@@ -110,7 +110,7 @@ async function seeTiming(page) {
   const counts = await timing.locator('table').first().locator('td.number').allTextContents();
   assert.ok(counts.length > 0 && counts.every((count) => /^\d+$/.test(count)), 'counts: ' + counts);
   await timing.getByText('as a table').last().scrollIntoViewIfNeeded();
-  await stage.look(page, 'network_timing');
+  await stage.capture(page, 'network_timing');
   await page.keyboard.press('Escape');
 }
 
@@ -127,7 +127,7 @@ async function seeLog(page) {
   await holds(() => list.evaluate((at) => at.scrollTop > 0 && at.scrollTop + at.clientHeight > at.scrollHeight - 4), 'the newest are not in view');
   await log.getByText('segue log sensors').waitFor();
   await log.getByRole('link').scrollIntoViewIfNeeded();
-  await stage.look(page, 'network_log');
+  await stage.capture(page, 'network_log');
   await log.getByRole('link', { name: 'Older ones and search' }).click();
   assert.equal(await page.getByPlaceholder('Find events').inputValue(), 'odometry');
   await page.getByRole('cell', { name: 'start odometry' }).first().waitFor();
@@ -143,7 +143,7 @@ async function seeLatencies(page) {
   const measured = connections.getByRole('listitem').filter({ hasText: /latency [\d.]+ [µm]?s, [\d.]+ [µm]?s at the most/ });
   await measured.filter({ hasText: '→ drive.' }).first().waitFor();
   await measured.filter({ hasText: 'drive.velocity → odometry.velocity' }).waitFor();
-  await stage.look(page, 'network_latency');
+  await stage.capture(page, 'network_latency');
   await page.keyboard.press('Escape');
 }
 
@@ -159,5 +159,5 @@ await stage.play(async () => {
   await page.emulateMedia({ colorScheme: 'dark' });
   await node(page, 'odometry').click();
   await page.getByRole('img', { name: /^Updates: half within/ }).scrollIntoViewIfNeeded();
-  await stage.look(page, 'network_dark');
+  await stage.capture(page, 'network_dark');
 });

@@ -133,11 +133,11 @@ try {
   console.log(`${counts.tasks} tasks and ${counts.connections} connections, ${browser.version()}, load ${loadavg()[0].toFixed(1)}`);
   await page.addInitScript(() => {
     window.firstDrawing = new Promise((resolve) => {
-      const look = () => {
+      const check = () => {
         if (document.querySelector('.react-flow__node')) requestAnimationFrame(() => requestAnimationFrame(resolve));
-        else requestAnimationFrame(look);
+        else requestAnimationFrame(check);
       };
-      look();
+      check();
     });
   });
   await page.goto('http://127.0.0.1:' + server.address().port + '/#network', { timeout: 120000 });

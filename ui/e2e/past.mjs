@@ -45,7 +45,7 @@ async function watchFilms(page) {
   await page.locator('[data-moment=done]', { hasText: 'start seeker' }).waitFor();
   await taskIn(page, 'seeker').filter({ hasText: 'running' }).waitFor();
   await taskIn(page, 'wanderer').filter({ hasText: 'gone' }).waitFor();
-  await stage.look(page, 'past_film');
+  await stage.capture(page, 'past_film');
   await press(slider, 'Home', 'ArrowRight');
   await taskIn(page, 'wanderer').filter({ hasText: 'running' }).waitFor();
   // Playing from here ends at the end by itself.
@@ -61,7 +61,7 @@ async function watchFilms(page) {
   await page.locator('[data-moment=failed]').first().waitFor();
   await page.getByRole('region', { name: 'Undo' }).locator('[data-moment=done]').first().waitFor();
   await taskIn(page, 'seeker').filter({ hasText: 'running' }).waitFor();
-  await stage.look(page, 'past_undone');
+  await stage.capture(page, 'past_undone');
   await film.getByRole('button', { name: 'Close the film' }).click();
 }
 
@@ -76,7 +76,7 @@ async function goBackInTime(page) {
   await page.getByRole('button', { name: 'earlier' }).click();
   await controllerThen('explore');
   await taskIn(page, 'wanderer').waitFor();
-  await stage.look(page, 'past_moment');
+  await stage.capture(page, 'past_moment');
   await press(slider, 'Home');
   await controllerThen('');
   await taskIn(page, 'wanderer').waitFor({ state: 'detached' });
@@ -112,5 +112,5 @@ await stage.play(async () => {
   await page.emulateMedia({ colorScheme: 'dark' });
   await line(page, 'explore → go_to').click();
   await page.getByRole('slider', { name: 'Time of the film' }).waitFor();
-  await stage.look(page, 'past_dark');
+  await stage.capture(page, 'past_dark');
 });

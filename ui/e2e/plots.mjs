@@ -42,8 +42,8 @@ function follow(page) {
     looking.clear();
     socket.on('framesent', ({ payload }) => {
       const { verb, arguments: given } = JSON.parse(payload);
-      if (verb === 'look') looking.add(given.document);
-      if (verb === 'look_away') looking.delete(given.document);
+      if (verb === 'subscribe') looking.add(given.document);
+      if (verb === 'unsubscribe') looking.delete(given.document);
     });
   });
   return { ports: () => [...looking].filter((document) => document.startsWith('port/')).sort() };
@@ -107,7 +107,7 @@ async function addPanels(page, looking) {
   await page.keyboard.press('Space');
   await dialog.getByLabel('turn').check();
   assert.ok(await dialog.getByRole('radio', { name: 'plot over time' }).isChecked());
-  await stage.look(page, 'plots_choose');
+  await stage.capture(page, 'plots_choose');
   await dialog.getByLabel('Title').fill('Speed');
   await page.keyboard.press('Enter');
   await dialog.waitFor({ state: 'detached' });
@@ -126,7 +126,7 @@ async function usePanels(page, looking) {
   await panel('Where it is').getByText(/x -?\d+\.\d\d m, y/).waitFor();
   await drawn(panel('Scan').locator('canvas'), 2);
   await panel('Lines').getByRole('button', { name: 'laser.scan ranges[1]' }).waitFor();
-  await stage.look(page, 'plots');
+  await stage.capture(page, 'plots');
 
   // Zooming pauses, and a paused panel asks for nothing.
   await speed.getByRole('button', { name: 'Zoom in' }).click();
@@ -216,7 +216,7 @@ async function see(page) {
   await panelOf(page, 'Seen').getByText('Waiting').waitFor({ state: 'detached' });
   // A free cell and what the laser met.
   for (const colour of [[52, 59, 70], [255, 157, 149]]) await coloured(panelOf(page, 'Seen').locator('canvas'), colour);
-  await stage.look(page, 'plots_camera');
+  await stage.capture(page, 'plots_camera');
 }
 
 await stage.play(async () => {
@@ -236,7 +236,7 @@ await stage.play(async () => {
   await page.emulateMedia({ colorScheme: 'dark' });
   await drawn(page.getByRole('region', { name: 'Where it is' }).locator('canvas'), 4);
   await page.getByRole('region', { name: 'Speed' }).locator('[data-line="0"]', { hasText: /\d/ }).waitFor();
-  await stage.look(page, 'plots_dark');
+  await stage.capture(page, 'plots_dark');
 
   if (seeing) await see(page);
 

@@ -48,21 +48,21 @@ function follow(page) {
         version, received: before.received + 1, skipped: before.skipped + skipped, inSequence: skipped === 0 ? before.inSequence + 1 : 0,
         areCounted: before.areCounted && isNext,
       });
-      for (const look of waiting) look();
+      for (const check of waiting) check();
     });
   });
   const of = (document) => documents.get(document) ?? { version: 0, received: 0, skipped: 0, inSequence: 0, areCounted: true };
   /** Resolves once `holds` does of what came of the document. */
   const until = (document, holds) => new Promise((resolve, reject) => {
     const late = setTimeout(() => reject(new Error('the page received no more of ' + document + ' than ' + JSON.stringify(of(document)))), 60000);
-    const look = () => {
+    const check = () => {
       if (!holds(of(document))) return;
-      waiting.delete(look);
+      waiting.delete(check);
       clearTimeout(late);
       resolve();
     };
-    waiting.add(look);
-    look();
+    waiting.add(check);
+    check();
   });
   return { of, until, more: (document, count) => { const { received } = of(document); return until(document, (now) => now.received >= received + count); } };
 }
@@ -110,7 +110,7 @@ async function goSlowly({ link, fast, slow }) {
   await slow.page.locator('.react-flow__node[data-id=joystick]').waitFor({ timeout: 60000 });
   await slow.page.locator('.react-flow__node[data-id=wanderer]').waitFor({ state: 'detached', timeout: 60000 });
   await slow.page.getByText('manual, idle').waitFor({ timeout: 60000 });
-  await stage.look(slow.page, 'slow');
+  await stage.capture(slow.page, 'slow');
 }
 
 /** Fast again, it gets one update after another, and what it has put together of all is what the robot shows. */

@@ -130,7 +130,7 @@ export class Stage {
   }
 
   /** Takes a picture, and looks for violations of accessibility. */
-  async look(page, name) {
+  async capture(page, name) {
     await page.screenshot({ path: join(this.pictures, name + '.png') });
     await page.evaluate(this.axe);
     const found = await page.evaluate(() => window.axe.run());

@@ -9,7 +9,7 @@ import { end, Stage } from './stage.mjs';
 
 const stage = new Stage(...process.argv.slice(2));
 const { folder } = stage;
-const look = (page, name) => stage.look(page, name);
+const capture = (page, name) => stage.capture(page, name);
 const run = (args) => stage.run(args);
 
 const startRobot = (file) => stage.start(['run', file, '--controller', 'explore'], /robot rover runs/);
@@ -57,7 +57,7 @@ async function drive(page) {
   await seen(panel.getByLabel('max_speed'));
   await panel.getByRole('button', { name: '← velocity' }).click();
   await seen(panel.locator('.plot canvas'));
-  await look(page, 'network');
+  await capture(page, 'network');
 
   // Set a property.
   await panel.getByLabel('max_speed').fill('0.45');
@@ -82,14 +82,14 @@ async function drive(page) {
   await page.getByRole('link', { name: 'Switch' }).click();
   await page.getByRole('button', { name: 'go_to', exact: true }).click();
   await seen(page.locator('.task-box.fate-added').first());
-  await look(page, 'switch_before');
+  await capture(page, 'switch_before');
   await page.getByRole('button', { name: 'Switch', exact: true }).click();
   await seen(page.locator('.outcome.good', { hasText: 'done' }));
   await page.waitForFunction(() => {
     const actions = [...document.querySelectorAll('[data-progress]')];
     return actions.length > 0 && actions.every((action) => action.dataset.progress === 'done');
   });
-  await look(page, 'switch_after');
+  await capture(page, 'switch_after');
   assert.equal(JSON.parse(run(['status', '--format', 'json'])).controller, 'go_to');
 
   // A switch that fails is undone.
@@ -97,14 +97,14 @@ async function drive(page) {
   await page.getByRole('button', { name: 'Switch', exact: true }).click();
   await seen(page.locator('.outcome.bad', { hasText: 'Undone' }));
   await seen(page.locator('[data-progress=failed]'));
-  await look(page, 'switch_failed');
+  await capture(page, 'switch_failed');
   assert.equal(JSON.parse(run(['status', '--format', 'json'])).controller, 'go_to');
 
   // Events.
   await page.getByRole('link', { name: 'Events' }).click();
   await page.getByPlaceholder('Find events').fill('transition');
   await seen(page.getByRole('cell', { name: 'transition_done' }).first());
-  await look(page, 'events');
+  await capture(page, 'events');
 }
 
 const startMission = () => stage.start(['mission', 'run', 'tour.yaml', '--mode', 'concurrent', '--follow', '--no-progress'], /began outward\/far/);
@@ -114,7 +114,7 @@ async function driveMission(page) {
   writeFileSync(join(folder, 'tour.yaml'), tour);
   await page.getByRole('link', { name: 'Missions' }).click();
   await seen(page.getByText('No mission has commanded the robot'));
-  await look(page, 'missions_none');
+  await capture(page, 'missions_none');
 
   // Running states are lit, and what waits says for what.
   const first = await startMission();
@@ -128,7 +128,7 @@ async function driveMission(page) {
   const home = page.getByRole('complementary', { name: 'State home' });
   await seen(home.getByText('waiting'));
   await page.getByPlaceholder('Find nodes').fill('');
-  await look(page, 'missions');
+  await capture(page, 'missions');
   await home.getByRole('button', { name: /outward\/far/ }).click();
   const far = page.getByRole('complementary', { name: 'State outward/far' });
   await seen(far.getByText('running').first());
@@ -162,7 +162,7 @@ async function driveMission(page) {
   first.child.kill('SIGKILL');
   await seen(badge('killed or lost'));
   await page.emulateMedia({ colorScheme: 'dark' });
-  await look(page, 'missions_killed_dark');
+  await capture(page, 'missions_killed_dark');
   await page.emulateMedia({ colorScheme: 'light' });
   const second = await startMission();
   const ended = new Promise((resolve) => second.child.on('exit', resolve));
@@ -178,7 +178,7 @@ async function driveMission(page) {
   await seen(page.getByText('4 nodes', { exact: true }));
   await page.getByLabel('Open a recorded run').setInputFiles(join(folder, 'tour.yaml'));
   await seen(page.getByRole('alert').filter({ hasText: 'tour.yaml: this is not JSON' }));
-  await look(page, 'missions_recorded');
+  await capture(page, 'missions_recorded');
   await page.getByRole('button', { name: 'Back to the robot' }).click();
   await seen(badge('ended: preempted'));
 }
@@ -189,7 +189,7 @@ async function stopAndRelease(page) {
   const banner = page.getByRole('alert').filter({ hasText: 'Halted by' });
   await banner.filter({ hasText: 'at rest' }).filter({ hasText: 'refused until it is released' }).waitFor({ timeout: 30000 });
   assert.equal(JSON.parse(run(['status', '--format', 'json'])).controller, 'hold');
-  await look(page, 'stopped');
+  await capture(page, 'stopped');
   await page.getByRole('button', { name: 'Release' }).click();
   await page.getByRole('button', { name: 'Release' }).waitFor({ state: 'detached' });
   run(['switch', 'explore']);
@@ -224,7 +224,7 @@ await stage.play(async () => {
   await page.emulateMedia({ colorScheme: 'dark' });
   await page.locator('.react-flow__node[data-id=laser]').click();
   await page.getByRole('complementary', { name: 'Task laser' }).getByLabel('beams').waitFor();
-  await look(page, 'network_dark');
+  await capture(page, 'network_dark');
   assert.equal(await end(stage.studio.child), 0);
   await end(robot.child);
 });

@@ -27,7 +27,7 @@ async function cancelASwitch(page) {
   await undo.locator('[data-undo=done]', { hasText: 'cleanup seeker' }).waitFor();
   await page.locator('[data-progress=undone]', { hasText: 'configure seeker' }).waitFor();
   await cancel.waitFor({ state: 'detached' });
-  await stage.look(page, 'switch_cancelled');
+  await stage.capture(page, 'switch_cancelled');
   assert.equal(status().controller, 'explore');
   assert.deepEqual(status().requests, []);
 
@@ -50,5 +50,5 @@ await stage.play(async () => {
   const page = await stage.enter();
   await cancelASwitch(page);
   await page.emulateMedia({ colorScheme: 'dark' });
-  await stage.look(page, 'switch_cancelled_dark');
+  await stage.capture(page, 'switch_cancelled_dark');
 });

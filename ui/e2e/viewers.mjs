@@ -45,7 +45,7 @@ function connect({ address, key, looked }) {
     const socket = new WebSocket(address, ['segue.studio', 'key.' + key]);
     window.received = { messages: 0, bytes: 0 };
     socket.onopen = () => {
-      looked.forEach((document, id) => socket.send(JSON.stringify({ id, verb: 'look', arguments: { document } })));
+      looked.forEach((document, id) => socket.send(JSON.stringify({ id, verb: 'subscribe', arguments: { document } })));
       done();
     };
     socket.onmessage = ({ data }) => {

@@ -23,7 +23,7 @@ constexpr auto kOfferTimeout = 5 * kj::SECONDS;
 
 /// The deadline of calls for which the client sends none.
 TimePoint soon() {
-  return RealClock::instance().now() + kLookTimeout;
+  return RealClock::instance().now() + kQueryTimeout;
 }
 
 template <class Outcome>

@@ -38,9 +38,9 @@ class HostedRobotServer final : public DecodingServer<wire::HostedRobot>, public
     return caller_.answer_here(
         context, [&] { return robot_->release(); }, [](auto) {});
   }
-  kj::Promise<void> look(LookContext context) override {
+  kj::Promise<void> snapshot(SnapshotContext context) override {
     return caller_.answer(
-        context, [robot = robot_] { return robot->look(); },
+        context, [robot = robot_] { return robot->snapshot(); },
         [](distributed::HostView& view, auto results) { encode(view, results.initView()); });
   }
   kj::Promise<void> expect(ExpectContext context) override {

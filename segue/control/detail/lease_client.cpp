@@ -124,7 +124,7 @@ class ClientLease final : public RobotLease {
         return RpcChannel::send(request).then([news](Result<Value>&& answer) { news->answer(answer); });
       };
       const auto failed = [news = news_](const Error& error) { news->answer(error); };
-      if (!channel_->start(kLookTimeout, read, failed))
+      if (!channel_->start(kQueryTimeout, read, failed))
         failed(fail(ErrorCode::Unavailable, "the connection is closed"));
     });
   }

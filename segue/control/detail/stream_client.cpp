@@ -29,7 +29,7 @@ class ClientStream final : public SampleStream {
       request.setLimit(static_cast<std::uint32_t>(std::min<std::size_t>(limit, UINT32_MAX)));
       return RpcChannel::send(request);
     };
-    auto answer = channel_->ask(look_timeout(wait), send, wait.stop);
+    auto answer = channel_->ask(query_timeout(wait), send, wait.stop);
     if (!answer) return answer.error();
     return samples_in(std::move(*answer));
   }

@@ -71,7 +71,7 @@ class TaskAccessClient : public Service {
   }
 
   Result<model::ComponentModel> describe(const model::TaskId& task) override {
-    return ask<model::ComponentModel>(kLookTimeout, [&](wire::TaskAccess::Client tasks) {
+    return ask<model::ComponentModel>(kQueryTimeout, [&](wire::TaskAccess::Client tasks) {
       auto request = tasks.describeRequest();
       request.setTask(as_text(task.str()));
       return RpcChannel::send<model::ComponentModel>(
@@ -80,7 +80,7 @@ class TaskAccessClient : public Service {
   }
 
   Result<type::Value> properties(const model::TaskId& task) override {
-    return ask<type::Value>(kLookTimeout, [&](wire::TaskAccess::Client tasks) {
+    return ask<type::Value>(kQueryTimeout, [&](wire::TaskAccess::Client tasks) {
       auto request = tasks.propertiesRequest();
       request.setTask(as_text(task.str()));
       return RpcChannel::send(request);
@@ -96,7 +96,7 @@ class TaskAccessClient : public Service {
   }
 
   Result<task_host::TaskDetails> details(const model::TaskId& task) override {
-    return ask<task_host::TaskDetails>(kLookTimeout, [&](wire::TaskAccess::Client tasks) {
+    return ask<task_host::TaskDetails>(kQueryTimeout, [&](wire::TaskAccess::Client tasks) {
       auto request = tasks.detailsRequest();
       request.setTask(as_text(task.str()));
       return RpcChannel::send<task_host::TaskDetails>(
@@ -144,7 +144,7 @@ class TaskAccessClient : public Service {
   Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
                                                              std::size_t buffer) override {
     const RpcChannel::StreamId id = channel_->new_stream_id();
-    auto type = channel_->ask(kLookTimeout, [&, id](RpcChannel::Connection& connection) {
+    auto type = channel_->ask(kQueryTimeout, [&, id](RpcChannel::Connection& connection) {
       auto request = tasks_(connection).openReaderRequest();
       encode(port, request.initPort());
       request.setBuffer(static_cast<std::uint32_t>(std::min<std::size_t>(buffer, UINT32_MAX)));

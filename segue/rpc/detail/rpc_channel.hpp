@@ -27,7 +27,7 @@
 namespace segue::control::detail {
 
 /// The timeout of calls that only read; a service answers them within milliseconds.
-inline constexpr Duration kLookTimeout = std::chrono::seconds(10);
+inline constexpr Duration kQueryTimeout = std::chrono::seconds(10);
 /// A service reports a passed deadline itself, with more detail. Only where it does not within this time, the
 /// client does.
 inline constexpr Duration kGrace = std::chrono::seconds(2);
@@ -35,8 +35,8 @@ inline constexpr Duration kGrace = std::chrono::seconds(2);
 /// The time until `deadline`; 0 where it has passed.
 Duration time_left(TimePoint deadline);
 /// How long a call that only reads waits for its answer.
-inline Duration look_timeout(const Wait& wait) {
-  return std::min(time_left(wait.deadline), kLookTimeout);
+inline Duration query_timeout(const Wait& wait) {
+  return std::min(time_left(wait.deadline), kQueryTimeout);
 }
 /// For messages: the socket's name without its ending, or the host's.
 std::string name_of(const Endpoint& endpoint);

@@ -27,7 +27,7 @@ export function useSamples(sources: Source[], paused: boolean, take: (document: 
     if (paused || names === '') return;
     const documents = names.split('\n');
     const versions = new Map<string, number>();
-    const look = () => {
+    const read = () => {
       const next: SampleState = { errors: [], waiting: false, skipped: 0, period: 0 };
       for (const document of documents) {
         const shown = connection.shown(document);
@@ -45,9 +45,9 @@ export function useSamples(sources: Source[], paused: boolean, take: (document: 
       }
       setState((before) => (JSON.stringify(before) === JSON.stringify(next) ? before : next));
     };
-    const stops = documents.map((document) => connection.look(document));
-    const unsubscribe = connection.subscribe(look);
-    look();
+    const stops = documents.map((document) => connection.subscribe(document));
+    const unsubscribe = connection.onChange(read);
+    read();
     return () => {
       unsubscribe();
       stops.forEach((stop) => stop());

@@ -51,7 +51,7 @@ export class Connection {
   private nextId = 1;
   private readonly pending = new Map<number, Pending>();
   private readonly documents = new Map<string, Shown>();
-  private readonly looking = new Map<string, number>();
+  private readonly subscribed = new Map<string, number>();
   private readonly listeners = new Set<() => void>();
 
   constructor(private readonly address: string) {}
@@ -71,13 +71,13 @@ export class Connection {
     socket.onopen = () => {
       opened = true;
       this.pause = 250;
-      for (const document of this.looking.keys()) this.send('look', { document });
+      for (const document of this.subscribed.keys()) this.send('subscribe', { document });
     };
     socket.onmessage = (message) => this.receive(JSON.parse(String(message.data)) as Message);
     socket.onclose = () => void this.lost(opened);
   }
 
-  subscribe = (listener: () => void): (() => void) => {
+  onChange = (listener: () => void): (() => void) => {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
   };
@@ -86,20 +86,20 @@ export class Connection {
     return this.documents.get(document);
   }
 
-  /** Looks at a document until the function that is returned is called. */
-  look(document: string): () => void {
-    const count = this.looking.get(document) ?? 0;
-    this.looking.set(document, count + 1);
-    if (count === 0) this.send('look', { document });
+  /** Is told of changes of a document until the function that is returned is called. */
+  subscribe(document: string): () => void {
+    const count = this.subscribed.get(document) ?? 0;
+    this.subscribed.set(document, count + 1);
+    if (count === 0) this.send('subscribe', { document });
     return () => {
-      const left = (this.looking.get(document) ?? 1) - 1;
+      const left = (this.subscribed.get(document) ?? 1) - 1;
       if (left > 0) {
-        this.looking.set(document, left);
+        this.subscribed.set(document, left);
         return;
       }
-      this.looking.delete(document);
+      this.subscribed.delete(document);
       this.documents.delete(document);
-      this.send('look_away', { document });
+      this.send('unsubscribe', { document });
     };
   }
 
@@ -136,7 +136,7 @@ export class Connection {
   }
 
   private take(name: string, message: Message): void {
-    if (!this.looking.has(name)) return;
+    if (!this.subscribed.has(name)) return;
     const before = this.documents.get(name);
     const value = message.change ? applyChange(before?.value ?? {}, message.change) : (message.value ?? null);
     this.documents.set(name, {

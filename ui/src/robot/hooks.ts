@@ -13,11 +13,11 @@ export function useConnection(): Connection {
 /** A document, as long as the component is shown; null: none. */
 export function useDocument(name: string | null): Shown | undefined {
   const connection = useConnection();
-  useEffect(() => (name === null ? undefined : connection.look(name)), [connection, name]);
-  return useSyncExternalStore(connection.subscribe, () => (name === null ? undefined : connection.shown(name)));
+  useEffect(() => (name === null ? undefined : connection.subscribe(name)), [connection, name]);
+  return useSyncExternalStore(connection.onChange, () => (name === null ? undefined : connection.shown(name)));
 }
 
 export function useLink(): Link {
   const connection = useConnection();
-  return useSyncExternalStore(connection.subscribe, () => connection.link);
+  return useSyncExternalStore(connection.onChange, () => connection.link);
 }

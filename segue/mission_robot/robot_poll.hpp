@@ -21,12 +21,12 @@ namespace segue::mission {
 struct PortFeed {
   Member port;
   std::unique_ptr<PortSamples> samples;
-  std::vector<type::Value> fresh{};  ///< what came between the last two looks, oldest first
+  std::vector<type::Value> fresh{};  ///< what came between the last two polls, oldest first
   std::optional<type::Value> last{};
 
   static Result<PortFeed> open(CommandedRobot& robot, const Member& port, const Wait& wait);
   /// Takes in what has come. Does not wait for samples.
-  Result<void> look(const Wait& wait);
+  Result<void> poll(const Wait& wait);
   /// Takes in the samples that have come, or else the next ones; nothing at the deadline. Blocks.
   Result<void> next(const Wait& wait);
 
@@ -46,7 +46,7 @@ struct PortFeed {
 /// action waits for that task to fail; empty: it waits for none.
 [[nodiscard]] std::optional<Ending> ending_by(const ControllerTrouble& trouble, const std::string& controller,
                                               const std::function<bool(const std::string& task)>& awaits);
-/// Waits until the next look; returns earlier where a stop is requested.
-void wait_for_next_look(Duration period, const std::stop_token& stop);
+/// Waits until the next poll; returns earlier where a stop is requested.
+void wait_for_next_poll(Duration period, const std::stop_token& stop);
 
 }  // namespace segue::mission

@@ -2,7 +2,7 @@
 #include <segue/base/mutex.hpp>
 #include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
-#include <segue/mission_robot/robot_look.hpp>
+#include <segue/mission_robot/robot_poll.hpp>
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ Result<PortFeed> PortFeed::open(CommandedRobot& robot, const Member& port, const
   return PortFeed{port, std::move(*samples)};
 }
 
-Result<void> PortFeed::look(const Wait& wait) {
+Result<void> PortFeed::poll(const Wait& wait) {
   return take_in(samples->take(wait));
 }
 
@@ -73,7 +73,7 @@ std::optional<Ending> ending_by(const ControllerTrouble& trouble, const std::str
   return std::nullopt;
 }
 
-void wait_for_next_look(Duration period, const std::stop_token& stop) {
+void wait_for_next_poll(Duration period, const std::stop_token& stop) {
   Mutex mutex;
   Lock lock(mutex);
   StoppableConditionVariable().wait_for(mutex, stop, period, []() SEGUE_REQUIRES(mutex) { return false; });
