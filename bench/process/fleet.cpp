@@ -73,15 +73,15 @@ class RealFleet : public Fleet {
     info.software = SEGUE_VERSION;
     info.incarnation = memory_->incarnation();
     own_ = std::make_unique<deploy::LocalDeployment>(info, local_, memory_);
-    deployed_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *processes_, &control::connect_deployment,
-                                                           launch_, local_);
+    deployed_ = std::make_unique<fleet::DeployedTaskHost>(*own_, *processes_, &control::connect_deployment,
+                                                          launch_, local_);
   }
   ~RealFleet() override { deployed_->end_processes(soon()); }
 
   task_host::TaskHost& host() override { return *deployed_; }
 
  protected:
-  [[nodiscard]] deploy::DeployedTaskHost& deployed() { return *deployed_; }
+  [[nodiscard]] fleet::DeployedTaskHost& deployed() { return *deployed_; }
   [[nodiscard]] const model::ComponentCatalog& catalog() const { return catalog_; }
   [[nodiscard]] const process_server::Launch& launch() const { return launch_; }
 
@@ -94,7 +94,7 @@ class RealFleet : public Fleet {
   std::shared_ptr<sample_link::SharedMemory> memory_;
   std::unique_ptr<process_server::ProcessServer> processes_;
   std::unique_ptr<deploy::LocalDeployment> own_;
-  std::unique_ptr<deploy::DeployedTaskHost> deployed_;
+  std::unique_ptr<fleet::DeployedTaskHost> deployed_;
 };
 
 class RemoteFleet final : public RealFleet {

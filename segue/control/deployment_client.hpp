@@ -15,7 +15,7 @@ namespace segue::control {
 
 /// The deployment process on the other end of a socket. Waits for one that is still starting. InvalidState
 /// where it is of another version (the error names both), Unsupported where something else is served there.
-/// Fits deploy::Connector. Calls after it went answer Unavailable; those that it does not answer,
+/// Fits fleet::Connector. Calls after it went answer Unavailable; those that it does not answer,
 /// DeadlineExceeded: 2 s after their deadline, 10 s after their begin where they have none.
 ///
 /// `gone` (may be null) and the service's listener are called from the connection's own thread. `gone` is

@@ -16,8 +16,8 @@ namespace segue::distributed::detail {
 
 namespace {
 
-using deploy::detail::Which;
-using deploy::detail::which_of;
+using fleet::detail::Which;
+using fleet::detail::which_of;
 
 /// The receivers that the transition leaves as they are.
 std::set<model::TaskId> kept_receivers(const model::Network& before, const model::Network& target) {
@@ -328,7 +328,7 @@ void ActionRouter::note_placement(const model::Action& action, const Result<void
   if (config == nullptr) {
     return;
   }
-  const auto place = deploy::detail::PlacementTable::place_of(config->definition.id, config->process);
+  const auto place = fleet::detail::PlacementTable::place_of(config->definition.id, config->process);
   if (outcome) {
     sites_.placements().put(place);
   } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||

@@ -63,7 +63,7 @@ class ActionRouter {
   /// nullptr: the state travels from one computer to another.
   [[nodiscard]] Result<Site*> site_of(const model::HandOverAction& what) const;
   /// Where an incarnation of a task lives or, before it has been created, will live.
-  [[nodiscard]] Result<Site*> site_of(const model::TaskId& task, deploy::detail::Which which) const;
+  [[nodiscard]] Result<Site*> site_of(const model::TaskId& task, fleet::detail::Which which) const;
   void begin_at(Site& site, const Indices& indices, const BatchPtr& batch);
   void begin_hand_over(std::size_t index, const BatchPtr& batch);
   Result<void> hand_over(const model::HandOverAction& action, TimePoint deadline) const;

@@ -18,7 +18,7 @@ namespace segue::distributed {
 class CommitParticipant final : public HostedRobot {
  public:
   /// `tasks` must outlive this. `clock` is what promises to commit are measured with.
-  explicit CommitParticipant(deploy::DeployedTaskHost& tasks, const Clock& clock = RealClock::instance())
+  explicit CommitParticipant(fleet::DeployedTaskHost& tasks, const Clock& clock = RealClock::instance())
       : tasks_(tasks), clock_(clock) {}
 
   Result<void> renew() override { return {}; }
@@ -64,7 +64,7 @@ class CommitParticipant final : public HostedRobot {
   Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
 
  private:
-  deploy::DeployedTaskHost& tasks_;
+  fleet::DeployedTaskHost& tasks_;
   const Clock& clock_;
   Result<void> wait_for(const LinkWait& link, TimePoint deadline);
 

@@ -143,7 +143,7 @@ class Checker {
     if (from == to) {
       return;
     }
-    if (auto possible = deploy::detail::check_link(connection, from, to); !possible) {
+    if (auto possible = fleet::detail::check_link(connection, from, to); !possible) {
       findings_.error("link", to_string(connection) + ": " + possible.error().message, connection.where);
     }
   }

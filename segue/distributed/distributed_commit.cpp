@@ -14,7 +14,7 @@ namespace segue::distributed::detail {
 
 namespace {
 
-using deploy::detail::Which;
+using fleet::detail::Which;
 
 void note(const Site& site, const Error& error, std::uint64_t number) {
   site.note(error, number);

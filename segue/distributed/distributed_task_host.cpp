@@ -24,8 +24,8 @@ namespace segue::distributed {
 
 namespace {
 
-using deploy::detail::Which;
 using detail::Site;
+using fleet::detail::Which;
 
 TimePoint in(Duration duration) {
   return RealClock::instance().now() + duration;
@@ -34,7 +34,7 @@ TimePoint in(Duration duration) {
 }  // namespace
 
 struct DistributedTaskHost::Implementation {
-  Implementation(deploy::DeployedTaskHost& tasks, std::vector<HostPlace> places,
+  Implementation(fleet::DeployedTaskHost& tasks, std::vector<HostPlace> places,
                  const model::ComponentCatalog& components, DistributedOptions chosen)
       : own(tasks),
         catalog(components),
@@ -60,7 +60,7 @@ struct DistributedTaskHost::Implementation {
   template <class Ask>
   auto at(const model::TaskId& task, Ask ask) const -> decltype(ask(std::declval<HostedRobot&>()));
 
-  deploy::DeployedTaskHost& own;
+  fleet::DeployedTaskHost& own;
   const model::ComponentCatalog& catalog;
   const DistributedOptions options;
   CommitParticipant part;
@@ -238,7 +238,7 @@ auto DistributedTaskHost::Implementation::at(const model::TaskId& task, Ask ask)
   return ask(*reached->robot);
 }
 
-DistributedTaskHost::DistributedTaskHost(deploy::DeployedTaskHost& own, std::vector<HostPlace> hosts,
+DistributedTaskHost::DistributedTaskHost(fleet::DeployedTaskHost& own, std::vector<HostPlace> hosts,
                                          const model::ComponentCatalog& catalog, DistributedOptions options)
     : implementation_(std::make_unique<Implementation>(own, std::move(hosts), catalog, std::move(options))) {
   implementation_->begin();

@@ -49,7 +49,7 @@ class DistributedTaskHost final : public task_host::TaskHost {
  public:
   /// `own` is the part on the runtime's computer. It and `catalog` must outlive this. Connects to all hosts;
   /// those that cannot be reached are looked for from then on. Blocks for the options' patience at most.
-  DistributedTaskHost(deploy::DeployedTaskHost& own, std::vector<HostPlace> hosts,
+  DistributedTaskHost(fleet::DeployedTaskHost& own, std::vector<HostPlace> hosts,
                       const model::ComponentCatalog& catalog, DistributedOptions options);
   /// Gives up the leases; processes run on.
   ~DistributedTaskHost() override;

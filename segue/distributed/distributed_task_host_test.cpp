@@ -208,12 +208,12 @@ struct Commander {
       libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   deploy::testing::FakeProcesses processes{computers.own};
   deploy::testing::FakeService service{computers.own, computers.own.own()};
-  deploy::DeployedTaskHost own{service,
-                               processes,
-                               deploy::testing::connector(computers.own),
-                               testing::request_of("").launch,
-                               local,
-                               {60s, 1h, {model::kLocalHost, HostName("workstation")}}};
+  fleet::DeployedTaskHost own{service,
+                              processes,
+                              deploy::testing::connector(computers.own),
+                              testing::request_of("").launch,
+                              local,
+                              {60s, 1h, {model::kLocalHost, HostName("workstation")}}};
   DistributedTaskHost host{own, {computers.left.place(), computers.right.place(true)}, catalog, options};
 };
 

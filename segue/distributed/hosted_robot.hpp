@@ -17,7 +17,7 @@
 namespace segue::distributed {
 
 /// Everything of a robot that a host holds at one moment.
-using HostView = deploy::DeployedTaskHost::View;
+using HostView = fleet::DeployedTaskHost::View;
 
 /// A task that carries samples between hosts, and how many of the others it has to find.
 struct LinkWait {

@@ -13,7 +13,7 @@ namespace segue::distributed::detail {
 
 namespace {
 
-using deploy::detail::Which;
+using fleet::detail::Which;
 
 /// How long senders and receivers may take to find each other.
 constexpr Duration kMatching = std::chrono::seconds(10);

@@ -51,7 +51,7 @@ std::string architecture() {
 }  // namespace
 
 struct LocalHost::Implementation {
-  Implementation(process_server::ProcessService& service, deploy::Connector how,
+  Implementation(process_server::ProcessService& service, fleet::Connector how,
                  const LocalHostOptions& chosen)
       : hub(service), processes(hub.for_all()), connector(std::move(how)), options(chosen) {}
 
@@ -68,7 +68,7 @@ struct LocalHost::Implementation {
 
   process_server::ProcessHub hub;
   const std::unique_ptr<process_server::ProcessService> processes;
-  const deploy::Connector connector;
+  const fleet::Connector connector;
   const LocalHostOptions options;
   LibraryInventory libraries;
   Mutex mutex;  ///< protects the member below
@@ -158,7 +158,7 @@ LocalHost::~LocalHost() {
 }
 
 Result<std::unique_ptr<LocalHost>> LocalHost::create(process_server::ProcessService& processes,
-                                                     deploy::Connector connector,
+                                                     fleet::Connector connector,
                                                      const LocalHostOptions& options) {
   for (const auto& folder : {options.state, options.state / "robots"}) {
     if (auto made = make_private_folder(folder); !made) {

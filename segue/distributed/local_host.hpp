@@ -25,7 +25,7 @@ class LocalHost final : public HostService {
   /// `processes` and `connector` as for DeployedTaskHost; `processes` must outlive this, its listener belongs
   /// to this. Fails where the state folder cannot be used.
   static Result<std::unique_ptr<LocalHost>> create(process_server::ProcessService& processes,
-                                                   deploy::Connector connector,
+                                                   fleet::Connector connector,
                                                    const LocalHostOptions& options);
   /// Waits for calls in progress. The robots that were given out answer Unavailable from then on.
   ~LocalHost() override;

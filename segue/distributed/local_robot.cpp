@@ -202,7 +202,7 @@ void Session::begin_in_order(std::vector<model::Action> actions, Duration action
 }  // namespace
 
 LocalRobot::LocalRobot(process_server::Launch launch,
-                       std::unique_ptr<process_server::ProcessService> processes, deploy::Connector connector,
+                       std::unique_ptr<process_server::ProcessService> processes, fleet::Connector connector,
                        const model::HostName& host, const Clock& clock)
     : launch_(std::move(launch)),
       processes_(std::move(processes)),

@@ -23,7 +23,7 @@ class LocalRobot {
  public:
   /// Adopts the processes that run already. `processes` hears of this robot's only.
   LocalRobot(process_server::Launch launch, std::unique_ptr<process_server::ProcessService> processes,
-             deploy::Connector connector, const model::HostName& host, const Clock& clock);
+             fleet::Connector connector, const model::HostName& host, const Clock& clock);
 
   [[nodiscard]] const process_server::Launch& launch() const { return launch_; }
   [[nodiscard]] CommitParticipant& part() { return part_; }
@@ -35,7 +35,7 @@ class LocalRobot {
   const model::ComponentCatalog no_components_;
   task_host::LocalTaskHost no_tasks_{no_libraries_, no_components_};
   deploy::LocalDeployment own_;
-  deploy::DeployedTaskHost tasks_;
+  fleet::DeployedTaskHost tasks_;
   CommitParticipant part_;
 };
 

@@ -29,7 +29,7 @@ class Names {
     }
     for (const auto& task : view.network.tasks) {
       const auto process = process_of.find(task.id);
-      names_.emplace(task.id, deploy::detail::PlacementTable::name(
+      names_.emplace(task.id, fleet::detail::PlacementTable::name(
                                   current, task_host::plain_id(task.id),
                                   process == process_of.end() ? model::DeploymentKey{} : process->second));
     }
@@ -126,7 +126,7 @@ Result<Site*> Sites::find(const model::HostName& host) const {
               "the robot has no host " + quote(host.str()) + did_you_mean(host.str(), names));
 }
 
-Result<Site*> Sites::locate(const model::TaskId& task, deploy::detail::Which which) const {
+Result<Site*> Sites::locate(const model::TaskId& task, fleet::detail::Which which) const {
   const auto place = placements_.find(task, which);
   if (!place) {
     return place.error();

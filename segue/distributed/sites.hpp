@@ -47,12 +47,12 @@ class Sites {
   [[nodiscard]] const std::vector<std::unique_ptr<Site>>& all() const { return sites_; }
   /// NotFound where the robot has no such host. The key of the runtime's own process has an empty one.
   [[nodiscard]] Result<Site*> find(const model::HostName& host) const;
-  [[nodiscard]] deploy::detail::PlacementTable& placements() const { return placements_; }
+  [[nodiscard]] fleet::detail::PlacementTable& placements() const { return placements_; }
   [[nodiscard]] concurrent::ThreadPool& pool() const { return pool_; }
   [[nodiscard]] const RobotLoss& loss() const { return loss_; }
 
   /// The site of an incarnation of a task.
-  [[nodiscard]] Result<Site*> locate(const model::TaskId& task, deploy::detail::Which which) const;
+  [[nodiscard]] Result<Site*> locate(const model::TaskId& task, fleet::detail::Which which) const;
   /// The part of a network that is on a site.
   [[nodiscard]] model::Network part(const model::Network& network, const Site& site) const;
 
@@ -84,7 +84,7 @@ class Sites {
   RobotLoss loss_;
   const std::vector<model::HostName> own_names_;
   std::vector<std::unique_ptr<Site>> sites_;
-  mutable deploy::detail::PlacementTable placements_;
+  mutable fleet::detail::PlacementTable placements_;
   mutable Mutex mutex_;  ///< protects the member below
   /// The processes of each site when it was seen last.
   mutable std::map<const Site*, std::set<model::DeploymentKey>> processes_ SEGUE_GUARDED_BY(mutex_);

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -377,4 +377,4 @@ void ActionDispatcher::conclude(const model::Transition& transition) {
   fleet_.pool().run_all(std::move(jobs));
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// Whether the link that a network insists on can carry a connection between two processes.
 Result<void> check_link(const model::Connection& connection, const model::DeploymentKey& from,
@@ -95,4 +95,4 @@ class ActionDispatcher {
   CommitCoordinator& commits_;
 };
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

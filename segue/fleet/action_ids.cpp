@@ -3,7 +3,7 @@
 
 #include <segue/task_host/full_id.hpp>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 Which which_of(model::ActionKind kind) {
   switch (kind) {
@@ -39,4 +39,4 @@ model::Action plain(model::Action action) {
   return action;
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -5,7 +5,7 @@
 #include <segue/model/transition.hpp>
 
 /// Which incarnations of tasks actions mean, and how processes know them.
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// Actions that take down mean the current incarnation of a task, all others the next one.
 Which which_of(model::ActionKind kind);
@@ -14,4 +14,4 @@ Which which_of(model::ActionKind kind);
 model::Connection plain(model::Connection connection);
 model::Action plain(model::Action action);
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

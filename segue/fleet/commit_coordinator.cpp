@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -103,8 +103,9 @@ void CommitCoordinator::add_ending(const model::Connection& connection, Parts& p
     return;
   }
   connector_.will_end(known);
-  parts[writer->record].what.endpoints.push_back({known, Side::Output, reader->record->incarnation()});
-  parts[reader->record].what.endpoints.push_back({known, Side::Input, writer->record->incarnation()});
+  parts[writer->record].what.endpoints.push_back(
+      {known, deploy::Side::Output, reader->record->incarnation()});
+  parts[reader->record].what.endpoints.push_back({known, deploy::Side::Input, writer->record->incarnation()});
 }
 
 Result<std::shared_ptr<sample_link::CommitPage>> CommitCoordinator::page() {
@@ -159,4 +160,4 @@ void CommitCoordinator::settle() {
   }
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -13,7 +13,7 @@
 #include <memory>
 #include <set>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// Lets connections begin and end with the commit of a transition, in all processes at the same instant: a
 /// store to the page that all of them map. Before it, each process concerned gets one message that says which
@@ -40,7 +40,7 @@ class CommitCoordinator {
  private:
   struct Part {
     bool begins = false;  ///< a connection of the process begins with the commit
-    ArmCommit what{};
+    deploy::ArmCommit what{};
   };
   using Parts = std::map<RecordPtr, Part>;
 
@@ -57,4 +57,4 @@ class CommitCoordinator {
   std::set<RecordPtr> waiting_ SEGUE_GUARDED_BY(mutex_);  ///< processes that have to learn how it ended
 };
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -196,7 +196,7 @@ class ConnectionBatch {
       }
     }
     for_each_group(pool_, readers, [&](const RecordPtr& reader, const Indices& indices) {
-      close(reader, indices, Side::Input, [](std::size_t, const Result<void>&) {});
+      close(reader, indices, deploy::Side::Input, [](std::size_t, const Result<void>&) {});
       open(reader, indices);
     });
   }
@@ -205,20 +205,20 @@ class ConnectionBatch {
                 std::vector<Result<sample_link::OutputOrigin>>& origins) {
     ask<model::PortRef>(
         writer, indices, deadline_, [&](std::size_t i) { return attempts_[i].remote->connection.from; },
-        [&](DeploymentService& service, const std::vector<model::PortRef>& ports) {
+        [&](deploy::DeploymentService& service, const std::vector<model::PortRef>& ports) {
           return service.describe_outputs(ports, deadline_);
         },
         [&](std::size_t i, Result<sample_link::OutputOrigin> origin) { origins[i] = std::move(origin); });
   }
 
   void open(const RecordPtr& reader, const Indices& indices) {
-    ask<OpenInput>(
+    ask<deploy::OpenInput>(
         reader, indices, deadline_,
         [&](std::size_t i) {
-          return OpenInput{attempts_[i].remote->connection, *attempts_[i].origin,
-                           attempts_[i].remote->at_commit};
+          return deploy::OpenInput{attempts_[i].remote->connection, *attempts_[i].origin,
+                                   attempts_[i].remote->at_commit};
         },
-        [&](DeploymentService& service, const std::vector<OpenInput>& inputs) {
+        [&](deploy::DeploymentService& service, const std::vector<deploy::OpenInput>& inputs) {
           return service.open_inputs(inputs, deadline_);
         },
         [&](std::size_t i, Result<sample_link::InputPlace> place) {
@@ -235,13 +235,13 @@ class ConnectionBatch {
 
   void attach() {
     for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
-      ask<AttachOutput>(
+      ask<deploy::AttachOutput>(
           writer, indices, deadline_,
           [&](std::size_t i) {
-            return AttachOutput{attempts_[i].remote->connection, attempts_[i].place,
-                                attempts_[i].remote->at_commit};
+            return deploy::AttachOutput{attempts_[i].remote->connection, attempts_[i].place,
+                                        attempts_[i].remote->at_commit};
           },
-          [&](DeploymentService& service, const std::vector<AttachOutput>& outputs) {
+          [&](deploy::DeploymentService& service, const std::vector<deploy::AttachOutput>& outputs) {
             return service.attach_outputs(outputs, deadline_);
           },
           [&](std::size_t i, Result<void> attached) {
@@ -263,7 +263,7 @@ class ConnectionBatch {
       }
     }
     for_each_group(pool_, outputs, [&](const RecordPtr& writer, const Indices& indices) {
-      close(writer, indices, Side::Output, [&](std::size_t i, const Result<void>& closed) {
+      close(writer, indices, deploy::Side::Output, [&](std::size_t i, const Result<void>& closed) {
         attempts_[i].output_unconfirmed = !closed && closed.error().code != ErrorCode::NotFound;
       });
     });
@@ -274,20 +274,21 @@ class ConnectionBatch {
       }
     }
     for_each_group(pool_, inputs, [&](const RecordPtr& reader, const Indices& indices) {
-      close(reader, indices, Side::Input, [](std::size_t, const Result<void>&) {});
+      close(reader, indices, deploy::Side::Input, [](std::size_t, const Result<void>&) {});
     });
   }
 
   template <class Take>
-  void close(const RecordPtr& record, const Indices& indices, Side side, Take take) {
-    ask<CloseEndpoint>(
+  void close(const RecordPtr& record, const Indices& indices, deploy::Side side, Take take) {
+    ask<deploy::CloseEndpoint>(
         record, indices, deadline_,
         [&](std::size_t i) {
           const RemoteConnection& remote = *attempts_[i].remote;
-          const RecordPtr& other = side == Side::Input ? remote.writer : remote.reader;
-          return CloseEndpoint{remote.connection, side, side == Side::Input, other->incarnation()};
+          const RecordPtr& other = side == deploy::Side::Input ? remote.writer : remote.reader;
+          return deploy::CloseEndpoint{remote.connection, side, side == deploy::Side::Input,
+                                       other->incarnation()};
         },
-        [&](DeploymentService& service, const std::vector<CloseEndpoint>& endpoints) {
+        [&](deploy::DeploymentService& service, const std::vector<deploy::CloseEndpoint>& endpoints) {
           return service.close_endpoints(endpoints, deadline_);
         },
         take);
@@ -295,7 +296,7 @@ class ConnectionBatch {
 
   void close_outputs() {
     for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
-      close(writer, indices, Side::Output, [&](std::size_t i, Result<void> closed) {
+      close(writer, indices, deploy::Side::Output, [&](std::size_t i, Result<void> closed) {
         attempts_[i].opened = closed.has_value();
         if (!closed && closed.error().code != ErrorCode::NotFound && !writer->ended()) {
           refuse(i, std::move(closed.error()));
@@ -306,7 +307,7 @@ class ConnectionBatch {
 
   void close_inputs() {
     for_each_group(pool_, by_reader(), [&](const RecordPtr& reader, const Indices& indices) {
-      close(reader, indices, Side::Input, [&](std::size_t i, Result<void> closed) {
+      close(reader, indices, deploy::Side::Input, [&](std::size_t i, Result<void> closed) {
         const bool gone = reader->ended() || (!closed && closed.error().code == ErrorCode::NotFound);
         attempts_[i].opened = attempts_[i].opened || closed.has_value();
         if (!closed && !gone) {
@@ -349,4 +350,4 @@ std::vector<Result<void>> disconnect_all(concurrent::ThreadPool& pool,
   return ConnectionBatch(pool, connections, deadline).disconnect();
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

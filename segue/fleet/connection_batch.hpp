@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// A connection between two processes, with plain task ids. When it is to be disconnected, a process that has
 /// ended may be null.
@@ -33,4 +33,4 @@ std::vector<Result<void>> connect_all(concurrent::ThreadPool& pool,
 std::vector<Result<void>> disconnect_all(concurrent::ThreadPool& pool,
                                          std::span<const RemoteConnection> connections, TimePoint deadline);
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 ConnectionClaims::Claim::Claim(ConnectionClaims& claims, std::vector<Key> keys, TimePoint deadline)
     : claims_(claims), keys_(keys.begin(), keys.end()) {
@@ -54,4 +54,4 @@ ConnectionClaims::Claim::Watch::~Watch() {
   claims_.watches_.erase(this);
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

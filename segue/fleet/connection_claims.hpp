@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// Which connections between processes are being worked on. Whoever makes, ends or tidies up a connection
 /// claims it first, so that nobody takes a half-made connection for a broken one, and a process that does not
@@ -64,4 +64,4 @@ class ConnectionClaims::Claim::Watch {
   std::set<Key> touched_;  ///< protected by the mutex of the claims
 };
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -80,4 +80,4 @@ std::vector<task_host::ConnectionReport> DamageLog::reports() const {
   return reports;
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

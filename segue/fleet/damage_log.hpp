@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// Remembers which connections were ended because their shared memory was overwritten, until they are made
 /// again, and finds out which process does so again and again. Thread safe; calls nobody.
@@ -55,4 +55,4 @@ class DamageLog {
   std::deque<Event> events_ SEGUE_GUARDED_BY(mutex_);
 };
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

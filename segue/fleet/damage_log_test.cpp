@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 namespace {
 
 using std::chrono::minutes;
@@ -113,4 +113,4 @@ TEST_F(DamageLogTest, AConnectionIsReportedUntilATransitionIsComplete) {
 }
 
 }  // namespace
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

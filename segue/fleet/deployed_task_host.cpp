@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace segue::deploy {
+namespace segue::fleet {
 
 namespace {
 
@@ -53,8 +53,8 @@ void check_links(const model::Network& network, Diagnostics& findings) {
 }  // namespace
 
 struct DeployedTaskHost::Implementation {
-  Implementation(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
-                 process_server::Launch launch, const task_host::TaskHost& local_host,
+  Implementation(deploy::DeploymentService& own, process_server::ProcessService& processes,
+                 Connector connector, process_server::Launch launch, const task_host::TaskHost& local_host,
                  const DeployedOptions& options)
       : local(local_host),
         hosts(options.hosts),
@@ -64,7 +64,7 @@ struct DeployedTaskHost::Implementation {
   /// Calls `ask` with the service of the process where the task lives, and its plain id.
   template <class Ask>
   auto at(const model::TaskId& task, Ask ask, detail::Which which = detail::Which::Current) const
-      -> decltype(ask(std::declval<DeploymentService&>(), task)) {
+      -> decltype(ask(std::declval<deploy::DeploymentService&>(), task)) {
     const auto located = fleet->locate(task, which);
     if (!located) {
       return located.error();
@@ -91,7 +91,7 @@ struct DeployedTaskHost::Implementation {
   detail::ActionDispatcher dispatcher{*fleet, remote_connector, commits};
 };
 
-DeployedTaskHost::DeployedTaskHost(DeploymentService& own, process_server::ProcessService& processes,
+DeployedTaskHost::DeployedTaskHost(deploy::DeploymentService& own, process_server::ProcessService& processes,
                                    Connector connector, process_server::Launch launch,
                                    const task_host::TaskHost& local, const DeployedOptions& options)
     : implementation_(std::make_unique<Implementation>(own, processes, std::move(connector),
@@ -203,7 +203,7 @@ DeployedTaskHost::View DeployedTaskHost::snapshot() const {
 
 Result<std::optional<task::SavedState>> DeployedTaskHost::save_state(const model::TaskId& task,
                                                                      TimePoint deadline) {
-  return implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {
+  return implementation_->at(task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
     return service.save_state(id, deadline);
   });
 }
@@ -212,7 +212,7 @@ Result<void> DeployedTaskHost::restore_state(const model::TaskId& task, const ta
                                              TimePoint deadline) {
   return implementation_->at(
       task,
-      [&](DeploymentService& service, const model::TaskId& id) {
+      [&](deploy::DeploymentService& service, const model::TaskId& id) {
         return service.restore_state(id, state, deadline);
       },
       detail::Which::Next);
@@ -220,18 +220,19 @@ Result<void> DeployedTaskHost::restore_state(const model::TaskId& task, const ta
 
 Result<model::ComponentModel> DeployedTaskHost::describe(const model::TaskId& task) const {
   return implementation_->at(
-      task, [](DeploymentService& service, const model::TaskId& id) { return service.describe(id); });
+      task, [](deploy::DeploymentService& service, const model::TaskId& id) { return service.describe(id); });
 }
 
 Result<type::Value> DeployedTaskHost::properties(const model::TaskId& task) const {
-  return implementation_->at(
-      task, [](DeploymentService& service, const model::TaskId& id) { return service.properties(id); });
+  return implementation_->at(task, [](deploy::DeploymentService& service, const model::TaskId& id) {
+    return service.properties(id);
+  });
 }
 
 void DeployedTaskHost::watch(const task_host::LevelQuestion& question, const Wait& wait,
                              task_host::LevelAnswer answered) {
   const auto asked = implementation_->at(
-      question.task, [&](DeploymentService& service, const model::TaskId& id) -> Result<void> {
+      question.task, [&](deploy::DeploymentService& service, const model::TaskId& id) -> Result<void> {
         service.watch({id, question.seen, question.each_update}, wait, answered);
         return {};
       });
@@ -242,33 +243,33 @@ void DeployedTaskHost::watch(const task_host::LevelQuestion& question, const Wai
 
 Result<task_host::TaskDetails> DeployedTaskHost::details(const model::TaskId& task) const {
   return implementation_->at(
-      task, [](DeploymentService& service, const model::TaskId& id) { return service.details(id); });
+      task, [](deploy::DeploymentService& service, const model::TaskId& id) { return service.details(id); });
 }
 
 Result<void> DeployedTaskHost::set_property(const model::TaskId& task, std::string_view path,
                                             const type::Value& value, TimePoint deadline) {
-  return implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {
+  return implementation_->at(task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
     return service.set_property(id, path, value, deadline);
   });
 }
 
 Result<type::Value> DeployedTaskHost::call(const model::TaskId& task, std::string_view operation,
                                            const type::Value& arguments, TimePoint deadline) {
-  return implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {
+  return implementation_->at(task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
     return service.call(id, operation, arguments, deadline);
   });
 }
 
 Result<void> DeployedTaskHost::write(const model::PortRef& port, const type::Value& value,
                                      TimePoint deadline) {
-  return implementation_->at(port.task, [&](DeploymentService& service, const model::TaskId& id) {
+  return implementation_->at(port.task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
     return service.write({id, port.port}, value, deadline);
   });
 }
 
 Result<std::unique_ptr<task_host::PortReader>> DeployedTaskHost::open_reader(const model::PortRef& port,
                                                                              std::size_t buffer) {
-  return implementation_->at(port.task, [&](DeploymentService& service, const model::TaskId& id) {
+  return implementation_->at(port.task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
     return service.open_reader({id, port.port}, buffer);
   });
 }
@@ -277,4 +278,4 @@ void DeployedTaskHost::set_listener(Listener listener) {
   implementation_->fleet->events().set_listener(std::move(listener));
 }
 
-}  // namespace segue::deploy
+}  // namespace segue::fleet

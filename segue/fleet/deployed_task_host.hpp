@@ -10,12 +10,12 @@
 #include <span>
 #include <vector>
 
-namespace segue::deploy {
+namespace segue::fleet {
 
 /// Connects to a deployment process by its socket (control/ provides this). `gone` is called once, from any
 /// thread, when the connection breaks.
-using Connector = std::function<Result<ConnectedDeployment>(const std::filesystem::path& socket,
-                                                            TimePoint deadline, std::function<void()> gone)>;
+using Connector = std::function<Result<deploy::ConnectedDeployment>(
+    const std::filesystem::path& socket, TimePoint deadline, std::function<void()> gone)>;
 
 struct DeployedOptions {
   /// How long a process may take to answer a poll before it counts as one that does not answer. Long enough
@@ -42,8 +42,8 @@ class DeployedTaskHost final : public task_host::TaskHost {
   /// `own` is the runtime's process, `launch` the template for starting others. All references must outlive
   /// this. Running deployments of `launch.robot` are adopted; the listener, as soon as there is one, gets an
   /// event of each and of those that cannot be adopted (another version of Segue).
-  DeployedTaskHost(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
-                   process_server::Launch launch, const task_host::TaskHost& local,
+  DeployedTaskHost(deploy::DeploymentService& own, process_server::ProcessService& processes,
+                   Connector connector, process_server::Launch launch, const task_host::TaskHost& local,
                    const DeployedOptions& options = {});
   /// Stops watching; the processes run on.
   ~DeployedTaskHost() override;
@@ -102,4 +102,4 @@ class DeployedTaskHost final : public task_host::TaskHost {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace segue::deploy
+}  // namespace segue::fleet

@@ -19,7 +19,7 @@
 #include <latch>
 #include <thread>
 
-namespace segue::deploy {
+namespace segue::fleet {
 namespace {
 
 using namespace std::chrono_literals;
@@ -993,8 +993,9 @@ TEST(DeployedTaskHost, RemovesEndpointsThatADeadProcessLeft) {
   // The writer's endpoint of b.out -> c.in is gone, the reader's is still there.
   const auto p1 = world.find("p1");
   world.change([&] {
-    std::erase_if(p1->endpoints,
-                  [](const EndpointReport& endpoint) { return endpoint.side == Side::Output; });
+    std::erase_if(p1->endpoints, [](const deploy::EndpointReport& endpoint) {
+      return endpoint.side == deploy::Side::Output;
+    });
   });
   EXPECT_TRUE(eventually([&] { return world.orphaned_endpoints() == 0; }));
   EXPECT_EQ(text(robot.wrong()), "");
@@ -1009,7 +1010,7 @@ TEST(DeployedTaskHost, MakesADamagedConnectionAgain) {
     ASSERT_EQ(text(robot.switch_to(kOne)), "done");
     const model::Network whole = network_of(kOne);
     const auto damage = world.find(process);
-    const auto between = [&](const EndpointReport& endpoint) {
+    const auto between = [&](const deploy::EndpointReport& endpoint) {
       return endpoint.connection == whole.connections[1];  // b in p1 to c in p2
     };
     world.change([&] {
@@ -1158,4 +1159,4 @@ TEST(DeployedTaskHost, CanBeObservedByManyThreadsWhileItSwitches) {
 }
 
 }  // namespace
-}  // namespace segue::deploy
+}  // namespace segue::fleet

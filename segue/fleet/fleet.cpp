@@ -6,12 +6,12 @@
 
 #include <algorithm>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
 /// The record of the runtime's own process, whose service outlives the fleet and so is not owned.
-RecordPtr own_record(DeploymentService& own) {
+RecordPtr own_record(deploy::DeploymentService& own) {
   auto info = own.info();
   model::Deployment deployment;
   process_server::ProcessInfo process;
@@ -25,7 +25,7 @@ RecordPtr own_record(DeploymentService& own) {
 
 }  // namespace
 
-Fleet::Fleet(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
+Fleet::Fleet(deploy::DeploymentService& own, process_server::ProcessService& processes, Connector connector,
              process_server::Launch launch, const DeployedOptions& options)
     : processes_(processes),
       connector_(std::move(connector)),
@@ -110,7 +110,8 @@ Result<Fleet::Located> Fleet::locate(const model::TaskId& id, Which which) const
   return Located{std::move(record), place->task};
 }
 
-void Fleet::update_placements(const ProcessRecord& record, std::uint64_t poll, const Snapshot& snapshot) {
+void Fleet::update_placements(const ProcessRecord& record, std::uint64_t poll,
+                              const deploy::Snapshot& snapshot) {
   std::set<model::TaskId> tasks;
   for (const auto& task : snapshot.network.tasks) {
     tasks.insert(task.id);
@@ -145,7 +146,7 @@ model::Network part_of(const model::Network& network, const model::DeploymentKey
   return part;
 }
 
-void send_expectation(DeploymentService& service, const model::Network& network,
+void send_expectation(deploy::DeploymentService& service, const model::Network& network,
                       const model::DeploymentKey& key) {
   const model::Network part = part_of(network, key);
   if (!part.empty()) {
@@ -184,7 +185,7 @@ void Fleet::expect(const model::Network& network) {
   pool_.run_all(std::move(jobs));
 }
 
-void Fleet::send_expectations(DeploymentService& service, const model::DeploymentKey& key) {
+void Fleet::send_expectations(deploy::DeploymentService& service, const model::DeploymentKey& key) {
   std::vector<model::Network> expected;
   {
     const Lock lock(mutex_);
@@ -195,4 +196,4 @@ void Fleet::send_expectations(DeploymentService& service, const model::Deploymen
   }
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// The processes of a robot, the runtime's own among them: starts, adopts, watches and polls them, and keeps
 /// track of which task lives where. Thread safe; no lock is held while a process is called. Where two locks
@@ -26,7 +26,7 @@ namespace segue::deploy::detail {
 /// anything.
 class Fleet : public std::enable_shared_from_this<Fleet> {
  public:
-  Fleet(DeploymentService& own, process_server::ProcessService& processes, Connector connector,
+  Fleet(deploy::DeploymentService& own, process_server::ProcessService& processes, Connector connector,
         process_server::Launch launch, const DeployedOptions& options);
   /// Adopts the processes that run already and begins to watch. To be called once.
   void begin();
@@ -86,20 +86,20 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   std::optional<process_server::ProcessInfo> wait_for_exit_of_starting(const ProcessRecord& record,
                                                                        Duration patience);
   /// A service that is destroyed on a thread of the pool: its last user may be a thread of its own.
-  std::shared_ptr<DeploymentService> shared(std::unique_ptr<DeploymentService> service);
+  std::shared_ptr<deploy::DeploymentService> shared(std::unique_ptr<deploy::DeploymentService> service);
   /// Connects to the process and checks its identity.
   Result<void> open(const RecordPtr& record, TimePoint deadline);
-  void listen_to(const RecordPtr& record, DeploymentService& service);
+  void listen_to(const RecordPtr& record, deploy::DeploymentService& service);
   Result<RecordPtr> deployed(const model::DeploymentKey& key) const;
   /// Ends a process by `how` and removes it from the tables.
   Result<void> end_by(const RecordPtr& record,
                       const std::function<Result<process_server::ExitReason>()>& how);
   static Result<void> check_empty(const ProcessView& view);
-  void send_expectations(DeploymentService& service, const model::DeploymentKey& key);
+  void send_expectations(deploy::DeploymentService& service, const model::DeploymentKey& key);
 
   void poll_processes(const std::vector<RecordPtr>& records);
   void run_polls(const RecordPtr& record);
-  std::shared_ptr<const Snapshot> fetch_snapshot(const RecordPtr& record);
+  std::shared_ptr<const deploy::Snapshot> fetch_snapshot(const RecordPtr& record);
   /// Connects again after the connection broke; false where that fails or the process has ended.
   bool reconnect(const RecordPtr& record);
   bool runs(const ProcessRecord& record);
@@ -117,7 +117,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void report(const ProcessRecord& record, const ProcessRecord::Change& change);
   void report_all_tasks(const ProcessView& view, std::optional<TaskState> state, const std::string& message);
   void report_task(const model::TaskId& task, TaskState state, std::string message);
-  void update_placements(const ProcessRecord& record, std::uint64_t poll, const Snapshot& snapshot);
+  void update_placements(const ProcessRecord& record, std::uint64_t poll, const deploy::Snapshot& snapshot);
   void watch();
 
   process_server::ProcessService& processes_;
@@ -140,4 +140,4 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   std::thread watcher_;
 };
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -132,8 +132,8 @@ std::optional<process_server::ProcessInfo> Fleet::wait_for_exit_of_starting(cons
   return exit;
 }
 
-std::shared_ptr<DeploymentService> Fleet::shared(std::unique_ptr<DeploymentService> service) {
-  return {service.release(), [weak = weak_from_this()](DeploymentService* last) {
+std::shared_ptr<deploy::DeploymentService> Fleet::shared(std::unique_ptr<deploy::DeploymentService> service) {
+  return {service.release(), [weak = weak_from_this()](deploy::DeploymentService* last) {
             const auto self = weak.lock();
             if (self == nullptr || !self->pool_.submit([last] { delete last; })) {
               delete last;
@@ -152,7 +152,7 @@ Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
     return std::move(connected.error());
   }
   const auto service = shared(std::move(connected->service));
-  DeploymentInfo& info = connected->info;
+  deploy::DeploymentInfo& info = connected->info;
   const bool same_life = record->incarnation() == 0 || record->incarnation() == info.incarnation;
   if (info.robot != launch_.robot || info.deployment.key() != record->key() || !same_life) {
     return fail(ErrorCode::InvalidState,
@@ -172,7 +172,7 @@ Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
   return {};
 }
 
-void Fleet::listen_to(const RecordPtr& record, DeploymentService& service) {
+void Fleet::listen_to(const RecordPtr& record, deploy::DeploymentService& service) {
   service.set_listener([weak = weak_from_this(),
                         which = std::weak_ptr<ProcessRecord>(record)](const task_host::TaskEvent& event) {
     const auto self = weak.lock();
@@ -309,4 +309,4 @@ std::string Fleet::adopt(const process_server::ProcessInfo& process) {
   return opened ? who + "has been taken over" : who + "does not answer; a transition replaces it";
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -92,9 +92,10 @@ void Fleet::run_polls(const RecordPtr& record) {
   }
 }
 
-std::shared_ptr<const Snapshot> Fleet::fetch_snapshot(const RecordPtr& record) {
+std::shared_ptr<const deploy::Snapshot> Fleet::fetch_snapshot(const RecordPtr& record) {
   const auto service = record->service();
-  auto seen = service ? service->snapshot() : Result<Snapshot>(fail(ErrorCode::Unavailable, "not connected"));
+  auto seen =
+      service ? service->snapshot() : Result<deploy::Snapshot>(fail(ErrorCode::Unavailable, "not connected"));
   if (service && !seen && !is_silence(seen.error())) {
     seen = service->snapshot();  // it answers, so it gets another try
   }
@@ -104,7 +105,7 @@ std::shared_ptr<const Snapshot> Fleet::fetch_snapshot(const RecordPtr& record) {
       seen = again->snapshot();
     }
   }
-  return seen ? std::make_shared<const Snapshot>(std::move(*seen)) : nullptr;
+  return seen ? std::make_shared<const deploy::Snapshot>(std::move(*seen)) : nullptr;
 }
 
 bool Fleet::reconnect(const RecordPtr& record) {
@@ -305,4 +306,4 @@ void Fleet::watch() {
   }
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -25,8 +25,8 @@ struct EndpointKey {
   friend auto operator<=>(const EndpointKey&, const EndpointKey&) = default;
 };
 
-EndpointKey key_of(const EndpointReport& endpoint, sample_link::Incarnation own) {
-  const bool output = endpoint.side == Side::Output;
+EndpointKey key_of(const deploy::EndpointReport& endpoint, sample_link::Incarnation own) {
+  const bool output = endpoint.side == deploy::Side::Output;
   return {output ? own : endpoint.peer, output ? endpoint.peer : own, endpoint.place.offset,
           endpoint.place.generation,    endpoint.connection.from,     endpoint.connection.to,
           endpoint.connection.policy};
@@ -63,7 +63,7 @@ class Merger {
   }
 
   void add_tasks(const ProcessView& process, model::Deployment& deployment) {
-    const Snapshot& snapshot = *process.snapshot;
+    const deploy::Snapshot& snapshot = *process.snapshot;
     const auto names = names_in(snapshot.network);
     for (const model::Task& task : snapshot.network.tasks) {
       const auto name = names.find(task.id);
@@ -151,19 +151,19 @@ class Merger {
   void add_endpoints() {
     struct Input {
       const ProcessView* process;
-      const EndpointReport* report;
+      const deploy::EndpointReport* report;
     };
     std::map<EndpointKey, Input> inputs;
-    for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
-      if (endpoint.side == Side::Input) {
+    for_each_endpoint([&](const ProcessView& process, const deploy::EndpointReport& endpoint) {
+      if (endpoint.side == deploy::Side::Input) {
         inputs.emplace(key_of(endpoint, process.incarnation), Input{&process, &endpoint});
       }
     });
     std::set<EndpointKey> whole;
     std::set<EndpointKey> paired;  // both endpoints are there, but carry nothing
-    for_each_endpoint([&](const ProcessView& process, const EndpointReport& output) {
+    for_each_endpoint([&](const ProcessView& process, const deploy::EndpointReport& output) {
       const EndpointKey key = key_of(output, process.incarnation);
-      const auto input = output.side == Side::Output ? inputs.find(key) : inputs.end();
+      const auto input = output.side == deploy::Side::Output ? inputs.find(key) : inputs.end();
       if (input == inputs.end()) {
         return;
       }
@@ -172,7 +172,7 @@ class Merger {
         return;
       }
       const model::Connection connection = called(output.connection, process, *input->second.process);
-      const EndpointReport& read = *input->second.report;
+      const deploy::EndpointReport& read = *input->second.report;
       if (output.damage != sample_link::Damage::None || read.damage != sample_link::Damage::None) {
         merged_.damaged.push_back({connection, output.corrupt + read.corrupt,
                                    suspects_of(process, output, *input->second.process, read)});
@@ -180,25 +180,26 @@ class Merger {
         add_connection(output, connection, input->second.report->latency);
       }
     });
-    for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
+    for_each_endpoint([&](const ProcessView& process, const deploy::EndpointReport& endpoint) {
       const EndpointKey key = key_of(endpoint, process.incarnation);
       // Outputs are closed first.
-      const bool stays = endpoint.side == Side::Input && paired.contains(key);
+      const bool stays = endpoint.side == deploy::Side::Input && paired.contains(key);
       if (!stays && !whole.contains(key)) {
         add_orphaned(process, endpoint);
       }
     });
   }
 
-  [[nodiscard]] std::vector<Suspect> suspects_of(const ProcessView& writer, const EndpointReport& output,
+  [[nodiscard]] std::vector<Suspect> suspects_of(const ProcessView& writer,
+                                                 const deploy::EndpointReport& output,
                                                  const ProcessView& reader,
-                                                 const EndpointReport& input) const {
+                                                 const deploy::EndpointReport& input) const {
     std::vector<Suspect> suspects{{writer.deployment.key(), writer.incarnation}};
     if (output.damage == sample_link::Damage::None && input.damage == sample_link::Damage::Payload) {
       return suspects;
     }
     suspects.push_back({reader.deployment.key(), reader.incarnation});
-    for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
+    for_each_endpoint([&](const ProcessView& process, const deploy::EndpointReport& endpoint) {
       const Suspect peer{process.deployment.key(), process.incarnation};
       const bool known = std::find(suspects.begin(), suspects.end(), peer) != suspects.end();
       if (endpoint.peer == reader.incarnation && !known) {
@@ -214,20 +215,20 @@ class Merger {
       if (process.is_silent() || process.snapshot == nullptr) {
         continue;
       }
-      for (const EndpointReport& endpoint : process.snapshot->endpoints) {
+      for (const deploy::EndpointReport& endpoint : process.snapshot->endpoints) {
         see(process, endpoint);
       }
     }
   }
 
-  void add_connection(const EndpointReport& output, const model::Connection& connection,
+  void add_connection(const deploy::EndpointReport& output, const model::Connection& connection,
                       const sample_link::Latency& latency) {
     merged_.network.connections.push_back(connection);
     merged_.connections.push_back(
         {connection, output.counters.written, output.counters.read, output.counters.dropped, latency});
   }
 
-  void add_orphaned(const ProcessView& process, const EndpointReport& endpoint) {
+  void add_orphaned(const ProcessView& process, const deploy::EndpointReport& endpoint) {
     const auto peer = std::find_if(processes_.begin(), processes_.end(), [&](const ProcessView& other) {
       return other.incarnation == endpoint.peer;
     });
@@ -292,4 +293,4 @@ std::string hanging_text(const ProcessView& process, const model::TaskId& task) 
   return what + "; a transition replaces process " + quote(to_string(key));
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

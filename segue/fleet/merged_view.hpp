@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// One process as it was polled last.
 struct ProcessView {
   model::Deployment deployment;  ///< as it was started, without tasks; the runtime's own has no name
   int pid = 0;
   sample_link::Incarnation incarnation = 0;  ///< 0: not known yet
-  std::shared_ptr<const Snapshot>
+  std::shared_ptr<const deploy::Snapshot>
       snapshot;  ///< the latest one; may be null where the process does not answer
   bool answers = true;
   std::string fault{};  ///< why a transition replaces it although it answers; "" where none does
@@ -32,7 +32,7 @@ struct ProcessView {
 struct OrphanedEndpoint {
   model::DeploymentKey process;
   model::Connection connection;
-  Side side = Side::Output;
+  deploy::Side side = deploy::Side::Output;
   sample_link::Incarnation peer = 0;
   bool peer_gone = false;  ///< the other process has ended
 };
@@ -84,4 +84,4 @@ std::string silence_text(const model::DeploymentKey& process, int pid);
 /// Why a task that hangs is Fatal: what the process reports about it, and what helps.
 std::string hanging_text(const ProcessView& process, const model::TaskId& task);
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -6,7 +6,7 @@
 
 #include <map>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -87,4 +87,4 @@ std::vector<FailedPair> map_peers(concurrent::ThreadPool& pool, const std::vecto
   return PeerMapping(pool, deadline).run(pairs);
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

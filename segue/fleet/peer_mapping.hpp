@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// Two processes, in either order.
 using ProcessPair = std::pair<RecordPtr, RecordPtr>;
@@ -24,4 +24,4 @@ struct FailedPair {
 std::vector<FailedPair> map_peers(concurrent::ThreadPool& pool, const std::vector<ProcessPair>& pairs,
                                   TimePoint deadline);
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

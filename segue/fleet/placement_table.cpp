@@ -8,7 +8,7 @@
 #include <iterator>
 #include <utility>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -282,4 +282,4 @@ void PlacementTable::withdraw() {
   }
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

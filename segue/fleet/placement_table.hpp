@@ -12,7 +12,7 @@
 #include <set>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// Which of a task's incarnations a plain id means.
 enum class Which {
@@ -118,4 +118,4 @@ class PlacementTable {
   std::set<model::TaskId> ended_ SEGUE_GUARDED_BY(mutex_);
 };
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

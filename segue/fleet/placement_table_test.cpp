@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 namespace {
 
 using model::DeploymentKey;
@@ -232,4 +232,4 @@ TEST(PlacementTable, the_runtimes_own_process_is_one_whatever_its_host_is_called
 }
 
 }  // namespace
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <utility>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
@@ -84,11 +84,12 @@ bool ProcessRecord::blame(std::string why) {
   return true;
 }
 
-std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
+std::shared_ptr<const deploy::Snapshot> ProcessRecord::last_known() const {
   if (answers_ || created_.empty()) {
     return snapshot_;
   }
-  auto known = snapshot_ ? std::make_shared<Snapshot>(*snapshot_) : std::make_shared<Snapshot>();
+  auto known =
+      snapshot_ ? std::make_shared<deploy::Snapshot>(*snapshot_) : std::make_shared<deploy::Snapshot>();
   std::set<model::TaskId> seen;
   for (const auto& task : known->network.tasks) {
     seen.insert(task.id);
@@ -128,13 +129,13 @@ sample_link::Incarnation ProcessRecord::incarnation() const {
   return incarnation_;
 }
 
-std::shared_ptr<DeploymentService> ProcessRecord::service() const {
+std::shared_ptr<deploy::DeploymentService> ProcessRecord::service() const {
   const Lock lock(mutex_);
   return service_;
 }
 
-std::shared_ptr<DeploymentService> ProcessRecord::set_service(std::shared_ptr<DeploymentService> service,
-                                                              std::optional<DeploymentInfo> info) {
+std::shared_ptr<deploy::DeploymentService> ProcessRecord::set_service(
+    std::shared_ptr<deploy::DeploymentService> service, std::optional<deploy::DeploymentInfo> info) {
   const Lock lock(mutex_);
   if (info) {
     incarnation_ = info->incarnation;
@@ -157,7 +158,7 @@ std::uint64_t ProcessRecord::latest_request() const {
 }
 
 ProcessRecord::Finished ProcessRecord::finish_poll(std::uint64_t number,
-                                                   std::shared_ptr<const Snapshot> snapshot) {
+                                                   std::shared_ptr<const deploy::Snapshot> snapshot) {
   Finished finished;
   {
     const Lock lock(mutex_);
@@ -283,4 +284,4 @@ void ProcessRecord::mark_unmapped(sample_link::Incarnation peer) {
   peers_.erase(peer);
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

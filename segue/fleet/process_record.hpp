@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// The last lines of the process's log, each on an indented line of its own; empty where there are none.
 /// Reads a file.
@@ -67,10 +67,10 @@ class ProcessRecord {
   [[nodiscard]] Error unreachable() const;
 
   /// Its client; null while there is no connection.
-  [[nodiscard]] std::shared_ptr<DeploymentService> service() const;
+  [[nodiscard]] std::shared_ptr<deploy::DeploymentService> service() const;
   /// Replaces the connection and returns the former one, which the caller destroys without a lock held.
-  std::shared_ptr<DeploymentService> set_service(std::shared_ptr<DeploymentService> service,
-                                                 std::optional<DeploymentInfo> info);
+  std::shared_ptr<deploy::DeploymentService> set_service(std::shared_ptr<deploy::DeploymentService> service,
+                                                         std::optional<deploy::DeploymentInfo> info);
 
   /// The changes that a poll has found, to be reported.
   struct Change {
@@ -96,7 +96,7 @@ class ProcessRecord {
     bool more = false;
     Change change;
   };
-  Finished finish_poll(std::uint64_t number, std::shared_ptr<const Snapshot> snapshot);
+  Finished finish_poll(std::uint64_t number, std::shared_ptr<const deploy::Snapshot> snapshot);
   /// Waits until the poll of that number, or a later one, is finished or the process has ended; false at the
   /// deadline.
   bool wait_for_poll(std::uint64_t number, TimePoint deadline) const;
@@ -134,7 +134,7 @@ class ProcessRecord {
   Change silent_now() SEGUE_REQUIRES(mutex_);
   std::vector<SilenceWatch> take_watches() SEGUE_REQUIRES(mutex_);
   Change answering_now() SEGUE_REQUIRES(mutex_);
-  [[nodiscard]] std::shared_ptr<const Snapshot> last_known() const SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] std::shared_ptr<const deploy::Snapshot> last_known() const SEGUE_REQUIRES(mutex_);
 
   const model::DeploymentKey key_;
   const process_server::ProcessInfo process_;
@@ -143,8 +143,8 @@ class ProcessRecord {
   std::size_t turns_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< of ConnectionTurn, given at present
   model::Deployment deployment_ SEGUE_GUARDED_BY(mutex_);
   sample_link::Incarnation incarnation_ SEGUE_GUARDED_BY(mutex_) = 0;
-  std::shared_ptr<DeploymentService> service_ SEGUE_GUARDED_BY(mutex_);
-  std::shared_ptr<const Snapshot> snapshot_ SEGUE_GUARDED_BY(mutex_);
+  std::shared_ptr<deploy::DeploymentService> service_ SEGUE_GUARDED_BY(mutex_);
+  std::shared_ptr<const deploy::Snapshot> snapshot_ SEGUE_GUARDED_BY(mutex_);
   std::uint64_t requested_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< the latest poll requested
   /// The latest poll finished, with or without an answer.
   std::uint64_t finished_ SEGUE_GUARDED_BY(mutex_) = 0;
@@ -163,4 +163,4 @@ class ProcessRecord {
 
 using RecordPtr = std::shared_ptr<ProcessRecord>;
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

@@ -8,12 +8,12 @@
 #include <map>
 #include <set>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 namespace {
 
 bool is_of(const OrphanedEndpoint& endpoint, const RemoteConnection& remote) {
-  const bool output = endpoint.side == Side::Output;
+  const bool output = endpoint.side == deploy::Side::Output;
   const RecordPtr& own = output ? remote.writer : remote.reader;
   const RecordPtr& other = output ? remote.reader : remote.writer;
   return endpoint.connection == remote.connection && endpoint.process == own->key() &&
@@ -201,11 +201,11 @@ void RemoteConnector::close_orphaned(const std::vector<OrphanedEndpoint>& orphan
         return;
       }
       std::set<sample_link::Incarnation> dead;
-      std::vector<CloseEndpoint> close;
+      std::vector<deploy::CloseEndpoint> close;
       for (const OrphanedEndpoint* endpoint : endpoints) {
         endpoint->peer_gone ? void(dead.insert(endpoint->peer))
                             : close.push_back({endpoint->connection, endpoint->side,
-                                               endpoint->side == Side::Input, endpoint->peer});
+                                               endpoint->side == deploy::Side::Input, endpoint->peer});
       }
       for (const auto incarnation : dead) {
         (void)service->forget(incarnation);
@@ -219,4 +219,4 @@ void RemoteConnector::close_orphaned(const std::vector<OrphanedEndpoint>& orphan
   fleet_.pool().run_all(std::move(jobs));
 }
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

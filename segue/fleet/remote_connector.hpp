@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-namespace segue::deploy::detail {
+namespace segue::fleet::detail {
 
 /// Connects and disconnects tasks of different processes, many connections in a few rounds of messages. Each
 /// batch claims its connections, since remove_orphaned() would take the first endpoint of one that is just
@@ -66,4 +66,4 @@ class RemoteConnector {
   std::set<ConnectionClaims::Key> ending_ SEGUE_GUARDED_BY(mutex_);  ///< connections that end with it
 };
 
-}  // namespace segue::deploy::detail
+}  // namespace segue::fleet::detail

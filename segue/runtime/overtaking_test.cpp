@@ -174,8 +174,8 @@ class Robot {
       libraries_, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   deploy::testing::FakeProcesses processes_{world};
   deploy::testing::FakeService own_{world, world.own()};
-  deploy::DeployedTaskHost host_{own_,     processes_, deploy::testing::connector(world),
-                                 launch(), local_,     {60s, 1h}};
+  fleet::DeployedTaskHost host_{own_,     processes_, deploy::testing::connector(world),
+                                launch(), local_,     {60s, 1h}};
 
  public:
   Runtime runtime{"robot", host_, catalog, impatient()};

@@ -116,8 +116,8 @@ deploy::DeploymentInfo own_info(const model::Robot& robot, sample_link::Incarnat
   return info;
 }
 
-deploy::DeployedOptions deployed_options(const model::Robot& robot) {
-  deploy::DeployedOptions options;
+fleet::DeployedOptions deployed_options(const model::Robot& robot) {
+  fleet::DeployedOptions options;
   for (const auto& host : robot.hosts) {
     if (host.is_local()) {
       options.hosts.push_back(host.name);
@@ -196,8 +196,8 @@ Result<void> RobotTasks::spread(const model::Robot& robot, const model::Componen
   }
   processes_ = std::move(*processes);
   own_ = std::make_unique<deploy::LocalDeployment>(own_info(robot, memory_->incarnation()), local_, memory_);
-  deployed_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *processes_, &control::connect_deployment,
-                                                         *launch, local_, deployed_options(robot));
+  deployed_ = std::make_unique<fleet::DeployedTaskHost>(*own_, *processes_, &control::connect_deployment,
+                                                        *launch, local_, deployed_options(robot));
   return has_other_hosts(robot) ? reach_hosts(robot, catalog, *launch, options) : Result<void>();
 }
 

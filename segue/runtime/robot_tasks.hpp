@@ -46,7 +46,7 @@ class RobotTasks {
   task_host::LocalTaskHost local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
   std::unique_ptr<process_server::ProcessService> processes_;
-  std::unique_ptr<deploy::DeployedTaskHost> deployed_;             ///< null: all tasks live in this process
+  std::unique_ptr<fleet::DeployedTaskHost> deployed_;              ///< null: all tasks live in this process
   std::unique_ptr<distributed::DistributedTaskHost> distributed_;  ///< null: all live on this computer
 };
 

@@ -33,7 +33,7 @@ constexpr const char* kLibrary = "segue_test_faults";
 
 RobotLife::RobotLife(const process_server::Launch& launch,
                      std::unique_ptr<process_server::ProcessService> processes,
-                     const deploy::DeployedOptions& options)
+                     const fleet::DeployedOptions& options)
     : processes_(std::move(processes)) {
   EXPECT_TRUE(libraries_.load(kLibrary));
   auto models = libraries_.export_models(kLibrary, catalog_.types());
@@ -50,8 +50,8 @@ RobotLife::RobotLife(const process_server::Launch& launch,
   info.software = SEGUE_VERSION;
   info.incarnation = (*memory)->incarnation();
   own_ = std::make_unique<deploy::LocalDeployment>(info, *local_, *memory);
-  host_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *processes_, control::connect_deployment, launch,
-                                                     *local_, options);
+  host_ = std::make_unique<fleet::DeployedTaskHost>(*own_, *processes_, control::connect_deployment, launch,
+                                                    *local_, options);
   asking_ = std::make_unique<AskingHost>(*host_);
   runtime_ = std::make_unique<runtime::Runtime>(launch.robot, *asking_, catalog_);
 }

@@ -30,7 +30,7 @@ namespace segue::testing {
 class RobotLife {
  public:
   RobotLife(const process_server::Launch& launch, std::unique_ptr<process_server::ProcessService> processes,
-            const deploy::DeployedOptions& options);
+            const fleet::DeployedOptions& options);
 
   runtime::Runtime& runtime() { return *runtime_; }
   task_host::TaskHost& host() { return *host_; }
@@ -45,7 +45,7 @@ class RobotLife {
   std::unique_ptr<task_host::LocalTaskHost> local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
   std::unique_ptr<process_server::ProcessService> processes_;
-  std::unique_ptr<deploy::DeployedTaskHost> host_;
+  std::unique_ptr<fleet::DeployedTaskHost> host_;
   std::unique_ptr<AskingHost> asking_;
   std::unique_ptr<runtime::Runtime> runtime_;
 };
@@ -94,7 +94,7 @@ class DeployedRobotTest : public ::testing::Test {
 
   std::filesystem::path folder_;
   process_server::Launch launch_;
-  deploy::DeployedOptions options_;
+  fleet::DeployedOptions options_;
   std::unique_ptr<RobotLife> life_;
 };
 

@@ -60,12 +60,12 @@ class CommandingComputer {
   deploy::testing::FakeWorld world_;
   deploy::testing::FakeProcesses processes_{world_};
   deploy::testing::FakeService service_{world_, world_.own()};
-  deploy::DeployedTaskHost own_{service_,
-                                processes_,
-                                deploy::testing::connector(world_),
-                                request_of("").launch,
-                                local_,
-                                {60s, 1h, {model::kLocalHost}}};
+  fleet::DeployedTaskHost own_{service_,
+                               processes_,
+                               deploy::testing::connector(world_),
+                               request_of("").launch,
+                               local_,
+                               {60s, 1h, {model::kLocalHost}}};
 
  public:
   std::optional<DistributedTaskHost> host;

@@ -137,7 +137,7 @@ class TroubledRobot {
         libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
     deploy::testing::FakeProcesses processes;
     deploy::testing::FakeService service;
-    deploy::DeployedTaskHost own;
+    fleet::DeployedTaskHost own;
     DistributedTaskHost host;
     runtime::Runtime runtime;
   };

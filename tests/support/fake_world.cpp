@@ -369,7 +369,7 @@ void FakeProcesses::set_listener(Listener listener) {
   world_.exit_listener = std::move(listener);
 }
 
-Connector connector(FakeWorld& world) {
+fleet::Connector connector(FakeWorld& world) {
   return [&world](const std::filesystem::path& socket, TimePoint /*deadline*/,
                   std::function<void()> gone) -> Result<ConnectedDeployment> {
     FakePtr process;

@@ -212,6 +212,6 @@ class FakeProcesses final : public process_server::ProcessService {
 };
 
 /// Connects to the simulated process that has the socket.
-Connector connector(FakeWorld& world);
+fleet::Connector connector(FakeWorld& world);
 
 }  // namespace segue::deploy::testing
