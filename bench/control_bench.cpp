@@ -98,7 +98,7 @@ void calls(const std::filesystem::path& socket, Duration floor) {
   Table table("Calls of a deployment process, compared with a byte there and back");
   const auto perform = [&](const std::vector<model::Action>& actions) {
     return measure(kRepeats, [&] {
-      for (const auto& outcome : service.perform(actions, control::soon()))
+      for (const auto& outcome : service.perform_all(actions, control::soon()))
         if (!outcome) give_up(to_string(outcome.error()));
     });
   };

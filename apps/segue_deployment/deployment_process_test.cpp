@@ -151,7 +151,7 @@ TEST_F(DeploymentProcessTest, ALibraryThatNeedsAPartOfTheProgramUsesTheProgramsO
   task.id = model::TaskId("task");
   task.component = model::ComponentName("links::Component");
   create.what = model::ConfigAction{task, process.key, "task"};
-  const auto outcomes = deployment->service->perform(std::vector{create}, soon());
+  const auto outcomes = deployment->service->perform_all(std::vector{create}, soon());
   ASSERT_EQ(outcomes.size(), 1U);
   EXPECT_TRUE(outcomes[0]) << to_string(outcomes[0].error());
   EXPECT_THAT(text_of(process.log), HasSubstr("code from segue-deployment\n"));

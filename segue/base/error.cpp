@@ -53,6 +53,11 @@ Error Error::because_of(Error inner) && {
   return std::move(*this);
 }
 
+Error Error::about(std::string what) && {
+  if (subject.empty()) subject = std::move(what);
+  return std::move(*this);
+}
+
 std::string to_string(const Error& error) {
   std::string text;
   if (error.where.known()) text += to_string(error.where) + ": ";

@@ -58,6 +58,8 @@ struct Error {
 
   /// This error with `inner` as its cause.
   [[nodiscard]] Error because_of(Error inner) &&;
+  /// This error, about `what` where it does not say what it is about.
+  [[nodiscard]] Error about(std::string what) &&;
 };
 
 /// One readable line: "where: subject: message (cause)".

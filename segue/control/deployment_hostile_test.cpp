@@ -187,7 +187,7 @@ TEST_F(DeploymentTest, FollowersThatVanishOrThrowDisturbNoBatch) {
   vanishing.vanish();
   EXPECT_TRUE(client()->info());
   deployment_.release.open();
-  const auto good = client()->perform(std::vector{action_of(ActionKind::Stop, "a")}, soon());
+  const auto good = client()->perform_all(std::vector{action_of(ActionKind::Stop, "a")}, soon());
   EXPECT_TRUE(good.at(0));
 }
 
@@ -225,7 +225,7 @@ TEST_F(DeploymentTest, AProcessThatIsKilledInACallIsUnavailableAndGoneIsToldOnce
   const auto process = client([&] { ++gone; });
   process->set_listener([&](const task_host::TaskEvent&) { waits.open(); });
   auto call = std::async(std::launch::async, [&] {
-    return process->perform(std::vector{action_of(ActionKind::Stop, "wait")}, soon());
+    return process->perform_all(std::vector{action_of(ActionKind::Stop, "wait")}, soon());
   });
   EXPECT_TRUE(waits.wait());
   ::kill(pid, SIGKILL);

@@ -49,7 +49,7 @@ TEST_F(DeploymentTest, NetworksAndTransitionsTravel) {
     RC_ASSERT(process->snapshot().value().network == network);
     RC_ASSERT(process->conclude(transition, soon()).has_value());
     RC_ASSERT(deployment_.seen()->concluded == transition);
-    RC_ASSERT(process->perform(transition.actions, soon()).size() == transition.actions.size());
+    RC_ASSERT(process->perform_all(transition.actions, soon()).size() == transition.actions.size());
     RC_ASSERT(transition.actions.empty() || deployment_.seen()->performed == transition.actions);
   });
 }
@@ -59,7 +59,7 @@ TEST_F(DeploymentTest, ABatchHasAnOutcomeForEachAction) {
   const std::vector<model::Action> actions = {action_of(ActionKind::Stop, "a"),
                                               action_of(ActionKind::Stop, "bad"),
                                               action_of(ActionKind::Start, "c")};
-  const auto outcomes = client()->perform(actions, soon());
+  const auto outcomes = client()->perform_all(actions, soon());
   ASSERT_EQ(outcomes.size(), 3U);
   EXPECT_TRUE(outcomes[0]);
   EXPECT_TRUE(outcomes[2]);
@@ -69,7 +69,7 @@ TEST_F(DeploymentTest, ABatchHasAnOutcomeForEachAction) {
   EXPECT_EQ(deployment_.seen()->performed, actions);
   EXPECT_GT(deployment_.seen()->left, std::chrono::seconds(1));
   EXPECT_LE(deployment_.seen()->left, kLong);
-  EXPECT_TRUE(client()->perform({}, soon()).empty());
+  EXPECT_TRUE(client()->perform_all({}, soon()).empty());
 }
 
 /// Collects the ends that a batch reports.
@@ -154,7 +154,7 @@ TEST_F(DeploymentTest, AServerThatGoesInTheMiddleOfABatchTellsItsEnd) {
 
 TEST_F(DeploymentTest, AServiceThatThrowsIsAnErrorOfEachAction) {
   serve();
-  const auto outcomes = client()->perform(
+  const auto outcomes = client()->perform_all(
       std::vector{action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "throws")}, soon());
   ASSERT_EQ(outcomes.size(), 2U);
   EXPECT_EQ(outcomes[0].error().code, ErrorCode::Internal);
@@ -447,7 +447,7 @@ TEST_F(DeploymentTest, AHangingCallEndsAtItsDeadlineAndOthersAreAnswered) {
       std::async(std::launch::async, [&] { return process->call(TaskId("a"), "hang", Value(), deadline); });
   ASSERT_TRUE(deployment_.entered.wait());
   EXPECT_TRUE(process->info());
-  EXPECT_TRUE(process->perform(std::vector{action_of(ActionKind::Stop, "a")}, soon()).at(0));
+  EXPECT_TRUE(process->perform_all(std::vector{action_of(ActionKind::Stop, "a")}, soon()).at(0));
   const auto late = hanging.get();
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);
@@ -457,7 +457,7 @@ TEST_F(DeploymentTest, AHangingCallEndsAtItsDeadlineAndOthersAreAnswered) {
 TEST_F(DeploymentTest, ADeadlineThatPassesIsAnAnswerForEachAction) {
   serve();
   const auto deadline = RealClock::instance().now() + std::chrono::milliseconds(20);
-  const auto late = client()->perform(std::vector{action_of(ActionKind::Stop, "wait")}, deadline);
+  const auto late = client()->perform_all(std::vector{action_of(ActionKind::Stop, "wait")}, deadline);
   ASSERT_EQ(late.size(), 1U);
   EXPECT_EQ(late[0].error().message, "nobody let me go");
 }
@@ -471,7 +471,7 @@ TEST_F(DeploymentTest, GoneIsToldOnceAndCallsAreUnavailable) {
   server_.reset();
   EXPECT_TRUE(eventually([&] { return gone == 1; }));
   EXPECT_EQ(process->info().error().code, ErrorCode::Unavailable);
-  const auto outcomes = process->perform(std::vector(3, action_of(ActionKind::Stop, "a")), soon());
+  const auto outcomes = process->perform_all(std::vector(3, action_of(ActionKind::Stop, "a")), soon());
   ASSERT_EQ(outcomes.size(), 3U);
   EXPECT_EQ(outcomes[2].error().code, ErrorCode::Unavailable);
   EXPECT_EQ(process->snapshot().error().code, ErrorCode::Unavailable);
@@ -558,7 +558,7 @@ TEST_F(DeploymentTest, WhatIsTooLargeIsRefusedAndTheConnectionLives) {
             ErrorCode::ResourceExhausted);
   EXPECT_EQ(process->call(TaskId("a"), "echo", large, soon()).error().code, ErrorCode::ResourceExhausted);
   const std::vector actions(100'000, action_of(ActionKind::Stop, "a_task_with_a_longer_name"));
-  EXPECT_EQ(process->perform(actions, soon()).at(99'999).error().code, ErrorCode::ResourceExhausted);
+  EXPECT_EQ(process->perform_all(actions, soon()).at(99'999).error().code, ErrorCode::ResourceExhausted);
   Value deep(1);
   for (int i = 0; i < 400; ++i)
     deep = Value::list({std::move(deep)});

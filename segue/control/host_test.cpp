@@ -186,7 +186,7 @@ TEST_F(HostTest, TransitionsOfARobotTravel) {
     RC_ASSERT(fake.fields().duration > 1s && fake.fields().duration <= kLong);
     RC_ASSERT(robot->conclude({}).has_value());
     RC_ASSERT(fake.fields().transition == model::Transition{});
-    RC_ASSERT(robot->perform(transition.actions, soon()).size() == transition.actions.size());
+    RC_ASSERT(robot->perform_all(transition.actions, soon()).size() == transition.actions.size());
     RC_ASSERT(transition.actions.empty() || fake.tasks.seen()->performed == transition.actions);
     fake.set([&](auto& fields) { fields.view.network = target; });
     RC_ASSERT(robot->snapshot().value().network == target);
@@ -443,7 +443,7 @@ TEST_F(HostTest, AConnectionThatBreaksIsTold) {
   EXPECT_EQ(robot->commit(1).error().code, ErrorCode::Unavailable);
   EXPECT_EQ(robot->properties(TaskId("a")).error().code, ErrorCode::Unavailable);
   const auto actions = {action_of(model::ActionKind::Stop, "a")};
-  EXPECT_EQ(robot->perform(actions, soon()).front().error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(robot->perform_all(actions, soon()).front().error().code, ErrorCode::Unavailable);
   EXPECT_EQ(host->info().error().code, ErrorCode::Unavailable);
   EXPECT_EQ(host->acquire(request(), soon()).error().code, ErrorCode::Unavailable);
   EXPECT_EQ(gone, 1);

@@ -224,7 +224,7 @@ TEST_F(SecureTest, OnlyAdministratorsSetTheEnvironmentOfProcesses) {
       model::Action deploy;
       deploy.kind = model::ActionKind::Deploy;
       deploy.what = model::DeploymentAction{deployment};
-      const auto outcome = robot->perform(std::vector{deploy}, soon()).at(0);
+      const auto outcome = robot->perform_all(std::vector{deploy}, soon()).at(0);
       return outcome ? std::nullopt : std::optional(outcome.error().code);
     };
     EXPECT_EQ(refusal(plain), std::nullopt) << name;

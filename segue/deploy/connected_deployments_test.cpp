@@ -107,7 +107,7 @@ struct Process {
   /// Sequentially.
   void perform(const std::vector<model::Action>& actions) {
     for (const auto& action : actions) {
-      const auto done = deployment->perform(std::vector{action}, soon()).front();
+      const auto done = deployment->perform_all(std::vector{action}, soon()).front();
       EXPECT_TRUE(done) << to_string(done.error());
     }
   }

@@ -3,11 +3,11 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
-#include <segue/deploy/task_access.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/sample_link/commit_page.hpp>
 #include <segue/sample_link/shared_connection.hpp>
+#include <segue/task_host/task_access.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <cstdint>
@@ -94,9 +94,9 @@ struct ArmCommit {
 };
 
 /// The interface of a process that holds tasks: LocalDeployment in the process itself, a client (control/)
-/// elsewhere. Threads and deadlines as for TaskAccess; lists of outcomes have one entry for each request, in
-/// the order of the requests.
-class DeploymentService : public TaskAccess {
+/// elsewhere. Threads and deadlines as for task_host::TaskAccess; lists of outcomes have one entry for each
+/// request, in the order of the requests.
+class DeploymentService : public task_host::TaskAccess {
  public:
   virtual Result<DeploymentInfo> info() = 0;
   virtual Result<Snapshot> snapshot() = 0;

@@ -49,8 +49,8 @@ struct LocalDeployment::Implementation {
   /// what it uses.
   template <class T>
   Result<T> run_hook(const model::TaskId& task, TimePoint deadline, std::function<Result<T>()> hook);
-  [[nodiscard]] Error going(const std::string& subject) const {
-    return fail(ErrorCode::Unavailable, "process " + quote(to_string(key())) + " is going down", subject);
+  [[nodiscard]] Error going() const {
+    return fail(ErrorCode::Unavailable, "process " + quote(to_string(key())) + " is going down");
   }
 
   DeploymentInfo info;
@@ -63,23 +63,21 @@ struct LocalDeployment::Implementation {
   /// For the actions of shut_down(), which go on where others are refused.
   task_host::ActionPool last_actions{
       threads,
-      [this](const model::Action& action, TimePoint deadline) { return host.perform(action, deadline); },
+      [this](const model::Action& action, TimePoint deadline) { return host.carry_out(action, deadline); },
       detail::kShutDownPatience};
 };
 
 Result<void> LocalDeployment::Implementation::check(const model::Action& action) const {
   if (std::holds_alternative<model::DeploymentAction>(action.what)) {
     return fail(ErrorCode::InvalidArgument,
-                "a process neither starts nor ends processes; its process server does", action.label());
+                "a process neither starts nor ends processes; its process server does");
   }
   const auto* config = std::get_if<model::ConfigAction>(&action.what);
   const bool elsewhere =
       config != nullptr && config->process != key() && !(config->process.is_runtime() && key().is_runtime());
   if (elsewhere) {
-    return fail(
-        ErrorCode::InvalidArgument,
-        "is for process " + quote(to_string(config->process)) + ", and this is " + quote(to_string(key())),
-        action.label());
+    return fail(ErrorCode::InvalidArgument, "is for process " + quote(to_string(config->process)) +
+                                                ", and this is " + quote(to_string(key())));
   }
   return {};
 }
@@ -90,24 +88,18 @@ Result<void> LocalDeployment::Implementation::perform(const model::Action& actio
   }
   const detail::InFlightGuard::Pass pass(in_flight);
   if (!pass) {
-    return going(action.label());
+    return going();
   }
-  return host.perform(action, deadline);
+  return host.carry_out(action, deadline);
 }
 
 template <class T>
 Result<T> LocalDeployment::Implementation::run_hook(const model::TaskId& task, TimePoint deadline,
                                                     std::function<Result<T>()> hook) {
   const auto outcome = std::make_shared<Result<T>>(fail(ErrorCode::Internal, "was not run"));
-  auto ran = threads.run(
-      [this, outcome, task, hook = std::move(hook)] {
-        const detail::InFlightGuard::Pass pass(in_flight);
-        *outcome = pass ? hook() : Result<T>(going(task.str()));
-      },
-      deadline + kGrace);
+  auto ran = threads.run([outcome, hook = std::move(hook)] { *outcome = hook(); }, deadline + kGrace);
   if (!ran) {
-    ran.error().subject = task.str();
-    return std::move(ran.error());
+    return std::move(ran.error()).about(task.str());
   }
   return std::move(*outcome);
 }
@@ -119,7 +111,7 @@ LocalDeployment::LocalDeployment(DeploymentInfo info, task_host::LocalTaskHost& 
   own.tasks.clear();
   if (!own.key().is_runtime()) {
     const model::Action deploy{0, model::ActionKind::Deploy, model::DeploymentAction{own}, {}, {}};
-    static_cast<void>(host.perform(deploy, TimePoint::max()));
+    static_cast<void>(host.carry_out(deploy, TimePoint::max()));
   }
 }
 
@@ -188,65 +180,27 @@ Result<void> LocalDeployment::conclude(const model::Transition& transition, Time
 Result<std::optional<task::SavedState>> LocalDeployment::save_state(const model::TaskId& task,
                                                                     TimePoint deadline) {
   return implementation_->run_hook<std::optional<task::SavedState>>(
-      task, deadline,
-      [&host = implementation_->host, task, deadline] { return host.save_state(task, deadline); });
+      task, deadline, [this, task, deadline] { return TaskForwarder::save_state(task, deadline); });
 }
 
 Result<void> LocalDeployment::restore_state(const model::TaskId& task, const task::SavedState& state,
                                             TimePoint deadline) {
-  return implementation_->run_hook<void>(task, deadline,
-                                         [&host = implementation_->host, task, deadline, state] {
-                                           return host.restore_state(task, state, deadline);
-                                         });
+  return implementation_->run_hook<void>(task, deadline, [this, task, deadline, state] {
+    return TaskForwarder::restore_state(task, state, deadline);
+  });
 }
 
-Result<model::ComponentModel> LocalDeployment::describe(const model::TaskId& task) {
-  return implementation_->host.describe(task);
-}
-
-Result<type::Value> LocalDeployment::properties(const model::TaskId& task) {
-  return implementation_->host.properties(task);
-}
-
-void LocalDeployment::watch(const task_host::LevelQuestion& question, const Wait& wait,
-                            task_host::LevelAnswer answered) {
-  implementation_->host.watch(question, wait, std::move(answered));
-}
-
-Result<task_host::TaskDetails> LocalDeployment::details(const model::TaskId& task) {
-  return implementation_->host.details(task);
-}
-
-Result<void> LocalDeployment::set_property(const model::TaskId& task, std::string_view path,
-                                           const type::Value& value, TimePoint deadline) {
-  const detail::InFlightGuard::Pass pass(implementation_->in_flight);
-  if (!pass) {
-    return implementation_->going(task.str());
+Result<task_host::TaskPlace> LocalDeployment::find_place(const model::TaskId& task,
+                                                         task_host::Purpose purpose) const {
+  auto& self = *implementation_;
+  if (purpose == task_host::Purpose::Observe) {
+    return task_host::place_at(self.host, task);
   }
-  return implementation_->host.set_property(task, path, value, deadline);
-}
-
-Result<type::Value> LocalDeployment::call(const model::TaskId& task, std::string_view operation,
-                                          const type::Value& arguments, TimePoint deadline) {
-  const detail::InFlightGuard::Pass pass(implementation_->in_flight);
-  if (!pass) {
-    return implementation_->going(task.str());
+  const auto pass = std::make_shared<detail::InFlightGuard::Pass>(self.in_flight);
+  if (!*pass) {
+    return self.going();
   }
-  return implementation_->host.call(task, operation, arguments, deadline);
-}
-
-Result<void> LocalDeployment::write(const model::PortRef& port, const type::Value& value,
-                                    TimePoint deadline) {
-  const detail::InFlightGuard::Pass pass(implementation_->in_flight);
-  if (!pass) {
-    return implementation_->going(port.task.str());
-  }
-  return implementation_->host.write(port, value, deadline);
-}
-
-Result<std::unique_ptr<task_host::PortReader>> LocalDeployment::open_reader(const model::PortRef& port,
-                                                                            std::size_t buffer) {
-  return implementation_->host.open_reader(port, buffer);
+  return task_host::TaskPlace{{pass, &self.host}, task};
 }
 
 Result<sample_link::MemoryOffer> LocalDeployment::memory(TimePoint /*deadline*/) {

@@ -4,13 +4,14 @@
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/sample_link/shared_memory.hpp>
 #include <segue/task_host/local_task_host.hpp>
+#include <segue/task_host/task_access.hpp>
 
 #include <memory>
 
 namespace segue::deploy {
 
 /// The tasks of this process as a deployment: those of a deployment process, or the runtime's own.
-class LocalDeployment final : public DeploymentService {
+class LocalDeployment final : public task_host::TaskForwarder<DeploymentService> {
  public:
   /// `host` must outlive this, and holds only tasks of `info.deployment` (whose empty process name stands for
   /// the runtime's own). `memory` may be null: no connections to other processes then.
@@ -34,18 +35,6 @@ class LocalDeployment final : public DeploymentService {
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
   Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
                              TimePoint deadline) override;
-  Result<model::ComponentModel> describe(const model::TaskId& task) override;
-  Result<type::Value> properties(const model::TaskId& task) override;
-  void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override;
-  Result<task_host::TaskDetails> details(const model::TaskId& task) override;
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
-                            TimePoint deadline) override;
-  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                           const type::Value& arguments, TimePoint deadline) override;
-  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
-                                                             std::size_t buffer) override;
-  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   Result<sample_link::MemoryOffer> memory(TimePoint deadline) override;
   Result<void> admit(const sample_link::MemoryOffer& peer, TimePoint deadline) override;
   Result<void> forget(sample_link::Incarnation peer) override;
@@ -58,6 +47,10 @@ class LocalDeployment final : public DeploymentService {
   std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,
                                             TimePoint deadline) override;
   void set_listener(Listener listener) override;
+
+ protected:
+  [[nodiscard]] Result<task_host::TaskPlace> find_place(const model::TaskId& task,
+                                                        task_host::Purpose purpose) const override;
 
  private:
   struct Implementation;

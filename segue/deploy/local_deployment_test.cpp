@@ -61,7 +61,7 @@ class LocalDeploymentTest : public ::testing::Test {
   ~LocalDeploymentTest() override { hooks::release_all(); }
 
   std::vector<Result<void>> perform(const std::vector<model::Action>& actions) {
-    return deployment_.perform(actions, soon());
+    return deployment_.perform_all(actions, soon());
   }
   /// Sequentially.
   void expect_done(const std::vector<model::Action>& actions) {
@@ -117,11 +117,11 @@ TEST_F(LocalDeploymentTest, holds_tasks_of_the_runtime_without_a_deployment_wher
   task_host::LocalTaskHost host{
       libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   LocalDeployment own(info_of(""), host, nullptr);
-  const auto outcomes = own.perform(std::vector{apply(task_of("a", "any::Thing"))}, soon());
+  const auto outcomes = own.perform_all(std::vector{apply(task_of("a", "any::Thing"))}, soon());
   ASSERT_TRUE(outcomes.front()) << to_string(outcomes.front().error());
   EXPECT_THAT(own.snapshot()->network.deployments, IsEmpty());
   EXPECT_EQ(own.snapshot()->network.tasks.size(), 1U);
-  EXPECT_FALSE(own.perform(std::vector{apply(task_of("b", "any::Thing"), "p")}, soon()).front());
+  EXPECT_FALSE(own.perform_all(std::vector{apply(task_of("b", "any::Thing"), "p")}, soon()).front());
 }
 
 TEST(LocalDeploymentDefaults, tasks_run_as_their_process_says) {
@@ -132,7 +132,7 @@ TEST(LocalDeploymentDefaults, tasks_run_as_their_process_says) {
   auto info = info_of("p");
   info.deployment.cpus = {0};
   LocalDeployment deployment(info, host, nullptr);
-  const auto outcomes = deployment.perform(std::vector{apply(task_of("a", "any::Thing"), "p")}, soon());
+  const auto outcomes = deployment.perform_all(std::vector{apply(task_of("a", "any::Thing"), "p")}, soon());
   ASSERT_TRUE(outcomes.front()) << to_string(outcomes.front().error());
   EXPECT_EQ(deployment.snapshot()->tasks.front().activity.cpus, std::vector{0});
 }
@@ -190,7 +190,7 @@ TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_a_hook_while_others_go_on)
   expect_done({apply(stuck_in("s", "configure"), "p")});
   const std::vector actions{on_task(ActionKind::Configure, "s")};
   // Long enough for the hook to begin.
-  const auto late = deployment_.perform(actions, in(std::chrono::seconds(1))).front();
+  const auto late = deployment_.perform_all(actions, in(std::chrono::seconds(1))).front();
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);
   EXPECT_TRUE(hang_now({model::TaskId("s")}));
@@ -228,7 +228,7 @@ TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
   ASSERT_TRUE(hooks::wait_until_inside("s"));
   EXPECT_TRUE(hang_now({})) << "nobody wants anything of it yet";
   const std::vector actions{on_task(ActionKind::Stop, "s")};
-  const auto stopped = deployment_.perform(actions, in(std::chrono::milliseconds(5)));
+  const auto stopped = deployment_.perform_all(actions, in(std::chrono::milliseconds(5)));
   ASSERT_FALSE(stopped.front());
   EXPECT_EQ(stopped.front().error().code, ErrorCode::DeadlineExceeded);
   EXPECT_TRUE(hang_now({model::TaskId("s")}));
@@ -318,7 +318,7 @@ TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
   for (const auto& task : {stuck_in("s", "stop"), stuck_in("a", "")}) {
     for (const auto& action : {apply(task, "p"), on_task(ActionKind::Configure, task.id.str()),
                                on_task(ActionKind::Start, task.id.str())}) {
-      const auto done = deployment.perform(std::vector{action}, soon()).front();
+      const auto done = deployment.perform_all(std::vector{action}, soon()).front();
       ASSERT_TRUE(done) << to_string(done.error());
     }
   }
@@ -334,7 +334,7 @@ TEST_F(LocalDeploymentTest, waits_for_actions_under_way_when_it_goes_down) {
   ASSERT_TRUE(hooks::wait_until_inside("s"));
   std::thread going([&] { EXPECT_TRUE(deployment_.shut_down(soon())); });
   TimePoint limit = soon();
-  while (deployment_.perform(std::vector{on_task(ActionKind::Stop, "x")}, soon()).front().error().code !=
+  while (deployment_.perform_all(std::vector{on_task(ActionKind::Stop, "x")}, soon()).front().error().code !=
          ErrorCode::Unavailable) {
     ASSERT_LT(RealClock::instance().now(), limit);
   }

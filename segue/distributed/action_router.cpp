@@ -6,6 +6,7 @@
 #include <segue/fleet/action_ids.hpp>
 #include <segue/task_host/full_id.hpp>
 #include <segue/task_host/ordered_actions.hpp>
+#include <segue/task_host/task_access.hpp>
 
 #include <algorithm>
 #include <iterator>
@@ -224,84 +225,65 @@ void ActionRouter::begin_no_more() const {
 
 void ActionRouter::begin(std::vector<model::Action> actions, Duration action_deadline,
                          task_host::Completion completed) {
-  const auto batch =
-      std::make_shared<Batch>(Batch{std::move(actions), action_deadline, std::move(completed), {}});
-  {
-    const Lock lock(mutex_);
-    in_progress_ += batch->actions.size();
-  }
+  auto report = counted(actions.size(), std::move(completed));
+  const auto batch = std::make_shared<task_host::SplitBatch>(std::move(actions), std::move(report));
+  std::map<Site*, Indices> at_site;  // those that wait only for others there
   Indices hand_overs;
   std::vector<task_host::Completed> refused;
-  for (std::size_t i = 0; i < batch->actions.size(); ++i) {
-    const auto site = site_of(batch->actions[i]);
+  for (std::size_t i = 0; i < batch->actions().size(); ++i) {
+    const auto site = site_of(batch->actions()[i]);
     if (!site) {
       refused.push_back({i, site.error()});
     } else if (*site == nullptr) {
       hand_overs.push_back(i);
     } else {
-      batch->at_site[*site].push_back(i);
+      at_site[*site].push_back(i);
     }
   }
-  for (const auto& [site, indices] : batch->at_site) {
-    begin_at(*site, indices, batch);
+  for (const auto& [site, indices] : at_site) {
+    begin_at(*site, indices, *batch, action_deadline);
   }
   for (const std::size_t index : hand_overs) {
-    begin_hand_over(index, batch);
+    const auto& what = std::get<model::HandOverAction>(batch->actions()[index].what);
+    batch->run(sites_.pool(), index, [this, &what, action_deadline] {
+      return hand_over(what, RealClock::instance().now() + action_deadline);
+    });
   }
   if (!refused.empty()) {
-    report(batch, std::move(refused));
+    batch->add(std::move(refused));
   }
 }
 
-void ActionRouter::report(const BatchPtr& batch, std::vector<task_host::Completed> ended) {
-  const std::size_t count = ended.size();
-  for (auto& one : ended) {
-    if (!one.outcome && one.outcome.error().subject.empty()) {
-      one.outcome.error().subject = batch->actions[one.index].label();
+task_host::Completion ActionRouter::counted(std::size_t actions, task_host::Completion completed) {
+  {
+    const Lock lock(mutex_);
+    in_progress_ += actions;
+  }
+  return [this, completed = std::move(completed)](std::vector<task_host::Completed> ended) {
+    const std::size_t count = ended.size();
+    completed(std::move(ended));
+    const Lock lock(mutex_);
+    in_progress_ -= count;
+    if (in_progress_ == 0) {
+      idle_.notify_all();
     }
-  }
-  batch->completed(std::move(ended));
-  const Lock lock(mutex_);
-  in_progress_ -= count;
-  if (in_progress_ == 0) {
-    idle_.notify_all();
-  }
+  };
 }
 
-void ActionRouter::begin_at(Site& site, const Indices& indices, const BatchPtr& batch) {
+void ActionRouter::begin_at(Site& site, const Indices& indices, task_host::SplitBatch& batch,
+                            Duration action_deadline) {
   const auto reached = reach(site);
   if (!reached) {
-    std::vector<task_host::Completed> failed;
-    for (const std::size_t index : indices) {
-      failed.push_back({index, reached.error()});
-    }
-    return report(batch, std::move(failed));
+    return batch.fail(indices, reached.error());
   }
   std::vector<model::Action> actions;
   for (const std::size_t index : indices) {
-    actions.push_back(for_host(batch->actions[index]));
+    actions.push_back(for_host(batch.actions()[index]));
   }
-  // The batch owns the indices.
-  reached->robot->begin_in_order(std::move(actions), batch->action_deadline,
-                                 [this, batch, &indices](std::vector<task_host::Completed> ended) {
-                                   for (auto& one : ended) {
-                                     one.index = indices[one.index];
-                                     note_placement(batch->actions[one.index], one.outcome);
-                                   }
-                                   report(batch, std::move(ended));
-                                 });
-}
-
-void ActionRouter::begin_hand_over(std::size_t index, const BatchPtr& batch) {
-  const auto job = [this, batch, index] {
-    const TimePoint begin = RealClock::instance().now();
-    const auto& action = std::get<model::HandOverAction>(batch->actions[index].what);
-    auto outcome = hand_over(action, begin + batch->action_deadline);
-    report(batch, {{index, std::move(outcome), RealClock::instance().now() - begin}});
-  };
-  if (!sites_.pool().submit(job)) {
-    job();
-  }
+  reached->robot->begin_in_order(std::move(actions), action_deadline,
+                                 batch.part(indices, [this](const auto& action, const auto& outcome) {
+                                   note_placement(action, outcome);
+                                 }));
 }
 
 Result<void> ActionRouter::hand_over(const model::HandOverAction& action, TimePoint deadline) const {
@@ -315,12 +297,8 @@ Result<void> ActionRouter::hand_over(const model::HandOverAction& action, TimePo
   if (!giver || !taker) {
     return (giver ? taker : giver).error();
   }
-  const auto state = giver->robot->save_state(task_host::plain_id(action.from), deadline);
-  if (!state) {
-    return state.error();
-  }
-  return state->has_value() ? taker->robot->restore_state(task_host::plain_id(action.to), **state, deadline)
-                            : Result<void>();
+  return task_host::hand_over_state({giver->robot, task_host::plain_id(action.from)},
+                                    {taker->robot, task_host::plain_id(action.to)}, deadline);
 }
 
 void ActionRouter::note_placement(const model::Action& action, const Result<void>& outcome) const {
@@ -328,13 +306,8 @@ void ActionRouter::note_placement(const model::Action& action, const Result<void
   if (config == nullptr) {
     return;
   }
-  const auto place = fleet::detail::PlacementTable::place_of(config->definition.id, config->process);
-  if (outcome) {
-    sites_.placements().put(place);
-  } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||
-             outcome.error().code == ErrorCode::Unavailable) {
-    sites_.placements().put_unconfirmed(place);
-  }
+  sites_.placements().note_creation(
+      fleet::detail::PlacementTable::place_of(config->definition.id, config->process), outcome);
 }
 
 }  // namespace segue::distributed::detail

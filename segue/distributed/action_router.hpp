@@ -5,6 +5,7 @@
 #include <segue/base/mutex.hpp>
 #include <segue/distributed/sites.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/task_host/split_batch.hpp>
 
 #include <cstddef>
 #include <map>
@@ -47,15 +48,7 @@ class ActionRouter {
   Result<HostLink::Reached> reach(const Site& site) const;
 
  private:
-  using Indices = std::vector<std::size_t>;
-  /// Actions that begin now: on each computer those that wait only for others there.
-  struct Batch {
-    std::vector<model::Action> actions;
-    Duration action_deadline;
-    task_host::Completion completed;
-    std::map<Site*, Indices> at_site;
-  };
-  using BatchPtr = std::shared_ptr<const Batch>;
+  using Indices = task_host::SplitBatch::Indices;
 
   [[nodiscard]] model::Action for_host(model::Action action) const;
   [[nodiscard]] Result<Site*> site_of(const model::Action& action) const;
@@ -64,11 +57,11 @@ class ActionRouter {
   [[nodiscard]] Result<Site*> site_of(const model::HandOverAction& what) const;
   /// Where an incarnation of a task lives or, before it has been created, will live.
   [[nodiscard]] Result<Site*> site_of(const model::TaskId& task, fleet::detail::Which which) const;
-  void begin_at(Site& site, const Indices& indices, const BatchPtr& batch);
-  void begin_hand_over(std::size_t index, const BatchPtr& batch);
+  void begin_at(Site& site, const Indices& indices, task_host::SplitBatch& batch, Duration action_deadline);
   Result<void> hand_over(const model::HandOverAction& action, TimePoint deadline) const;
   void note_placement(const model::Action& action, const Result<void>& outcome) const;
-  void report(const BatchPtr& batch, std::vector<task_host::Completed> ended);
+  /// Counts actions as in progress until `completed` has got them.
+  task_host::Completion counted(std::size_t actions, task_host::Completion completed);
   void begin_no_more() const;
 
   Sites& sites_;

@@ -55,11 +55,8 @@ void CommitParticipant::begin_in_order(std::vector<model::Action> actions, Durat
     stop = stop_.get_token();
   }
   if (!pool_.submit([ordered = std::move(ordered), stop] { ordered->run({stop}); })) {
-    std::vector<task_host::Completed> refused;
-    for (std::size_t i = 0; i < count; ++i) {
-      refused.push_back({i, fail(ErrorCode::ResourceExhausted, "the host has no thread for it")});
-    }
-    completed(std::move(refused));
+    completed(
+        task_host::all_failed(count, fail(ErrorCode::ResourceExhausted, "the host has no thread for it")));
   }
 }
 
@@ -173,53 +170,6 @@ void CommitParticipant::set_listener(task_host::TaskHost::Listener listener) {
 void CommitParticipant::begin_all(std::vector<model::Action> actions, TimePoint deadline,
                                   task_host::Completion completed) {
   tasks_.begin_all(std::move(actions), deadline, std::move(completed));
-}
-
-Result<std::optional<task::SavedState>> CommitParticipant::save_state(const model::TaskId& task,
-                                                                      TimePoint deadline) {
-  return tasks_.save_state(task, deadline);
-}
-
-Result<void> CommitParticipant::restore_state(const model::TaskId& task, const task::SavedState& state,
-                                              TimePoint deadline) {
-  return tasks_.restore_state(task, state, deadline);
-}
-
-Result<model::ComponentModel> CommitParticipant::describe(const model::TaskId& task) {
-  return tasks_.describe(task);
-}
-
-Result<type::Value> CommitParticipant::properties(const model::TaskId& task) {
-  return tasks_.properties(task);
-}
-
-void CommitParticipant::watch(const task_host::LevelQuestion& question, const Wait& wait,
-                              task_host::LevelAnswer answered) {
-  tasks_.watch(question, wait, std::move(answered));
-}
-
-Result<task_host::TaskDetails> CommitParticipant::details(const model::TaskId& task) {
-  return tasks_.details(task);
-}
-
-Result<void> CommitParticipant::set_property(const model::TaskId& task, std::string_view path,
-                                             const type::Value& value, TimePoint deadline) {
-  return tasks_.set_property(task, path, value, deadline);
-}
-
-Result<type::Value> CommitParticipant::call(const model::TaskId& task, std::string_view operation,
-                                            const type::Value& arguments, TimePoint deadline) {
-  return tasks_.call(task, operation, arguments, deadline);
-}
-
-Result<void> CommitParticipant::write(const model::PortRef& port, const type::Value& value,
-                                      TimePoint deadline) {
-  return tasks_.write(port, value, deadline);
-}
-
-Result<std::unique_ptr<task_host::PortReader>> CommitParticipant::open_reader(const model::PortRef& port,
-                                                                              std::size_t buffer) {
-  return tasks_.open_reader(port, buffer);
 }
 
 }  // namespace segue::distributed

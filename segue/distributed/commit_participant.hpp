@@ -6,6 +6,7 @@
 #include <segue/concurrent/thread_pool.hpp>
 #include <segue/distributed/hosted_robot.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
+#include <segue/task_host/task_access.hpp>
 
 #include <functional>
 #include <memory>
@@ -15,7 +16,7 @@
 namespace segue::distributed {
 
 /// The deployments of a robot on this computer as a HostedRobot without a lease: its owner commands them.
-class CommitParticipant final : public HostedRobot {
+class CommitParticipant final : public task_host::TaskForwarder<HostedRobot> {
  public:
   /// `tasks` must outlive this. `clock` is what promises to commit are measured with.
   explicit CommitParticipant(fleet::DeployedTaskHost& tasks, const Clock& clock = RealClock::instance())
@@ -47,21 +48,12 @@ class CommitParticipant final : public HostedRobot {
 
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                  task_host::Completion completed) override;
-  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
-  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
-                             TimePoint deadline) override;
-  Result<model::ComponentModel> describe(const model::TaskId& task) override;
-  Result<type::Value> properties(const model::TaskId& task) override;
-  void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override;
-  Result<task_host::TaskDetails> details(const model::TaskId& task) override;
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
-                            TimePoint deadline) override;
-  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                           const type::Value& arguments, TimePoint deadline) override;
-  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
-                                                             std::size_t buffer) override;
-  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
+
+ protected:
+  [[nodiscard]] Result<task_host::TaskPlace> find_place(const model::TaskId& task,
+                                                        task_host::Purpose /*purpose*/) const override {
+    return task_host::place_at(tasks_, task);
+  }
 
  private:
   fleet::DeployedTaskHost& tasks_;

@@ -57,8 +57,6 @@ struct DistributedTaskHost::Implementation {
   /// The views of all hosts that can be reached, in one, with the counts of connections condensed. Blocks;
   /// one caller at a time.
   HostView look_and_note();
-  template <class Ask>
-  auto at(const model::TaskId& task, Ask ask) const -> decltype(ask(std::declval<HostedRobot&>()));
 
   fleet::DeployedTaskHost& own;
   const model::ComponentCatalog& catalog;
@@ -220,22 +218,6 @@ HostView DistributedTaskHost::Implementation::look_and_note() {
   counts.note(view.connections, complete);
   view.connections = counts.condense(std::move(view.connections));
   return std::move(view);
-}
-
-template <class Ask>
-auto DistributedTaskHost::Implementation::at(const model::TaskId& task, Ask ask) const
-    -> decltype(ask(std::declval<HostedRobot&>())) {
-  const auto site = sites.locate(task, Which::Current);
-  if (!site) {
-    return site.error();
-  }
-  const auto reached = (*site)->reach();
-  if (!reached) {
-    Error error = reached.error();
-    error.subject = task.str();
-    return error;
-  }
-  return ask(*reached->robot);
 }
 
 DistributedTaskHost::DistributedTaskHost(fleet::DeployedTaskHost& own, std::vector<HostPlace> hosts,
@@ -413,10 +395,6 @@ void DistributedTaskHost::perform_in_order(std::vector<model::Action> actions, D
   implementation_->router.perform(std::move(actions), action_deadline, early_end, std::move(completed));
 }
 
-Result<void> DistributedTaskHost::perform(const model::Action& action, TimePoint deadline) {
-  return std::move(perform_all(std::span(&action, 1), deadline).front());
-}
-
 void DistributedTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline,
                                     task_host::Completion completed) {
   for (auto& action : actions) {
@@ -444,48 +422,18 @@ std::vector<task_host::ConnectionReport> DistributedTaskHost::connections() cons
   return implementation_->look_and_note().connections;
 }
 
-Result<model::ComponentModel> DistributedTaskHost::describe(const model::TaskId& task) const {
-  return implementation_->at(task, [&](HostedRobot& robot) { return robot.describe(task); });
-}
-
-Result<type::Value> DistributedTaskHost::properties(const model::TaskId& task) const {
-  return implementation_->at(task, [&](HostedRobot& robot) { return robot.properties(task); });
-}
-
-void DistributedTaskHost::watch(const task_host::LevelQuestion& question, const Wait& wait,
-                                task_host::LevelAnswer answered) {
-  const auto asked = implementation_->at(question.task, [&](HostedRobot& robot) -> Result<void> {
-    robot.watch(question, wait, answered);
-    return {};
-  });
-  if (!asked) answered(asked.error());
-}
-
-Result<task_host::TaskDetails> DistributedTaskHost::details(const model::TaskId& task) const {
-  return implementation_->at(task, [&](HostedRobot& robot) { return robot.details(task); });
-}
-
-Result<void> DistributedTaskHost::set_property(const model::TaskId& task, std::string_view path,
-                                               const type::Value& value, TimePoint deadline) {
-  return implementation_->at(
-      task, [&](HostedRobot& robot) { return robot.set_property(task, path, value, deadline); });
-}
-
-Result<type::Value> DistributedTaskHost::call(const model::TaskId& task, std::string_view operation,
-                                              const type::Value& arguments, TimePoint deadline) {
-  return implementation_->at(
-      task, [&](HostedRobot& robot) { return robot.call(task, operation, arguments, deadline); });
-}
-
-Result<void> DistributedTaskHost::write(const model::PortRef& port, const type::Value& value,
-                                        TimePoint deadline) {
-  return implementation_->at(port.task,
-                             [&](HostedRobot& robot) { return robot.write(port, value, deadline); });
-}
-
-Result<std::unique_ptr<task_host::PortReader>> DistributedTaskHost::open_reader(const model::PortRef& port,
-                                                                                std::size_t buffer) {
-  return implementation_->at(port.task, [&](HostedRobot& robot) { return robot.open_reader(port, buffer); });
+Result<task_host::TaskPlace> DistributedTaskHost::find_place(const model::TaskId& task,
+                                                             task_host::Purpose purpose) const {
+  const bool restores = purpose == task_host::Purpose::Restore;
+  const auto site = implementation_->sites.locate(task, restores ? Which::Next : Which::Current);
+  if (!site) {
+    return site.error();
+  }
+  auto reached = (*site)->reach();
+  if (!reached) {
+    return std::move(reached.error());
+  }
+  return task_host::TaskPlace{std::move(reached->robot), task};
 }
 
 void DistributedTaskHost::set_listener(Listener listener) {

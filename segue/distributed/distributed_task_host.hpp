@@ -5,6 +5,7 @@
 #include <segue/distributed/host_link.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
 #include <segue/model/component_model.hpp>
+#include <segue/task_host/task_access.hpp>
 
 #include <memory>
 #include <optional>
@@ -45,7 +46,7 @@ struct DistributedOptions {
 /// While a host cannot be reached, observe() lacks what is there, and tasks() has what was known last, marked
 /// as unknown. Actions there fail with Unavailable; so do those of a transition during which the connection
 /// to a host was lost and made anew, since that host has given up the transition.
-class DistributedTaskHost final : public task_host::TaskHost {
+class DistributedTaskHost final : public task_host::TaskForwarder<task_host::TaskHost> {
  public:
   /// `own` is the part on the runtime's computer. It and `catalog` must outlive this. Connects to all hosts;
   /// those that cannot be reached are looked for from then on. Blocks for the options' patience at most.
@@ -81,7 +82,6 @@ class DistributedTaskHost final : public task_host::TaskHost {
   [[nodiscard]] model::Network expanded(model::Network network) const override;
   [[nodiscard]] model::Network condensed(model::Network network) const override;
 
-  Result<void> perform(const model::Action& action, TimePoint deadline) override;
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                  task_host::Completion completed) override;
   void perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
@@ -90,19 +90,11 @@ class DistributedTaskHost final : public task_host::TaskHost {
   [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override;
   [[nodiscard]] View snapshot() const override;
   [[nodiscard]] std::vector<task_host::ConnectionReport> connections() const override;
-  Result<model::ComponentModel> describe(const model::TaskId& task) const override;
-  Result<type::Value> properties(const model::TaskId& task) const override;
-  void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override;
-  Result<task_host::TaskDetails> details(const model::TaskId& task) const override;
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
-                            TimePoint deadline) override;
-  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                           const type::Value& arguments, TimePoint deadline) override;
-  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
-                                                             std::size_t buffer) override;
-  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   void set_listener(Listener listener) override;
+
+ protected:
+  [[nodiscard]] Result<task_host::TaskPlace> find_place(const model::TaskId& task,
+                                                        task_host::Purpose purpose) const override;
 
  private:
   struct Implementation;

@@ -4,10 +4,10 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
-#include <segue/deploy/task_access.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/task_host/task_access.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct LinkWait {
 /// of a network that is on this host: its deployments, their tasks, and connections among these. Transitions
 /// proceed as TaskHost says; here every step has an answer. Once another runtime has got the robot, every
 /// function answers Superseded and does nothing; after release(), Unavailable. Thread safe.
-class HostedRobot : public deploy::TaskAccess {
+class HostedRobot : public task_host::TaskAccess {
  public:
   /// Extends the lease. The host gives the robot to another runtime when it has not been extended for as long
   /// as Lease::kValidity.

@@ -75,7 +75,7 @@ std::map<std::string, std::optional<ErrorCode>> refusals(HostedRobot& robot) {
   all["commit"] = code_of(robot.commit(1));
   all["conclude"] = code_of(robot.conclude({}));
   all["withdraw"] = code_of(robot.withdraw());
-  all["perform"] = code_of(robot.perform(std::span(&deploy, 1), in_time()).front());
+  all["perform"] = code_of(robot.perform_all(std::span(&deploy, 1), in_time()).front());
   all["perform in order"] = code_of(task_host::wait_for_outcomes(1, [&](task_host::Completion completed) {
                                       robot.begin_in_order({deploy}, 10s, std::move(completed));
                                     }).front());

@@ -31,7 +31,7 @@ struct BatchWork {
 };
 
 /// One runtime's hold on a robot.
-class Session final : public HostedRobot {
+class Session final : public task_host::TaskForwarder<HostedRobot> {
  public:
   Session(std::shared_ptr<LeasedRobot> robot, std::uint64_t epoch)
       : robot_(std::move(robot)), epoch_(epoch) {}
@@ -87,46 +87,16 @@ class Session final : public HostedRobot {
 
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                  task_host::Completion completed) override;
-  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
-    return work([&](CommitParticipant& part) { return part.save_state(task, deadline); });
-  }
-  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
-                             TimePoint deadline) override {
-    return work([&](CommitParticipant& part) { return part.restore_state(task, state, deadline); });
-  }
-  Result<model::ComponentModel> describe(const model::TaskId& task) override {
-    return work([&](CommitParticipant& part) { return part.describe(task); });
-  }
-  Result<type::Value> properties(const model::TaskId& task) override {
-    return work([&](CommitParticipant& part) { return part.properties(task); });
-  }
-  void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override {
-    const auto asked = work([&](CommitParticipant& part) -> Result<void> {
-      part.watch(question, wait, answered);
-      return {};
-    });
-    if (!asked) {
-      answered(asked.error());
+
+ protected:
+  /// The call is work under the lease.
+  [[nodiscard]] Result<task_host::TaskPlace> find_place(const model::TaskId& task,
+                                                        task_host::Purpose /*purpose*/) const override {
+    const auto working = std::make_shared<Lease::Work>(robot_->lease, epoch_);
+    if (!*working) {
+      return robot_->lease.refusal(epoch_);
     }
-  }
-  Result<task_host::TaskDetails> details(const model::TaskId& task) override {
-    return work([&](CommitParticipant& part) { return part.details(task); });
-  }
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
-                            TimePoint deadline) override {
-    return work([&](CommitParticipant& part) { return part.set_property(task, path, value, deadline); });
-  }
-  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                           const type::Value& arguments, TimePoint deadline) override {
-    return work([&](CommitParticipant& part) { return part.call(task, operation, arguments, deadline); });
-  }
-  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
-    return work([&](CommitParticipant& part) { return part.write(port, value, deadline); });
-  }
-  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
-                                                             std::size_t buffer) override {
-    return work([&](CommitParticipant& part) { return part.open_reader(port, buffer); });
+    return task_host::TaskPlace{{working, &robot_->here->part()}, task};
   }
 
  private:
@@ -149,12 +119,7 @@ void begin_as_work(LeasedRobot& robot, std::uint64_t epoch, std::size_t count,
                    task_host::Completion completed, const BeginBatch& begin) {
   Lease::Work working(robot.lease, epoch);
   if (!working) {
-    std::vector<task_host::Completed> refused;
-    for (std::size_t i = 0; i < count; ++i) {
-      refused.push_back({i, robot.lease.refusal(epoch)});
-    }
-    completed(std::move(refused));
-    return;
+    return completed(task_host::all_failed(count, robot.lease.refusal(epoch)));
   }
   if (count == 0) {
     return;

@@ -4,6 +4,7 @@
 #include <segue/base/text.hpp>
 #include <segue/fleet/action_ids.hpp>
 #include <segue/model/action_times.hpp>
+#include <segue/task_host/task_access.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -17,22 +18,8 @@ using model::ActionKind;
 /// How long a process may take to conclude a transition, which nothing waits for any more.
 constexpr Duration kConcluding = std::chrono::seconds(2);
 
-template <class Work>
-task_host::Completed measured(std::size_t index, Work work) {
-  const TimePoint begin = RealClock::instance().now();
-  auto outcome = work();
-  return {index, std::move(outcome), RealClock::instance().now() - begin};
-}
-
 Error not_connected() {
   return fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected");
-}
-
-Error with_subject(Error error, const std::string& subject) {
-  if (error.subject.empty()) {
-    error.subject = subject;
-  }
-  return error;
 }
 
 }  // namespace
@@ -75,15 +62,6 @@ std::map<RecordPtr, ActionDispatcher::Indices> ActionDispatcher::Plan::by_proces
   return indices;
 }
 
-void ActionDispatcher::Batch::report(std::vector<task_host::Completed> ended) {
-  for (auto& one : ended) {
-    if (!one.outcome) {
-      one.outcome = with_subject(std::move(one.outcome.error()), actions[one.index].label());
-    }
-  }
-  outcomes.add(std::move(ended));
-}
-
 void ActionDispatcher::begin(std::vector<model::Action> actions, TimePoint deadline,
                              task_host::Completion completed) {
   Plan placed = plan(actions);
@@ -95,7 +73,7 @@ void ActionDispatcher::begin(std::vector<model::Action> actions, TimePoint deadl
   }
   begin_blocking(batch);
   if (!batch->plan.refused.empty()) {
-    batch->report(batch->plan.refused);
+    batch->add(batch->plan.refused);
   }
 }
 
@@ -107,12 +85,8 @@ void ActionDispatcher::watch_silence(const BatchPtr& batch) {
     batch->watches.push_back(std::make_shared<const std::function<void()>>(
         [weak = std::weak_ptr(batch), process = process, indices = indices] {
           const std::string why = silence_text(process->key(), process->process().pid);
-          std::vector<task_host::Completed> ended;
-          for (const std::size_t index : indices) {
-            ended.push_back({index, fail(ErrorCode::DeadlineExceeded, why)});
-          }
           if (const auto there = weak.lock()) {
-            there->report(std::move(ended));
+            there->fail(indices, fail(ErrorCode::DeadlineExceeded, why));
           }
         }));
     process->add(batch->watches.back());
@@ -121,18 +95,19 @@ void ActionDispatcher::watch_silence(const BatchPtr& batch) {
 
 void ActionDispatcher::begin_blocking(const BatchPtr& batch) {
   for (const std::size_t index : batch->plan.processes) {
-    run([this, batch, index] {
-      const auto& action = batch->actions[index];
-      batch->report({measured(index, [&] { return perform_on_process(action, batch->deadline); })});
+    batch->run(fleet_.pool(), index, [this, &action = batch->actions()[index], deadline = batch->deadline] {
+      return perform_on_process(action, deadline);
     });
   }
   for (const auto& what : batch->plan.hand_overs) {
-    run([batch, &what] {
-      batch->report({measured(what.index, [&] { return hand_over(what, batch->deadline); })});
-    });
+    batch->run(fleet_.pool(), what.index,
+               [&what, deadline = batch->deadline] { return hand_over(what, deadline); });
   }
   if (!batch->plan.disconnect.empty() || !batch->plan.connect.empty()) {
-    run([this, batch] { begin_connections(batch); });
+    const auto connect = [this, batch] { begin_connections(batch); };
+    if (!fleet_.pool().submit(connect)) {
+      connect();  // it holds up this thread
+    }
   }
 }
 
@@ -150,18 +125,12 @@ void ActionDispatcher::begin_connections(const BatchPtr& batch) {
     for (std::size_t i = 0; i < indices.size(); ++i) {
       ended.push_back({indices[i], std::move(answers[i]), share < model::kQuickAction ? share : all});
     }
-    batch->report(std::move(ended));
+    batch->add(std::move(ended));
   };
   const Plan& plan = batch->plan;
   measure_all(plan.disconnect_indices,
               [&] { return connector_.disconnect(plan.disconnect, batch->deadline); });
   measure_all(plan.connect_indices, [&] { return connector_.connect(plan.connect, batch->deadline); });
-}
-
-void ActionDispatcher::run(const concurrent::ThreadPool::Job& job) {
-  if (!fleet_.pool().submit(job)) {
-    job();  // without another thread it holds up this one
-  }
 }
 
 ActionDispatcher::Plan ActionDispatcher::plan(const std::vector<model::Action>& actions) const {
@@ -223,11 +192,7 @@ Result<void> ActionDispatcher::hand_over(const HandOver& what, TimePoint deadlin
   if (giver == nullptr || taker == nullptr) {
     return (giver == nullptr ? what.from : what.to).record->unreachable();
   }
-  const auto state = giver->save_state(what.from.task, deadline);
-  if (!state) {
-    return state.error();
-  }
-  return state->has_value() ? taker->restore_state(what.to.task, **state, deadline) : Result<void>();
+  return task_host::hand_over_state({giver, what.from.task}, {taker, what.to.task}, deadline);
 }
 
 Result<void> ActionDispatcher::place_config(std::size_t index, const model::ConfigAction& what,
@@ -293,25 +258,16 @@ Result<void> ActionDispatcher::perform_on_process(const model::Action& action, T
 void ActionDispatcher::begin_at(const RecordPtr& record, const Indices& indices, const BatchPtr& batch) {
   const auto service = record->service();
   if (service == nullptr) {
-    std::vector<task_host::Completed> failed;
-    for (const std::size_t index : indices) {
-      failed.push_back({index, record->unreachable()});
-    }
-    return batch->report(std::move(failed));
+    return batch->fail(indices, record->unreachable());
   }
   std::vector<model::Action> actions;
   for (const std::size_t index : indices) {
-    actions.push_back(plain(batch->actions[index]));
+    actions.push_back(plain(batch->actions()[index]));
   }
-  // The batch owns its plan, and with it the indices.
   service->begin_all(std::move(actions), batch->deadline,
-                     [this, record, batch, &indices](std::vector<task_host::Completed> ended) {
-                       for (auto& one : ended) {
-                         one.index = indices[one.index];
-                         note_placement(batch->actions[one.index], record, one.outcome);
-                       }
-                       batch->report(std::move(ended));
-                     });
+                     batch->part(indices, [this, record](const auto& action, const auto& outcome) {
+                       note_placement(action, record, outcome);
+                     }));
 }
 
 void ActionDispatcher::note_placement(const model::Action& action, const RecordPtr& record,
@@ -326,11 +282,8 @@ void ActionDispatcher::note_placement(const model::Action& action, const RecordP
   }
   if (outcome) {
     record->note_created(std::get<model::ConfigAction>(plain(action).what));
-    fleet_.placements().put(place);
-  } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||
-             outcome.error().code == ErrorCode::Unavailable) {
-    fleet_.placements().put_unconfirmed(place);
   }
+  fleet_.placements().note_creation(place, outcome);
   if (record->ended()) {
     fleet_.placements().drop(place);  // it ended meanwhile, after its tasks were dropped or before
   }

@@ -5,7 +5,7 @@
 #include <segue/fleet/fleet.hpp>
 #include <segue/fleet/remote_connector.hpp>
 #include <segue/model/transition.hpp>
-#include <segue/task_host/batch_outcomes.hpp>
+#include <segue/task_host/split_batch.hpp>
 
 #include <map>
 #include <memory>
@@ -34,7 +34,7 @@ class ActionDispatcher {
   void withdraw();
 
  private:
-  using Indices = std::vector<std::size_t>;
+  using Indices = task_host::SplitBatch::Indices;
 
   /// A hand-over of state from a task of one process to a task of another.
   struct HandOver {
@@ -57,19 +57,13 @@ class ActionDispatcher {
     /// The actions that need an answer of a process, other than to begin or to end.
     [[nodiscard]] std::map<RecordPtr, Indices> by_process() const;
   };
-  /// The state of a batch, kept by everything that works on it.
-  struct Batch {
+  /// An action at a silent process may end twice.
+  struct Batch : task_host::SplitBatch {
     Batch(std::vector<model::Action> all, TimePoint until, task_host::Completion completed, Plan placed)
-        : actions(std::move(all)),
-          deadline(until),
-          plan(std::move(placed)),
-          outcomes(actions.size(), std::move(completed)) {}
-    void report(std::vector<task_host::Completed> ended);
+        : SplitBatch(std::move(all), std::move(completed)), deadline(until), plan(std::move(placed)) {}
 
-    const std::vector<model::Action> actions;
     const TimePoint deadline;
     const Plan plan;
-    task_host::BatchOutcomes outcomes;  ///< an action at a silent process may end twice
     std::vector<SilenceWatch> watches;
   };
   using BatchPtr = std::shared_ptr<Batch>;
@@ -86,7 +80,6 @@ class ActionDispatcher {
   /// connections between processes.
   void begin_blocking(const BatchPtr& batch);
   void begin_connections(const BatchPtr& batch);
-  void run(const concurrent::ThreadPool::Job& job);
   Result<void> perform_on_process(const model::Action& action, TimePoint deadline);
   void note_placement(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
 

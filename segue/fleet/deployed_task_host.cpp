@@ -61,28 +61,6 @@ struct DeployedTaskHost::Implementation {
         fleet(std::make_shared<detail::Fleet>(own, processes, std::move(connector), std::move(launch),
                                               options)) {}
 
-  /// Calls `ask` with the service of the process where the task lives, and its plain id.
-  template <class Ask>
-  auto at(const model::TaskId& task, Ask ask, detail::Which which = detail::Which::Current) const
-      -> decltype(ask(std::declval<deploy::DeploymentService&>(), task)) {
-    const auto located = fleet->locate(task, which);
-    if (!located) {
-      return located.error();
-    }
-    const detail::ProcessRecord& record = *located->record;
-    if (!record.answers()) {
-      return fail(ErrorCode::Unavailable, detail::silence_text(record.key(), record.process().pid),
-                  task.str());
-    }
-    const auto service = record.service();
-    if (service == nullptr) {
-      Error error = record.unreachable();
-      error.subject = task.str();
-      return error;
-    }
-    return ask(*service, located->task);
-  }
-
   const task_host::TaskHost& local;
   const std::vector<model::HostName> hosts;
   const std::shared_ptr<detail::Fleet> fleet;
@@ -172,10 +150,6 @@ void DeployedTaskHost::withdraw() {
   implementation_->dispatcher.withdraw();
 }
 
-Result<void> DeployedTaskHost::perform(const model::Action& action, TimePoint deadline) {
-  return std::move(perform_all(std::span(&action, 1), deadline).front());
-}
-
 void DeployedTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline,
                                  task_host::Completion completed) {
   implementation_->dispatcher.begin(std::move(actions), deadline, std::move(completed));
@@ -201,77 +175,23 @@ DeployedTaskHost::View DeployedTaskHost::snapshot() const {
   return {std::move(merged.network), std::move(merged.tasks), std::move(merged.connections)};
 }
 
-Result<std::optional<task::SavedState>> DeployedTaskHost::save_state(const model::TaskId& task,
-                                                                     TimePoint deadline) {
-  return implementation_->at(task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
-    return service.save_state(id, deadline);
-  });
-}
-
-Result<void> DeployedTaskHost::restore_state(const model::TaskId& task, const task::SavedState& state,
-                                             TimePoint deadline) {
-  return implementation_->at(
-      task,
-      [&](deploy::DeploymentService& service, const model::TaskId& id) {
-        return service.restore_state(id, state, deadline);
-      },
-      detail::Which::Next);
-}
-
-Result<model::ComponentModel> DeployedTaskHost::describe(const model::TaskId& task) const {
-  return implementation_->at(
-      task, [](deploy::DeploymentService& service, const model::TaskId& id) { return service.describe(id); });
-}
-
-Result<type::Value> DeployedTaskHost::properties(const model::TaskId& task) const {
-  return implementation_->at(task, [](deploy::DeploymentService& service, const model::TaskId& id) {
-    return service.properties(id);
-  });
-}
-
-void DeployedTaskHost::watch(const task_host::LevelQuestion& question, const Wait& wait,
-                             task_host::LevelAnswer answered) {
-  const auto asked = implementation_->at(
-      question.task, [&](deploy::DeploymentService& service, const model::TaskId& id) -> Result<void> {
-        service.watch({id, question.seen, question.each_update}, wait, answered);
-        return {};
-      });
-  if (!asked) {
-    answered(asked.error());
+Result<task_host::TaskPlace> DeployedTaskHost::find_place(const model::TaskId& task,
+                                                          task_host::Purpose purpose) const {
+  const bool restores = purpose == task_host::Purpose::Restore;
+  auto located =
+      implementation_->fleet->locate(task, restores ? detail::Which::Next : detail::Which::Current);
+  if (!located) {
+    return std::move(located.error());
   }
-}
-
-Result<task_host::TaskDetails> DeployedTaskHost::details(const model::TaskId& task) const {
-  return implementation_->at(
-      task, [](deploy::DeploymentService& service, const model::TaskId& id) { return service.details(id); });
-}
-
-Result<void> DeployedTaskHost::set_property(const model::TaskId& task, std::string_view path,
-                                            const type::Value& value, TimePoint deadline) {
-  return implementation_->at(task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
-    return service.set_property(id, path, value, deadline);
-  });
-}
-
-Result<type::Value> DeployedTaskHost::call(const model::TaskId& task, std::string_view operation,
-                                           const type::Value& arguments, TimePoint deadline) {
-  return implementation_->at(task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
-    return service.call(id, operation, arguments, deadline);
-  });
-}
-
-Result<void> DeployedTaskHost::write(const model::PortRef& port, const type::Value& value,
-                                     TimePoint deadline) {
-  return implementation_->at(port.task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
-    return service.write({id, port.port}, value, deadline);
-  });
-}
-
-Result<std::unique_ptr<task_host::PortReader>> DeployedTaskHost::open_reader(const model::PortRef& port,
-                                                                             std::size_t buffer) {
-  return implementation_->at(port.task, [&](deploy::DeploymentService& service, const model::TaskId& id) {
-    return service.open_reader({id, port.port}, buffer);
-  });
+  const detail::ProcessRecord& record = *located->record;
+  if (!record.answers()) {
+    return fail(ErrorCode::Unavailable, detail::silence_text(record.key(), record.process().pid));
+  }
+  auto service = record.service();
+  if (service == nullptr) {
+    return record.unreachable();
+  }
+  return task_host::TaskPlace{std::move(service), std::move(located->task)};
 }
 
 void DeployedTaskHost::set_listener(Listener listener) {

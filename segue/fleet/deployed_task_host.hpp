@@ -3,6 +3,7 @@
 
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/process_server/process_service.hpp>
+#include <segue/task_host/task_access.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <functional>
@@ -37,7 +38,7 @@ struct DeployedOptions {
 /// replaces the process; if it answers again before that, they have their former states. The runtime's own
 /// process, which nothing can replace, is only busy then, and is shown as it was last. The listener gets an
 /// event of each such change.
-class DeployedTaskHost final : public task_host::TaskHost {
+class DeployedTaskHost final : public task_host::TaskForwarder<task_host::TaskHost> {
  public:
   /// `own` is the runtime's process, `launch` the template for starting others. All references must outlive
   /// this. Running deployments of `launch.robot` are adopted; the listener, as soon as there is one, gets an
@@ -67,35 +68,21 @@ class DeployedTaskHost final : public task_host::TaskHost {
   [[nodiscard]] bool side_by_side() const override { return true; }
   void conclude(const model::Transition& transition) override;
   void withdraw() override;
-  Result<void> perform(const model::Action& action, TimePoint deadline) override;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<task_host::TaskReport> tasks() const override;
   [[nodiscard]] std::vector<task_host::ConnectionReport> connections() const override;
-  Result<model::ComponentModel> describe(const model::TaskId& task) const override;
-  Result<type::Value> properties(const model::TaskId& task) const override;
-  void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override;
-  Result<task_host::TaskDetails> details(const model::TaskId& task) const override;
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
-                            TimePoint deadline) override;
-  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                           const type::Value& arguments, TimePoint deadline) override;
-  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
-                                                             std::size_t buffer) override;
-  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   void set_listener(Listener listener) override;
 
   /// observe(), tasks() and connections() of one moment.
   [[nodiscard]] View snapshot() const override;
-  /// The halves of a hand-over whose other half is on another computer: of the current incarnation, and to
-  /// the next one where there is one.
-  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline);
-  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state, TimePoint deadline);
-
   /// Ends all processes but the runtime's own, whether or not they answer and whatever tasks they hold; for a
   /// robot that no transition brings to the empty network. Blocks until they have ended, until `deadline` at
   /// most.
   void end_processes(TimePoint deadline);
+
+ protected:
+  [[nodiscard]] Result<task_host::TaskPlace> find_place(const model::TaskId& task,
+                                                        task_host::Purpose purpose) const override;
 
  private:
   struct Implementation;

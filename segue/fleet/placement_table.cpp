@@ -128,6 +128,15 @@ void PlacementTable::put_unconfirmed(const Place& place) {
   note_change(place);
 }
 
+void PlacementTable::note_creation(const Place& place, const Result<void>& outcome) {
+  if (outcome) {
+    put(place);
+  } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||
+             outcome.error().code == ErrorCode::Unavailable) {
+    put_unconfirmed(place);
+  }
+}
+
 void PlacementTable::add(const Place& place) {
   auto [item, first] = table_.try_emplace(place.task);
   if (first) {

@@ -55,6 +55,8 @@ class PlacementTable {
   void put(const Place& place);
   /// The incarnation may have been created, but its process did not confirm it. Never makes it the next one.
   void put_unconfirmed(const Place& place);
+  /// An action that creates the incarnation has ended: as put(), or put_unconfirmed() where nobody says how.
+  void note_creation(const Place& place, const Result<void>& outcome);
   /// The number with which update() takes over a poll that begins now: later changes to this table are newer
   /// than its answer.
   [[nodiscard]] std::uint64_t begin_poll() const;

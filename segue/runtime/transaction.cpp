@@ -88,14 +88,6 @@ bool is_restored(model::Network before, const model::Network& observed) {
   return runs_alone && hears_no_other && includes(observed, before);
 }
 
-Error error_of(const ActionRecord& failed) {
-  Error error = *failed.error;
-  if (error.subject.empty()) {
-    error.subject = failed.action.label();
-  }
-  return error;
-}
-
 /// Whether the action only takes something down.
 bool takes_down(model::ActionKind kind) {
   using enum model::ActionKind;
@@ -320,7 +312,7 @@ std::optional<Transaction::Failure> Transaction::failure_of(const Execution& exe
                                                             const Result<void>& stored) {
   if (const ActionRecord* failed = execution.failure()) {
     const model::Action& action = failed->action;
-    return Failure{quote(action.label()) + " failed", error_of(*failed),
+    return Failure{quote(action.label()) + " failed", *failed->error,
                    action.phase == model::Phase::Commit && takes_down(action.kind)};
   }
   if (!armed) {

@@ -23,11 +23,10 @@ TimePoint end_of(TimePoint deadline) {
   return deadline > TimePoint::max() - kGrace ? deadline : deadline + kGrace;
 }
 
-Error overdue(const model::Action& action, bool begun) {
+Error overdue(bool begun) {
   return fail(ErrorCode::DeadlineExceeded,
               begun ? "has not ended by its deadline; it may still be at work, so look at the true state"
-                    : "was not begun by its deadline, since too many others are at work",
-              action.label());
+                    : "was not begun by its deadline, since too many others are at work");
 }
 
 }  // namespace
@@ -80,14 +79,11 @@ class ActionPool::Implementation::Batch final : public concurrent::DeadlineWatch
  public:
   Batch(std::shared_ptr<ActionPool::Implementation> pool, std::vector<model::Action> all, TimePoint until,
         Completion completed)
-      : pool_(std::move(pool)),
-        actions_(std::move(all)),
-        deadline_(until),
-        outcomes_(actions_.size(), std::move(completed)) {}
+      : pool_(std::move(pool)), deadline_(until), outcomes_(std::move(all), std::move(completed)) {}
 
-  [[nodiscard]] std::size_t size() const { return actions_.size(); }
+  [[nodiscard]] std::size_t size() const { return outcomes_.actions().size(); }
   [[nodiscard]] TimePoint end() const { return end_of(deadline_); }
-  [[nodiscard]] bool has_ended() const { return outcomes_.ended() == actions_.size(); }
+  [[nodiscard]] bool has_ended() const { return outcomes_.ended() == size(); }
   /// Carries out actions that nobody has begun. `follow_ups` gets the batches that are begun by reports.
   void take_part(FollowUps* follow_ups);
   void refuse(ErrorCode code, const std::string& why);
@@ -99,13 +95,12 @@ class ActionPool::Implementation::Batch final : public concurrent::DeadlineWatch
   bool is_overdue = false;  ///< its workers do not count against the pool's limit
 
  private:
-  [[nodiscard]] bool all_begun() const { return next_.load() >= actions_.size(); }
+  [[nodiscard]] bool all_begun() const { return next_.load() >= size(); }
   Result<void> carry_out(const model::Action& action) const;
   void give_up();
 
   /// Deadlines may look after a batch that has just ended, when nobody else has the pool any more.
   const std::shared_ptr<ActionPool::Implementation> pool_;
-  const std::vector<model::Action> actions_;
   const TimePoint deadline_;
   BatchOutcomes outcomes_;
   std::atomic<std::size_t> next_{0};  ///< the first that nobody has begun
@@ -119,17 +114,17 @@ Result<void> ActionPool::Implementation::Batch::carry_out(const model::Action& a
   try {
     return pool_->work(action, deadline_);
   } catch (const std::exception& exception) {
-    return fail(ErrorCode::Internal, std::string("threw: ") + exception.what(), action.label());
+    return fail(ErrorCode::Internal, std::string("threw: ") + exception.what());
   } catch (...) {
-    return fail(ErrorCode::Internal, "threw", action.label());
+    return fail(ErrorCode::Internal, "threw");
   }
 }
 
 void ActionPool::Implementation::Batch::take_part(FollowUps* list) {
   std::size_t index = 0;
-  while ((index = next_.fetch_add(1)) < actions_.size()) {
+  while ((index = next_.fetch_add(1)) < size()) {
     const TimePoint begin = monotonic_now();
-    auto outcome = carry_out(actions_[index]);
+    auto outcome = carry_out(outcomes_.actions()[index]);
     // A worker only reports when there is nothing left to begin, so it is free for batches that its reports
     // begin.
     auto* const before = std::exchange(follow_ups, list);
@@ -142,12 +137,12 @@ void ActionPool::Implementation::Batch::take_part(FollowUps* list) {
 }
 
 void ActionPool::Implementation::Batch::refuse(ErrorCode code, const std::string& why) {
-  outcomes_.fail_rest([&](std::size_t index) { return fail(code, why, actions_[index].label()); });
+  outcomes_.fail_rest(fail(code, why));
 }
 
 TimePoint ActionPool::Implementation::Batch::on_due(TimePoint time) {
   const std::size_t done = outcomes_.ended();
-  if (done == actions_.size()) {
+  if (done == size()) {
     return TimePoint::max();
   }
   if (time >= end()) {
@@ -171,15 +166,14 @@ TimePoint ActionPool::Implementation::Batch::on_due(TimePoint time) {
 }
 
 void ActionPool::Implementation::Batch::give_up() {
-  const std::size_t begun = next_.exchange(actions_.size());
+  const std::size_t begun = next_.exchange(size());
   {
     const Lock lock(pool_->mutex);
     is_overdue = true;
     pool_->threads.add_overdue(static_cast<std::ptrdiff_t>(workers));
   }
   pool_->report([self = shared_from_this(), begun] {
-    self->outcomes_.fail_rest(
-        [&](std::size_t index) { return overdue(self->actions_[index], index < begun); });
+    self->outcomes_.fail_rest([&](std::size_t index) { return overdue(index < begun); });
   });
 }
 

@@ -305,7 +305,7 @@ TEST_F(ActionPoolTest, threads_of_overdue_actions_are_replaced) {
 
 TEST(BatchOutcomes, drops_what_is_known_already_and_what_was_never_asked) {
   Reports reported;
-  BatchOutcomes outcomes(2, reported.listener());
+  BatchOutcomes outcomes(stops({"a", "b"}), reported.listener());
   outcomes.add({{7, {}}, {1, {}}, {1, fail(ErrorCode::Internal, "again")}});
   EXPECT_EQ(reported.count(), 1U);
   EXPECT_TRUE(reported.at(1));
@@ -313,6 +313,15 @@ TEST(BatchOutcomes, drops_what_is_known_already_and_what_was_never_asked) {
   EXPECT_EQ(reported.count(), 2U) << "the last one is reported at once";
   outcomes.fail_rest([](std::size_t) { return fail(ErrorCode::Internal, "late"); });
   EXPECT_EQ(reported.calls(), 2U);
+}
+
+TEST(BatchOutcomes, SaysWhichActionFailedWhereTheErrorDoesNot) {
+  Reports reported;
+  BatchOutcomes outcomes(stops({"a", "b"}), reported.listener());
+  outcomes.note({0, fail(ErrorCode::HookFailed, "bad", "motor")});
+  outcomes.fail_rest(fail(ErrorCode::Unavailable, "gone"));
+  EXPECT_EQ(reported.at(0).error().subject, "motor");
+  EXPECT_EQ(reported.at(1).error().subject, "stop b");
 }
 
 /// The first action ends while the watch looks at its batch for the first time.

@@ -9,12 +9,15 @@
 
 namespace segue::task_host {
 
-BatchOutcomes::BatchOutcomes(std::size_t count, Completion completed)
-    : completed_(std::move(completed)), known_(count, false) {}
+BatchOutcomes::BatchOutcomes(std::vector<model::Action> actions, Completion completed)
+    : actions_(std::move(actions)), completed_(std::move(completed)), known_(actions_.size(), false) {}
 
 bool BatchOutcomes::note_now(Completed one) {
   if (one.index >= known_.size() || known_[one.index]) {
     return false;
+  }
+  if (!one.outcome) {
+    one.outcome = std::move(one.outcome.error()).about(actions_[one.index].label());
   }
   known_[one.index] = true;
   ++ended_;
@@ -54,6 +57,10 @@ void BatchOutcomes::fail_rest(const std::function<Error(std::size_t index)>& why
     }
   }
   released = report_now();
+}
+
+void BatchOutcomes::fail_rest(const Error& why) {
+  fail_rest([&](std::size_t) { return why; });
 }
 
 std::size_t BatchOutcomes::ended() const {

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <segue/base/mutex.hpp>
-#include <segue/task_host/task_host.hpp>
+#include <segue/model/transition.hpp>
+#include <segue/task_host/completion.hpp>
 
 #include <cstddef>
 #include <functional>
@@ -10,12 +11,13 @@
 
 namespace segue::task_host {
 
-/// Collects how the actions of a batch end, and reports each of them to a Completion once. Needed where an
-/// end may come twice: where a deadline is kept (the action may end later), and where another process
-/// reports. All functions may be called from any thread.
+/// The actions of a batch. Collects how they end, and reports each of them to a Completion once. Needed where
+/// an end may come twice: where a deadline is kept (the action may end later), and where another process
+/// reports. An error that does not say what it is about is about its action. All functions may be called from
+/// any thread.
 class BatchOutcomes {
  public:
-  BatchOutcomes(std::size_t count, Completion completed);
+  BatchOutcomes(std::vector<model::Action> actions, Completion completed);
   BatchOutcomes(const BatchOutcomes&) = delete;
   BatchOutcomes& operator=(const BatchOutcomes&) = delete;
 
@@ -28,7 +30,9 @@ class BatchOutcomes {
   void add(std::vector<Completed> ended);
   /// Reports what has not ended as failed, each with its own error.
   void fail_rest(const std::function<Error(std::size_t index)>& why);
+  void fail_rest(const Error& why);
 
+  [[nodiscard]] const std::vector<model::Action>& actions() const { return actions_; }
   /// How many have ended.
   [[nodiscard]] std::size_t ended() const;
 
@@ -38,6 +42,7 @@ class BatchOutcomes {
   [[nodiscard]] Completion report_now() SEGUE_REQUIRES(mutex_);
   bool note_now(Completed one) SEGUE_REQUIRES(mutex_);
 
+  const std::vector<model::Action> actions_;
   mutable Mutex mutex_;   ///< protects all below; not held while the Completion is called
   Completion completed_;  ///< used by the thread that reports; released once all are reported
   std::vector<bool> known_ SEGUE_GUARDED_BY(mutex_);

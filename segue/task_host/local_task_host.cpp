@@ -218,7 +218,7 @@ void LocalTaskHost::conclude(const model::Transition& transition) {
   });
 }
 
-Result<void> LocalTaskHost::perform(const model::Action& action, TimePoint deadline) {
+Result<void> LocalTaskHost::carry_out(const model::Action& action, TimePoint deadline) {
   auto done = implementation_->actions.perform(action, deadline);
   implementation_->watches->ring();
   return done;

@@ -49,8 +49,8 @@ class LocalTaskHost final : public TaskHost {
   void conclude(const model::Transition& transition) override;
   void withdraw() override;
 
-  /// Hooks run in the caller's thread; one that hangs blocks it.
-  Result<void> perform(const model::Action& action, TimePoint deadline) override;
+  /// Carries out one action for a batch. Hooks run in the caller's thread; one that hangs blocks it.
+  Result<void> carry_out(const model::Action& action, TimePoint deadline);
   /// Hooks run on threads of the host; one that hangs keeps its own. Actions without hooks are carried out in
   /// the caller's thread.
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed) override;
@@ -89,10 +89,10 @@ class LocalTaskHost final : public TaskHost {
   void let_reader_finish(const sample_link::PortConnection& connection, const model::TaskId& reader,
                          TimePoint deadline) const;
 
-  /// The halves of a hand-over whose other half is in another process; as task::Task says. A hook that hangs
-  /// keeps the caller's thread.
-  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline);
-  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state, TimePoint deadline);
+  /// A hook that hangs keeps the caller's thread.
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
+                             TimePoint deadline) override;
 
   /// Tasks with a hook, an update or an operation that has not returned by its deadline, and which it is.
   /// observe() and tasks() report them as Fatal.

@@ -104,13 +104,6 @@ void note(type::Value& properties, const type::Value& values, const task::Compon
   }
 }
 
-Error with_subject(Error error, const std::string& subject) {
-  if (error.subject.empty()) {
-    error.subject = subject;
-  }
-  return error;
-}
-
 }  // namespace
 
 Result<void> TaskActions::perform(const model::Action& action, TimePoint deadline) {
@@ -141,12 +134,8 @@ Result<void> TaskActions::perform(const model::Action& action, TimePoint deadlin
       return answer ? Result<void>{} : Result<void>(std::move(answer.error()));
     }
   };
-  auto done =
-      std::visit(Visitor{*this, action.kind, action.phase == model::Phase::Prepare, deadline}, action.what);
-  if (!done) {
-    return with_subject(std::move(done.error()), action.label());
-  }
-  return done;
+  return std::visit(Visitor{*this, action.kind, action.phase == model::Phase::Prepare, deadline},
+                    action.what);
 }
 
 Result<void> TaskActions::perform_on_task(ActionKind kind, const model::TaskId& id, TimePoint deadline) {

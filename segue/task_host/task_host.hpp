@@ -4,16 +4,12 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
-#include <segue/base/wait.hpp>
-#include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/model/validate.hpp>
-#include <segue/task/task.hpp>
 #include <segue/task_host/early_end.hpp>
-#include <segue/task_host/port_reader.hpp>
 #include <segue/task_host/reports.hpp>
-#include <segue/task_host/task_level.hpp>
+#include <segue/task_host/task_access.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -29,37 +25,10 @@
 /// Creates tasks, moves them through their life cycle and observes them.
 namespace segue::task_host {
 
-/// A begin and an end, relative to a common begin.
-struct Span {
-  Duration begin{0};
-  Duration end{0};
-  friend bool operator==(const Span&, const Span&) = default;
-};
-
-/// How one action of a batch has ended.
-struct Completed {
-  std::size_t index = 0;  ///< its place in the batch
-  Result<void> outcome;
-  std::optional<Duration> took{};  ///< from its own begin to its end; only where it was measured
-  // Of actions in their partial order:
-  std::optional<Span> span{};  ///< since the begin of all of them, until the end was known
-  bool begun = true;           ///< false: it never began, since another one failed or all were stopped
-};
-
-/// Gets the actions of a batch that have ended since the last call, at least one. Called from any thread,
-/// also before the function that begins the batch returns, and by several threads at the same time. Must not
-/// block; may begin other batches.
-using Completion = std::function<void(std::vector<Completed>)>;
-
-/// Calls `begin` with a Completion, waits until it has got `count` actions, and returns their outcomes in the
-/// order of their indices.
-std::vector<Result<void>> wait_for_outcomes(std::size_t count, const std::function<void(Completion)>& begin);
-
-/// Carries out actions on tasks and reports their states. All functions may be called from any thread.
-class TaskHost {
+/// The tasks of a robot: carries out transitions on them and reports their states. All functions may be
+/// called from any thread.
+class TaskHost : public TaskAccess {
  public:
-  virtual ~TaskHost() = default;
-
   /// Whether tasks of this component are stand-ins here (model::StandsIn), or its code is there without a
   /// model among stand-ins.
   [[nodiscard]] virtual bool stands_in(const model::ComponentName& component) const;
@@ -106,19 +75,9 @@ class TaskHost {
   [[nodiscard]] virtual model::Network expanded(model::Network network) const;
   [[nodiscard]] virtual model::Network condensed(model::Network network) const;
 
-  /// Carries out one action in the caller's thread. The result of CallOperation is dropped; call() returns
-  /// it. DeadlineExceeded: the true state must be observed.
-  virtual Result<void> perform(const model::Action& action, TimePoint deadline) = 0;
-
-  /// Begins to carry out actions that do not depend on each other, at the same time, and returns without
-  /// waiting for hooks. A failure does not keep the others from being carried out. Each action is reported
-  /// exactly once: what ends quickly together is reported together, what ends while others still run without
-  /// waiting for them, and what has not ended shortly after `deadline` as DeadlineExceeded; it may still be
-  /// at work.
-  virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed);
-  /// Carries out actions like begin_all() and waits until all are reported; outcomes in the order of
-  /// `actions`.
-  std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
+  /// Carries out one action and waits for its end. The result of CallOperation is dropped; call() returns it.
+  /// DeadlineExceeded: the true state must be observed.
+  Result<void> perform(const model::Action& action, TimePoint deadline);
 
   /// Carries out actions in their partial order: each begins once those of `actions` that its `after` names
   /// are done; others count as done. Blocks until each was reported, once, by `completed`, which may be
@@ -141,25 +100,7 @@ class TaskHost {
     std::vector<ConnectionReport> connections;
   };
   [[nodiscard]] virtual View snapshot() const;
-  /// Has `answered` called with how the task is, once that is not as `question.seen` says; or, at the
-  /// deadline, as it is then. Only where the task lives is asked. Returns at once. NotFound, also where the
-  /// task is removed meanwhile; Unavailable where its process is gone; DeadlineExceeded where that does not
-  /// answer.
-  virtual void watch(const LevelQuestion& question, const Wait& wait, LevelAnswer answered) = 0;
   [[nodiscard]] virtual std::vector<ConnectionReport> connections() const = 0;
-  /// The current interface of a task, including its dynamic ports.
-  virtual Result<model::ComponentModel> describe(const model::TaskId& task) const = 0;
-  virtual Result<type::Value> properties(const model::TaskId& task) const = 0;
-  virtual Result<TaskDetails> details(const model::TaskId& task) const = 0;  ///< Unsupported: older Segue
-  virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
-                                    const type::Value& value, TimePoint deadline) = 0;
-  virtual Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                                   const type::Value& arguments, TimePoint deadline) = 0;
-  virtual Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) = 0;
-  /// Writes a sample to an input port, as a connection of its own would, and waits until the task has taken
-  /// it. NotFound, with the task's input ports; TypeMismatch; InvalidState where the task does not run;
-  /// DeadlineExceeded where it has not taken the sample, which is then withdrawn.
-  virtual Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) = 0;
 
   /// Called from any thread when a task changes its state or a process ends other than by an action; must not
   /// block. When set_listener returns, no call of the previous listener is in progress.

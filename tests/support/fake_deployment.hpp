@@ -145,11 +145,11 @@ class FakeDeployment final : public deploy::DeploymentService {
     state = given;
     return {};
   }
-  Result<model::ComponentModel> describe(const model::TaskId& task) override {
+  Result<model::ComponentModel> describe(const model::TaskId& task) const override {
     if (task.str() == "throws") throw std::runtime_error("a defect");
     return component;
   }
-  Result<type::Value> properties(const model::TaskId& task) override {
+  Result<type::Value> properties(const model::TaskId& task) const override {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
     const std::lock_guard lock(fields_);
     return value;
@@ -179,7 +179,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     }
     watches_.ring();
   }
-  Result<task_host::TaskDetails> details(const model::TaskId& task) override {
+  Result<task_host::TaskDetails> details(const model::TaskId& task) const override {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
     const std::lock_guard lock(fields_);
     return task_details;
@@ -303,7 +303,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     int last_;
   };
 
-  std::mutex fields_;
+  mutable std::mutex fields_;
   std::mutex mutex_;
   Listener listener_;
   concurrent::ThreadPool threads_{"fake", task_host::kActionThreads};

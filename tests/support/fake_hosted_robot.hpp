@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/distributed/hosted_robot.hpp>
+#include <segue/task_host/task_access.hpp>
 #include <support/fake_deployment.hpp>
 
 #include <atomic>
@@ -17,11 +18,11 @@
 namespace segue::control {
 
 /// Remembers what was asked; tasks are those of a FakeDeployment.
-class FakeHostedRobot final : public distributed::HostedRobot {
+class FakeHostedRobot final : public task_host::TaskForwarder<distributed::HostedRobot> {
  public:
   Gate entered;  ///< a call has begun that blocks
   Gate go_on;
-  FakeDeployment tasks;
+  mutable FakeDeployment tasks;
   std::atomic<bool> blocks{false};      ///< withdraw()
   std::atomic<bool> slow_begin{false};  ///< begin_transition()
 
@@ -138,34 +139,11 @@ class FakeHostedRobot final : public distributed::HostedRobot {
                  task_host::Completion completed) override {
     tasks.begin_all(std::move(actions), deadline, std::move(completed));
   }
-  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
-    return tasks.save_state(task, deadline);
-  }
-  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
-                             TimePoint deadline) override {
-    return tasks.restore_state(task, state, deadline);
-  }
-  Result<model::ComponentModel> describe(const model::TaskId& task) override { return tasks.describe(task); }
-  void watch(const task_host::LevelQuestion& question, const Wait& wait,
-             task_host::LevelAnswer answered) override {
-    tasks.watch(question, wait, std::move(answered));
-  }
-  Result<task_host::TaskDetails> details(const model::TaskId& task) override { return tasks.details(task); }
-  Result<type::Value> properties(const model::TaskId& task) override { return tasks.properties(task); }
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
-                            TimePoint deadline) override {
-    return tasks.set_property(task, path, value, deadline);
-  }
-  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                           const type::Value& arguments, TimePoint deadline) override {
-    return tasks.call(task, operation, arguments, deadline);
-  }
-  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
-    return tasks.write(port, value, deadline);
-  }
-  Result<std::unique_ptr<task_host::PortReader>> open_reader(const model::PortRef& port,
-                                                             std::size_t buffer) override {
-    return tasks.open_reader(port, buffer);
+
+ protected:
+  [[nodiscard]] Result<task_host::TaskPlace> find_place(const model::TaskId& task,
+                                                        task_host::Purpose /*purpose*/) const override {
+    return task_host::place_at(tasks, task);
   }
 
  private:

@@ -156,7 +156,7 @@ class Wire {
   explicit Wire(Line& line) : line_(line), number_(line.number()) {}
 
   template <class Ask>
-  auto pass(const std::string& what, Ask ask) -> decltype(ask()) {
+  auto pass(const std::string& what, Ask ask) const -> decltype(ask()) {
     if (auto error = lost_on_the_way(what)) return *error;
     if constexpr (std::is_same_v<decltype(ask()), Result<void>>) {
       if (line_.pretends(what)) return {};
@@ -253,10 +253,10 @@ class WiredRobot final : public HostedRobot {
                              TimePoint deadline) override {
     return wire_.pass("restore_state", [&] { return robot_->restore_state(task, state, deadline); });
   }
-  Result<model::ComponentModel> describe(const model::TaskId& task) override {
+  Result<model::ComponentModel> describe(const model::TaskId& task) const override {
     return wire_.pass("describe", [&] { return robot_->describe(task); });
   }
-  Result<type::Value> properties(const model::TaskId& task) override {
+  Result<type::Value> properties(const model::TaskId& task) const override {
     return wire_.pass("properties", [&] { return robot_->properties(task); });
   }
   void watch(const task_host::LevelQuestion& question, const Wait& wait,
@@ -267,7 +267,7 @@ class WiredRobot final : public HostedRobot {
     });
     if (!asked) answered(asked.error());
   }
-  Result<task_host::TaskDetails> details(const model::TaskId& task) override {
+  Result<task_host::TaskDetails> details(const model::TaskId& task) const override {
     return wire_.pass("details", [&] { return robot_->details(task); });
   }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,

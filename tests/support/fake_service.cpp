@@ -16,7 +16,7 @@ Error no_such(const std::string& what) {
 }  // namespace
 
 template <class T, class Effect>
-Result<T> FakeService::answer(const std::string& what, Effect effect) {
+Result<T> FakeService::answer(const std::string& what, Effect effect) const {
   const auto verdict = world_.judge(what, process_);
   Result<T> answer = fail(ErrorCode::Internal, "no answer");
   if (verdict.take_effect) {
@@ -261,7 +261,7 @@ Result<void> FakeService::restore_state(const model::TaskId& task, const task::S
   });
 }
 
-Result<model::ComponentModel> FakeService::describe(const model::TaskId& task) {
+Result<model::ComponentModel> FakeService::describe(const model::TaskId& task) const {
   return answer<model::ComponentModel>("describe", [&]() -> Result<model::ComponentModel> {
     model::ComponentModel model;
     model.doc = process_->info.key.process.str() + '/' + task.str();
@@ -269,7 +269,7 @@ Result<model::ComponentModel> FakeService::describe(const model::TaskId& task) {
   });
 }
 
-Result<type::Value> FakeService::properties(const model::TaskId& task) {
+Result<type::Value> FakeService::properties(const model::TaskId& task) const {
   return answer<type::Value>("properties", [&]() -> Result<type::Value> { return type::Value(task.str()); });
 }
 
@@ -283,7 +283,7 @@ void FakeService::watch(const task_host::LevelQuestion& question, const Wait& /*
   }));
 }
 
-Result<task_host::TaskDetails> FakeService::details(const model::TaskId& task) {
+Result<task_host::TaskDetails> FakeService::details(const model::TaskId& task) const {
   return answer<task_host::TaskDetails>("details", [&]() -> Result<task_host::TaskDetails> {
     task_host::TaskDetails details;
     details.timing.updates.counts[0] = task.str().size();

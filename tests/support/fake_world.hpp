@@ -153,11 +153,11 @@ class FakeService final : public DeploymentService {
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
   Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
                              TimePoint deadline) override;
-  Result<model::ComponentModel> describe(const model::TaskId& task) override;
-  Result<type::Value> properties(const model::TaskId& task) override;
+  Result<model::ComponentModel> describe(const model::TaskId& task) const override;
+  Result<type::Value> properties(const model::TaskId& task) const override;
   void watch(const task_host::LevelQuestion& question, const Wait& wait,
              task_host::LevelAnswer answered) override;
-  Result<task_host::TaskDetails> details(const model::TaskId& task) override;
+  Result<task_host::TaskDetails> details(const model::TaskId& task) const override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
                             TimePoint deadline) override;
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
@@ -180,7 +180,7 @@ class FakeService final : public DeploymentService {
 
  private:
   template <class T, class Effect>
-  Result<T> answer(const std::string& what, Effect effect);
+  Result<T> answer(const std::string& what, Effect effect) const;
   template <class T, class Question, class Effect>
   std::vector<Result<T>> answer_all(const std::string& what, std::span<const Question> questions,
                                     Effect effect);

@@ -8,29 +8,17 @@
 
 namespace segue::control::detail {
 
-struct BatchClient::Batch {
-  Batch(std::vector<model::Action> asked, task_host::Completion completed)
-      : actions(std::move(asked)), outcomes(actions.size(), std::move(completed)) {}
-
-  void fail_rest(const Error& why) {
-    outcomes.fail_rest([&](std::size_t) { return why; });
-  }
-
-  const std::vector<model::Action> actions;
-  task_host::BatchOutcomes outcomes;
-};
-
 /// Batches that have not ended, by their tickets. Used in the loop only.
 class BatchClient::Open {
  public:
-  std::uint64_t add(const std::shared_ptr<Batch>& batch) {
+  std::uint64_t add(const std::shared_ptr<task_host::BatchOutcomes>& batch) {
     batches_.emplace(++last_, batch);
     return last_;
   }
-  void remove(const std::shared_ptr<Batch>& batch) {
+  void remove(const std::shared_ptr<task_host::BatchOutcomes>& batch) {
     std::erase_if(batches_, [&](const auto& item) { return item.second == batch; });
   }
-  [[nodiscard]] std::shared_ptr<Batch> find(std::uint64_t ticket) const {
+  [[nodiscard]] std::shared_ptr<task_host::BatchOutcomes> find(std::uint64_t ticket) const {
     const auto found = batches_.find(ticket);
     return found == batches_.end() ? nullptr : found->second;
   }
@@ -42,7 +30,7 @@ class BatchClient::Open {
   bool follow() { return !std::exchange(following_, true); }
 
  private:
-  std::map<std::uint64_t, std::shared_ptr<Batch>> batches_;
+  std::map<std::uint64_t, std::shared_ptr<task_host::BatchOutcomes>> batches_;
   std::uint64_t last_ = 0;
   bool following_ = false;
 };
@@ -61,7 +49,7 @@ class FollowerServer final : public wire::BatchFollower::Server {
       std::vector<task_host::Completed> ended;
       for (const auto one : params.getEnded())
         ended.push_back(decode(one));
-      batch->outcomes.add(std::move(ended));
+      batch->add(std::move(ended));
     }
     return kj::READY_NOW;
   }
@@ -92,21 +80,21 @@ void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline,
 void BatchClient::begin(std::vector<model::Action> actions, Duration timeout, Send send,
                         task_host::Completion completed) {
   if (actions.empty()) return;
-  const auto batch = std::make_shared<Batch>(std::move(actions), std::move(completed));
+  const auto batch = std::make_shared<task_host::BatchOutcomes>(std::move(actions), std::move(completed));
   auto ask = [batch, send = std::move(send), tasks = tasks_, open = open_,
               who = channel_->who()](RpcChannel::Connection& connection) -> kj::Promise<void> {
     auto access = tasks(connection);
     kj::Promise<void> following = kj::READY_NOW;
-    if (batch->actions.size() > 1 && open->follow()) {  // nothing of a single one can be reported early
+    if (batch->actions().size() > 1 && open->follow()) {  // nothing of a single one can be reported early
       auto follow = access.followRequest();
       follow.setFollower(kj::heap<FollowerServer<Open>>(open));
       following = follow.send().ignoreResult();
     }
-    return send(access, batch->actions, open->add(batch))
+    return send(access, batch->actions(), open->add(batch))
         .then([batch, open, who](Ended&& ended) {
           open->remove(batch);
           if (!ended) return batch->fail_rest(ended.error());
-          if (ended->size() == batch->actions.size()) batch->outcomes.add(std::move(*ended));
+          if (ended->size() == batch->actions().size()) batch->add(std::move(*ended));
           batch->fail_rest(fail(ErrorCode::Internal, who + " did not answer for every action"));
         })
         .then([following = kj::mv(following)]() mutable { return kj::mv(following); });

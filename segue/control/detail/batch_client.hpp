@@ -46,7 +46,6 @@ class BatchClient {
 
  private:
   class Open;
-  struct Batch;
   const std::shared_ptr<RpcChannel> channel_;
   const TasksOf tasks_;
   const std::shared_ptr<Open> open_;

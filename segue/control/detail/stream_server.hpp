@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/mutex.hpp>
+#include <segue/control/sample_stream.hpp>
 #include <segue/rpc/detail/caller.hpp>
 
 #include <algorithm>

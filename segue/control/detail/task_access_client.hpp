@@ -4,9 +4,9 @@
 #include <segue/control/detail/batch_client.hpp>
 #include <segue/control/detail/stream_client.hpp>
 #include <segue/control/detail/watch_client.hpp>
-#include <segue/deploy/task_access.hpp>
 #include <segue/rpc/detail/rpc_channel.hpp>
 #include <segue/rpc_codecs/tasks_wire.hpp>
+#include <segue/task_host/task_access.hpp>
 
 #include <algorithm>
 #include <cstdint>
@@ -35,7 +35,7 @@ class ClientReader final : public task_host::PortReader {
   std::unique_ptr<SampleStream> stream_;
 };
 
-/// The part of a client that is about tasks: `Service` is a deploy::TaskAccess, whose other functions the
+/// The part of a client that is about tasks: `Service` is a task_host::TaskAccess, whose other functions the
 /// derived client has. Thread safe, except in the channel's own thread.
 template <class Service>
 class TaskAccessClient : public Service {
@@ -70,7 +70,7 @@ class TaskAccessClient : public Service {
     });
   }
 
-  Result<model::ComponentModel> describe(const model::TaskId& task) override {
+  Result<model::ComponentModel> describe(const model::TaskId& task) const override {
     return ask<model::ComponentModel>(kQueryTimeout, [&](wire::TaskAccess::Client tasks) {
       auto request = tasks.describeRequest();
       request.setTask(as_text(task.str()));
@@ -79,7 +79,7 @@ class TaskAccessClient : public Service {
     });
   }
 
-  Result<type::Value> properties(const model::TaskId& task) override {
+  Result<type::Value> properties(const model::TaskId& task) const override {
     return ask<type::Value>(kQueryTimeout, [&](wire::TaskAccess::Client tasks) {
       auto request = tasks.propertiesRequest();
       request.setTask(as_text(task.str()));
@@ -95,7 +95,7 @@ class TaskAccessClient : public Service {
         [](auto& results) { return decode(results.getLevel()); });
   }
 
-  Result<task_host::TaskDetails> details(const model::TaskId& task) override {
+  Result<task_host::TaskDetails> details(const model::TaskId& task) const override {
     return ask<task_host::TaskDetails>(kQueryTimeout, [&](wire::TaskAccess::Client tasks) {
       auto request = tasks.detailsRequest();
       request.setTask(as_text(task.str()));
@@ -164,7 +164,7 @@ class TaskAccessClient : public Service {
 
  private:
   template <class T, class Build>
-  Result<T> ask(Duration timeout, const Build& build) {
+  Result<T> ask(Duration timeout, const Build& build) const {
     return channel_->ask<T>(timeout,
                             [&](RpcChannel::Connection& connection) { return build(tasks_(connection)); });
   }
