@@ -22,6 +22,7 @@
 namespace segue::fleet {
 namespace {
 
+namespace testing = deploy::testing;
 using namespace std::chrono_literals;
 using model::ActionKind;
 using segue::testing::eventually;
