@@ -68,7 +68,7 @@ struct FaultyRobot : testing::StandInRobot {
   explicit FaultyRobot(RuntimeOptions options = {}) : StandInRobot(std::move(options)) {
     add(kDrive, "drive");
     const auto switched = runtime.switch_to(model::NetworkName("drive"));
-    EXPECT_EQ(switched.outcome, Outcome::Done) << testing::why(switched);
+    EXPECT_EQ(switched.outcome, Outcome::Done) << switched.why();
   }
   void add(const std::string& text, const char* name) {
     model::Network network = testing::network_of(text);
@@ -80,8 +80,8 @@ struct FaultyRobot : testing::StandInRobot {
   }
   void break_down(const char* task, const char* fault, TaskState state) {
     set_fault(task, fault);
-    EXPECT_TRUE(segue::testing::eventually(
-        [&] { return runtime.belief().find_task(TaskId(task))->state == state; }));
+    EXPECT_TRUE(
+        segue::testing::eventually([&] { return runtime.belief().find_task(TaskId(task))->state == state; }));
   }
   void recover(const char* task) {
     set_fault(task, "");
@@ -144,7 +144,7 @@ TEST(HaltOfFaultyRobot, StartsNoDeviceThatRecoversBeforeItIsPlanned) {
     robot.recover("wheels");
     return {};
   });
-  robot.runtime.switch_to(model::NetworkName("work"));
+  robot.runtime.request(model::NetworkName("work")).wait();
   robot.asking.ask({});
   ASSERT_TRUE(halt.valid());
   const auto rest = halt.get();

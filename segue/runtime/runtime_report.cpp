@@ -151,6 +151,20 @@ std::string_view outcome_of(const ActionRecord& record) {
   return record.error ? "failed" : "done";
 }
 
+namespace {
+
+void set_error(Value& value, const std::optional<Error>& error) {
+  if (!error) {
+    return;
+  }
+  value.as_map().set("error", to_string(*error));
+  if (error->diagnostics != nullptr) {
+    value.as_map().set("diagnostics", to_value(*error->diagnostics));
+  }
+}
+
+}  // namespace
+
 Value to_value(const SwitchResult& result) {
   Value value = Value::map({{"outcome", to_string(result.outcome)},
                             {"cause", to_string(result.cause)},
@@ -170,9 +184,7 @@ Value to_value(const SwitchResult& result) {
                             {"commit_s", seconds(result.commit)},
                             {"retire_s", seconds(result.retire)},
                             {"actions", list_of(result.actions, action_value)}});
-  if (result.error) {
-    value.as_map().set("error", to_string(*result.error));
-  }
+  set_error(value, result.error);
   if (!result.cancelled_by.empty()) {
     value.as_map().set("cancelled_by", result.cancelled_by);
   }
@@ -187,9 +199,6 @@ Value to_value(const SwitchResult& result) {
   }
   if (result.leftover) {
     value.as_map().set("leftover", to_string(*result.leftover));
-  }
-  if (!result.diagnostics.empty()) {
-    value.as_map().set("diagnostics", to_value(result.diagnostics));
   }
   return value;
 }
@@ -212,12 +221,7 @@ Value to_value(const ApplyResult& result) {
   if (result.transition) {
     value.as_map().set("transition", to_value(*result.transition));
   }
-  if (result.error) {
-    value.as_map().set("error", to_string(*result.error));
-  }
-  if (!result.diagnostics.empty()) {
-    value.as_map().set("diagnostics", to_value(result.diagnostics));
-  }
+  set_error(value, result.error);
   return value;
 }
 
