@@ -8,7 +8,7 @@
 #include <segue/model/robot.hpp>
 #include <segue/model/robot_changes.hpp>
 #include <segue/runtime/controller_files.hpp>
-#include <segue/runtime/port.hpp>
+#include <segue/runtime/robot_port.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/task_host/task_host.hpp>
 
@@ -65,7 +65,7 @@ class EmbeddedRobot {
   EmbeddedRobot& operator=(EmbeddedRobot&& other) noexcept;
   ~EmbeddedRobot();
 
-  /// What was found in its files and is no error.
+  /// All findings in its files, which are no errors.
   [[nodiscard]] const Diagnostics& warnings() const;
   [[nodiscard]] const model::Robot& robot() const;
   [[nodiscard]] const model::ComponentCatalog& catalog() const;

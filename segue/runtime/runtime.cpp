@@ -140,8 +140,8 @@ AcceptedRequest Runtime::repair(RequestOptions options) {
   return implementation_->repair(std::move(options));
 }
 
-Look Runtime::look() const {
-  return implementation_->supervisor.look();
+RobotSnapshot Runtime::snapshot() const {
+  return implementation_->supervisor.snapshot();
 }
 
 std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {

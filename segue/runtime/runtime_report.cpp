@@ -380,14 +380,14 @@ Value status_of(Runtime& runtime) {
   const auto holder = runtime.lease_holder();
   const auto halted = runtime.halted();
   const auto lost = runtime.host().loss();
-  const Look look = runtime.look();
+  const RobotSnapshot now = runtime.snapshot();
   return Value::map(
       {{"robot", runtime.name()},
        {"controller", controller.str()},
        {"version", runtime.version()},
        {"loaded_version", loaded ? Value(loaded->version) : Value()},
        {"state", to_string(runtime.state())},
-       {"health", to_value(look.health)},
+       {"health", to_value(now.health)},
        {"commanded_by", holder ? Value(*holder) : Value()},
        {"doing", runtime.reported()},
        {"lost", lost ? Value(to_string(*lost)) : Value()},
@@ -397,12 +397,12 @@ Value status_of(Runtime& runtime) {
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
        {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},
-       {"pools", list_of(look.pools, [](const PoolReport& pool) { return to_value(pool); })},
-       {"hosts", list_of(look.computers, [](const auto& report) { return to_value(report); })},
-       {"tasks", list_of(look.seen.tasks, [](const auto& report) { return to_value(report); })},
+       {"pools", list_of(now.pools, [](const PoolReport& pool) { return to_value(pool); })},
+       {"hosts", list_of(now.computers, [](const auto& report) { return to_value(report); })},
+       {"tasks", list_of(now.seen.tasks, [](const auto& report) { return to_value(report); })},
        {"connections",
-        list_of(existing(look.seen.connections), [](const auto& report) { return to_value(report); })},
-       {"differences", list_of(look.differences, [](const std::string& text) { return Value(text); })},
+        list_of(existing(now.seen.connections), [](const auto& report) { return to_value(report); })},
+       {"differences", list_of(now.differences, [](const std::string& text) { return Value(text); })},
        {"ended",
         list_of(runtime.ended_processes(),
                 [](const auto& entry) {

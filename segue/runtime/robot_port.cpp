@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/runtime/port.hpp>
+#include <segue/runtime/robot_port.hpp>
 
 #include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
