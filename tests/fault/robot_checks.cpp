@@ -22,7 +22,7 @@ pid_t pid_of(const fs::path& runtime_folder, const std::string& deployment) {
   return found == all.end() ? -1 : found->second;
 }
 
-void expect_undisturbed(const std::string& watcher, const std::function<Sight()>& look) {
+void expect_undisturbed(const std::string& watcher, const std::function<Sight()>& sample) {
   const Sight before = sample();
   Sight now = before;
   EXPECT_TRUE(eventually([&] { return (now = sample()).beats > before.beats + 5; }))
