@@ -97,9 +97,10 @@ void measure_robot(std::uint64_t seed, runtime::TaskPlacement placement, Score& 
   options.journal = true;
   const auto file = scratch.write("robot.yaml", "robot: segue-estimate-bench\nhosts: {localhost: local}\n");
   options.journal_file = file.parent_path() / "journal.sqlite";
-  const auto robot = open(file, options);
+  auto robot = open(file, options);
   for (int i = 0; i < kLearnt + kAsked; ++i) {
-    const auto result = done(robot->runtime().switch_to(random_network(random, i)));
+    const auto result = robot.runtime().switch_to(random_network(random, i));
+    done(result);
     if (i < kLearnt || !result.predicted) continue;
     ++score.asked;
     score.total += result.predicted->total.contains(total_of(result)) ? 1 : 0;
@@ -113,7 +114,7 @@ void measure_robot(std::uint64_t seed, runtime::TaskPlacement placement, Score& 
                   ms(result.predicted->commit.low), ms(result.predicted->commit.high));
     }
   }
-  done(robot->shut_down());
+  done(robot.shut_down());
 }
 
 void measure(runtime::TaskPlacement placement, const char* name) {

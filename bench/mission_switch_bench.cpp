@@ -78,9 +78,9 @@ std::vector<journal::TransitionEntry> run_mission(std::size_t look_ahead, double
   options.journal = true;
   options.journal_file = scratch.path() / "journal";
   {
-    const auto robot = open(kArtemis, options);
-    carry_out(robot->runtime(), look_ahead, seconds);
-    done(robot->shut_down());
+    auto robot = open(kArtemis, options);
+    carry_out(robot.runtime(), look_ahead, seconds);
+    done(robot.shut_down());
   }
   auto reader = journal::JournalReader::open(options.journal_file).value();
   auto entries = reader.transitions(std::numeric_limits<std::size_t>::max()).value();

@@ -67,8 +67,8 @@ struct Robot {
   }
   void to(const model::Network& network) {
     const auto result = runtime.switch_to(network);
-    if (result.outcome == runtime::Outcome::Done) return;
-    std::fprintf(stderr, "%s\n", result.error ? to_string(*result.error).c_str() : "not done");
+    if (result.ok()) return;
+    std::fprintf(stderr, "%s\n", result.why().c_str());
     std::exit(1);
   }
 };

@@ -124,9 +124,9 @@ int main(int argc, char** argv) {
   runtime::EmbeddedOptions options;
   options.placement = runtime::TaskPlacement::Processes;
   options.log_level = LogLevel::Error;
-  const auto robot = open(scratch.write("robot.yaml", kRobot), options);
-  done(robot->runtime().switch_to(model::NetworkName("drive")));
-  runtime::RuntimeService offered(robot->runtime(), nullptr, [] {});
+  auto robot = open(scratch.write("robot.yaml", kRobot), options);
+  done(robot.runtime().switch_to(model::NetworkName("drive")));
+  runtime::RuntimeService offered(robot.runtime(), nullptr, [] {});
   const auto server = control::Server::listen(scratch.path() / "robot.sock", &offered);
   if (!server) give_up(to_string(server.error()));
   const auto service = control::connect(scratch.path() / "robot.sock");
@@ -158,5 +158,5 @@ int main(int argc, char** argv) {
   std::snprintf(text, sizeof text, "%.2f %% of a processor; at rest %.2f %%", 100 * watched, 100 * rest);
   table.note("runtime and mission while one action is watched", text);
   table.print();
-  done(robot->shut_down());
+  done(robot.shut_down());
 }

@@ -92,7 +92,8 @@ std::vector<Times> walk(runtime::Runtime& runtime) {
   std::vector<Times> times;
   for (std::size_t i = 1; i < kWalk.size(); ++i) {
     const TimePoint begin = RealClock::instance().now();
-    const auto result = done(runtime.switch_to(model::NetworkName(kWalk[i])));
+    const auto result = runtime.switch_to(model::NetworkName(kWalk[i]));
+    done(result);
     times.push_back({RealClock::instance().now() - begin, result.prepare, result.commit, result.retire});
   }
   return times;
@@ -154,9 +155,9 @@ void measure(DelayedNetwork& network, std::size_t count) {
   options.stand_in = true;
   options.placement = runtime::TaskPlacement::Processes;
   options.log_level = LogLevel::Error;
-  const auto robot = open(*file, options);
-  done(robot->switch_to(kWalk.front()));
-  walk(robot->runtime());  // the zygotes have started, files are known
+  auto robot = open(*file, options);
+  done(robot.switch_to(kWalk.front()));
+  walk(robot.runtime());  // the zygotes have started, files are known
   std::printf("\nArtemis on %zu host%s, twelve transitions: median / largest, ms\n  %-28s", count,
               count == 1 ? "" : "s", "delay in each direction");
   for (const char* part : kParts)
@@ -166,14 +167,14 @@ void measure(DelayedNetwork& network, std::size_t count) {
   for (const auto& [delay, repeats] : kConditions) {
     if (delay > milliseconds(0) && !network.can_delay()) break;
     network.delay(delay);
-    const auto times = walks(robot->runtime(), repeats);
+    const auto times = walks(robot.runtime(), repeats);
     print_row(std::to_string(delay.count()) + " ms", times.size(),
               [&](std::size_t i, std::size_t part) { return ms(times[i][part]); });
     if (delay == milliseconds(0)) without = times;
     if (delay == kConditions.back().delay) print_round_trips(without, times, delay);
   }
   network.delay(milliseconds(0));
-  done(robot->shut_down());
+  done(robot.shut_down());
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include <cstdlib>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -207,7 +208,7 @@ class Rover {
     runtime::EmbeddedOptions options;
     options.placement = runtime::TaskPlacement::Processes;
     options.log_level = LogLevel::Error;
-    robot_ = bench::open(kRobot, options);
+    robot_.emplace(bench::open(kRobot, options));
     done(robot_->runtime().switch_to(controller(*robot_, kWalk.front(), real_time_)));
     record_ = std::make_unique<Record>(*robot_);
   }
@@ -283,7 +284,7 @@ class Rover {
   }
 
   bool real_time_;
-  std::unique_ptr<runtime::EmbeddedRobot> robot_;
+  std::optional<runtime::EmbeddedRobot> robot_;
   std::unique_ptr<Record> record_;
   bool there_ = false;
 };

@@ -65,8 +65,8 @@ void artemis() {
   runtime::EmbeddedOptions options;
   options.stand_in = true;
   options.stand_ins = scratch.write("durations.yaml", kDurations);
-  const auto robot = open(kArtemis, options);
-  runtime::Runtime& runtime = robot->runtime();
+  auto robot = open(kArtemis, options);
+  runtime::Runtime& runtime = robot.runtime();
   std::printf("\nArtemis, actions that take time: total / commit / critical path, ms\n%-42s%22s%24s%22s\n",
               "", "paper order", "seamless", "after look-ahead");
   const std::array modes = {Mode{"paper", model::Order::Paper, false},
@@ -82,7 +82,8 @@ void artemis() {
         if (mode.ahead) runtime.prepare({to}).wait();
         runtime::RequestOptions request;
         request.order = mode.order;
-        const auto result = done(runtime.switch_to(to, request));
+        const auto result = runtime.switch_to(to, request);
+        done(result);
         const auto ms = [](Duration duration) {
           return std::chrono::duration<double, std::milli>(duration).count();
         };
@@ -93,7 +94,7 @@ void artemis() {
       std::printf("\n");
     }
   }
-  done(robot->shut_down());
+  done(robot.shut_down());
 }
 
 /// A producer and a consumer at 1 kHz that every network has, and some of twenty relays.
@@ -159,21 +160,21 @@ void untouched(runtime::TaskPlacement placement, bool producer_alone, const char
   runtime::EmbeddedOptions options;
   options.placement = placement;
   options.log_level = LogLevel::Error;
-  const auto robot =
+  auto robot =
       open(scratch.write(
                "robot.yaml",
                "robot: segue-switch-bench\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n"),
            options);
   std::mt19937 random(20261122);
-  done(robot->runtime().switch_to(random_network(random, producer_alone)));
-  const Cycles before = cycles_of(robot->runtime());
+  done(robot.runtime().switch_to(random_network(random, producer_alone)));
+  const Cycles before = cycles_of(robot.runtime());
   const TimePoint begin = RealClock::instance().now();
   for (int i = 0; i < switches; ++i)
-    done(robot->runtime().switch_to(random_network(random, producer_alone)));
+    done(robot.runtime().switch_to(random_network(random, producer_alone)));
   const Duration busy = RealClock::instance().now() - begin;
-  const Cycles between = cycles_of(robot->runtime());
+  const Cycles between = cycles_of(robot.runtime());
   std::this_thread::sleep_for(busy);
-  const Cycles after = cycles_of(robot->runtime());
+  const Cycles after = cycles_of(robot.runtime());
   std::printf(
       "%s: %d random switches in %.1f s: %llu of %llu cycles missed; idle for as long: %llu of %llu\n", name,
       switches, std::chrono::duration<double>(busy).count(),
@@ -181,7 +182,7 @@ void untouched(runtime::TaskPlacement placement, bool producer_alone, const char
       static_cast<unsigned long long>(between.run - before.run),
       static_cast<unsigned long long>(after.missed - between.missed),
       static_cast<unsigned long long>(after.run - between.run));
-  done(robot->shut_down());
+  done(robot.shut_down());
 }
 
 }  // namespace

@@ -22,27 +22,23 @@ namespace {
 
 const std::string kExamples = segue::paths::in_sources("/examples/");
 
-std::unique_ptr<runtime::EmbeddedRobot> open(const std::string& example) {
+Result<runtime::EmbeddedRobot> open(const std::string& example) {
   ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
-  Diagnostics diagnostics;
-  auto robot = runtime::EmbeddedRobot::open(kExamples + example + "/robot.yaml", diagnostics);
-  EXPECT_TRUE(robot) << to_string(diagnostics);
+  auto robot = runtime::EmbeddedRobot::open(kExamples + example + "/robot.yaml");
+  EXPECT_TRUE(robot) << to_string(diagnostics_of(robot.error()));
   return robot;
 }
 
 /// Reads a port until a sample satisfies `enough`; returns that sample, or null after half a minute.
 template <class Enough>
-type::Value wait_for(runtime::EmbeddedRobot& robot, const char* task, const char* port, Enough enough) {
-  auto reader = robot.host().open_reader({model::TaskId(task), port}, 1000);
-  EXPECT_TRUE(reader);
+type::Value wait_for(runtime::EmbeddedRobot& robot, const char* port, Enough enough) {
+  auto samples = robot.port(port);
   const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
-  while (reader && RealClock::instance().now() < deadline) {
-    for (auto& sample : (*reader)->read(1000)) {
-      if (enough(sample)) {
-        return std::move(sample);
-      }
-    }
-    std::this_thread::yield();
+  while (RealClock::instance().now() < deadline) {
+    auto sample = samples.next(deadline - RealClock::instance().now());
+    EXPECT_TRUE(sample) << to_string(sample.error());
+    if (!sample) break;
+    if (enough(*sample)) return std::move(*sample);
   }
   return {};
 }
@@ -75,7 +71,7 @@ TEST(BenchChain, counts_every_sample_and_none_is_lost) {
   auto robot = open("03_chain");
   ASSERT_TRUE(robot);
   ASSERT_EQ(robot->switch_to("relay_a").outcome, runtime::Outcome::Done);
-  const auto seen = wait_for(*robot, "consumer", "statistics",
+  const auto seen = wait_for(*robot, "consumer.statistics",
                              [](const type::Value& sample) { return number(sample, "count") >= 50; });
   ASSERT_TRUE(seen.is_map());
   EXPECT_EQ(number(seen, "lost"), 0);
@@ -83,7 +79,7 @@ TEST(BenchChain, counts_every_sample_and_none_is_lost) {
   EXPECT_LE(number(seen, "latency_min"), number(seen, "latency_mean"));
   EXPECT_LE(number(seen, "latency_mean"), number(seen, "latency_max"));
   ASSERT_EQ(robot->switch_to("relay_b").outcome, runtime::Outcome::Done);
-  EXPECT_TRUE(wait_for(*robot, "consumer", "statistics",
+  EXPECT_TRUE(wait_for(*robot, "consumer.statistics",
                        [&](const type::Value& sample) {
                          return number(sample, "count") > number(seen, "count") + 20;
                        })
@@ -95,16 +91,16 @@ TEST(DemoRobot, goes_where_it_is_told_and_keeps_its_pose_across_a_switch) {
   auto robot = open("02_two_controllers");
   ASSERT_TRUE(robot);
   ASSERT_EQ(robot->switch_to("explore").outcome, runtime::Outcome::Done);
-  const auto moved = wait_for(*robot, "odometry", "pose", [](const type::Value& pose) {
+  const auto moved = wait_for(*robot, "odometry.pose", [](const type::Value& pose) {
     return std::hypot(number(pose, "x"), number(pose, "y")) > 0.05;
   });
   ASSERT_TRUE(moved.is_map()) << "it drives about";
   const auto result = robot->switch_to("go_to_goal");
   ASSERT_EQ(result.outcome, runtime::Outcome::Done);
-  const auto first = wait_for(*robot, "seeker", "distance", [](const type::Value&) { return true; });
+  const auto first = wait_for(*robot, "seeker.distance", [](const type::Value&) { return true; });
   ASSERT_TRUE(first.is_number());
   EXPECT_TRUE(
-      wait_for(*robot, "seeker", "distance",
+      wait_for(*robot, "seeker.distance",
                [&](const type::Value& distance) { return distance.as_double() < first.as_double() - 0.1; })
           .is_number())
       << "it comes closer";

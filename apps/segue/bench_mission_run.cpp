@@ -69,8 +69,8 @@ class FreshRobot {
   }
   ~FreshRobot() {
     served_.reset();  // with its lease
-    const auto ended = robot_->shut_down();
-    if (ended.error) print_note("the robot did not stop cleanly: " + to_string(*ended.error));
+    const auto ended = robot_.shut_down();
+    if (!ended.ok()) print_note("the robot did not stop cleanly: " + ended.why());
   }
   FreshRobot(const FreshRobot&) = delete;
   FreshRobot& operator=(const FreshRobot&) = delete;
@@ -97,12 +97,12 @@ class FreshRobot {
   }
 
  private:
-  explicit FreshRobot(std::unique_ptr<runtime::EmbeddedRobot> robot)
+  explicit FreshRobot(runtime::EmbeddedRobot robot)
       : robot_(std::move(robot)),
-        service_(robot_->runtime(), &robot_->files(), [] {}),
+        service_(robot_.runtime(), &robot_.files(), [] {}),
         served_(std::make_shared<remote_robot::ServedRobot>(service_, sender("bench mission"))) {}
 
-  std::unique_ptr<runtime::EmbeddedRobot> robot_;
+  runtime::EmbeddedRobot robot_;
   runtime::RuntimeService service_;
   std::shared_ptr<remote_robot::ServedRobot> served_;
 };

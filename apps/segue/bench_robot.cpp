@@ -40,13 +40,6 @@ Result<Descriptor> take_bench_lock() {
   return fail(ErrorCode::AlreadyExists, "another `segue bench` of yours is running; wait for its end");
 }
 
-Error first_error(const Diagnostics& diagnostics) {
-  for (const Diagnostic& diagnostic : diagnostics.items()) {
-    if (diagnostic.severity == Severity::Error) return fail(ErrorCode::InvalidArgument, diagnostic.message);
-  }
-  return fail(ErrorCode::Internal, "the robot of the benchmark could not be opened");
-}
-
 TimePoint patience() {
   return RealClock::instance().now() + kBenchPatience;
 }
@@ -59,9 +52,9 @@ BenchRobot::BenchRobot() {
 }
 
 BenchRobot::~BenchRobot() {
-  if (robot_ != nullptr) {
+  if (robot_) {
     const auto result = robot_->shut_down();
-    if (result.error) print_note("the benchmark's robot did not stop cleanly: " + to_string(*result.error));
+    if (!result.ok()) print_note("the benchmark's robot did not stop cleanly: " + result.why());
     robot_.reset();
   }
   std::error_code ignored;
@@ -100,13 +93,13 @@ Result<void> BenchRobot::start(BenchTransport transport, const BenchHost& host) 
                                       *other + "}\nlibraries: [segue_components_bench]\n" +
                                       "look_ahead: {processes: 1000, memory: 100GB}\n");
   if (!written) return written;
-  Diagnostics diagnostics;
   runtime::EmbeddedOptions options;
   options.placement = transport == BenchTransport::Local ? runtime::TaskPlacement::InProcess
                                                          : runtime::TaskPlacement::Processes;
   options.log_level = LogLevel::Error;
-  robot_ = runtime::EmbeddedRobot::open(file, diagnostics, options);
-  if (robot_ == nullptr) return first_error(diagnostics);
+  auto opened = runtime::EmbeddedRobot::open(file, options);
+  if (!opened) return opened.error();
+  robot_.emplace(std::move(*opened));
   return {};
 }
 
@@ -134,11 +127,10 @@ Result<Switched> BenchRobot::request(runtime::Request request, model::Order orde
   const auto begin = RealClock::instance().now();
   auto result = robot_->runtime().switch_to(std::move(request), options);
   const auto end = RealClock::instance().now();
-  if (result.outcome == runtime::Outcome::Done) {
+  if (result.ok()) {
     return Switched{std::chrono::duration<double>(end - begin).count(), std::move(result.actions)};
   }
-  if (result.error) return *result.error;
-  return fail(ErrorCode::Internal, "a switch was " + std::string(to_string(result.outcome)));
+  return result.error.value_or(fail(ErrorCode::Internal, "a switch: " + result.why()));
 }
 
 Result<Switched> BenchRobot::switch_to(const model::Network& network, model::Order order) {
@@ -149,7 +141,7 @@ Result<void> BenchRobot::prepare(const model::Network& running, const model::Net
   runtime::Runtime& runtime = robot_->runtime();
   for (const model::Network* network : {&running, &next}) {
     if (const auto problems = runtime.add_controller(*network); problems.has_errors())
-      return first_error(problems);
+      return problems.to_error();
   }
   const auto readiness = runtime.prepare({next.name, running.name}).get();
   if (!readiness.empty() && readiness.front().ready) return {};

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,7 +68,7 @@ class BenchRobot {
   Descriptor lock_;
   std::filesystem::path folder_;
   std::unique_ptr<runtime::TemporaryHosts> hosts_;
-  std::unique_ptr<runtime::EmbeddedRobot> robot_;
+  std::optional<runtime::EmbeddedRobot> robot_;
 };
 
 }  // namespace segue::cli

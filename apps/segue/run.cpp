@@ -112,12 +112,9 @@ class EventPrinter {
 
 /// A request that was superseded by a newer one has not failed.
 int explain_outcome(const runtime::SwitchResult& result) {
-  if (result.outcome == runtime::Outcome::Done || result.outcome == runtime::Outcome::Superseded)
-    return kDone;
-  print_diagnostics(result.diagnostics);
-  Error error = fail(ErrorCode::Internal, "the switch to " + quote(result.to.str()) + " was " +
-                                              std::string(to_string(result.outcome)));
-  if (result.error) error = *result.error;
+  if (result.ok() || result.outcome == runtime::Outcome::Superseded) return kDone;
+  const Error error = result.error.value_or(fail(ErrorCode::Internal, result.why(), result.to.str()));
+  if (error.diagnostics != nullptr) print_diagnostics(*error.diagnostics);
   print_error({}, error);
   return kFailed;
 }
@@ -193,7 +190,6 @@ int serve(EmbeddedRobot& robot, const RunOptions& options, StopSignal& stop, con
 int run_robot(const RunOptions& options, const Context& context) {
   set_log_level(options.log_level);
   StopSignal stop;
-  Diagnostics diagnostics;
   runtime::EmbeddedOptions embedded;
   embedded.stand_in = options.stand_in || !options.stand_ins.empty();
   embedded.stand_ins = options.stand_ins;
@@ -204,9 +200,9 @@ int run_robot(const RunOptions& options, const Context& context) {
   embedded.journal = !options.no_journal;
   embedded.journal_file = options.journal;
   embedded.log_level = options.log_level;
-  const auto robot = EmbeddedRobot::open(options.file, diagnostics, embedded);
-  if (!robot) return report_failure(context, diagnostics);
-  print_diagnostics(diagnostics);
+  auto robot = EmbeddedRobot::open(options.file, embedded);
+  if (!robot) return report_failure(context, robot.error());
+  print_diagnostics(robot->warnings());
   const int status = serve(*robot, options, stop, context);
   if (status == kDone && !context.json()) print_line("the robot is stopped");
   robot->exit_if_hanging(status);

@@ -35,23 +35,22 @@ class Scratch {
   std::string path_;
 };
 
-inline std::unique_ptr<segue::runtime::EmbeddedRobot> open(const std::filesystem::path& file,
-                                                           const segue::runtime::EmbeddedOptions& options) {
-  segue::Diagnostics diagnostics;
-  auto robot = segue::runtime::EmbeddedRobot::open(file, diagnostics, options);
-  if (robot == nullptr) {
-    std::fprintf(stderr, "%s\n", to_string(diagnostics).c_str());
+inline segue::runtime::EmbeddedRobot open(const std::filesystem::path& file,
+                                          const segue::runtime::EmbeddedOptions& options) {
+  auto robot = segue::runtime::EmbeddedRobot::open(file, options);
+  if (!robot) {
+    std::fprintf(stderr, "%s\n", to_string(diagnostics_of(robot.error())).c_str());
     std::exit(1);
   }
-  return robot;
+  return std::move(*robot);
 }
 
-inline segue::runtime::SwitchResult done(segue::runtime::SwitchResult result) {
-  if (result.outcome != segue::runtime::Outcome::Done) {
-    std::fprintf(stderr, "%s\n", result.error ? to_string(*result.error).c_str() : "not done");
+/// Ends the program where it was not done.
+inline void done(const segue::runtime::SwitchResult& result) {
+  if (!result.ok()) {
+    std::fprintf(stderr, "%s\n", result.why().c_str());
     std::exit(1);
   }
-  return result;
 }
 
 }  // namespace bench

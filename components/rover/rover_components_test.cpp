@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -265,15 +266,14 @@ TEST(Simulation, ends_when_a_set_point_is_no_number) {
 
 /// Reads a port until a sample satisfies `enough`; returns that sample, or null after two minutes.
 template <class Enough>
-Value wait_for(segue::runtime::EmbeddedRobot& robot, const char* task, const char* port, Enough enough) {
-  auto reader = robot.host().open_reader({segue::model::TaskId(task), port}, 100);
-  EXPECT_TRUE(reader);
+Value wait_for(segue::runtime::EmbeddedRobot& robot, const char* port, Enough enough) {
+  auto samples = robot.port(port);
   const auto deadline = segue::RealClock::instance().now() + 2min;
-  while (reader && segue::RealClock::instance().now() < deadline) {
-    for (auto& sample : (*reader)->read(100)) {
-      if (enough(sample)) return std::move(sample);
-    }
-    std::this_thread::yield();
+  while (segue::RealClock::instance().now() < deadline) {
+    auto sample = samples.next(deadline - segue::RealClock::instance().now());
+    EXPECT_TRUE(sample) << to_string(sample.error());
+    if (!sample) break;
+    if (enough(*sample)) return std::move(*sample);
   }
   return {};
 }
@@ -290,12 +290,12 @@ class RoverExampleWherePossible : public ::testing::Test {
                                  "/libsegue_components_manipulation.so"))
       GTEST_SKIP() << "its other controllers need Orocos KDL (tools/setup --rover)";
     ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
-    segue::Diagnostics diagnostics;
-    const auto file = segue::paths::in_sources("/examples/08_rover/robot.yaml");
-    robot = segue::runtime::EmbeddedRobot::open(file, diagnostics);
-    ASSERT_TRUE(robot) << to_string(diagnostics);
+    auto opened =
+        segue::runtime::EmbeddedRobot::open(segue::paths::in_sources("/examples/08_rover/robot.yaml"));
+    ASSERT_TRUE(opened) << to_string(diagnostics_of(opened.error()));
+    robot.emplace(std::move(*opened));
   }
-  std::unique_ptr<segue::runtime::EmbeddedRobot> robot;
+  std::optional<segue::runtime::EmbeddedRobot> robot;
 };
 
 /// Others are prepared at most, as those of the halt are always.
@@ -336,8 +336,7 @@ TEST_F(RoverExampleWherePossible, makes_all_transitions_between_four_controllers
   for (const char* controller : kWalk) {
     SCOPED_TRACE(controller);
     const auto result = robot->switch_to(controller);
-    ASSERT_EQ(result.outcome, segue::runtime::Outcome::Done)
-        << (result.error ? to_string(*result.error) : "");
+    ASSERT_EQ(result.outcome, segue::runtime::Outcome::Done) << result.why();
     EXPECT_THAT(robot->runtime().observed_differences(), ::testing::IsEmpty());
     EXPECT_THAT(running_tasks(*robot), ::testing::ContainerEq(tasks_of(*robot, controller)));
     const auto before = std::exchange(cycles, cycles_of_shared_tasks(*robot));
@@ -345,7 +344,7 @@ TEST_F(RoverExampleWherePossible, makes_all_transitions_between_four_controllers
     for (const auto& [task, count] : before)
       EXPECT_GE(cycles[task], count) << task << " went on: it would count from zero after a start";
   }
-  ASSERT_TRUE(wait_for(*robot, "rover", "pose",
+  ASSERT_TRUE(wait_for(*robot, "rover.pose",
                        [](const Value& sample) { return number(*sample.find("twist"), "linear") > 0.1; })
                   .is_map())
       << "it explores again";
@@ -358,8 +357,8 @@ TEST_F(RoverExampleWherePossible, moves_its_arm_while_it_drives) {
                                        Value::map({{"name", "raised"}}), soon());
   ASSERT_TRUE(told) << to_string(told.error());
   const auto moves = [](const Value& sample) { return number(*sample.find("twist"), "linear") > 0.1; };
-  ASSERT_TRUE(wait_for(*robot, "rover", "pose", moves).is_map()) << "it drives";
-  const auto raised = wait_for(*robot, "rover", "arm_state", [](const Value& sample) {
+  ASSERT_TRUE(wait_for(*robot, "rover.pose", moves).is_map()) << "it drives";
+  const auto raised = wait_for(*robot, "rover.arm_state", [](const Value& sample) {
     return sample.find("positions")->as_list().at(1).as_double() > -0.9;
   });
   ASSERT_TRUE(raised.is_map()) << "the arm arrives";
@@ -368,11 +367,11 @@ TEST_F(RoverExampleWherePossible, moves_its_arm_while_it_drives) {
 
 TEST_F(RoverExampleWherePossible, drives_to_the_table_and_sees_the_boxes) {
   ASSERT_EQ(robot->switch_to("drive").outcome, segue::runtime::Outcome::Done);
-  const auto odometry = wait_for(*robot, "wheels", "odometry",
+  const auto odometry = wait_for(*robot, "wheels.odometry",
                                  [](const Value& sample) { return number(*sample.find("pose"), "x") > 0.7; });
   ASSERT_TRUE(odometry.is_map()) << "it drives to the table";
   ASSERT_EQ(robot->switch_to("look").outcome, segue::runtime::Outcome::Done);
-  const auto seen = wait_for(*robot, "detector", "markers", [](const Value& sample) {
+  const auto seen = wait_for(*robot, "detector.markers", [](const Value& sample) {
     return sample.find("markers")->as_list().size() == kBoxes;
   });
   ASSERT_TRUE(seen.is_map()) << "it sees all boxes";

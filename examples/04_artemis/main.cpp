@@ -114,14 +114,13 @@ int run(const Arguments& arguments) {
     }
     file = hosts.robot_file();
   }
-  Diagnostics diagnostics;
   runtime::EmbeddedOptions options;
   options.stand_in = true;
   options.placement =
       arguments.in_process ? runtime::TaskPlacement::InProcess : runtime::TaskPlacement::Processes;
-  const auto robot = runtime::EmbeddedRobot::open(file, diagnostics, options);
+  auto robot = runtime::EmbeddedRobot::open(file, options);
   if (!robot) {
-    std::fputs(to_string(diagnostics).c_str(), stderr);
+    std::fputs(to_string(diagnostics_of(robot.error())).c_str(), stderr);
     return 1;
   }
   auto report = demo::Report::create(table, arguments.everything, arguments.in_process, hosts.names());

@@ -168,9 +168,8 @@ void Report::introduce(runtime::EmbeddedRobot& robot) {
 }
 
 bool Report::started(const runtime::SwitchResult& result) {
-  if (result.outcome != runtime::Outcome::Done) {
-    std::fprintf(stderr, "%s\n",
-                 result.error ? to_string(*result.error).c_str() : "the first controller did not start");
+  if (!result.ok()) {
+    std::fprintf(stderr, "%s\n", result.why().c_str());
     return false;
   }
   std::printf("\nStarted %s from nothing: %zu actions in %.1f ms.\n", result.to.str().c_str(),
@@ -233,9 +232,8 @@ int Report::note_undisturbed(const runtime::SwitchResult& result, const Flow& be
 bool Report::switched(const runtime::SwitchResult& result, const Flow& before, const Flow& after) {
   ++transitions_;
   std::printf("\n%2d. %s -> %s\n", transitions_, result.from.str().c_str(), result.to.str().c_str());
-  if (result.outcome != runtime::Outcome::Done) {
-    std::fprintf(stderr, "%s\n",
-                 result.error ? to_string(*result.error).c_str() : "the transition was not carried out");
+  if (!result.ok()) {
+    std::fprintf(stderr, "%s\n", result.why().c_str());
     return false;
   }
   const model::ActionCounts counts = counts_of(result);

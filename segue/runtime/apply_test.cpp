@@ -30,7 +30,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::network_of;
-using testing::why;
 
 const model::NetworkName kWork{"work"};
 const model::NetworkName kRest{"rest"};
@@ -122,7 +121,7 @@ TEST_F(ApplyTest, a_network_that_cannot_run_here_leaves_everything_as_it_was) {
       network_of("network: rest\ntasks: {eye: {component: a::Eye}}\nconnections: [eye.out -> ear.in]\n");
   const auto result = apply({work(2), broken});
   EXPECT_EQ(result.outcome, Outcome::Refused);
-  EXPECT_TRUE(result.diagnostics.has_errors());
+  EXPECT_TRUE(result.error->diagnostics);
   EXPECT_EQ(runtime_.controller(kWork)->version, work(1).version);
   expect_runs(work(1));
 }
@@ -138,7 +137,7 @@ TEST_F(ApplyTest, among_stand_ins_a_wrong_value_of_an_installed_component_is_ref
     EXPECT_EQ(result.outcome, Outcome::Refused) << text;
     EXPECT_FALSE(result.transition) << text;
     expect_runs(work(1));
-    return to_string(result.diagnostics);
+    return result.why();
   };
   const std::string motor = "tasks: {motor: {component: \"runtime_apply_test::Motor\"";
   EXPECT_THAT(refused(motor + ", properties: {speed: fast}}}\n"), HasSubstr("motor.speed"));
@@ -162,7 +161,7 @@ TEST_F(ApplyTest, among_stand_ins_a_value_that_the_model_excludes_is_refused_bef
   const auto result =
       apply({network_of("network: work\ntasks: {arm: {component: a::Arm, properties: {gain: high}}}\n")});
   EXPECT_EQ(result.outcome, Outcome::Refused);
-  EXPECT_THAT(to_string(result.diagnostics), HasSubstr("arm.gain"));
+  EXPECT_THAT(result.why(), HasSubstr("arm.gain"));
   expect_runs(work(1));
 }
 
@@ -221,7 +220,7 @@ TEST_F(ApplyTest, it_waits_for_a_switch_in_progress_and_supersedes_nothing) {
   auto applied = runtime_.apply(set_of({work(2), rest()}));
   go_.set_value();
   const auto first = switched.get();
-  EXPECT_EQ(first.outcome, Outcome::Done) << why(first);
+  EXPECT_EQ(first.outcome, Outcome::Done) << first.why();
   EXPECT_EQ(first.runs_version, work(1).version) << "it was requested before the files were applied";
   const auto second = applied.get();
   EXPECT_EQ(second.outcome, Outcome::Done);
@@ -238,7 +237,7 @@ TEST_F(ApplyTest, a_switch_overtakes_its_transition_and_the_files_stay_applied) 
   auto switched = runtime_.request(kRest);
   go_.set_value();
   const auto result = switched.get();
-  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_EQ(result.outcome, Outcome::Done) << result.why();
   EXPECT_EQ(applied.get().outcome, Outcome::Done);
   expect_runs(rest());
   EXPECT_EQ(runtime_.controller(kWork)->version, added.version);
@@ -255,7 +254,7 @@ TEST_F(ApplyTest, controllers_on_standby_are_prepared_anew) {
     (void)runtime_.events(runtime_.events().back().number, std::chrono::seconds(1));
   EXPECT_TRUE(runtime_.readiness().at(0).ready) << runtime_.readiness().at(0).reason;
   const auto result = runtime_.switch_to(kWork);
-  ASSERT_EQ(result.outcome, Outcome::Done) << why(result);
+  ASSERT_EQ(result.outcome, Outcome::Done) << result.why();
   EXPECT_TRUE(std::ranges::none_of(result.actions, [](const ActionRecord& record) {
     return record.action.kind == model::ActionKind::ApplyConfig ||
            record.action.kind == model::ActionKind::Configure;
@@ -305,7 +304,7 @@ TEST_F(ApplyTest, a_runtime_that_ends_answers_files_that_wait) {
     return {};
   });
   const auto first = robot->runtime.switch_to(kWork);
-  EXPECT_EQ(first.outcome, Outcome::Done) << why(first);
+  EXPECT_EQ(first.outcome, Outcome::Done) << first.why();
   robot.reset();
   EXPECT_EQ(applied.wait_for(std::chrono::seconds(0)), std::future_status::ready);
 }

@@ -28,7 +28,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::network_of;
 using testing::StandInRobot;
-using testing::why;
 
 const std::string kBefore =
     "network: before\n"
@@ -104,9 +103,9 @@ TEST(Cancel, before_each_action_until_the_point_of_commit_undoes_all_of_it) {
     }
     ++undone;
     EXPECT_EQ(end_of(std::move(answer)).outcome, Outcome::Cancelled);
-    ASSERT_EQ(result.outcome, Outcome::Cancelled) << why(result);
+    ASSERT_EQ(result.outcome, Outcome::Cancelled) << result.why();
     EXPECT_EQ(result.cancelled_by, "ann");
-    EXPECT_THAT(why(result), HasSubstr("was cancelled by ann; it was undone: the robot runs 'before'"));
+    EXPECT_THAT(result.why(), HasSubstr("was cancelled by ann; it was undone: the robot runs 'before'"));
     ASSERT_TRUE(result.undo && result.undo->restored);
     robot.expect_restored();
   }
@@ -127,7 +126,7 @@ TEST(Cancel, after_each_action_leaves_the_old_network_or_the_new_one) {
     });
     const auto result = robot.runtime.switch_to(robot.target);
     robot.asking.ask_after({});
-    EXPECT_EQ(result.outcome, accepted ? Outcome::Cancelled : Outcome::Done) << why(result);
+    EXPECT_EQ(result.outcome, accepted ? Outcome::Cancelled : Outcome::Done) << result.why();
     EXPECT_EQ(accepted, at.phase != model::Phase::Retire);
     EXPECT_THAT(differences(accepted ? robot.before : robot.target, robot.host.observe()), IsEmpty());
     ASSERT_EQ(robot.runtime.switch_to(robot.before).outcome, Outcome::Done);
@@ -324,7 +323,7 @@ TEST(Retire, ends_with_the_action_in_progress_when_something_newer_is_requested)
   });
   const auto result = robot.runtime.switch_to(robot.target);
   ASSERT_TRUE(done);
-  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_EQ(result.outcome, Outcome::Done) << result.why();
   EXPECT_FALSE(result.actions.back().executed) << result.actions.back().action.label();
   EXPECT_EQ(newer.get_future().get().get().outcome, Outcome::Done);
   robot.expect_restored();
@@ -369,7 +368,7 @@ TEST(Cancel, together_with_a_fault_ends_in_the_old_network_or_says_what_runs) {
       const auto result = runtime.switch_to(target);
       host.ask({});
       const auto observed = host.observe();
-      EXPECT_EQ(result.outcome == Outcome::Cancelled, accepted) << why(result);
+      EXPECT_EQ(result.outcome == Outcome::Cancelled, accepted) << result.why();
       if (accepted && result.undo->restored) {
         ++restored;
         EXPECT_EQ(runtime.belief().name, before.name);
@@ -380,7 +379,7 @@ TEST(Cancel, together_with_a_fault_ends_in_the_old_network_or_says_what_runs) {
       }
       faulty.heal();
       const auto back = runtime.switch_to(before);
-      ASSERT_EQ(back.outcome, Outcome::Done) << why(back);
+      ASSERT_EQ(back.outcome, Outcome::Done) << back.why();
     }
   }
   EXPECT_GT(restored, 20);
@@ -416,7 +415,7 @@ TEST(Cancel, from_several_threads_ends_each_request_in_one_network) {
       done.insert(result.request);
       runs = wanted;
     } else {
-      ASSERT_EQ(result.outcome, Outcome::Cancelled) << why(result);
+      ASSERT_EQ(result.outcome, Outcome::Cancelled) << result.why();
       cancelled.insert(result.request);
     }
     EXPECT_NE(robot.runtime.state(), RuntimeState::Failed);

@@ -40,9 +40,6 @@ class CommandedRuntime : public ::testing::Test {
   SwitchResult switch_to(const char* name, RequestOptions options = {}) {
     return runtime_.switch_to(model::NetworkName(name), std::move(options));
   }
-  static std::string why(const SwitchResult& result) {
-    return result.error ? to_string(*result.error) : std::string();
-  }
 
   testing::StandInRobot robot_;
   Runtime& runtime_ = robot_.runtime;
@@ -51,7 +48,7 @@ class CommandedRuntime : public ::testing::Test {
 TEST_F(CommandedRuntime, RunsTheUnionOfControllersAndGoesFromOneToAnother) {
   EXPECT_EQ(switch_to("drive").outcome, Outcome::Done);
   const auto both = switch_to("drive+arm");
-  EXPECT_EQ(both.outcome, Outcome::Done) << why(both);
+  EXPECT_EQ(both.outcome, Outcome::Done) << both.why();
   EXPECT_EQ(both.to.str(), "arm+drive");
   EXPECT_EQ(runtime_.belief().name.str(), "arm+drive");
   EXPECT_THAT(runtime_.belief().tasks, SizeIs(3));
@@ -67,8 +64,8 @@ TEST_F(CommandedRuntime, RefusesControllersThatCannotRunAtOnce) {
   EXPECT_EQ(switch_to("drive").outcome, Outcome::Done);
   const auto refused = switch_to("drive+stick");
   EXPECT_EQ(refused.outcome, Outcome::Refused);
-  EXPECT_THAT(why(refused), HasSubstr("these controllers cannot run at once: input 'base.command'"));
-  EXPECT_THAT(why(switch_to("drive+amr")), HasSubstr("no controller 'amr', did you mean 'arm'?"));
+  EXPECT_THAT(refused.why(), HasSubstr("these controllers cannot run at once: input 'base.command'"));
+  EXPECT_THAT(switch_to("drive+amr").why(), HasSubstr("no controller 'amr', did you mean 'arm'?"));
   EXPECT_EQ(runtime_.belief().name.str(), "drive");
 }
 
@@ -111,7 +108,7 @@ TEST_F(CommandedRuntime, RunsAVariantUntilTheNextRequest) {
   RequestOptions options;
   options.properties = {{model::TaskId("base"), "gain", type::Value(2)}};
   const auto variant = switch_to("drive", options);
-  EXPECT_EQ(variant.outcome, Outcome::Done) << why(variant);
+  EXPECT_EQ(variant.outcome, Outcome::Done) << variant.why();
   EXPECT_EQ(*runtime_.belief().find_task(model::TaskId("base"))->properties.find("gain"), type::Value(2));
   EXPECT_THAT(runtime_.observed_differences(), IsEmpty()) << "a variant is not drift";
   EXPECT_EQ(switch_to("drive", options).actions.size(), 0U);
@@ -122,9 +119,10 @@ TEST_F(CommandedRuntime, RunsAVariantUntilTheNextRequest) {
 TEST_F(CommandedRuntime, RefusesAVariantThatIsNone) {
   RequestOptions options;
   options.properties = {{model::TaskId("bse"), "gain", type::Value(2)}};
-  EXPECT_THAT(why(switch_to("drive", options)), HasSubstr("'drive' has no task 'bse', did you mean 'base'?"));
+  EXPECT_THAT(switch_to("drive", options).why(),
+              HasSubstr("'drive' has no task 'bse', did you mean 'base'?"));
   options.properties = {{model::TaskId("base"), "gain.max", type::Value(2)}};
-  EXPECT_THAT(why(switch_to("drive", options)),
+  EXPECT_THAT(switch_to("drive", options).why(),
               HasSubstr("property 'gain' of task 'base' is not known to have 'gain.max'"));
 }
 
@@ -146,7 +144,7 @@ TEST_F(CommandedRuntime, HeedsOnlyTheHolderOfTheLease) {
               HasSubstr("the robot is commanded by mission patrol"));
   const auto refused = switch_to("drive");
   EXPECT_EQ(refused.outcome, Outcome::Refused);
-  EXPECT_THAT(why(refused), HasSubstr("the robot is commanded by mission patrol"));
+  EXPECT_THAT(refused.why(), HasSubstr("the robot is commanded by mission patrol"));
   RequestOptions mine;
   mine.lease = *lease;
   EXPECT_EQ(switch_to("drive", mine).outcome, Outcome::Done);
@@ -168,7 +166,7 @@ TEST_F(CommandedRuntime, CanBeTakenOver) {
   EXPECT_EQ(runtime_.lease_standing(mine.lease).lost_to, "segue switch");
   const auto late = switch_to("drive", mine);
   EXPECT_EQ(late.outcome, Outcome::Refused);
-  EXPECT_THAT(why(late), HasSubstr("the robot was taken over by segue switch"));
+  EXPECT_THAT(late.why(), HasSubstr("the robot was taken over by segue switch"));
   EXPECT_EQ(switch_to("drive").outcome, Outcome::Done) << "nobody holds it now";
   const auto next = runtime_.take_lease("mission again");
   EXPECT_EQ(runtime_.lease_standing(*next).lost_to, std::nullopt);

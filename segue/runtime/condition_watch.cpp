@@ -34,12 +34,12 @@ ConditionWatch::~ConditionWatch() {
 
 void ConditionWatch::work(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    next_look_ = TimePoint::max();
-    const bool seen = look();
+    next_poll_ = TimePoint::max();
+    const bool seen = poll();
     if (holds_.exchange(seen) != seen) {
       changed_();
     }
-    bell_->wait({next_look_, stop});
+    bell_->wait({next_poll_, stop});
   }
 }
 
@@ -60,7 +60,7 @@ bool ConditionWatch::follow(const std::string& task, Updates updates) {
     });
   }
   if (!question_.is_asked()) {
-    next_look_ = std::min(next_look_, ask_at_);
+    next_poll_ = std::min(next_poll_, ask_at_);
   }
   return answer.has_value();
 }
@@ -71,11 +71,11 @@ bool ConditionWatch::has_news() const {
          (from_ == From::Now || level_->state != TaskState::Running || level_->updates != *first_update_);
 }
 
-bool ConditionWatch::look() {
-  return std::visit([this](const auto& when) { return look(when); }, condition_);
+bool ConditionWatch::poll() {
+  return std::visit([this](const auto& when) { return poll(when); }, condition_);
 }
 
-bool ConditionWatch::look(const model::TaskReaches& when) {
+bool ConditionWatch::poll(const model::TaskReaches& when) {
   follow(when.task, Updates::First);
   return has_news() && (to_string(level_->state) == when.state || level_->state_name == when.state);
 }
@@ -110,10 +110,10 @@ std::vector<type::Value> ConditionWatch::take_samples() {
 }
 
 /// The last sample counts until the next one, and each that came between two looks.
-bool ConditionWatch::look(const model::SampleShows& when) {
+bool ConditionWatch::poll(const model::SampleShows& when) {
   const auto samples = has_reader(when.port) ? take_samples() : std::vector<type::Value>();
   if (!samples_.is_asked()) {
-    next_look_ = std::min(next_look_, read_at_);
+    next_poll_ = std::min(next_poll_, read_at_);
   }
   if (!samples.empty()) {
     last_ = samples.back();
@@ -123,10 +123,10 @@ bool ConditionWatch::look(const model::SampleShows& when) {
                              [&](const type::Value& sample) { return model::holds(when.what, sample); });
 }
 
-bool ConditionWatch::look(const model::OperationAnswers& when) {
+bool ConditionWatch::poll(const model::OperationAnswers& when) {
   is_due_ = follow(when.operation.task, Updates::Each) || is_due_;
   if (!is_due_ || now() < next_call_) {
-    next_look_ = std::min(next_look_, is_due_ ? next_call_ : TimePoint::max());
+    next_poll_ = std::min(next_poll_, is_due_ ? next_call_ : TimePoint::max());
     return holds_;
   }
   is_due_ = false;

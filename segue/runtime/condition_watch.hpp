@@ -62,10 +62,10 @@ class ConditionWatch {
   /// Takes in the samples that have come, and asks for more.
   std::vector<type::Value> take_samples();
   [[nodiscard]] bool has_news() const;
-  bool look();
-  bool look(const model::TaskReaches& when);
-  bool look(const model::SampleShows& when);
-  bool look(const model::OperationAnswers& when);
+  bool poll();
+  bool poll(const model::TaskReaches& when);
+  bool poll(const model::SampleShows& when);
+  bool poll(const model::OperationAnswers& when);
 
   task_host::TaskHost& host_;
   const model::RobotCondition condition_;
@@ -78,7 +78,7 @@ class ConditionWatch {
   std::optional<task_host::TaskLevel> level_;      ///< nothing: the task cannot be seen
   std::optional<std::uint64_t> first_update_;      ///< of the task, when it was seen first
   TimePoint ask_at_{};                             ///< not before then
-  TimePoint next_look_{};                          ///< although the bell does not ring
+  TimePoint next_poll_{};                          ///< although the bell does not ring
   std::unique_ptr<task_host::PortReader> reader_;  ///< null: not open
   Question<std::vector<type::Value>> samples_{bell_};
   TimePoint read_at_{};              ///< the port is not opened or asked before then

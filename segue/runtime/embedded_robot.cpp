@@ -33,6 +33,7 @@ struct EmbeddedRobot::Implementation {
   [[nodiscard]] fs::path journal_path(const EmbeddedOptions& options, Diagnostics& diagnostics) const;
   [[nodiscard]] fs::path robot_folder() const;
 
+  Diagnostics findings;
   model::Robot robot;
   model::ComponentCatalog catalog;
   task_host::LibrarySet libraries;
@@ -166,28 +167,24 @@ void EmbeddedRobot::Implementation::start(const ControllerSet& controllers, task
 EmbeddedRobot::EmbeddedRobot(std::unique_ptr<Implementation> implementation)
     : implementation_(std::move(implementation)) {}
 
+EmbeddedRobot::EmbeddedRobot(EmbeddedRobot&& other) noexcept = default;
+
+EmbeddedRobot& EmbeddedRobot::operator=(EmbeddedRobot&& other) noexcept = default;
+
 EmbeddedRobot::~EmbeddedRobot() = default;
 
-std::unique_ptr<EmbeddedRobot> EmbeddedRobot::open(const fs::path& file, Diagnostics& diagnostics,
-                                                   const EmbeddedOptions& options) {
+Result<EmbeddedRobot> EmbeddedRobot::open(const fs::path& file, const EmbeddedOptions& options) {
   auto created = std::make_unique<Implementation>();
-  if (!created->load(file, options, diagnostics)) {
-    return nullptr;
+  Diagnostics& findings = created->findings;
+  if (!created->load(file, options, findings)) {
+    findings.sort();
+    return findings.to_error();
   }
-  return std::unique_ptr<EmbeddedRobot>(new EmbeddedRobot(std::move(created)));
+  return EmbeddedRobot(std::move(created));
 }
 
-Result<std::unique_ptr<EmbeddedRobot>> EmbeddedRobot::open(const fs::path& file,
-                                                           const EmbeddedOptions& options) {
-  Diagnostics diagnostics;
-  auto robot = open(file, diagnostics, options);
-  if (!robot) {
-    return diagnostics.to_error();
-  }
-  for (const auto& warning : diagnostics.items()) {
-    log(LogLevel::Warning, robot->robot().name, to_string(warning));
-  }
-  return robot;
+const Diagnostics& EmbeddedRobot::warnings() const {
+  return implementation_->findings;
 }
 
 const model::Robot& EmbeddedRobot::robot() const {
@@ -206,6 +203,31 @@ Runtime& EmbeddedRobot::runtime() {
   return *implementation_->runtime;
 }
 
+Result<void> EmbeddedRobot::write(std::string_view port, const type::Value& sample, Duration timeout) {
+  auto to = member_of(port);
+  if (!to) {
+    return std::move(to.error());
+  }
+  return host().write(*to, sample, RealClock::instance().now() + timeout);
+}
+
+Result<void> EmbeddedRobot::set(std::string_view property, const type::Value& value, Duration timeout) {
+  auto of = member_of(property);
+  if (!of) {
+    return std::move(of.error());
+  }
+  return host().set_property(of->task, of->port, value, RealClock::instance().now() + timeout);
+}
+
+Result<type::Value> EmbeddedRobot::call(std::string_view operation, const type::Value& arguments,
+                                        Duration timeout) {
+  auto of = member_of(operation);
+  if (!of) {
+    return std::move(of.error());
+  }
+  return runtime().call(of->task, of->port, arguments, RealClock::instance().now() + timeout);
+}
+
 SwitchResult EmbeddedRobot::switch_to(std::string_view controller, RequestOptions options) {
   return implementation_->runtime->switch_to(model::NetworkName(controller), std::move(options));
 }
@@ -218,7 +240,7 @@ ApplyResult EmbeddedRobot::apply(RequestOptions options) {
   Diagnostics diagnostics;
   auto set = files().read(diagnostics);
   if (!set) {
-    return {Outcome::Refused, {}, {}, diagnostics.to_error(), diagnostics};
+    return {Outcome::Refused, {}, {}, diagnostics.to_error()};
   }
   return runtime().apply(std::move(*set), std::move(options)).get();
 }
@@ -229,11 +251,11 @@ SwitchResult EmbeddedRobot::shut_down() {
     implementation_->runtime->halt({"shut-down"}).wait();
   }
   SwitchResult result = implementation_->runtime->take_down().get();
-  if (result.outcome != Outcome::Done) {
+  if (!result.ok()) {
     // The new snapshot shows what failed, such as a task that hangs, so another transition may succeed.
     result = implementation_->runtime->take_down().get();
   }
-  if (result.outcome != Outcome::Done) {
+  if (!result.ok()) {
     implementation_->tasks->end_processes();
   }
   return result;

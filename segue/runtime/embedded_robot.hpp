@@ -8,9 +8,11 @@
 #include <segue/model/robot.hpp>
 #include <segue/model/robot_changes.hpp>
 #include <segue/runtime/controller_files.hpp>
+#include <segue/runtime/robot_port.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/task_host/task_host.hpp>
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -43,28 +45,47 @@ struct EmbeddedOptions {
 ///
 ///     auto robot = segue::runtime::EmbeddedRobot::open("robot.yaml");
 ///     if (!robot) { std::cerr << to_string(robot.error()) << '\n'; return 1; }
-///     auto result = (*robot)->switch_to("explore");
+///     auto result = robot->switch_to("explore");
+///     if (!result.ok()) std::cerr << result.why() << '\n';
 ///
 /// With TaskPlacement::Processes, deployments of this robot that already run are adopted into the
 /// belief. They outlive this object and this process; tasks of this process do not.
 ///
-/// Functions may be called from any thread. The destructor ends this process's tasks at once, and waits for
+/// A value that can be moved; one that was moved from can only be assigned to or destroyed. All other
+/// functions may be called from any thread. The destructor ends this process's tasks at once, and waits for
 /// those that hang; shut_down() stops and cleans up everything first.
 class EmbeddedRobot {
  public:
-  /// Loads the robot file, its component libraries, models and controllers. Puts the problems of all files
-  /// into `diagnostics` and returns null if there are errors. Blocks.
-  static std::unique_ptr<EmbeddedRobot> open(const std::filesystem::path& file, Diagnostics& diagnostics,
-                                             const EmbeddedOptions& options = {});
-  /// The same with all errors in one; warnings are logged.
-  static Result<std::unique_ptr<EmbeddedRobot>> open(const std::filesystem::path& file,
-                                                     const EmbeddedOptions& options = {});
+  static constexpr Duration kTimeout = std::chrono::seconds(10);  ///< of calls that do not give one
+
+  /// Loads the robot file, its component libraries, models and controllers. The error carries the problems of
+  /// all files (diagnostics_of()). Blocks.
+  static Result<EmbeddedRobot> open(const std::filesystem::path& file, const EmbeddedOptions& options = {});
+  EmbeddedRobot(EmbeddedRobot&& other) noexcept;
+  EmbeddedRobot& operator=(EmbeddedRobot&& other) noexcept;
   ~EmbeddedRobot();
 
+  /// All findings in its files, which are no errors.
+  [[nodiscard]] const Diagnostics& warnings() const;
   [[nodiscard]] const model::Robot& robot() const;
   [[nodiscard]] const model::ComponentCatalog& catalog() const;
   [[nodiscard]] task_host::TaskHost& host();
   [[nodiscard]] Runtime& runtime();
+
+  /// The samples of an output port from now on: `robot.port<Pose>("odometry.pose").next(10s)`. Its task may
+  /// begin to exist later, and this must outlive the result.
+  template <class T = type::Value>
+  [[nodiscard]] Port<T> port(std::string_view address) {
+    return Port<T>(PortValues(host(), address));
+  }
+  /// Writes a sample to an input port, "driver.goal", and waits until the task has taken it. The errors are
+  /// those of TaskHost::write(), here and below of the function of TaskHost of the same name.
+  Result<void> write(std::string_view port, const type::Value& sample, Duration timeout = kTimeout);
+  /// Sets a property, or a member of one: "wheels.limits.speed".
+  Result<void> set(std::string_view property, const type::Value& value, Duration timeout = kTimeout);
+  /// Calls an operation, "planner.set_goal", with a map of its arguments by name, and waits for its result.
+  Result<type::Value> call(std::string_view operation, const type::Value& arguments = type::ValueMap{},
+                           Duration timeout = kTimeout);
 
   /// Requests a controller and waits for the result. Blocks.
   SwitchResult switch_to(std::string_view controller, RequestOptions options = {});

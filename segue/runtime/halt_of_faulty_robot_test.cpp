@@ -10,7 +10,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <future>
 #include <string>
+#include <utility>
 
 namespace faulty {
 
@@ -29,6 +31,7 @@ class Part : public Component {
   }
   void on_error() override {}
   segue::Result<void> on_recover() override {
+    if (fault_->empty()) return {};
     return segue::fail(segue::ErrorCode::HookFailed, "it cannot be recovered");
   }
 
@@ -60,58 +63,94 @@ constexpr const char* kDrive =
     "  planner: {component: \"faulty::Part\"}\n"
     "  camera: {component: \"faulty::Part\"}\n";
 
-class HaltOfFaultyRobot : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const auto switched = robot_.runtime.switch_to(testing::network_of(kDrive));
-    ASSERT_EQ(switched.outcome, Outcome::Done) << testing::why(switched);
+/// Runs "drive", of which tasks break down.
+struct FaultyRobot : testing::StandInRobot {
+  explicit FaultyRobot(RuntimeOptions options = {}) : StandInRobot(std::move(options)) {
+    add(kDrive, "drive");
+    const auto switched = runtime.switch_to(model::NetworkName("drive"));
+    EXPECT_EQ(switched.outcome, Outcome::Done) << switched.why();
+  }
+  void add(const std::string& text, const char* name) {
+    model::Network network = testing::network_of(text);
+    network.name = model::NetworkName(name);
+    EXPECT_FALSE(runtime.add_controller(std::move(network)).has_errors());
+  }
+  void set_fault(const char* task, const char* fault) {
+    EXPECT_TRUE(host.set_property(TaskId(task), "fault", type::Value(fault), in_a_minute()));
   }
   void break_down(const char* task, const char* fault, TaskState state) {
-    const TimePoint deadline = RealClock::instance().now() + std::chrono::seconds(60);
-    ASSERT_TRUE(robot_.host.set_property(TaskId(task), "fault", type::Value(fault), deadline));
-    ASSERT_TRUE(segue::testing::eventually([&] { return believed(task) == state; }));
+    set_fault(task, fault);
+    EXPECT_TRUE(
+        segue::testing::eventually([&] { return runtime.belief().find_task(TaskId(task))->state == state; }));
   }
-  TaskState believed(const char* task) const {
-    return robot_.runtime.belief().find_task(TaskId(task))->state;
+  void recover(const char* task) {
+    set_fault(task, "");
+    const model::Action action{
+        1, model::ActionKind::Recover, model::TaskAction{TaskId(task)}, model::Phase::Commit, {}};
+    EXPECT_TRUE(host.perform(action, in_a_minute()));
   }
-  TaskState state_of(const char* task) const { return robot_.host.observe().find_task(TaskId(task))->state; }
-
-  testing::StandInRobot robot_;
+  TaskState state_of(const char* task) const { return host.observe().find_task(TaskId(task))->state; }
+  static TimePoint in_a_minute() { return RealClock::instance().now() + std::chrono::minutes(1); }
 };
 
-TEST_F(HaltOfFaultyRobot, StopsDevicesAndLeavesABrokenTaskAlone) {
-  break_down("planner", "error", TaskState::RunTimeError);
-  break_down("camera", "exception", TaskState::Exception);
-  const auto rest = robot_.runtime.halt({.who = "ann"}).get();
+TEST(HaltOfFaultyRobot, StopsDevicesAndLeavesABrokenTaskAlone) {
+  FaultyRobot robot;
+  robot.break_down("planner", "error", TaskState::RunTimeError);
+  robot.break_down("camera", "exception", TaskState::Exception);
+  const auto rest = robot.runtime.halt({.who = "ann"}).get();
   EXPECT_TRUE(rest.at_rest) << rest.trouble;
   EXPECT_THAT(rest.stopped, ElementsAre(TaskId("wheels")));
-  EXPECT_EQ(state_of("wheels"), TaskState::Stopped);
-  EXPECT_EQ(state_of("planner"), TaskState::RunTimeError);
-  EXPECT_EQ(state_of("camera"), TaskState::Exception);
+  EXPECT_EQ(robot.state_of("wheels"), TaskState::Stopped);
+  EXPECT_EQ(robot.state_of("planner"), TaskState::RunTimeError);
+  EXPECT_EQ(robot.state_of("camera"), TaskState::Exception);
 }
 
-TEST_F(HaltOfFaultyRobot, LeavesATaskInFatalAlone) {
-  break_down("camera", "fatal", TaskState::Fatal);
-  const auto rest = robot_.runtime.halt({.who = "ann"}).get();
+TEST(HaltOfFaultyRobot, LeavesATaskInFatalAlone) {
+  FaultyRobot robot;
+  robot.break_down("camera", "fatal", TaskState::Fatal);
+  const auto rest = robot.runtime.halt({.who = "ann"}).get();
   EXPECT_TRUE(rest.at_rest) << rest.trouble;
-  EXPECT_EQ(state_of("wheels"), TaskState::Stopped);
-  EXPECT_EQ(state_of("camera"), TaskState::Fatal);
+  EXPECT_EQ(robot.state_of("wheels"), TaskState::Stopped);
+  EXPECT_EQ(robot.state_of("camera"), TaskState::Fatal);
 }
 
-TEST_F(HaltOfFaultyRobot, StopsADeviceThatIsInAnError) {
-  break_down("wheels", "error", TaskState::RunTimeError);
-  const auto rest = robot_.runtime.halt({.who = "ann"}).get();
+TEST(HaltOfFaultyRobot, StopsADeviceThatIsInAnError) {
+  FaultyRobot robot;
+  robot.break_down("wheels", "error", TaskState::RunTimeError);
+  const auto rest = robot.runtime.halt({.who = "ann"}).get();
   EXPECT_TRUE(rest.at_rest) << rest.trouble;
   EXPECT_THAT(rest.stopped, ElementsAre(TaskId("wheels")));
-  EXPECT_EQ(state_of("wheels"), TaskState::Stopped);
+  EXPECT_EQ(robot.state_of("wheels"), TaskState::Stopped);
 }
 
-TEST_F(HaltOfFaultyRobot, LeavesADeviceAloneWhoseHooksHaveStoppedItAlready) {
-  break_down("wheels", "exception", TaskState::Exception);
-  const auto rest = robot_.runtime.halt({.who = "ann"}).get();
+TEST(HaltOfFaultyRobot, LeavesADeviceAloneWhoseHooksHaveStoppedItAlready) {
+  FaultyRobot robot;
+  robot.break_down("wheels", "exception", TaskState::Exception);
+  const auto rest = robot.runtime.halt({.who = "ann"}).get();
   EXPECT_TRUE(rest.at_rest) << rest.trouble;
   EXPECT_THAT(rest.stopped, IsEmpty());
-  EXPECT_EQ(state_of("wheels"), TaskState::Exception);
+  EXPECT_EQ(robot.state_of("wheels"), TaskState::Exception);
+}
+
+/// A transition is in progress when the device breaks down, the robot is halted, and the device recovers.
+TEST(HaltOfFaultyRobot, StartsNoDeviceThatRecoversBeforeItIsPlanned) {
+  FaultyRobot robot;
+  robot.add(std::string(kDrive) + "  tool: {component: \"faulty::Part\"}\n", "work");
+  std::shared_future<HaltResult> halt;
+  robot.asking.ask([&](const model::Action&) -> Result<void> {
+    if (halt.valid()) return {};
+    robot.break_down("wheels", "exception", TaskState::Exception);
+    halt = robot.runtime.halt({.who = "ann"});
+    robot.recover("wheels");
+    return {};
+  });
+  robot.runtime.request(model::NetworkName("work")).wait();
+  robot.asking.ask({});
+  ASSERT_TRUE(halt.valid());
+  const auto rest = halt.get();
+  EXPECT_TRUE(rest.at_rest) << rest.trouble;
+  EXPECT_THAT(rest.stopped, IsEmpty());
+  EXPECT_EQ(robot.state_of("wheels"), TaskState::PreOperational);
 }
 
 TEST(HaltThatFails, StopsDevicesBesideABrokenTask) {
@@ -121,16 +160,9 @@ TEST(HaltThatFails, StopsDevicesBesideABrokenTask) {
   halt.within = std::chrono::milliseconds(300);
   RuntimeOptions options;
   options.halt = std::move(halt);
-  testing::StandInRobot robot(std::move(options));
-  model::Network network = testing::network_of(kDrive);
-  ASSERT_FALSE(robot.runtime.add_controller(network).has_errors());
-  network.name = model::NetworkName("hold");
-  ASSERT_FALSE(robot.runtime.add_controller(network).has_errors());
-  ASSERT_EQ(robot.runtime.switch_to(model::NetworkName("drive")).outcome, Outcome::Done);
-  const TimePoint deadline = RealClock::instance().now() + std::chrono::seconds(60);
-  ASSERT_TRUE(robot.host.set_property(TaskId("camera"), "fault", type::Value("error"), deadline));
-  ASSERT_TRUE(segue::testing::eventually(
-      [&] { return robot.runtime.belief().find_task(TaskId("camera"))->state == TaskState::RunTimeError; }));
+  FaultyRobot robot(std::move(options));
+  robot.add(kDrive, "hold");
+  robot.break_down("camera", "error", TaskState::RunTimeError);
   const auto rest = robot.runtime.halt({.who = "ann"}).get();
   EXPECT_FALSE(rest.at_rest);
   EXPECT_THAT(rest.stopped, ElementsAre(TaskId("wheels"))) << rest.trouble;

@@ -30,7 +30,6 @@ using ::testing::HasSubstr;
 using testing::hold;
 using ::testing::IsEmpty;
 using testing::network_of;
-using testing::why;
 using testing::with;
 using Robot = testing::HaltingRobot;
 
@@ -54,7 +53,7 @@ TEST(Halt, brings_the_robot_to_rest_and_keeps_it_there_until_it_is_released) {
   EXPECT_EQ(robot.runtime.halted()->stopped_by, "ann");
   const auto refused = robot.switch_to("drive");
   EXPECT_EQ(refused.outcome, Outcome::Refused);
-  EXPECT_THAT(why(refused), HasSubstr("stopped by ann; 'segue stop --release' lets it be commanded again"));
+  EXPECT_THAT(refused.why(), HasSubstr("stopped by ann; 'segue stop --release' lets it be commanded again"));
   EXPECT_EQ(robot.runtime.take_lease("bob").error().code, ErrorCode::InvalidState);
   RequestOptions forced;
   forced.take_over = true;
@@ -95,7 +94,7 @@ TEST(Halt, follows_at_once_where_a_mission_is_stopped_that_then_commands_nothing
   EXPECT_EQ(robot.runtime.lease_standing(lease), (control::LeaseStanding{std::nullopt, true}));
   RequestOptions theirs;
   theirs.lease = lease;
-  EXPECT_THAT(why(robot.switch_to("drive", theirs)), HasSubstr("the mission is being stopped"));
+  EXPECT_THAT(robot.switch_to("drive", theirs).why(), HasSubstr("the mission is being stopped"));
   EXPECT_EQ(robot.runtime.allow({.who = "mission a", .lease = lease}, "sets 'x.y'").error().code,
             ErrorCode::Cancelled);
   EXPECT_EQ(robot.runtime.lease_refusal(lease)->code, ErrorCode::Cancelled);
@@ -247,7 +246,7 @@ TEST(Halt, does_not_come_for_a_task_that_is_only_prepared_or_is_stopped_by_a_tra
   });
   for (const char* next : {"work", "drive", "work"}) {
     const auto switched = robot.switch_to(next);
-    EXPECT_EQ(switched.outcome, Outcome::Done) << why(switched);
+    EXPECT_EQ(switched.outcome, Outcome::Done) << switched.why();
   }
   robot.asking.ask_after({});
   EXPECT_FALSE(robot.runtime.halted()) << robot.runtime.halted()->request.why;
@@ -289,7 +288,7 @@ TEST(Halt, at_each_action_of_a_transition_gives_way_to_nothing_but_its_commit) {
     robot.asking.ask({});
     EXPECT_TRUE(ended.at_rest) << ended.trouble;
     EXPECT_EQ(result.outcome, at.phase == model::Phase::Prepare ? Outcome::Superseded : Outcome::Done)
-        << why(result);
+        << result.why();
     EXPECT_EQ(begun_after, 0);
     EXPECT_EQ(robot.running(), "hold");
   }
@@ -322,7 +321,7 @@ TEST(Halt, waits_for_no_action_that_concerns_nothing_of_what_runs_or_brings_it_t
     robot.asking.ask_after({});
     EXPECT_TRUE(came_to_rest) << "while the action was in progress";
     EXPECT_EQ(result.outcome, at.phase == model::Phase::Prepare ? Outcome::Superseded : Outcome::Done)
-        << why(result);
+        << result.why();
     EXPECT_EQ(robot.running(), "hold");
     EXPECT_EQ(robot.switch_to("work").outcome, Outcome::Done) << "what ended late is in nobody's way";
     EXPECT_THAT(robot.runtime.observed_differences(), IsEmpty());
@@ -364,7 +363,7 @@ TEST(Halt, takes_the_place_of_what_is_undone) {
     return {};
   });
   const auto result = robot.switch_to("work");
-  EXPECT_EQ(result.outcome, Outcome::Failed) << why(result);
+  EXPECT_EQ(result.outcome, Outcome::Failed) << result.why();
   ASSERT_TRUE(halted) << "something is undone";
   ASSERT_TRUE(result.undo && result.undo->error);
   EXPECT_THAT(to_string(*result.undo->error), HasSubstr("the robot was halted"));
@@ -407,7 +406,7 @@ TEST(Request, waits_for_no_action_in_progress_but_of_tasks_that_it_needs) {
   EXPECT_EQ(robot.runtime.open_requests().at(0).state, "waiting");
   tool.end();
   const auto result = work.get();
-  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_EQ(result.outcome, Outcome::Done) << result.why();
   robot.asking.ask_after({});
   EXPECT_THAT(robot.runtime.observed_differences(), IsEmpty());
 }

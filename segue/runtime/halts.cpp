@@ -31,8 +31,8 @@ std::optional<std::string> trouble_of(std::future<SwitchResult>& switched, TimeP
     return "the transition has not ended in time";
   }
   const SwitchResult result = switched.get();
-  if (result.outcome != Outcome::Done) {
-    return result.error ? to_string(*result.error) : "it was " + std::string(to_string(result.outcome));
+  if (!result.ok()) {
+    return result.why();
   }
   return stops && result.leftover ? std::optional(to_string(*result.leftover)) : std::nullopt;
 }

@@ -202,7 +202,7 @@ class HealthTest : public ::testing::Test {
   static model::Network drive() {
     return network_of("network: drive\ntasks: {motor: {component: \"runtime_health_test::Motor\"}}\n");
   }
-  static bool is(const Runtime& runtime, State state) { return runtime.look().health.state == state; }
+  static bool is(const Runtime& runtime, State state) { return runtime.snapshot().health.state == state; }
 };
 
 TEST_F(HealthTest, a_broken_task_is_trouble_until_it_is_repaired_on_request) {
@@ -212,12 +212,12 @@ TEST_F(HealthTest, a_broken_task_is_trouble_until_it_is_repaired_on_request) {
   const auto begin = std::chrono::system_clock::now();
   Motor::hot = true;
   ASSERT_TRUE(eventually([&] { return is(robot.runtime, State::InTrouble); }));
-  const Health health = robot.runtime.look().health;
+  const Health health = robot.runtime.snapshot().health;
   ASSERT_THAT(health.troubles, SizeIs(1));
   EXPECT_EQ(health.troubles[0].name, "motor");
   EXPECT_THAT(health.troubles[0].why, HasSubstr("is too hot"));
   EXPECT_GE(health.troubles[0].since, begin);
-  EXPECT_EQ(robot.runtime.look().health.troubles[0].since, health.troubles[0].since);
+  EXPECT_EQ(robot.runtime.snapshot().health.troubles[0].since, health.troubles[0].since);
   Motor::hot = false;
   EXPECT_EQ(robot.runtime.repair().result.get().outcome, Outcome::Done);
   EXPECT_TRUE(eventually([&] { return is(robot.runtime, State::Healthy); }));
@@ -228,10 +228,10 @@ TEST_F(HealthTest, what_was_given_up_is_tried_again_on_request) {
   ASSERT_EQ(robot.runtime.switch_to(drive()).outcome, Outcome::Done);
   Motor::hot = true;
   ASSERT_TRUE(eventually([&] {
-    const Health health = robot.runtime.look().health;
+    const Health health = robot.runtime.snapshot().health;
     return health.state == State::InTrouble && health.troubles.at(0).on_request;
   }));
-  EXPECT_THAT(robot.runtime.look().health.troubles.at(0).repair, HasSubstr("2 attempts have not helped"));
+  EXPECT_THAT(robot.runtime.snapshot().health.troubles.at(0).repair, HasSubstr("2 attempts have not helped"));
   Motor::hot = false;
   EXPECT_EQ(robot.runtime.repair().result.get().outcome, Outcome::Done);
   EXPECT_TRUE(eventually([&] { return is(robot.runtime, State::Healthy); }));
@@ -261,10 +261,10 @@ TEST_F(HealthTest, a_pool_that_is_short_begins_again_on_request) {
   ASSERT_TRUE(eventually([&] { return is(robot.runtime, State::Healthy); }));
   Motor::hot = true;
   ASSERT_TRUE(eventually([&] {
-    const Health health = robot.runtime.look().health;
+    const Health health = robot.runtime.snapshot().health;
     return health.state == State::InTrouble && health.troubles.at(0).on_request;
   }));
-  EXPECT_EQ(robot.runtime.look().health.troubles.at(0).kind, Trouble::Kind::Pool);
+  EXPECT_EQ(robot.runtime.snapshot().health.troubles.at(0).kind, Trouble::Kind::Pool);
   Motor::hot = false;
   EXPECT_EQ(robot.runtime.repair().result.get().outcome, Outcome::Done);
   EXPECT_TRUE(eventually([&] { return is(robot.runtime, State::Healthy); }));

@@ -51,7 +51,7 @@ class SavedByLookAhead : public ::testing::Test {
 TEST_F(SavedByLookAhead, IsWhatPreparingHadTakenAhead) {
   prepare({model::NetworkName("park")});
   const auto parked = switch_to("park");
-  ASSERT_EQ(parked.outcome, Outcome::Done) << testing::why(parked);
+  ASSERT_EQ(parked.outcome, Outcome::Done) << parked.why();
   ASSERT_TRUE(parked.ahead);
   EXPECT_EQ(parked.ahead->tasks, 2U) << "the third ran already";
   EXPECT_GE(parked.ahead->unprepared, 200ms) << "both are configured at once";

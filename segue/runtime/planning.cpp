@@ -20,19 +20,15 @@ std::string counted(std::size_t count, std::string_view what) {
   return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
 }
 
-Refusal refuse(Error error) {
-  return {std::move(error), {}};
-}
-
-std::optional<Refusal> refusal_for(const model::Network& network, const task_host::TaskHost& host,
-                                   const model::ComponentCatalog& catalog) {
+std::optional<Error> refusal_for(const model::Network& network, const task_host::TaskHost& host,
+                                 const model::ComponentCatalog& catalog) {
   Diagnostics findings = check_runnable(network, host, catalog);
   if (!findings.has_errors()) {
     return std::nullopt;
   }
   Error error = findings.to_error();
   error.subject = network.name.str();
-  return Refusal{std::move(error), std::move(findings)};
+  return error;
 }
 
 /// The property as the task would have it without the setting: of its network, or its component's default.
@@ -126,18 +122,18 @@ model::Network reachable_part(model::Network network, const task_host::TaskHost&
   return lost.empty() ? std::move(network) : without_hosts(std::move(network), lost);
 }
 
-std::optional<Refusal> refusal_for_unknown(const model::Network& network, std::string_view role,
-                                           const task_host::TaskHost& host) {
+std::optional<Error> refusal_for_unknown(const model::Network& network, std::string_view role,
+                                         const task_host::TaskHost& host) {
   for (const auto& computer : host.computers()) {
     const bool used =
         std::any_of(network.deployments.begin(), network.deployments.end(),
                     [&](const model::Deployment& deployment) { return deployment.host == computer.name; });
     if (used && !computer.reachable && !computer.optional) {
-      return refuse(fail(ErrorCode::Unavailable,
-                         std::string(role) + " has tasks on host " + quote(computer.name.str()) +
-                             ", which cannot be reached (" + computer.state +
-                             "), so what runs there is unknown; nothing has changed. Once the host is back, "
-                             "try again; or say in the robot file that it is 'optional'"));
+      return fail(ErrorCode::Unavailable,
+                  std::string(role) + " has tasks on host " + quote(computer.name.str()) +
+                      ", which cannot be reached (" + computer.state +
+                      "), so what runs there is unknown; nothing has changed. Once the host is back, "
+                      "try again; or say in the robot file that it is 'optional'");
     }
   }
   return std::nullopt;
@@ -208,16 +204,15 @@ void leave_faulty(model::Network& target, const model::Network& current) {
 
 }  // namespace
 
-tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
-                                               const KeptNetworks& beside, const task_host::TaskHost& host,
-                                               const model::ComponentCatalog& catalog,
-                                               solve::Options options) {
+Result<SwitchPlan> plan_network(const model::Network& current, model::Network controller,
+                                const KeptNetworks& beside, const task_host::TaskHost& host,
+                                const model::ComponentCatalog& catalog, solve::Options options) {
   if (auto refusal = refusal_for(host.condensed(controller), host, catalog)) {
-    return tl::unexpected(std::move(*refusal));
+    return std::move(*refusal);
   }
   controller = host.expanded(std::move(controller));
   if (auto refusal = refusal_for_unknown(controller, quoted_name(controller.name), host)) {
-    return tl::unexpected(std::move(*refusal));
+    return std::move(*refusal);
   }
   if (beside.leaves_faulty) {
     leave_faulty(controller, current);
@@ -227,28 +222,26 @@ tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, mo
   target = unite(std::move(target), beside.pools);
   auto transition = solve_from_observed(current, target, catalog, std::move(options));
   if (!transition) {
-    return tl::unexpected(refuse(std::move(transition.error())));
+    return std::move(transition.error());
   }
   return SwitchPlan{std::move(controller), std::move(target), std::move(*transition), std::move(lost)};
 }
 
-tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
-                                                  const task_host::TaskHost& host,
-                                                  const model::ComponentCatalog& catalog) {
+Result<SwitchPlan> plan_transition(const model::Network& current, model::Transition transition,
+                                   const task_host::TaskHost& host, const model::ComponentCatalog& catalog) {
   if (auto ordered = check_phases(transition); !ordered) {
-    return tl::unexpected(refuse(std::move(ordered.error())));
+    return std::move(ordered.error());
   }
   auto target = solve::predict(current, transition, catalog);
   if (!target) {
-    return tl::unexpected(
-        refuse(fail(ErrorCode::InvalidArgument,
-                    "the transition cannot be applied to the running network (" + summary(current) + ")",
-                    transition.to.str())
-                   .because_of(std::move(target.error()))));
+    return fail(ErrorCode::InvalidArgument,
+                "the transition cannot be applied to the running network (" + summary(current) + ")",
+                transition.to.str())
+        .because_of(std::move(target.error()));
   }
   target->name = transition.to;
   if (auto refusal = refusal_for(*target, host, catalog)) {
-    return tl::unexpected(std::move(*refusal));
+    return std::move(*refusal);
   }
   return SwitchPlan{*target, *target, std::move(transition), unreachable_hosts(host)};
 }

@@ -25,14 +25,6 @@ struct SwitchPlan {
   std::set<model::HostName> lost{};
 };
 
-/// Why a request is refused: the error, and all findings of validation if there are several.
-struct Refusal {
-  Error error;
-  Diagnostics diagnostics;
-};
-
-using Planned = tl::expected<SwitchPlan, Refusal>;
-
 /// Computers that cannot be reached now.
 std::set<model::HostName> unreachable_hosts(const task_host::TaskHost& host);
 /// The network without what is on computers that cannot be reached now: tasks there, their connections and
@@ -40,8 +32,8 @@ std::set<model::HostName> unreachable_hosts(const task_host::TaskHost& host);
 model::Network reachable_part(model::Network network, const task_host::TaskHost& host);
 /// Why a request is refused before anything changes: a computer that `network` uses cannot be reached and is
 /// not optional. `role` begins the message: "the running controller".
-std::optional<Refusal> refusal_for_unknown(const model::Network& network, std::string_view role,
-                                           const task_host::TaskHost& host);
+std::optional<Error> refusal_for_unknown(const model::Network& network, std::string_view role,
+                                         const task_host::TaskHost& host);
 
 /// Options of the solver for this host.
 solve::Options solve_options(const task_host::TaskHost& host, model::Order order, bool force);
@@ -66,15 +58,13 @@ struct KeptNetworks {
 };
 
 /// Validates `controller` to the depth that the host requires and solves from `current`.
-tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
-                                               const KeptNetworks& beside, const task_host::TaskHost& host,
-                                               const model::ComponentCatalog& catalog,
-                                               solve::Options options);
+Result<SwitchPlan> plan_network(const model::Network& current, model::Network controller,
+                                const KeptNetworks& beside, const task_host::TaskHost& host,
+                                const model::ComponentCatalog& catalog, solve::Options options);
 
 /// Predicts the network that a given transition leads to, and validates it in the same way.
-tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
-                                                  const task_host::TaskHost& host,
-                                                  const model::ComponentCatalog& catalog);
+Result<SwitchPlan> plan_transition(const model::Network& current, model::Transition transition,
+                                   const task_host::TaskHost& host, const model::ComponentCatalog& catalog);
 
 /// All findings about running `network` on `host`, warnings included.
 Diagnostics check_runnable(const model::Network& network, const task_host::TaskHost& host,

@@ -101,14 +101,10 @@ model::Network PoolKeeper::without(const model::Network& network) const {
   return rest;
 }
 
-std::optional<Refusal> PoolKeeper::refusal_for(const model::Network& network) const {
+std::optional<Error> PoolKeeper::refusal_for(const model::Network& network) const {
   Diagnostics findings;
   model::detail::check_pools(options_.pools, network, findings);
-  if (!findings.has_errors()) {
-    return std::nullopt;
-  }
-  Error error = findings.to_error();
-  return Refusal{std::move(error), std::move(findings)};
+  return findings.has_errors() ? std::optional(findings.to_error()) : std::nullopt;
 }
 
 std::vector<DetectedFault> PoolKeeper::find_faults() {

@@ -47,7 +47,7 @@ class PoolKeeper {
   [[nodiscard]] model::Network part(const model::Network& network) const;
   [[nodiscard]] model::Network without(const model::Network& network) const;
   /// Why a network cannot be requested: it names what belongs to a pool.
-  [[nodiscard]] std::optional<Refusal> refusal_for(const model::Network& network) const;
+  [[nodiscard]] std::optional<Error> refusal_for(const model::Network& network) const;
 
   /// Whether instances are kept running, or may be ended as all else.
   void keep(bool kept) { is_kept_ = kept; }

@@ -66,7 +66,7 @@ TEST(RobotPools, RunBesideEveryController) {
   EXPECT_TRUE(robot.runtime.belief().empty()) << "they are part of no controller";
   for (const char* text : {kWithA, kWithB, kWithA}) {
     const auto result = robot.runtime.switch_to(network_of(text));
-    ASSERT_EQ(result.outcome, Outcome::Done) << testing::why(result);
+    ASSERT_EQ(result.outcome, Outcome::Done) << result.why();
     EXPECT_THAT(labels(result), Each(Not(HasSubstr("planner"))));
     EXPECT_TRUE(all_ready(robot.runtime));
   }
@@ -127,7 +127,7 @@ TEST(RobotPools, FailWithoutTheControllers) {
   ASSERT_TRUE(eventually(given_up));
   for (const char* text : {kWithA, kWithB}) {
     const auto result = robot.runtime.switch_to(network_of(text));
-    ASSERT_EQ(result.outcome, Outcome::Done) << testing::why(result);
+    ASSERT_EQ(result.outcome, Outcome::Done) << result.why();
     EXPECT_THAT(labels(result), Each(Not(HasSubstr("planner"))));
   }
   EXPECT_THAT(robot.runtime.unresolved(), ::testing::IsEmpty());
@@ -185,7 +185,7 @@ TEST(RobotPools, KeepTheirNames) {
   const auto result =
       robot.runtime.switch_to(network_of("network: x\ntasks: {planner_2: {component: \"x::A\"}}\n"));
   EXPECT_EQ(result.outcome, Outcome::Refused);
-  EXPECT_THAT(testing::why(result), HasSubstr("task 'planner_2' belongs to the robot's pool 'planner'"));
+  EXPECT_THAT(result.why(), HasSubstr("task 'planner_2' belongs to the robot's pool 'planner'"));
 }
 
 }  // namespace

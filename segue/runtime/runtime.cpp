@@ -7,12 +7,6 @@
 
 namespace segue::runtime {
 
-std::string_view to_string(Outcome outcome) {
-  static constexpr std::array<std::string_view, 5> kNames = {"done", "superseded", "refused", "failed",
-                                                             "cancelled"};
-  return kNames.at(static_cast<std::size_t>(outcome));
-}
-
 std::string_view to_string(RuntimeState state) {
   static constexpr std::array<std::string_view, 3> kNames = {"idle", "executing", "failed"};
   return kNames.at(static_cast<std::size_t>(state));
@@ -44,12 +38,6 @@ std::string_view to_string(EventKind kind) {
                                                               "request_cancelled",
                                                               "halt"};
   return kNames.at(static_cast<std::size_t>(kind));
-}
-
-std::string_view to_string(Cause cause) {
-  static constexpr std::array<std::string_view, 7> kNames = {"request", "repair", "fallback", "look_ahead",
-                                                             "tidy",    "apply",  "pool"};
-  return kNames.at(static_cast<std::size_t>(cause));
 }
 
 Runtime::Runtime(std::string name, task_host::TaskHost& host, const model::ComponentCatalog& catalog,
@@ -152,8 +140,8 @@ AcceptedRequest Runtime::repair(RequestOptions options) {
   return implementation_->repair(std::move(options));
 }
 
-Look Runtime::look() const {
-  return implementation_->supervisor.look();
+RobotSnapshot Runtime::snapshot() const {
+  return implementation_->supervisor.snapshot();
 }
 
 std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {
@@ -182,7 +170,7 @@ Result<model::Transition> Runtime::plan(const Request& request, const RequestOpt
   auto plan =
       implementation_->switching.plan(implementation_->belief.starting_point().network, request, options);
   if (!plan) {
-    return std::move(plan.error().error);
+    return std::move(plan.error());
   }
   return std::move(plan->transition);
 }

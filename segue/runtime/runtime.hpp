@@ -12,8 +12,8 @@
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
 #include <segue/runtime/halt_result.hpp>
-#include <segue/runtime/look.hpp>
 #include <segue/runtime/request_options.hpp>
+#include <segue/runtime/robot_snapshot.hpp>
 #include <segue/runtime/runtime_options.hpp>
 #include <segue/runtime/switch_result.hpp>
 #include <segue/runtime/unresolved_fault.hpp>
@@ -161,7 +161,7 @@ class Runtime {
   [[nodiscard]] std::vector<std::string> observed_differences() const;
 
   /// The parts of the robot and their problems; each process is asked once. Blocks while they are asked.
-  [[nodiscard]] Look look() const;
+  [[nodiscard]] RobotSnapshot snapshot() const;
   /// Processes of the running controller that have ended and are missing: why, and the end of their logs.
   [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;
   /// As host().call(). An instance of a pool that has begun to carry it out when `wait` ends, and does so for

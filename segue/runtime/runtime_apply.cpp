@@ -73,17 +73,13 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
   job.options = std::move(request_options);
   job.options.action_deadline = std::min(job.options.action_deadline, detail::kLongestDeadline);
   auto future = job.promise.get_future();
-  const auto refuse = [&](Error why, Diagnostics findings) {
+  const auto refuse = [&](Error why) {
     log.add(EventKind::RequestRefused, "", "the files are not applied: " + why.message);
-    job.promise.set_value({Outcome::Refused,
-                           controllers.compare(set, belief.controller().name),
-                           {},
-                           std::move(why),
-                           std::move(findings)});
+    job.promise.set_value(
+        {Outcome::Refused, controllers.compare(set, belief.controller().name), {}, std::move(why)});
   };
-  if (Diagnostics findings = controllers.check(set); findings.has_errors()) {
-    Error why = findings.to_error();
-    refuse(std::move(why), std::move(findings));
+  if (const Diagnostics findings = controllers.check(set); findings.has_errors()) {
+    refuse(findings.to_error());
     return future;
   }
   for (const auto& network : set.controllers) {
@@ -99,7 +95,7 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
     return !refusal;
   });
   if (refusal) {
-    refuse(std::move(*refusal), {});
+    refuse(std::move(*refusal));
   } else if (older) {
     answer(*older, Outcome::Superseded, std::nullopt,
            fail(ErrorCode::Superseded, "newer files were applied before these took effect"));
@@ -166,7 +162,7 @@ std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& 
   journal.accepted(job.number, job.options.who, controller.name);
   switching.adopt_observed(current);
   switching.carry_out(current.network, *plan, job.options.action_deadline, result);
-  if (result.outcome == Outcome::Done) {
+  if (result.ok()) {
     supervisor.begin_anew();
   }
   return result;
@@ -182,9 +178,7 @@ void Runtime::Implementation::take_back(PendingApply& job) {
 
 void Runtime::Implementation::answer(PendingApply& job, Outcome outcome,
                                      std::optional<SwitchResult> transition, std::optional<Error> error) {
-  Diagnostics findings = transition ? transition->diagnostics : Diagnostics{};
-  job.promise.set_value(
-      {outcome, std::move(job.changes), std::move(transition), std::move(error), std::move(findings)});
+  job.promise.set_value({outcome, std::move(job.changes), std::move(transition), std::move(error)});
 }
 
 }  // namespace segue::runtime

@@ -78,7 +78,7 @@ DevicesStopped Runtime::Implementation::with_devices_stopped() const {
       task.state = TaskState::Stopped;
       all.tasks.push_back(task.id);
     } else if (is_error(task.state)) {
-      task.state = TaskState::Running;  // as it should be; the request leaves it as it is
+      task.state = TaskState::PreOperational;  // where it has recovered meanwhile; else it is left as it is
     }
   }
   return all;

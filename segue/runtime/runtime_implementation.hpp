@@ -35,15 +35,15 @@ struct Runtime::Implementation : detail::RuntimeParts {
   /// Why a request with these options cannot be accepted.
   [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options,
                                                 const detail::Privileges& privileges = {}) const;
-  [[nodiscard]] std::optional<detail::Refusal> refusal_of_take_over(const Request& request,
-                                                                    const RequestOptions& options) const;
+  [[nodiscard]] std::optional<Error> refusal_of_take_over(const Request& request,
+                                                          const RequestOptions& options) const;
   /// Called with the queue locked: whether the request may take its place there. Fills in why it may not.
-  bool admit(const detail::PendingRequest& job, std::optional<detail::Refusal>& refusal);
+  bool admit(const detail::PendingRequest& job, std::optional<Error>& refusal);
   /// Blocks until it is done.
   SwitchResult serve(detail::PendingRequest& job);
   void answer(detail::PendingRequest& job, SwitchResult result);
   void remember(SwitchResult result);
-  SwitchResult refused(SwitchResult result, detail::Refusal refusal);
+  SwitchResult refused(SwitchResult result, Error refusal);
   /// It was not served.
   SwitchResult cancelled(const detail::PendingRequest& job) const;
 

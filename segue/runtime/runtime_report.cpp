@@ -151,6 +151,20 @@ std::string_view outcome_of(const ActionRecord& record) {
   return record.error ? "failed" : "done";
 }
 
+namespace {
+
+void set_error(Value& value, const std::optional<Error>& error) {
+  if (!error) {
+    return;
+  }
+  value.as_map().set("error", to_string(*error));
+  if (error->diagnostics != nullptr) {
+    value.as_map().set("diagnostics", to_value(*error->diagnostics));
+  }
+}
+
+}  // namespace
+
 Value to_value(const SwitchResult& result) {
   Value value = Value::map({{"outcome", to_string(result.outcome)},
                             {"cause", to_string(result.cause)},
@@ -170,9 +184,7 @@ Value to_value(const SwitchResult& result) {
                             {"commit_s", seconds(result.commit)},
                             {"retire_s", seconds(result.retire)},
                             {"actions", list_of(result.actions, action_value)}});
-  if (result.error) {
-    value.as_map().set("error", to_string(*result.error));
-  }
+  set_error(value, result.error);
   if (!result.cancelled_by.empty()) {
     value.as_map().set("cancelled_by", result.cancelled_by);
   }
@@ -187,9 +199,6 @@ Value to_value(const SwitchResult& result) {
   }
   if (result.leftover) {
     value.as_map().set("leftover", to_string(*result.leftover));
-  }
-  if (!result.diagnostics.empty()) {
-    value.as_map().set("diagnostics", to_value(result.diagnostics));
   }
   return value;
 }
@@ -212,12 +221,7 @@ Value to_value(const ApplyResult& result) {
   if (result.transition) {
     value.as_map().set("transition", to_value(*result.transition));
   }
-  if (result.error) {
-    value.as_map().set("error", to_string(*result.error));
-  }
-  if (!result.diagnostics.empty()) {
-    value.as_map().set("diagnostics", to_value(result.diagnostics));
-  }
+  set_error(value, result.error);
   return value;
 }
 
@@ -376,14 +380,14 @@ Value status_of(Runtime& runtime) {
   const auto holder = runtime.lease_holder();
   const auto halted = runtime.halted();
   const auto lost = runtime.host().loss();
-  const Look look = runtime.look();
+  const RobotSnapshot now = runtime.snapshot();
   return Value::map(
       {{"robot", runtime.name()},
        {"controller", controller.str()},
        {"version", runtime.version()},
        {"loaded_version", loaded ? Value(loaded->version) : Value()},
        {"state", to_string(runtime.state())},
-       {"health", to_value(look.health)},
+       {"health", to_value(now.health)},
        {"commanded_by", holder ? Value(*holder) : Value()},
        {"doing", runtime.reported()},
        {"lost", lost ? Value(to_string(*lost)) : Value()},
@@ -393,12 +397,12 @@ Value status_of(Runtime& runtime) {
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
        {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},
-       {"pools", list_of(look.pools, [](const PoolReport& pool) { return to_value(pool); })},
-       {"hosts", list_of(look.computers, [](const auto& report) { return to_value(report); })},
-       {"tasks", list_of(look.seen.tasks, [](const auto& report) { return to_value(report); })},
+       {"pools", list_of(now.pools, [](const PoolReport& pool) { return to_value(pool); })},
+       {"hosts", list_of(now.computers, [](const auto& report) { return to_value(report); })},
+       {"tasks", list_of(now.seen.tasks, [](const auto& report) { return to_value(report); })},
        {"connections",
-        list_of(existing(look.seen.connections), [](const auto& report) { return to_value(report); })},
-       {"differences", list_of(look.differences, [](const std::string& text) { return Value(text); })},
+        list_of(existing(now.seen.connections), [](const auto& report) { return to_value(report); })},
+       {"differences", list_of(now.differences, [](const std::string& text) { return Value(text); })},
        {"ended",
         list_of(runtime.ended_processes(),
                 [](const auto& entry) {

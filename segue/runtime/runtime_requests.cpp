@@ -71,10 +71,10 @@ AcceptedRequest Runtime::Implementation::accept(Request request, RequestOptions 
   return accepted;
 }
 
-bool Runtime::Implementation::admit(const PendingRequest& job, std::optional<detail::Refusal>& refusal) {
+bool Runtime::Implementation::admit(const PendingRequest& job, std::optional<Error>& refusal) {
   journal.accepted(job.number, job.options.who, name_of(job.request));
   if (auto why = refusal_of(job.options, job.privileges)) {
-    refusal = detail::Refusal{std::move(*why), {}};
+    refusal = std::move(*why);
   }
   if (refusal) {
     return false;
@@ -94,10 +94,9 @@ AcceptedRequest Runtime::Implementation::repair(RequestOptions request_options) 
     PendingRequest job{0, model::NetworkName(), std::move(request_options), {}};
     AcceptedRequest refused_request{0, job.promise.get_future()};
     SwitchResult result =
-        refused(new_result(job), {fail(ErrorCode::InvalidState,
-                                       "what runs was not requested, so it is not known what "
-                                       "to repair; `segue switch` to a controller"),
-                                  {}});
+        refused(new_result(job), fail(ErrorCode::InvalidState,
+                                      "what runs was not requested, so it is not known what to repair; "
+                                      "`segue switch` to a controller"));
     job.promise.set_value(std::move(result));
     return refused_request;
   }
@@ -109,7 +108,7 @@ AcceptedRequest Runtime::Implementation::repair(RequestOptions request_options) 
 }
 
 /// A request that would take the robot over, and could not be carried out, takes it from nobody.
-std::optional<detail::Refusal> Runtime::Implementation::refusal_of_take_over(
+std::optional<Error> Runtime::Implementation::refusal_of_take_over(
     const Request& request, const RequestOptions& request_options) const {
   if (!leases.would_take_over(request_options)) {
     return std::nullopt;
@@ -169,7 +168,7 @@ SwitchResult Runtime::Implementation::serve(PendingRequest& job) {
       job.promise.set_value(result);
     }
   });
-  if (result.outcome == Outcome::Done) {
+  if (result.ok()) {
     supervisor.begin_anew();
   }
   return result;
@@ -195,10 +194,9 @@ SwitchResult Runtime::Implementation::cancelled(const PendingRequest& job) const
   return result;
 }
 
-SwitchResult Runtime::Implementation::refused(SwitchResult result, detail::Refusal refusal) {
+SwitchResult Runtime::Implementation::refused(SwitchResult result, Error refusal) {
   result.outcome = Outcome::Refused;
-  result.error = std::move(refusal.error);
-  result.diagnostics = std::move(refusal.diagnostics);
+  result.error = std::move(refusal);
   log.add(EventKind::RequestRefused, result.to.str(), to_string(*result.error));
   journal.ended(std::as_const(result));
   return result;

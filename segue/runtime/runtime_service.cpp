@@ -271,10 +271,15 @@ Result<type::Value> RuntimeService::apply(const RequestOptions& options, TimePoi
         "the files are applied, but the running controller has not gone to its new version yet; watch it "
         "with 'segue events'");
   }
-  ApplyResult result = future.get();
-  diagnostics.append(result.diagnostics);
-  result.diagnostics = std::move(diagnostics);
-  return to_value(result);
+  const ApplyResult result = future.get();
+  type::Value answer = to_value(result);
+  if (result.error && result.error->diagnostics) {
+    diagnostics.append(*result.error->diagnostics);
+  }
+  if (!diagnostics.empty()) {
+    answer.as_map().set("diagnostics", to_value(diagnostics));
+  }
+  return answer;
 }
 
 Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& controllers, std::uint64_t lease,

@@ -21,7 +21,6 @@ using detail::RepairScheduler;
 using model::FailurePolicy;
 using segue::testing::eventually;
 using testing::network_of;
-using testing::why;
 
 DetectedFault fault(const char* task, FailurePolicy policy, bool needs_process = false) {
   return {model::TaskId(task), policy, "is faulty", needs_process};
@@ -321,10 +320,10 @@ TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one
   EXPECT_EQ(robot_.host.observe().tasks.size(), 4U);
 
   const auto docked = runtime_.switch_to(dock_.name);
-  ASSERT_EQ(docked.outcome, Outcome::Done) << why(docked);
+  ASSERT_EQ(docked.outcome, Outcome::Done) << docked.why();
   EXPECT_TRUE(only_switches(docked));
   const auto back = runtime_.switch_to(drive_.name);
-  ASSERT_EQ(back.outcome, Outcome::Done) << why(back);
+  ASSERT_EQ(back.outcome, Outcome::Done) << back.why();
   EXPECT_TRUE(only_switches(back));
   EXPECT_THAT(differences(drive_, runtime_.belief()), ::testing::IsEmpty());
 
@@ -385,7 +384,7 @@ TEST_F(LookAheadTest, as_many_processes_of_a_controller_are_prepared_as_the_budg
   EXPECT_NE(robot.host.observe().find_task(model::TaskId("camera")), nullptr);
   EXPECT_EQ(robot.host.observe().find_task(model::TaskId("servo")), nullptr);
   const auto docked = robot.runtime.switch_to(wide.name);
-  ASSERT_EQ(docked.outcome, Outcome::Done) << why(docked);
+  ASSERT_EQ(docked.outcome, Outcome::Done) << docked.why();
   for (const auto& record : docked.actions) {
     const bool created_again =
         record.action.kind == model::ActionKind::Configure && record.action.task()->str() == "camera";

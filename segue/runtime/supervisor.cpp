@@ -190,7 +190,7 @@ void Supervisor::fall_back(const Observation& seen) {
   const auto plan = plan_network(seen.network, *fallback, {{}, parts_.pools.part(seen.network)}, parts_.host,
                                  parts_.catalog, solve_options(parts_.host, model::Order::Seamless, false));
   if (!plan) {
-    parts_.log.add(EventKind::TransitionFailed, fallback->name.str(), to_string(plan.error().error));
+    parts_.log.add(EventKind::TransitionFailed, fallback->name.str(), to_string(plan.error()));
     return;
   }
   switching_.run_if_idle([&](RuntimeState) {
@@ -261,7 +261,7 @@ bool Supervisor::repair(Cause cause, const Observation& seen, const solve::Repai
   switching_.run_if_idle([&](RuntimeState before) {
     SwitchResult result = unrequested_result(cause, held.controller.name, plan.controller.name);
     switching_.carry_out(seen.network, plan, kActionDeadline, result);
-    done = result.outcome == Outcome::Done;
+    done = result.ok();
     parts_.history.add(std::move(result));
     return before;
   });
@@ -301,8 +301,8 @@ void Supervisor::prepare(const Observation& seen, const SwitchPlan& plan, LookAh
     SwitchResult result = unrequested_result(Cause::LookAhead, runs, plan.controller.name);
     switching_.carry_out(seen.network, plan, kActionDeadline, result);
     for (auto& one : ahead.readiness) {
-      if (result.outcome != Outcome::Done)
-        one = {one.controller, false, 0, one.tasks, result.error ? to_string(*result.error) : ""};
+      if (!result.ok())
+        one = {one.controller, false, 0, one.tasks, result.why()};
       else if (const auto wished =
                    one.prepared > 0 ? parts_.controllers.expanded(one.controller) : std::nullopt)
         parts_.host.get_ready(*wished);

@@ -20,7 +20,7 @@ namespace segue::runtime::detail {
 
 /// Looks at the robot between requests and does what is left to do: repairs faults, starts instances of
 /// pools, removes leftovers, brings back computers that were away, and prepares standby controllers. The
-/// worker's, but for host_returned() and look(), which any thread may call.
+/// worker's, but for host_returned() and snapshot(), which any thread may call.
 class Supervisor {
  public:
   /// All must outlive this.
@@ -35,8 +35,8 @@ class Supervisor {
 
   /// A computer is reachable again, and not yet brought to what it should run.
   void host_returned(const model::HostName& host);
-  /// As of Runtime::look(). Asks the host.
-  [[nodiscard]] Look look();
+  /// As of Runtime::snapshot(). Asks the host.
+  [[nodiscard]] RobotSnapshot snapshot();
 
  private:
   /// Does what is left to do, where the robot is still commanded; returns what cannot be done.
@@ -64,7 +64,7 @@ class Supervisor {
   void prepare(const Observation& seen, const SwitchPlan& plan, LookAheadPlan& ahead);
   /// Parts that were requested and are not there; where nothing was requested, tasks that are broken.
   [[nodiscard]] std::vector<DetectedFault> faults_in(const model::Network& observed) const;
-  [[nodiscard]] Look judge(task_host::TaskHost::View seen);  ///< without differences
+  [[nodiscard]] RobotSnapshot judge(task_host::TaskHost::View seen);  ///< without differences
   [[nodiscard]] std::set<model::HostName> returned_hosts() const;
 
   RuntimeParts& parts_;

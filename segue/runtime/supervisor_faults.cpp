@@ -133,15 +133,15 @@ void Supervisor::report_given_up(const std::vector<DetectedFault>& faults) {
   }
 }
 
-Look Supervisor::judge(task_host::TaskHost::View seen) {
-  Look look{std::move(seen), parts_.host.computers(), {}, {}, {}};
-  look.pools = parts_.pools.report(look.seen.tasks);
-  const auto faults = faults_in(look.seen.network);
+RobotSnapshot Supervisor::judge(task_host::TaskHost::View seen) {
+  RobotSnapshot snapshot{std::move(seen), parts_.host.computers(), {}, {}, {}};
+  snapshot.pools = parts_.pools.report(snapshot.seen.tasks);
+  const auto faults = faults_in(snapshot.seen.network);
   const auto handled = parts_.faults.handled();
   const auto ended = parts_.faults.ended();
   const auto loss = parts_.host.loss();
   const RuntimeState state = parts_.queue.state();
-  look.health =
+  snapshot.health =
       health_of({.in_transition = parts_.queue.is_active(),
                  .lost = loss ? std::optional(to_string(*loss)) : std::nullopt,
                  .last_failure = state == RuntimeState::Failed ? std::optional(parts_.history.last_error())
@@ -150,19 +150,19 @@ Look Supervisor::judge(task_host::TaskHost::View seen) {
                  .faults = faults,
                  .handled = handled,
                  .ended = ended,
-                 .tasks = look.seen.tasks,
-                 .computers = look.computers,
-                 .pools = look.pools});
-  parts_.trouble_times.note(look.health.troubles, std::chrono::system_clock::now());
-  return look;
+                 .tasks = snapshot.seen.tasks,
+                 .computers = snapshot.computers,
+                 .pools = snapshot.pools});
+  parts_.trouble_times.note(snapshot.health.troubles, std::chrono::system_clock::now());
+  return snapshot;
 }
 
-Look Supervisor::look() {
-  Look look = judge(parts_.host.snapshot());
-  if (look.health.state != Health::State::InTransition) {
-    look.differences = switching_.differences_from(look.seen.network, &look.seen.connections);
+RobotSnapshot Supervisor::snapshot() {
+  RobotSnapshot snapshot = judge(parts_.host.snapshot());
+  if (snapshot.health.state != Health::State::InTransition) {
+    snapshot.differences = switching_.differences_from(snapshot.seen.network, &snapshot.seen.connections);
   }
-  return look;
+  return snapshot;
 }
 
 }  // namespace segue::runtime::detail

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/base/diagnostic.hpp>
 #include <segue/base/error.hpp>
 #include <segue/journal/entries.hpp>
 #include <segue/model/network.hpp>
@@ -57,7 +56,12 @@ struct Undo {
 
 /// The result of a request. `actions` is in the order of the transition; `started` gives the order of
 /// execution.
-struct SwitchResult {
+struct [[nodiscard]] SwitchResult {
+  [[nodiscard]] bool ok() const { return outcome == Outcome::Done; }
+  /// Why it was not done, one or several lines: the error, and all findings where there are several. Empty:
+  /// it was done.
+  [[nodiscard]] std::string why() const;
+
   Outcome outcome = Outcome::Done;
   Cause cause = Cause::Request;
   std::uint64_t request = 0;  ///< 0: not requested
@@ -82,11 +86,10 @@ struct SwitchResult {
   /// If part of the old network could not be taken down as planned, the actions of the replanned transition
   /// follow those of the original one.
   std::vector<ActionRecord> actions;
-  std::optional<Error> error;     ///< why it was not done, and where
+  std::optional<Error> error;     ///< why it was not done, and where; with all findings of validation
   std::optional<Undo> undo;       ///< if it failed, or was cancelled after it had begun
   std::string cancelled_by{};     ///< Outcome::Cancelled
   std::optional<Error> leftover;  ///< Outcome::Done, but part of the old network could not be retired
-  Diagnostics diagnostics;        ///< all findings of validation, if refused
 };
 
 /// A request, and what becomes of it.
@@ -96,15 +99,18 @@ struct AcceptedRequest {
 };
 
 /// The result of Runtime::apply().
-struct ApplyResult {
+struct [[nodiscard]] ApplyResult {
+  [[nodiscard]] bool ok() const { return outcome == Outcome::Done; }
+  /// As SwitchResult::why().
+  [[nodiscard]] std::string why() const;
+
   /// Done: the controllers are the new ones, and if one of them runs, it runs in its new version. Refused,
   /// Failed: the controllers are unchanged, and so is what runs (unless `transition` says that it could
   /// not be restored). Superseded: newer files were applied before these took effect.
   Outcome outcome = Outcome::Done;
   std::vector<ControllerChange> changes;   ///< compared with the controllers of before
   std::optional<SwitchResult> transition;  ///< of the running controller, if one was executed or refused
-  std::optional<Error> error;              ///< why not Done
-  Diagnostics diagnostics;                 ///< of all networks, if refused
+  std::optional<Error> error;              ///< why not Done; with the findings of all networks
 };
 
 }  // namespace segue::runtime

@@ -45,7 +45,7 @@ void Switching::carry_out(const model::Network& current, const SwitchPlan& plan,
   parts_.queue.end_transaction();
   savings_.learn(result);
   const model::Network after = conclude(plan, result);
-  if (may_be_prepared && result.outcome == Outcome::Done) {
+  if (may_be_prepared && result.ok()) {
     result.ahead = savings_.of(result, before, plan, parts_.host, parts_.catalog,
                                known_before ? *known_before : model::ActionTimes{});
   }

@@ -28,12 +28,12 @@ class Switching {
   Switching(RuntimeParts& parts, Halts& halts) : parts_(parts), halts_(halts) {}
 
   // Plans
-  [[nodiscard]] Planned plan(const model::Network& current, const Request& request,
-                             const RequestOptions& options, const Privileges& privileges = {}) const;
+  [[nodiscard]] Result<SwitchPlan> plan(const model::Network& current, const Request& request,
+                                        const RequestOptions& options,
+                                        const Privileges& privileges = {}) const;
   /// A snapshot and a plan that starts from it; both leave out the same computers.
-  [[nodiscard]] std::pair<Observation, Planned> plan_from_now(const Request& request,
-                                                              const RequestOptions& options,
-                                                              const Privileges& privileges = {}) const;
+  [[nodiscard]] std::pair<Observation, Result<SwitchPlan>> plan_from_now(
+      const Request& request, const RequestOptions& options, const Privileges& privileges = {}) const;
   /// The tasks and processes of the requested network; nothing: it may be about anything.
   [[nodiscard]] std::optional<NetworkParts> parts_of(const Request& request) const;
 
@@ -68,7 +68,8 @@ class Switching {
   [[nodiscard]] Result<model::Network> requested_network(const Request& request,
                                                          const RequestOptions& options,
                                                          const Privileges& privileges) const;
-  [[nodiscard]] Planned plan_given(const model::Network& current, const model::Transition& transition) const;
+  [[nodiscard]] Result<SwitchPlan> plan_given(const model::Network& current,
+                                              const model::Transition& transition) const;
   [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options,
                                                 const Privileges& privileges) const;
   [[nodiscard]] Transaction::Options transaction_options(const model::Network& current,

@@ -8,9 +8,9 @@
 /// The plans of Switching.
 namespace segue::runtime::detail {
 
-std::pair<Observation, Planned> Switching::plan_from_now(const Request& request,
-                                                         const RequestOptions& options,
-                                                         const Privileges& privileges) const {
+std::pair<Observation, Result<SwitchPlan>> Switching::plan_from_now(const Request& request,
+                                                                    const RequestOptions& options,
+                                                                    const Privileges& privileges) const {
   constexpr int kAttempts = 4;  // a computer that comes and goes all the time delays nobody for long
   for (int attempt = 1;; ++attempt) {
     const auto lost = unreachable_hosts(parts_.host);
@@ -31,7 +31,8 @@ std::optional<Error> Switching::refusal_of(const RequestOptions& options,
   return privileges.although_halted ? std::nullopt : parts_.refusal_of_lost_robot();
 }
 
-Planned Switching::plan_given(const model::Network& current, const model::Transition& transition) const {
+Result<SwitchPlan> Switching::plan_given(const model::Network& current,
+                                         const model::Transition& transition) const {
   auto plan = plan_transition(current, transition, parts_.host, parts_.catalog);
   const auto same = plan ? parts_.controllers.known(plan->controller.name) : std::nullopt;
   if (same && equivalent(*same, plan->controller)) {
@@ -54,10 +55,10 @@ Result<model::Network> Switching::requested_network(const Request& request, cons
   return network;
 }
 
-Planned Switching::plan(const model::Network& current, const Request& request, const RequestOptions& options,
-                        const Privileges& privileges) const {
+Result<SwitchPlan> Switching::plan(const model::Network& current, const Request& request,
+                                   const RequestOptions& options, const Privileges& privileges) const {
   if (auto refusal = refusal_of(options, privileges)) {
-    return tl::unexpected(Refusal{std::move(*refusal), {}});
+    return std::move(*refusal);
   }
   if (const auto* transition = std::get_if<model::Transition>(&request)) {
     return plan_given(current, *transition);
@@ -65,15 +66,15 @@ Planned Switching::plan(const model::Network& current, const Request& request, c
   if (!privileges.leaves_lost_hosts) {
     const auto runs = parts_.belief.held().desired();
     if (auto refusal = refusal_for_unknown(runs, "the running controller", parts_.host)) {
-      return tl::unexpected(std::move(*refusal));
+      return std::move(*refusal);
     }
   }
   auto network = requested_network(request, options, privileges);
   if (!network) {
-    return tl::unexpected(Refusal{std::move(network.error()), {}});
+    return std::move(network.error());
   }
   if (auto refusal = parts_.pools.refusal_for(*network)) {
-    return tl::unexpected(std::move(*refusal));
+    return std::move(*refusal);
   }
   auto how = solve_options(parts_.host, options.order, options.force);
   how.idle = idle_tasks(current, parts_.belief.controller());

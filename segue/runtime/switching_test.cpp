@@ -23,15 +23,12 @@ namespace {
 using segue::testing::eventually;
 using testing::entries;
 using testing::runnable;
-using testing::why;
 
 const std::string kArtemis = segue::paths::in_sources("/examples/04_artemis/robot.yaml");
 
 TEST(Artemis, all_twelve_transitions_reach_their_targets) {
-  Diagnostics diagnostics;
-  auto robot = EmbeddedRobot::open(kArtemis, diagnostics,
-                                   {.stand_in = true, .only_stand_ins = false, .stand_ins = {}});
-  ASSERT_TRUE(robot) << to_string(diagnostics);
+  auto robot = EmbeddedRobot::open(kArtemis, {.stand_in = true});
+  ASSERT_TRUE(robot) << to_string(diagnostics_of(robot.error()));
   Runtime& runtime = robot->runtime();
   const auto names = runtime.controllers();
   ASSERT_EQ(names.size(), 4U);
@@ -39,7 +36,7 @@ TEST(Artemis, all_twelve_transitions_reach_their_targets) {
     for (const auto& to : names) {
       ASSERT_EQ(runtime.switch_to(from).outcome, Outcome::Done);
       const auto result = runtime.switch_to(to);
-      ASSERT_EQ(result.outcome, Outcome::Done) << from.str() << " to " << to.str() << ": " << why(result);
+      ASSERT_EQ(result.outcome, Outcome::Done) << from.str() << " to " << to.str() << ": " << result.why();
       EXPECT_THAT(differences(*runtime.controller(to), runtime.belief()), ::testing::IsEmpty());
       EXPECT_THAT(runtime.observed_differences(), ::testing::IsEmpty());
     }
@@ -85,7 +82,7 @@ TEST(RandomNetworks, hundreds_of_switches_reach_their_targets_and_leak_nothing) 
                                       : segue::testing::random_variation(random, network, shape));
     network.name = model::NetworkName("round" + std::to_string(round));
     const auto result = robot.runtime.switch_to(network);
-    ASSERT_EQ(result.outcome, Outcome::Done) << round << ": " << why(result);
+    ASSERT_EQ(result.outcome, Outcome::Done) << round << ": " << result.why();
     ASSERT_THAT(differences(network, robot.runtime.belief()), ::testing::IsEmpty()) << round;
     ASSERT_THAT(robot.runtime.observed_differences(), ::testing::IsEmpty()) << round;
   }
@@ -125,12 +122,11 @@ TEST(KeptResults, are_the_newest_one_at_least) {
 }
 
 TEST(EmbeddedRobotFile, reports_all_problems_of_all_files) {
-  Diagnostics diagnostics;
-  EXPECT_FALSE(EmbeddedRobot::open("no_such_robot.yaml", diagnostics));
-  EXPECT_TRUE(diagnostics.has_errors());
+  EXPECT_FALSE(EmbeddedRobot::open("no_such_robot.yaml"));
   const auto refused = EmbeddedRobot::open(kArtemis);
   ASSERT_FALSE(refused) << "its components are not installed";
   EXPECT_FALSE(refused.error().where.file.empty());
+  EXPECT_GT(diagnostics_of(refused.error()).error_count(), 1U);
 }
 
 }  // namespace

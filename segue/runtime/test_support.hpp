@@ -33,10 +33,6 @@ inline model::Network runnable(model::Network network) {
   return network;
 }
 
-inline std::string why(const SwitchResult& result) {
-  return result.error ? to_string(*result.error) : std::string(to_string(result.outcome));
-}
-
 /// The number of entries of a folder, such as one of /proc/self.
 inline std::size_t entries(const char* folder) {
   const std::filesystem::directory_iterator all(folder);

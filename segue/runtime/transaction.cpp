@@ -389,7 +389,7 @@ Undo Transaction::undo(const std::string& why) {
   context_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
                    why + "; going back to " + quoted_name(before_.name));
   undo.error = bring_to(before_, undo.actions);
-  const auto [observed, lost] = look();
+  const auto [observed, lost] = observe();
   const bool commands = !context_.host.loss();  // else it is somebody else who puts other computers right
   undo.restored = commands && is_restored(without_hosts(before_, lost), observed);
   if (!undo.restored && commands && options_.fallback && options_.fallback->name != plan_.transition.to) {
@@ -399,7 +399,7 @@ Undo Transaction::undo(const std::string& why) {
     if (auto error = bring_to(*options_.fallback, undo.actions)) {
       undo.error = std::move(error);
     } else {
-      const auto [now, missing] = look();
+      const auto [now, missing] = observe();
       undo.fell_back = includes(now, without_hosts(*options_.fallback, missing));
     }
   }
@@ -407,8 +407,8 @@ Undo Transaction::undo(const std::string& why) {
   return undo;
 }
 
-Transaction::Look Transaction::look() const {
-  Look seen{{}, plan_.lost};
+Transaction::Observed Transaction::observe() const {
+  Observed seen{{}, plan_.lost};
   seen.lost.merge(lost_meanwhile());  // also one that comes back now
   seen.network = context_.host.observe();
   seen.lost.merge(lost_meanwhile());
@@ -428,7 +428,7 @@ std::set<model::HostName> Transaction::lost_meanwhile() const {
 }
 
 std::optional<Error> Transaction::bring_to(const model::Network& whole, std::vector<ActionRecord>& actions) {
-  const auto [observed, lost] = look();
+  const auto [observed, lost] = observe();
   const model::Network target = without_hosts(whole, lost);
   const auto way = solve_from_observed(observed, reachable(target, observed), context_.catalog,
                                        solve_options(context_.host, model::Order::Seamless, false));

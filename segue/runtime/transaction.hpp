@@ -104,11 +104,11 @@ class Transaction {
   /// The network that runs now, without computers that are lost, or were lost at any time since the
   /// transition was planned: their tasks were not part of it, or they have given them up. The runtime looks
   /// after these computers when the transition has ended.
-  struct Look {
+  struct Observed {
     model::Network network;
     std::set<model::HostName> lost;
   };
-  [[nodiscard]] Look look() const;
+  [[nodiscard]] Observed observe() const;
   [[nodiscard]] std::set<model::HostName> lost_meanwhile() const;
   /// Solves from the observed network to what of `whole` can be reached and executes that; appends to
   /// `actions`.

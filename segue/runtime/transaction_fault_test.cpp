@@ -25,7 +25,6 @@ using segue::testing::FaultyHost;
 using segue::testing::kFaultNames;
 using segue::testing::kFaults;
 using testing::runnable;
-using testing::why;
 
 const std::string kArtemis = segue::paths::in_sources("/examples/04_artemis/robot.yaml");
 
@@ -153,7 +152,7 @@ void check_outcome(const Case& what, const Runtime& runtime, const FaultyHost& h
   } else {
     ++ends.reported;
     EXPECT_EQ(runtime.state(), RuntimeState::Failed);
-    EXPECT_THAT(why(result), ::testing::HasSubstr("the robot now runs"));
+    EXPECT_THAT(result.why(), ::testing::HasSubstr("the robot now runs"));
     EXPECT_THAT(differences(runtime.belief(), observed), ::testing::IsEmpty());
   }
 }
@@ -170,7 +169,7 @@ void try_fault(FaultyRobot& robot, const Case& what, Ends& ends) {
   check_outcome(what, robot.runtime, robot.host, result, events.empty() ? 0 : events.back().number, ends);
   robot.host.heal();
   const auto back = robot.runtime.switch_to(what.before);
-  ASSERT_EQ(back.outcome, Outcome::Done) << why(back);
+  ASSERT_EQ(back.outcome, Outcome::Done) << back.why();
   ASSERT_THAT(differences(what.before, robot.host.observe()), ::testing::IsEmpty());
 }
 
@@ -252,10 +251,8 @@ TEST(TransactionFaults, where_tasks_that_were_never_configured_leave) {
 }
 
 TEST(TransactionFaults, at_every_action_of_the_artemis_transitions) {
-  Diagnostics diagnostics;
-  const auto example = EmbeddedRobot::open(
-      kArtemis, diagnostics, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}, .journal = {}});
-  ASSERT_TRUE(example) << to_string(diagnostics);
+  auto example = EmbeddedRobot::open(kArtemis, {.stand_in = true});
+  ASSERT_TRUE(example) << to_string(diagnostics_of(example.error()));
   Ends ends;
   Sample sample;
   for (const auto& from : example->runtime().controllers()) {

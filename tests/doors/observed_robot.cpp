@@ -134,7 +134,7 @@ void ObservedRobot::open_robot() {
   options.journal_file = folder_ / "state" / "journal.sqlite";
   auto robot = runtime::EmbeddedRobot::open(home_ / "robot.yaml", options);
   ASSERT_TRUE(robot) << to_string(robot.error());
-  robot_ = std::move(*robot);
+  robot_.emplace(std::move(*robot));
   ASSERT_EQ(robot_->switch_to("watch").outcome, runtime::Outcome::Done);
   service_.emplace(robot_->runtime(), &robot_->files(), [this] { asked_to_end_ = true; });
   auto lease = service_->lease("the mission");

@@ -57,7 +57,7 @@ class ObservedRobot {
   std::filesystem::path folder_;
   std::filesystem::path home_;  ///< of the robot
   std::filesystem::path enrolled_;
-  std::unique_ptr<runtime::EmbeddedRobot> robot_;
+  std::optional<runtime::EmbeddedRobot> robot_;
   std::optional<runtime::RuntimeService> service_;
   std::unique_ptr<control::RobotLease> lease_;
   bool asked_to_end_ = false;

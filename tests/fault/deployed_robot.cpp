@@ -79,7 +79,7 @@ void DeployedRobotTest::SetUp() {
 void DeployedRobotTest::TearDown() {
   if (life_ != nullptr) {
     const auto ended = try_switch(model::Network{}, std::chrono::seconds(10));
-    EXPECT_EQ(ended.outcome, runtime::Outcome::Done) << (ended.error ? to_string(*ended.error) : "");
+    EXPECT_EQ(ended.outcome, runtime::Outcome::Done) << ended.why();
   }
   life_.reset();
   expect_nothing_left(folder_);
@@ -106,8 +106,7 @@ runtime::SwitchResult DeployedRobotTest::try_switch(const model::Network& target
 
 void DeployedRobotTest::switch_to(const model::Network& target) {
   const auto result = try_switch(target);
-  ASSERT_EQ(result.outcome, runtime::Outcome::Done)
-      << (result.error ? to_string(*result.error) : "") << to_string(result.diagnostics);
+  ASSERT_EQ(result.outcome, runtime::Outcome::Done) << result.why();
   EXPECT_TRUE(equivalent(host().observe(), target))
       << ::testing::PrintToString(differences(host().observe(), target));
 }
@@ -124,8 +123,7 @@ void DeployedRobotTest::recover_to(const model::Network& target) {
     last = try_switch(target);
     return last.outcome == runtime::Outcome::Done && equivalent(host().observe(), target);
   });
-  EXPECT_TRUE(recovered) << (last.error ? to_string(*last.error) : "") << to_string(last.diagnostics)
-                         << ::testing::PrintToString(differences(host().observe(), target));
+  EXPECT_TRUE(recovered) << last.why() << ::testing::PrintToString(differences(host().observe(), target));
 }
 
 void DeployedRobotTest::kill(const std::string& deployment) {

@@ -43,7 +43,7 @@ void DisturbedTransition::expect_no_secret_mixture(const runtime::SwitchResult& 
   if ((done || restored) && runs) return;
   const bool reported =
       !runtime().observed_differences().empty() || runtime().state() == runtime::RuntimeState::Failed;
-  EXPECT_TRUE(reported) << to_string(result.outcome) << (result.error ? to_string(*result.error) : "") << '\n'
+  EXPECT_TRUE(reported) << to_string(result.outcome) << result.why() << '\n'
                         << ::testing::PrintToString(differences(claimed, observed));
 }
 

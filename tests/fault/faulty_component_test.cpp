@@ -49,8 +49,7 @@ TEST_P(Hang, costs_its_process_and_nothing_else) {
   const auto faulty = with(hook, GetParam().how, reached);
   const auto there = at_the_begin || at_any_time ? try_switch(faulty, patience) : try_switch(faulty);
   if (!at_any_time) {
-    EXPECT_EQ(there.outcome, at_the_begin ? Outcome::Failed : Outcome::Done)
-        << (there.error ? to_string(*there.error) : "");
+    EXPECT_EQ(there.outcome, at_the_begin ? Outcome::Failed : Outcome::Done) << there.why();
   }
   if (at_the_begin) {
     ASSERT_TRUE(there.undo);
@@ -67,7 +66,7 @@ TEST_P(Hang, costs_its_process_and_nothing_else) {
     expect_event(EventKind::ActionFailed, "bad");
   } else {
     const auto away = try_switch(plain_, patience);
-    EXPECT_EQ(away.outcome, Outcome::Done) << (away.error ? to_string(*away.error) : "");
+    EXPECT_EQ(away.outcome, Outcome::Done) << away.why();
   }
   expect_event(EventKind::TaskState, "bad: fatal");
   expect_undisturbed();

@@ -19,7 +19,7 @@ class KilledProcessServer : public DisturbedTransition {
  protected:
   void TearDown() override {
     const auto ended = try_switch(model::Network{}, std::chrono::seconds(10));
-    EXPECT_EQ(ended.outcome, runtime::Outcome::Done) << (ended.error ? to_string(*ended.error) : "");
+    EXPECT_EQ(ended.outcome, runtime::Outcome::Done) << ended.why();
     life_.reset();
     daemon_->signal(SIGTERM);
     EXPECT_EQ(daemon_->wait().status, 0);

@@ -14,8 +14,7 @@ using runtime::Outcome;
 class Superseded : public DeployedRobotTest {
  protected:
   static std::string described(const runtime::SwitchResult& result) {
-    return std::string(to_string(result.outcome)) +
-           (result.error ? ": " + to_string(*result.error) : std::string());
+    return std::string(to_string(result.outcome)) + (result.ok() ? std::string() : ": " + result.why());
   }
 
   /// Requests l, and again while the action of that index is about to begin; how the first request must end

@@ -29,7 +29,7 @@ constexpr Duration kActionDeadline = 1s;
 using Place = std::optional<std::size_t>;
 
 std::string why(const SwitchResult& result) {
-  return std::string(to_string(result.outcome)) + (result.error ? ": " + to_string(*result.error) : "") +
+  return std::string(to_string(result.outcome)) + (result.ok() ? "" : ": " + result.why()) +
          (result.leftover ? "; left over: " + to_string(*result.leftover) : "");
 }
 

@@ -36,8 +36,9 @@ class TemporaryHosts : public SystemTest {
            processes_of(runtime_folder(folder, "b")).size();
   }
 
-  /// A robot with a process on host a; null, with the reason on standard error, where that is not possible.
-  static std::unique_ptr<runtime::EmbeddedRobot> run_robot(const runtime::TemporaryHosts& hosts) {
+  /// A robot with a process on host a; nothing, with the reason on standard error, where that is not
+  /// possible.
+  static std::optional<runtime::EmbeddedRobot> run_robot(const runtime::TemporaryHosts& hosts) {
     std::ofstream(hosts.folder() / "one.yaml") << kNetwork;
     std::ofstream(hosts.folder() / "robot.yaml")
         << "robot: short_lived\nhosts: {a: \"" << hosts.address("a") << "\", b: \"" << hosts.address("b")
@@ -47,21 +48,21 @@ class TemporaryHosts : public SystemTest {
     auto robot = runtime::EmbeddedRobot::open(hosts.folder() / "robot.yaml", options);
     if (!robot) {
       std::fputs(to_string(robot.error()).c_str(), stderr);
-      return nullptr;
+      return std::nullopt;
     }
-    const auto result = (*robot)->switch_to("one");
-    if (result.outcome == runtime::Outcome::Done) return std::move(*robot);
-    std::fputs(result.error ? to_string(*result.error).c_str() : "the switch was not done", stderr);
-    return nullptr;
+    const auto result = robot->switch_to("one");
+    if (result.ok()) return std::move(*robot);
+    std::fputs(result.why().c_str(), stderr);
+    return std::nullopt;
   }
 
   /// In a process of its own: hosts with a robot, until that process is killed. Writes their folder.
   [[noreturn]] static void run_until_killed(int output) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     runtime::TemporaryHosts hosts;
-    std::unique_ptr<runtime::EmbeddedRobot> robot;
+    std::optional<runtime::EmbeddedRobot> robot;
     if (start(hosts)) robot = run_robot(hosts);
-    if (robot != nullptr) {
+    if (robot) {
       const std::string folder = hosts.folder();
       [[maybe_unused]] const auto written = ::write(output, folder.data(), folder.size());
     }
@@ -79,7 +80,7 @@ TEST_F(TemporaryHosts, end_with_the_object_whatever_runs_there) {
     ASSERT_TRUE(started) << to_string(started.error());
     folder = hosts.folder();
     const auto robot = run_robot(hosts);
-    ASSERT_NE(robot, nullptr);
+    ASSERT_TRUE(robot);
     EXPECT_EQ(deployments_of(runtime_folder(folder, "a")).size(), 1U);
   }
   EXPECT_EQ(processes(folder), 0U);

@@ -39,10 +39,6 @@ using testing::Line;
 constexpr int kDefaultRounds = kSanitized ? 15 : 60;
 constexpr Duration kNoLonger = 30s;
 
-std::string why(const runtime::SwitchResult& result) {
-  return std::string(to_string(result.outcome)) + (result.error ? ": " + to_string(*result.error) : "");
-}
-
 /// Task t0 is in all of them; others begin, end and change hosts.
 model::Network controller(int number, std::size_t daemons) {
   const std::string other = daemons == 1 ? "h0" : "h1";
@@ -231,7 +227,7 @@ class TwoCommanders : public ::testing::Test {
   void expect_that_present_commands() {
     const auto& network = any();
     const auto done = present_->request(network).get();
-    ASSERT_EQ(done.outcome, Outcome::Done) << present_->holder << ": " << why(done);
+    ASSERT_EQ(done.outcome, Outcome::Done) << present_->holder << ": " << done.why();
     const auto shall = present_->host->expanded(network);
     EXPECT_TRUE(eventually(
         [&] {
@@ -259,7 +255,7 @@ class TwoCommanders : public ::testing::Test {
 
   void begin_robot(std::size_t daemons) {
     former_.reset();
-    if (present_ != nullptr) present_->request({}).get();
+    if (present_ != nullptr) present_->request({}).wait();
     present_.reset();
     count_ = daemons;
     controllers_.clear();

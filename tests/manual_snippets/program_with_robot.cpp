@@ -2,8 +2,6 @@
 // A function whose `robot` is open.
 #include <segue/runtime/embedded_robot.hpp>
 
-#include <memory>
-
-void use(const segue::Result<std::unique_ptr<segue::runtime::EmbeddedRobot>>& robot) {
+void use(segue::Result<segue::runtime::EmbeddedRobot>& robot) {
   // the snippet
 }

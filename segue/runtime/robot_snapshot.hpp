@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-/// The report of a runtime on its robot when somebody looks.
+/// The report of a runtime on its robot.
 namespace segue::runtime {
 
 /// Why two controllers cannot run at once; with `influence`: they can, but `a` changes what tasks of `b` get
@@ -24,7 +24,7 @@ struct ControllerConflict {
 };
 
 /// A robot at one moment.
-struct Look {
+struct RobotSnapshot {
   task_host::TaskHost::View seen;
   std::vector<task_host::ComputerReport> computers;
   std::vector<std::string> differences;  ///< as Runtime::observed_differences()
