@@ -83,7 +83,7 @@ Summary payload(std::size_t bytes) {
     if (!loan) continue;
     loan->data[bytes / 2] = static_cast<std::uint8_t>(round);
     loan->sent_ns = now_ns();
-    source.output.publish(std::move(loan));
+    loan.publish();
     wait_for([&] { return sink.arrived.load(std::memory_order_acquire) >= round; });
     durations.emplace_back(sink.last_ns.load() - sink.last_sent_ns.load());
   }

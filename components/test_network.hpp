@@ -28,7 +28,7 @@ class TestNetwork {
     const auto entry = segue::task::find_component(component);
     if (!entry) throw std::runtime_error("no component " + component);
     auto made = checked(entry->create());
-    const segue::Activity activity = made->default_activity();
+    const segue::Activity activity = made->options().activity;
     auto task = checked(segue::task::Task::create(id, std::move(made), activity, executor_));
     if (properties.is_map()) checked(task->set_properties(properties, soon()));
     return *(tasks_[id] = std::move(task));

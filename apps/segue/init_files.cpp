@@ -129,10 +129,7 @@ namespace @NAMESPACE@ {
 /// Smooths a number: the weighted mean of the input and the previous output.
 class Averager final : public segue::task::Component {
  public:
-  Averager() {
-    doc("Smooths a number");
-    trigger_on({"input"});
-  }
+  Averager() : Component({.doc = "Smooths a number", .trigger_on = {"input"}}) {}
 
  protected:
   void on_update() override {

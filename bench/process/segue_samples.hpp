@@ -34,18 +34,14 @@ struct Grown {
   std::vector<std::uint8_t> data;
 };
 
-}  // namespace bench
-
-SEGUE_TYPE(bench::Block<16>, sent_ns, number)
-SEGUE_TYPE(bench::Block<64>, sent_ns, number, data)
-SEGUE_TYPE(bench::Block<1000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Block<64000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Block<1000000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Block<10000000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Block<100000000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Grown, sent_ns, number, data)
-
-namespace bench {
+SEGUE_TYPE(Block<16>, sent_ns, number)
+SEGUE_TYPE(Block<64>, sent_ns, number, data)
+SEGUE_TYPE(Block<1000>, sent_ns, number, data)
+SEGUE_TYPE(Block<64000>, sent_ns, number, data)
+SEGUE_TYPE(Block<1000000>, sent_ns, number, data)
+SEGUE_TYPE(Block<10000000>, sent_ns, number, data)
+SEGUE_TYPE(Block<100000000>, sent_ns, number, data)
+SEGUE_TYPE(Grown, sent_ns, number, data)
 
 /// Whether there is a block of that size.
 [[nodiscard]] constexpr bool is_block(std::size_t bytes) {
@@ -113,7 +109,7 @@ class LoanWriter : public Writer {
     if (!loan) return false;
     loan->number = number;
     loan->sent_ns = clock_ns();
-    return output().publish(std::move(loan)) == segue::task::WriteResult::Written;
+    return loan.publish() == segue::task::WriteResult::Written;
   }
 
  protected:

@@ -30,12 +30,8 @@ struct Blob {
   std::vector<std::uint8_t> data;
 };
 
-}  // namespace bench
-
-SEGUE_TYPE(bench::Stamped, sent_ns, number)
-SEGUE_TYPE(bench::Blob, sent_ns, data)
-
-namespace bench {
+SEGUE_TYPE(Stamped, sent_ns, number)
+SEGUE_TYPE(Blob, sent_ns, data)
 
 inline std::int64_t now_ns() {
   return segue::RealClock::instance().now().time_since_epoch().count();

@@ -31,10 +31,9 @@ std::int64_t nanoseconds(segue::TimePoint time) {
 /// Writes a numbered, stamped sample at every update.
 class Producer final : public Component {
  public:
-  Producer() {
-    doc("Writes a numbered, stamped sample of a given size at every update");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(1), {}, 0, {}, {}, false});
-  }
+  Producer()
+      : Component({.doc = "Writes a numbered, stamped sample of a given size at every update",
+                   .activity = segue::periodic(std::chrono::milliseconds(1))}) {}
 
  protected:
   Result<void> on_configure() override {
@@ -72,7 +71,7 @@ class Producer final : public Component {
     loan->sequence = sequence_;
     loan->payload.resize(*size_);
     loan->stamp = nanoseconds(now());
-    out_.publish(std::move(loan));
+    loan.publish();
   }
 
   OutputPort<Sample> out_{*this, "out", {.doc = "samples of the given size"}};
@@ -84,7 +83,7 @@ class Producer final : public Component {
 /// Passes every sample on. Can be made to fail, to measure how long its recovery takes.
 class Relay final : public Component {
  public:
-  Relay() { doc("Passes every sample on"); }
+  Relay() : Component({.doc = "Passes every sample on"}) {}
 
  protected:
   void on_update() override {
@@ -95,7 +94,7 @@ class Relay final : public Component {
       fixed_out_.write(*sample);
     }
     if (std::exchange(to_fail_, false)) {
-      error("", "asked to fail");
+      error("asked to fail");
     }
   }
 
@@ -116,7 +115,7 @@ class Relay final : public Component {
 /// Counts samples and gaps, and measures latency.
 class Consumer final : public Component {
  public:
-  Consumer() { doc("Counts samples, their latency, and the gaps in their numbers"); }
+  Consumer() : Component({.doc = "Counts samples, their latency, and the gaps in their numbers"}) {}
 
  protected:
   Result<void> on_configure() override {
@@ -194,11 +193,10 @@ class Consumer final : public Component {
 /// Drives to a goal and says so by its state; measures how long it stands there until it gets the next one.
 class Driver final : public Component {
  public:
-  Driver() {
-    doc("Drives for a while after each goal; measures the time from its arrival to the next goal");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(1), {}, 0, {}, {}, false});
-    declare_states({"driving", "arrived"});
-  }
+  Driver()
+      : Component(
+            {.doc = "Drives for a while after each goal; measures the time from its arrival to the next goal",
+             .activity = segue::periodic(std::chrono::milliseconds(1))}) {}
 
  protected:
   Result<void> on_configure() override {
@@ -209,7 +207,7 @@ class Driver final : public Component {
   void on_update() override {
     if (left_ == 0 || --left_ > 0) return;
     arrived_ = now();
-    set_state("arrived");
+    arrived_state_.enter();
   }
 
  private:
@@ -223,9 +221,11 @@ class Driver final : public Component {
     arrived_ = {};
     left_ = *updates_ > 0 ? *updates_ : kShortest + (goals_ * 7) % 23;
     ++goals_;
-    set_state("driving");
+    driving_.enter();
   }
 
+  segue::task::State driving_{*this, "driving"};
+  segue::task::State arrived_state_{*this, "arrived"};
   Property<std::uint64_t> updates_{
       *this, "updates", 0, {.live = true, .doc = "that each way takes; 0: 20 to 42"}};
   Operation<void()> go_{*this, "go", {}, [this] { go(); }};

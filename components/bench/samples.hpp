@@ -39,9 +39,8 @@ struct Statistics {
   std::int64_t last_arrival = 0;
 };
 
-}  // namespace bench
+SEGUE_TYPE(Sample, sequence, stamp, payload)
+SEGUE_TYPE(FixedSample, sequence, stamp, payload)
+SEGUE_TYPE(Statistics, count, lost, late, latency_min, latency_mean, latency_max, pause_max, last_arrival)
 
-SEGUE_TYPE(bench::Sample, sequence, stamp, payload)
-SEGUE_TYPE(bench::FixedSample, sequence, stamp, payload)
-SEGUE_TYPE(bench::Statistics, count, lost, late, latency_min, latency_mean, latency_max, pause_max,
-           last_arrival)
+}  // namespace bench

@@ -14,12 +14,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// The drive: follows a commanded velocity within its limits, and stops when no command arrives for too long.
 class Drive final : public Component {
  public:
-  Drive() {
-    doc("Follows commanded velocities within limits of speed and acceleration");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(20), {}, 0, {}, {}, false});
-    declare_states({"driving", "idle"});
-    claims({"wheels"});
-  }
+  Drive()
+      : Component({.doc = "Follows commanded velocities within limits of speed and acceleration",
+                   .activity = segue::periodic(std::chrono::milliseconds(20)),
+                   .claims = {"wheels"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -47,13 +45,15 @@ class Drive final : public Component {
     velocity_.forward += std::clamp(forward - velocity_.forward, -change, change);
     velocity_.turn = std::clamp(wanted.turn, -*max_turn_, *max_turn_);
     const bool stands = velocity_.forward == 0 && velocity_.turn == 0;
-    set_state(late && stands ? "idle" : "driving");
+    (late && stands ? idle_ : driving_).enter();
     velocity_out_.write(velocity_);
   }
 
   void on_stop() override { velocity_out_.write({}); }
 
  private:
+  State driving_{*this, "driving"};
+  State idle_{*this, "idle"};
   InputPort<Velocity> command_in_{*this, "command", {.doc = "what is wanted"}};
   OutputPort<Velocity> velocity_out_{*this, "velocity", {.doc = "actual velocity"}};
   Property<double> max_speed_{*this, "max_speed", 0.8, {.live = true, .doc = "m/s"}};

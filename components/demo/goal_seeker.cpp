@@ -13,11 +13,7 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Drives straight to a goal.
 class GoalSeeker final : public Component {
  public:
-  GoalSeeker() {
-    doc("Commands velocities that lead to a goal");
-    trigger_on({"pose"});
-    declare_states({"driving", "arrived"});
-  }
+  GoalSeeker() : Component({.doc = "Commands velocities that lead to a goal", .trigger_on = {"pose"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -26,25 +22,27 @@ class GoalSeeker final : public Component {
   }
 
   void on_update() override {
-    if (pose_in_.read(pose_) == ReadStatus::NoData) {
-      return;
-    }
-    const double dx = target_.x - pose_.x;
-    const double dy = target_.y - pose_.y;
+    const auto pose = pose_in_.latest();
+    if (!pose) return;
+    const double dx = target_.x - pose->x;
+    const double dy = target_.y - pose->y;
     const double distance = std::hypot(dx, dy);
     const bool arrived = distance < *tolerance_;
-    set_state(arrived ? "arrived" : "driving");
+    (arrived ? arrived_ : driving_).enter();
     distance_out_.write(distance);
-    command_out_.write(arrived ? Velocity{} : towards(std::atan2(dy, dx), distance));
+    command_out_.write(arrived ? Velocity{} : towards(std::atan2(dy, dx) - pose->theta, distance));
   }
 
  private:
-  Velocity towards(double heading, double distance) const {
-    const double error = std::remainder(heading - pose_.theta, 2 * M_PI);
+  /// `angle`: to the goal, from where it heads.
+  Velocity towards(double angle, double distance) const {
+    const double error = std::remainder(angle, 2 * M_PI);
     const double forward = std::min(*speed_, distance) * std::max(0.0, std::cos(error));
     return {forward, 2.0 * error};
   }
 
+  State driving_{*this, "driving"};
+  State arrived_{*this, "arrived"};
   InputPort<Pose> pose_in_{*this, "pose"};
   OutputPort<Velocity> command_out_{*this, "command"};
   OutputPort<double> distance_out_{*this, "distance", {.doc = "m to the goal"}};
@@ -59,7 +57,6 @@ class GoalSeeker final : public Component {
                                    RunsIn::TaskThread,
                                    "sets another goal, until the task is configured again"};
   Point target_;
-  Pose pose_;
 };
 
 }  // namespace demo

@@ -13,10 +13,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// A simulated joystick, moved by its operation: `segue call joystick.push '{forward: 1, turn: 0}'`.
 class Joystick final : public Component {
  public:
-  Joystick() {
-    doc("Commands velocities by hand");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(50), {}, 0, {}, {}, false});
-  }
+  Joystick()
+      : Component({.doc = "Commands velocities by hand",
+                   .activity = segue::periodic(std::chrono::milliseconds(50))}) {}
 
  protected:
   segue::Result<void> on_start() override {

@@ -14,10 +14,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// A laser scanner in a simulated room.
 class LaserScanner final : public Component {
  public:
-  LaserScanner() {
-    doc("Measures distances in a square room with round obstacles");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(50), {}, 0, {}, {}, false});
-  }
+  LaserScanner()
+      : Component({.doc = "Measures distances in a square room with round obstacles",
+                   .activity = segue::periodic(std::chrono::milliseconds(50))}) {}
 
  protected:
   segue::Result<void> on_configure() override {

@@ -14,12 +14,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Passes commands on, but stops forward motion in front of obstacles.
 class ObstacleStop final : public Component {
  public:
-  ObstacleStop() {
-    doc("Passes velocity commands on, without forward motion when something is close ahead");
-    default_activity({segue::Trigger::PortDriven, {}, {}, 0, {}, {}, false});
-    trigger_on({"command"});
-    declare_states({"clear", "blocked"});
-  }
+  ObstacleStop()
+      : Component({.doc = "Passes velocity commands on, without forward motion when something is close ahead",
+                   .trigger_on = {"command"}}) {}
 
  protected:
   segue::Result<void> on_start() override {
@@ -32,7 +29,7 @@ class ObstacleStop final : public Component {
       ahead_ = nearest_ahead(*scan);
     }
     const bool blocked = ahead_ < *distance_;
-    set_state(blocked ? "blocked" : "clear");
+    (blocked ? blocked_ : clear_).enter();
     while (auto command = command_in_.take()) {
       Velocity safe = *command;
       safe.forward = blocked ? std::min(safe.forward, 0.0) : safe.forward;
@@ -51,6 +48,8 @@ class ObstacleStop final : public Component {
     return nearest;
   }
 
+  State clear_{*this, "clear"};
+  State blocked_{*this, "blocked"};
   InputPort<Scan> scan_in_{*this, "scan"};
   InputPort<Velocity> command_in_{*this, "command", {.doc = "what is wanted"}};
   OutputPort<Velocity> command_out_{*this, "safe_command", {.doc = "the command, limited to what is safe"}};

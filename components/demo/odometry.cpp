@@ -13,10 +13,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Estimates the pose of the robot by integrating its velocity.
 class Odometry final : public Component {
  public:
-  Odometry() {
-    doc("Integrates velocities to a pose");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(20), {}, 0, {}, {}, false});
-  }
+  Odometry()
+      : Component({.doc = "Integrates velocities to a pose",
+                   .activity = segue::periodic(std::chrono::milliseconds(20))}) {}
 
  protected:
   segue::Result<void> on_configure() override {

@@ -17,7 +17,8 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// random points. Equal questions have equal answers.
 class RoutePlanner final : public Component {
  public:
-  RoutePlanner() { doc("Plans routes between two points around round obstacles, by an operation"); }
+  RoutePlanner()
+      : Component({.doc = "Plans routes between two points around round obstacles, by an operation"}) {}
 
  protected:
   segue::Result<void> on_configure() override {

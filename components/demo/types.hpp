@@ -48,11 +48,11 @@ struct Route {
   double length = 0;  ///< m
 };
 
-}  // namespace demo
+SEGUE_TYPE(Pose, x, y, theta)
+SEGUE_TYPE(Velocity, forward, turn)
+SEGUE_TYPE(Scan, first_angle, step, ranges)
+SEGUE_TYPE(Point, x, y)
+SEGUE_TYPE(Obstacle, x, y, radius)
+SEGUE_TYPE(Route, outcome, points, length)
 
-SEGUE_TYPE(demo::Pose, x, y, theta)
-SEGUE_TYPE(demo::Velocity, forward, turn)
-SEGUE_TYPE(demo::Scan, first_angle, step, ranges)
-SEGUE_TYPE(demo::Point, x, y)
-SEGUE_TYPE(demo::Obstacle, x, y, radius)
-SEGUE_TYPE(demo::Route, outcome, points, length)
+}  // namespace demo

@@ -13,10 +13,8 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Explores: drives ahead while the way is free, else turns to the freer side.
 class Wanderer final : public Component {
  public:
-  Wanderer() {
-    doc("Explores: drives on while the way is free, else turns to the freer side");
-    declare_states({"cruising", "turning"});
-  }
+  Wanderer()
+      : Component({.doc = "Explores: drives on while the way is free, else turns to the freer side"}) {}
 
  protected:
   void on_update() override {
@@ -37,13 +35,15 @@ class Wanderer final : public Component {
       angle += scan.step;
     }
     if (ahead > *clearance_) {
-      set_state("cruising");
+      cruising_.enter();
       return {*speed_, 0.0};
     }
-    set_state("turning");
+    turning_.enter();
     return {0.0, left >= right ? *turn_ : -*turn_};
   }
 
+  State cruising_{*this, "cruising"};
+  State turning_{*this, "turning"};
   InputPort<Scan> scan_in_{*this, "scan"};
   OutputPort<Velocity> command_out_{*this, "command"};
   Property<double> speed_{*this, "speed", 0.5, {.live = true, .doc = "m/s while the way is free"}};

@@ -68,7 +68,9 @@ std::uint32_t Matches::wait(std::uint32_t count, std::uint32_t timeout_ms) const
   return count_;
 }
 
-Link::Link(segue::task::Direction direction, const std::string& port) : direction_(direction) {
+Link::Link(segue::task::Direction direction, const std::string& port,
+           const segue::task::ComponentOptions& options)
+    : Component(options), direction_(direction) {
   dynamic_ports(direction, port, "its type is the property type");
 }
 

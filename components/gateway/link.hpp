@@ -59,7 +59,8 @@ class Entity {
 class Link : public segue::task::Component {
  protected:
   /// `direction` of the one dynamic port, named `port`.
-  Link(segue::task::Direction direction, const std::string& port);
+  Link(segue::task::Direction direction, const std::string& port,
+       const segue::task::ComponentOptions& options);
 
   /// Reads the properties, loads the library, and joins the topic. Enters Exception where Cyclone cannot
   /// start.

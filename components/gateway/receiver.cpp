@@ -35,12 +35,9 @@ class AnyOutput final : public OutputPortBase {
 /// share one.
 class Receiver final : public Link {
  public:
-  Receiver() : Link(Direction::Output, "out") {
-    doc("Receives samples from another host");
-    segue::Activity activity;
-    activity.thread = "gateway_receivers";
-    default_activity(activity);
-  }
+  Receiver()
+      : Link(Direction::Output, "out",
+             {.doc = "Receives samples from another host", .activity = {.thread = "gateway_receivers"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {

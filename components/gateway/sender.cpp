@@ -36,10 +36,7 @@ class AnyInput final : public InputPortBase {
 /// them by its own policy.
 class Sender final : public Link {
  public:
-  Sender() : Link(Direction::Input, "in") {
-    doc("Sends samples to another host");
-    trigger_on({"in"});
-  }
+  Sender() : Link(Direction::Input, "in", {.doc = "Sends samples to another host", .trigger_on = {"in"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {

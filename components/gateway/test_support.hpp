@@ -120,14 +120,10 @@ inline bool is_whole(const Cloud& cloud) {
          cloud.remark == expected.remark && cloud.two == expected.two;
 }
 
-}  // namespace gateway::testing
-
-SEGUE_TYPE(gateway::testing::Text, number, name, words)
-SEGUE_TYPE(gateway::testing::Image, number, width, data)
-SEGUE_TYPE(gateway::testing::Pose, number, x, valid)
-SEGUE_TYPE(gateway::testing::Cloud, number, bytes, rings, poses, texts, bits, remark, two)
-
-namespace gateway::testing {
+SEGUE_TYPE(Text, number, name, words)
+SEGUE_TYPE(Image, number, width, data)
+SEGUE_TYPE(Pose, number, x, valid)
+SEGUE_TYPE(Cloud, number, bytes, rings, poses, texts, bits, remark, two)
 
 using segue::testing::eventually;  // for what happens in threads of Cyclone and in other processes
 using segue::type::Value;

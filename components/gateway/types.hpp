@@ -32,7 +32,7 @@ struct ReceiverStatistics {
   std::uint64_t mismatched = 0;  ///< writers now that have the topic but another type
 };
 
-}  // namespace gateway
+SEGUE_TYPE(SenderStatistics, sent, refused, lost, bytes, unacknowledged, matched, mismatched)
+SEGUE_TYPE(ReceiverStatistics, received, refused, lost, corrupt, bytes, matched, mismatched)
 
-SEGUE_TYPE(gateway::SenderStatistics, sent, refused, lost, bytes, unacknowledged, matched, mismatched)
-SEGUE_TYPE(gateway::ReceiverStatistics, received, refused, lost, corrupt, bytes, matched, mismatched)
+}  // namespace gateway

@@ -13,11 +13,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Brings the tip of an arm to a pose and keeps it there.
 class CartesianController final : public Component {
  public:
-  CartesianController() {
-    doc("Commands velocities of the tip that lead to a pose and keep it there");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(10)});
-    declare_states({"waiting", "idle", "reaching", "reached"});
-  }
+  CartesianController()
+      : Component({.doc = "Commands velocities of the tip that lead to a pose and keep it there",
+                   .activity = segue::periodic(std::chrono::milliseconds(10))}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -44,10 +42,10 @@ class CartesianController final : public Component {
     messages::Pose target;
     if (target_in_.read(target) == ReadStatus::NewData && is_usable(target)) target_ = target;
     if (!pose_time_ || now() - *pose_time_ > *timeout_) {
-      set_state("waiting");
+      waiting_.enter();
       twist_out_.write({});
     } else if (!target_) {
-      set_state("idle");
+      idle_.enter();
       twist_out_.write({});
     } else {
       servo();
@@ -65,7 +63,7 @@ class CartesianController final : public Component {
     // A target that has been reached stays so while the tool swings a little.
     const double slack = reached_ ? 2 : 1;
     reached_ = distance <= slack * *tolerance_ && angle <= slack * *angle_tolerance_;
-    set_state(reached_ ? "reached" : "reaching");
+    (reached_ ? reached_state_ : reaching_).enter();
     twist_out_.write(velocity_towards(error, {*gain_, *speed_, *turn_rate_}));
     distance_out_.write(distance);
   }
@@ -81,6 +79,10 @@ class CartesianController final : public Component {
     return {};
   }
 
+  State waiting_{*this, "waiting"};
+  State idle_{*this, "idle"};
+  State reaching_{*this, "reaching"};
+  State reached_state_{*this, "reached"};
   InputPort<messages::Pose> pose_in_{*this, "pose", {.doc = "of the tip in the frame of the base"}};
   InputPort<messages::Pose> target_in_{*this, "target", {.doc = "likewise; replaces that of set_target"}};
   OutputPort<messages::Twist> twist_out_{*this, "twist", {.doc = "of the tip, in the frame of the base"}};

@@ -17,11 +17,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Deals out the velocities of one 3D mouse to a vehicle and the arm on it.
 class CommandSplitter final : public Component {
  public:
-  CommandSplitter() {
-    doc("Deals out the velocities of a 3D mouse to a vehicle and its arm");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(20)});
-    declare_states({"waiting", "drive", "arm", "both"});
-  }
+  CommandSplitter()
+      : Component({.doc = "Deals out the velocities of a 3D mouse to a vehicle and its arm",
+                   .activity = segue::periodic(std::chrono::milliseconds(20))}) {}
 
  private:
   enum class Mode : std::uint8_t { Drive, Arm, Both };
@@ -42,7 +40,7 @@ class CommandSplitter final : public Component {
 
   void on_update() override {
     const bool fresh = twist_in_.read(now(), *timeout_);
-    set_state(fresh ? kModes.at(static_cast<std::size_t>(mode_)) : "waiting");
+    (fresh ? *states_.at(static_cast<std::size_t>(mode_)) : waiting_).enter();
     write(fresh ? twist_in_.twist() : messages::Twist{});
   }
 
@@ -70,6 +68,11 @@ class CommandSplitter final : public Component {
     return {};
   }
 
+  State waiting_{*this, "waiting"};
+  State drive_{*this, "drive"};
+  State arm_{*this, "arm"};
+  State both_{*this, "both"};
+  const std::array<const State*, kModes.size()> states_ = {&drive_, &arm_, &both_};  ///< of each mode
   TwistInput twist_in_{*this, "of the 3D mouse"};
   OutputPort<messages::Twist2D> drive_out_{*this, "drive", {.doc = "for the vehicle"}};
   OutputPort<messages::Twist> arm_out_{

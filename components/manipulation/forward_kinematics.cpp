@@ -14,7 +14,8 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Tells where the tip of an arm is.
 class ForwardKinematics final : public Component {
  public:
-  ForwardKinematics() { doc("Computes the pose of the tip of an arm from the positions of its joints"); }
+  ForwardKinematics()
+      : Component({.doc = "Computes the pose of the tip of an arm from the positions of its joints"}) {}
 
  private:
   segue::Result<void> on_configure() override {

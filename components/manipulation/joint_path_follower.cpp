@@ -20,11 +20,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// time by the robot's clock, that of the joints.
 class JointPathFollower final : public Component {
  public:
-  JointPathFollower() {
-    doc("Commands set points along a path of configurations, within all limits of the joints");
-    trigger_on({"joints"});
-    declare_states({"idle", "moving", "reached", "refused"});
-  }
+  JointPathFollower()
+      : Component(
+            {.doc = "Commands set points along a path of configurations, within all limits of the joints",
+             .trigger_on = {"joints"}}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -57,17 +56,17 @@ class JointPathFollower final : public Component {
     time_ = joints->time;
     known_ = true;
     if (!timing_ || refused_) {
-      set_state(refused_ ? "refused" : "idle");
+      (refused_ ? refused_state_ : idle_).enter();
       return;
     }
     if (begins_ && !begin()) {
-      set_state("refused");
+      refused_state_.enter();
       return;
     }
     timing_->at(time_ - begin_, command_.positions);
     command_.time = time_;
     command_out_.write(command_);
-    set_state(arrived() ? "reached" : "moving");
+    (arrived() ? reached_ : moving_).enter();
   }
 
   void on_cleanup() override { timing_.reset(); }
@@ -111,12 +110,16 @@ class JointPathFollower final : public Component {
     timing_ = std::move(*made);
     begins_ = true;
     refused_ = false;
-    set_state("moving");
+    moving_.enter();
     return {};
   }
 
   static constexpr double kPeriod = 0.01;  // s
 
+  State idle_{*this, "idle"};
+  State moving_{*this, "moving"};
+  State reached_{*this, "reached"};
+  State refused_state_{*this, "refused"};
   InputPort<messages::JointState> joints_in_{
       *this, "joints", {.doc = "of the arm, in the order of the property limits"}};
   OutputPort<messages::JointCommand> command_out_{*this, "command", {.doc = "positions"}};

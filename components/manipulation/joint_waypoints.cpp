@@ -16,11 +16,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Brings an arm to configurations that have names, one after the other.
 class JointWaypoints final : public Component {
  public:
-  JointWaypoints() {
-    doc("Commands named configurations of an arm, one after the other");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(20)});
-    declare_states({"idle", "waiting", "moving", "reached"});
-  }
+  JointWaypoints()
+      : Component({.doc = "Commands named configurations of an arm, one after the other",
+                   .activity = segue::periodic(std::chrono::milliseconds(20))}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -56,11 +54,11 @@ class JointWaypoints final : public Component {
   void on_update() override {
     const bool known = joints_.read(now(), *timeout_);
     if (route_.empty()) {
-      set_state("idle");
+      idle_.enter();
       return;
     }
     if (!known) {
-      set_state("waiting");
+      waiting_.enter();
       return;
     }
     while (next_ < route_.size() && at(target(next_)))
@@ -69,7 +67,7 @@ class JointWaypoints final : public Component {
     std::ranges::copy(target(shown).positions, command_.positions.begin());
     command_.time = std::chrono::duration<double>(now().time_since_epoch()).count();
     command_out_.write(command_);
-    set_state(next_ == route_.size() ? "reached" : "moving");
+    (next_ == route_.size() ? reached_ : moving_).enter();
   }
 
   [[nodiscard]] const Waypoint& target(std::size_t index) const { return (*waypoints_)[route_[index]]; }
@@ -93,6 +91,10 @@ class JointWaypoints final : public Component {
     return {};
   }
 
+  State idle_{*this, "idle"};
+  State waiting_{*this, "waiting"};
+  State moving_{*this, "moving"};
+  State reached_{*this, "reached"};
   JointInput joints_{*this};
   OutputPort<messages::JointCommand> command_out_{*this, "command", {.doc = "positions"}};
   Property<std::vector<Waypoint>> waypoints_{*this, "waypoints", {}, {.doc = "configurations by name"}};

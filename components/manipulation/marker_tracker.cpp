@@ -17,11 +17,11 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Tells where an object with a marker is, from what a camera on the arm sees.
 class MarkerTracker final : public Component {
  public:
-  MarkerTracker() {
-    doc("Finds the pose of a marked object in the frame of the arm's base, with a camera on the arm");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(20)});
-    declare_states({"tracking", "lost"});
-  }
+  MarkerTracker()
+      : Component(
+            {.doc =
+                 "Finds the pose of a marked object in the frame of the arm's base, with a camera on the arm",
+             .activity = segue::periodic(std::chrono::milliseconds(20))}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -51,7 +51,7 @@ class MarkerTracker final : public Component {
     }
     const bool tracking = seen_ && now() - *seen_ <= *lost_after_;
     if (!tracking) filter_.reset();
-    set_state(tracking ? "tracking" : "lost");
+    (tracking ? tracking_ : lost_).enter();
   }
 
   void take(const Pose& tip, const Pose& marker) {
@@ -62,6 +62,8 @@ class MarkerTracker final : public Component {
     object_out_.write(*filter_.estimate());
   }
 
+  State tracking_{*this, "tracking"};
+  State lost_{*this, "lost"};
   InputPort<messages::Markers> markers_in_{*this, "markers"};
   InputPort<messages::TimedPose> tip_in_{
       *this,

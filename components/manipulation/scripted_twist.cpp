@@ -14,11 +14,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Stands in for a 3D mouse in the hand of an operator.
 class ScriptedTwist final : public Component {
  public:
-  ScriptedTwist() {
-    doc("Stands in for a 3D mouse: plays a list of velocities, each for its time");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(20)});
-    declare_states({"playing", "done"});
-  }
+  ScriptedTwist()
+      : Component({.doc = "Stands in for a 3D mouse: plays a list of velocities, each for its time",
+                   .activity = segue::periodic(std::chrono::milliseconds(20))}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -50,7 +48,7 @@ class ScriptedTwist final : public Component {
       }
       elapsed -= part.duration;
     }
-    set_state(current != nullptr ? "playing" : "done");
+    (current != nullptr ? playing_ : done_).enter();
     twist_out_.write(current != nullptr ? current->twist : messages::Twist{});
   }
 
@@ -64,6 +62,8 @@ class ScriptedTwist final : public Component {
   }
   void play() { begin_ = now(); }
 
+  State playing_{*this, "playing"};
+  State done_{*this, "done"};
   OutputPort<messages::Twist> twist_out_{*this, "twist"};
   Property<std::vector<TimedTwist>> script_{
       *this, "script", {}, {.doc = "played from its beginning after each start"}};

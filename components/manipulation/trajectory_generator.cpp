@@ -19,12 +19,11 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// connected that could command it. The task that takes over from it goes on with its motion.
 class TrajectoryGenerator final : public Component {
  public:
-  TrajectoryGenerator() {
-    doc("Turns commands into set points that keep all limits of the joints, with bounded jerk");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(10)});
-    trigger_on({"joints"});  // where a network makes it port driven
-    declare_states({"waiting", "holding", "moving"});
-  }
+  TrajectoryGenerator()
+      : Component(
+            {.doc = "Turns commands into set points that keep all limits of the joints, with bounded jerk",
+             .activity = segue::periodic(std::chrono::milliseconds(10)),
+             .trigger_on = {"joints"}}) {}  // where a network makes it port driven
 
  private:
   static constexpr std::uint32_t kStateVersion = 1;
@@ -57,7 +56,7 @@ class TrajectoryGenerator final : public Component {
   void on_update() override {
     const bool joints_known = joints_.read(now(), kAnyAge);
     if (!joints_known && (!moving_arm_ || *robot_time_)) {
-      set_state("waiting");
+      waiting_.enter();
       return;
     }
     if (!moving_arm_) begin();
@@ -149,11 +148,14 @@ class TrajectoryGenerator final : public Component {
     }
     set_points_.time = *time_;
     set_points_out_.write(set_points_);
-    set_state(trajectory_->at_rest() ? "holding" : "moving");
+    (trajectory_->at_rest() ? holding_ : moving_).enter();
   }
 
   enum class Mode : std::uint8_t { Hold, Position, Velocity };
 
+  State waiting_{*this, "waiting"};
+  State holding_{*this, "holding"};
+  State moving_{*this, "moving"};
   InputPort<messages::JointCommand> command_in_{
       *this,
       "command",

@@ -52,10 +52,10 @@ struct TimedTwist {
   double duration = 1.0;  ///< s
 };
 
-}  // namespace manipulation
+SEGUE_TYPE(JointDescription, name, xyz, rpy, axis, prismatic, lower, upper, velocity)
+SEGUE_TYPE(JointLimit, lower, upper, velocity, acceleration, jerk)
+SEGUE_TYPE(TrajectoryState, positions, velocities, accelerations)
+SEGUE_TYPE(Waypoint, name, positions)
+SEGUE_TYPE(TimedTwist, twist, duration)
 
-SEGUE_TYPE(manipulation::JointDescription, name, xyz, rpy, axis, prismatic, lower, upper, velocity)
-SEGUE_TYPE(manipulation::JointLimit, lower, upper, velocity, acceleration, jerk)
-SEGUE_TYPE(manipulation::TrajectoryState, positions, velocities, accelerations)
-SEGUE_TYPE(manipulation::Waypoint, name, positions)
-SEGUE_TYPE(manipulation::TimedTwist, twist, duration)
+}  // namespace manipulation

@@ -17,11 +17,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// none is wanted no joint moves, not even towards the posture.
 class WholeBodyController final : public Component {
  public:
-  WholeBodyController() {
-    doc("Finds velocities of the joints for a velocity of the tip, within the joints' limits");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(10)});
-    declare_states({"waiting", "holding", "moving"});
-  }
+  WholeBodyController()
+      : Component(
+            {.doc = "Finds velocities of the joints for a velocity of the tip, within the joints' limits",
+             .activity = segue::periodic(std::chrono::milliseconds(10))}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -53,19 +52,19 @@ class WholeBodyController final : public Component {
   void on_update() override {
     const bool told = twist_in_.read(now(), *timeout_);
     if (!joints_.read(now(), *timeout_)) {
-      set_state("waiting");
+      waiting_.enter();
       return;
     }
     const messages::Twist& twist = twist_in_.twist();
     if (!told || (twist.linear.isZero(0) && twist.angular.isZero(0))) {
       std::ranges::fill(command_.velocities, 0.0);
-      set_state("holding");
+      holding_.enter();
     } else {
       const WholeBodySettings settings{*task_weights_, *damping_,    *posture_weight_,
                                        *posture_gain_, *limit_gain_, *limit_margin_};
       std::ranges::copy(solver_->solve(joints_.positions(), twist, settings), command_.velocities.begin());
       residual_out_.write(solver_->residual());
-      set_state("moving");
+      moving_.enter();
     }
     command_.time = std::chrono::duration<double>(now().time_since_epoch()).count();
     command_out_.write(command_);
@@ -76,6 +75,9 @@ class WholeBodyController final : public Component {
     kinematics_.reset();
   }
 
+  State waiting_{*this, "waiting"};
+  State holding_{*this, "holding"};
+  State moving_{*this, "moving"};
   TwistInput twist_in_{*this, "of the tip, in the frame of the base; zero: no joint moves"};
   JointInput joints_{*this};
   OutputPort<messages::JointCommand> command_out_{*this, "command", {.doc = "velocities"}};

@@ -63,13 +63,13 @@ struct OccupancyGrid {
   std::vector<std::int8_t> cells;  ///< percent that the cell is occupied, or -1: unknown
 };
 
-}  // namespace messages
+SEGUE_TYPE(Pose2D, x, y, theta)
+SEGUE_TYPE(Twist2D, linear, angular)
+SEGUE_TYPE(Odometry, time, pose, twist)
+SEGUE_TYPE(Pose, position, orientation)
+SEGUE_TYPE(TimedPose, time, pose)
+SEGUE_TYPE(Twist, linear, angular)
+SEGUE_TYPE(Path, poses)
+SEGUE_TYPE(OccupancyGrid, time, resolution, x, y, width, height, cells)
 
-SEGUE_TYPE(messages::Pose2D, x, y, theta)
-SEGUE_TYPE(messages::Twist2D, linear, angular)
-SEGUE_TYPE(messages::Odometry, time, pose, twist)
-SEGUE_TYPE(messages::Pose, position, orientation)
-SEGUE_TYPE(messages::TimedPose, time, pose)
-SEGUE_TYPE(messages::Twist, linear, angular)
-SEGUE_TYPE(messages::Path, poses)
-SEGUE_TYPE(messages::OccupancyGrid, time, resolution, x, y, width, height, cells)
+}  // namespace messages

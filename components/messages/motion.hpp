@@ -14,6 +14,6 @@ struct JointPath {
   std::vector<std::vector<double>> points;  ///< each: rad or m, in the order of the joints' driver
 };
 
-}  // namespace messages
+SEGUE_TYPE(JointPath, points)
 
-SEGUE_TYPE(messages::JointPath, points)
+}  // namespace messages

@@ -62,12 +62,12 @@ struct Markers {
   std::vector<Marker> markers;
 };
 
-}  // namespace messages
+SEGUE_TYPE(JointState, time, positions, velocities, efforts)
+SEGUE_TYPE(JointCommand, time, positions, velocities)
+SEGUE_TYPE(LaserScan, time, first_angle, angle_step, minimum_range, maximum_range, ranges)
+SEGUE_TYPE(Imu, time, orientation, angular_velocity, linear_acceleration)
+SEGUE_TYPE(Image, time, width, height, rgb)
+SEGUE_TYPE(Marker, id, pose)
+SEGUE_TYPE(Markers, time, markers)
 
-SEGUE_TYPE(messages::JointState, time, positions, velocities, efforts)
-SEGUE_TYPE(messages::JointCommand, time, positions, velocities)
-SEGUE_TYPE(messages::LaserScan, time, first_angle, angle_step, minimum_range, maximum_range, ranges)
-SEGUE_TYPE(messages::Imu, time, orientation, angular_velocity, linear_acceleration)
-SEGUE_TYPE(messages::Image, time, width, height, rgb)
-SEGUE_TYPE(messages::Marker, id, pose)
-SEGUE_TYPE(messages::Markers, time, markers)
+}  // namespace messages

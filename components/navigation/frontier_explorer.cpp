@@ -14,11 +14,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Chooses where to drive next in order to see what is unknown.
 class FrontierExplorer final : public Component {
  public:
-  FrontierExplorer() {
-    doc("Chooses goals at the border of the unknown until nothing is left that can be reached");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(200)});
-    declare_states({"waiting", "exploring", "explored"});
-  }
+  FrontierExplorer()
+      : Component(
+            {.doc = "Chooses goals at the border of the unknown until nothing is left that can be reached",
+             .activity = segue::periodic(std::chrono::milliseconds(200))}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -41,7 +40,7 @@ class FrontierExplorer final : public Component {
     const bool pose_known = pose_in_.read(pose_) != ReadStatus::NoData;
     const bool map_changed = read_map();
     if (!pose_known || !map_known_ || !on_map()) {
-      set_state("waiting");
+      waiting_.enter();
       return;
     }
     const FrontierSettings settings{*radius_, *smallest_, *size_weight_, *visit_radius_};
@@ -95,7 +94,7 @@ class FrontierExplorer final : public Component {
   void choose_next(const FrontierSettings& settings) {
     frontier_ = search_->next(*clearance_, pose_.pose, settings);
     frontiers_out_.write(static_cast<std::uint32_t>(search_->found()));
-    set_state(frontier_ ? "exploring" : "explored");
+    (frontier_ ? exploring_ : explored_).enter();
     if (!frontier_) return;
     progress_ = pose_.pose;
     progress_time_ = now();
@@ -107,6 +106,9 @@ class FrontierExplorer final : public Component {
     frontier_.reset();
   }
 
+  State waiting_{*this, "waiting"};
+  State exploring_{*this, "exploring"};
+  State explored_{*this, "explored"};
   InputPort<messages::OccupancyGrid> map_in_{*this, "map"};
   InputPort<messages::Odometry> pose_in_{*this, "pose", {.doc = "of the vehicle in the frame of the map"}};
   OutputPort<Pose2D> goal_out_{*this, "goal", {.doc = "where to drive next"}};

@@ -15,10 +15,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Makes a map from the scans of a laser scanner and the poses at which they were taken.
 class GridMapper final : public Component {
  public:
-  GridMapper() {
-    doc("Makes a map of what is occupied from laser scans and poses");
-    trigger_on({"scan"});
-  }
+  GridMapper()
+      : Component(
+            {.doc = "Makes a map of what is occupied from laser scans and poses", .trigger_on = {"scan"}}) {}
 
  private:
   static constexpr double kMostCells = 64e6;
@@ -67,7 +66,7 @@ class GridMapper final : public Component {
     if (!grid) return;
     grid->time = time;
     map_->write_to(*grid);
-    map_out_.publish(std::move(grid));
+    grid.publish();
     published_ = now();
   }
 

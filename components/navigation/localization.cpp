@@ -14,10 +14,7 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// make a map of what is unknown.
 class Localization final : public Component {
  public:
-  Localization() {
-    doc("Corrects odometry by matching laser scans with a map");
-    declare_states({"waiting", "odometry", "localized"});
-  }
+  Localization() : Component({.doc = "Corrects odometry by matching laser scans with a map"}) {}
 
  private:
   static constexpr std::uint32_t kStateVersion = 1;
@@ -60,10 +57,10 @@ class Localization final : public Component {
     while (const auto scan = scan_in_.take())
       correct(*scan);
     if (history_.empty()) {
-      set_state("waiting");
+      waiting_.enter();
       return;
     }
-    set_state(matched_ ? "localized" : "odometry");
+    (matched_ ? localized_ : odometry_).enter();
     if (!moved_on) return;
     odometry = history_.newest();
     odometry.pose = compose(correction_, odometry.pose);
@@ -107,6 +104,9 @@ class Localization final : public Component {
     return {};
   }
 
+  State waiting_{*this, "waiting"};
+  State odometry_{*this, "odometry"};
+  State localized_{*this, "localized"};
   InputPort<messages::Odometry> odometry_in_{*this, "odometry"};
   InputPort<messages::LaserScan> scan_in_{*this, "scan"};
   InputPort<messages::OccupancyGrid> map_in_{*this, "map"};

@@ -14,11 +14,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Drives along paths and stops in front of obstacles.
 class PathFollower final : public Component {
  public:
-  PathFollower() {
-    doc("Follows paths within limits of speed and acceleration, and stops in front of obstacles");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(50)});
-    declare_states({"idle", "waiting", "driving", "arrived", "blocked"});
-  }
+  PathFollower()
+      : Component(
+            {.doc = "Follows paths within limits of speed and acceleration, and stops in front of obstacles",
+             .activity = segue::periodic(std::chrono::milliseconds(50))}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -56,14 +55,14 @@ class PathFollower final : public Component {
     if (step <= 0) return;
     const TrackerSettings settings = current_settings();
     if (late(pose_time_) || (*use_scan_ && late(scan_time_))) {
-      set_state("waiting");
+      waiting_.enter();
       command_out_.write(tracker_->brake(settings, step));
       return;
     }
     if (!*use_scan_) obstacles_->clear();
     command_out_.write(tracker_->update(pose_.pose, obstacles_->points(), settings, step));
     remaining_out_.write(tracker_->remaining());
-    set_state(name_of(tracker_->state()));
+    state_of(tracker_->state()).enter();
   }
 
   void on_stop() override { command_out_.write({}); }
@@ -81,20 +80,25 @@ class PathFollower final : public Component {
             *angle_tolerance_,
             *final_heading_};
   }
-  static std::string_view name_of(TrackerState state) {
+  [[nodiscard]] const State& state_of(TrackerState state) const {
     switch (state) {
       case TrackerState::Idle:
-        return "idle";
+        return idle_;
       case TrackerState::Driving:
-        return "driving";
+        return driving_;
       case TrackerState::Arrived:
-        return "arrived";
+        return arrived_;
       case TrackerState::Blocked:
-        return "blocked";
+        return blocked_;
     }
-    return "";
+    return idle_;
   }
 
+  State idle_{*this, "idle"};
+  State waiting_{*this, "waiting"};
+  State driving_{*this, "driving"};
+  State arrived_{*this, "arrived"};
+  State blocked_{*this, "blocked"};
   InputPort<messages::Path> path_in_{*this, "path", {.doc = "an empty one ends the drive"}};
   InputPort<messages::Odometry> pose_in_{*this, "pose", {.doc = "of the vehicle in the frame of the path"}};
   InputPort<messages::LaserScan> scan_in_{*this, "scan"};

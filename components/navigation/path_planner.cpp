@@ -15,11 +15,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Finds paths to a goal: again with each new map, so that the path stays one of the present map.
 class PathPlanner final : public Component {
  public:
-  PathPlanner() {
-    doc("Finds the path to a goal in a map, or says why there is none");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(100)});
-    declare_states({"idle", "waiting", "planned", "no_path"});
-  }
+  PathPlanner()
+      : Component({.doc = "Finds the path to a goal in a map, or says why there is none",
+                   .activity = segue::periodic(std::chrono::milliseconds(100))}) {}
 
  private:
   static constexpr std::uint64_t kMostCells = 64'000'000;
@@ -49,7 +47,7 @@ class PathPlanner final : public Component {
     messages::Pose2D goal;
     if (goal_in_.read(goal) == ReadStatus::NewData) set_goal(goal);
     if (!goal_) {
-      set_state("idle");
+      idle_.enter();
       if (goal_changed_) report(PlanProblem::NoGoal);
     } else if (goal_changed_ || map_changed) {
       plan();
@@ -92,7 +90,7 @@ class PathPlanner final : public Component {
   void report(PlanProblem problem) {
     const bool found = problem == PlanProblem::None;
     if (!found) path_.poses.clear();
-    if (goal_) set_state(found ? "planned" : is_waiting(problem) ? "waiting" : "no_path");
+    if (goal_) (found ? planned_ : is_waiting(problem) ? waiting_ : no_path_).enter();
     if (!found && problem != reported_ && goal_) log(segue::LogLevel::Warning, explain(problem));
     reported_ = problem;
     double length = 0;
@@ -113,6 +111,10 @@ class PathPlanner final : public Component {
 
   enum class MapState : std::uint8_t { None, Invalid, Valid };
 
+  State idle_{*this, "idle"};
+  State waiting_{*this, "waiting"};
+  State planned_{*this, "planned"};
+  State no_path_{*this, "no_path"};
   InputPort<messages::OccupancyGrid> map_in_{*this, "map"};
   InputPort<messages::Odometry> pose_in_{*this, "pose", {.doc = "of the vehicle in the frame of the map"}};
   InputPort<Pose2D> goal_in_{*this, "goal", {.doc = "in the frame of the map; replaces that of set_goal"}};

@@ -33,8 +33,8 @@ struct PlanStatus {
   double length = 0;  ///< m, of the path
 };
 
-}  // namespace navigation
+SEGUE_TYPE(PlanProblem, None, NoGoal, NoPose, NoMap, InvalidMap, StartOutside, StartOccupied, GoalOutside,
+           GoalOccupied, GoalUnknown, NoWay, TooManyCorners)
+SEGUE_TYPE(PlanStatus, goal, problem, length)
 
-SEGUE_TYPE(navigation::PlanProblem, None, NoGoal, NoPose, NoMap, InvalidMap, StartOutside, StartOccupied,
-           GoalOutside, GoalOccupied, GoalUnknown, NoWay, TooManyCorners)
-SEGUE_TYPE(navigation::PlanStatus, goal, problem, length)
+}  // namespace navigation

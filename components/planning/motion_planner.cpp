@@ -15,13 +15,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// give the task no thread group with tasks that have real-time demands.
 class MotionPlanner final : public Component {
  public:
-  MotionPlanner() {
-    doc("Finds motions of the rover's arm that touch nothing (OMPL, MuJoCo)");
-    segue::Activity activity;
-    activity.update_deadline = std::chrono::minutes(5);  // operations count, too
-    default_activity(activity);
-    declare_states({"planning", "planned", "no_path"});
-  }
+  MotionPlanner()
+      : Component({.doc = "Finds motions of the rover's arm that touch nothing (OMPL, MuJoCo)",
+                   .activity = {.update_deadline = std::chrono::minutes(5)}}) {}  // operations count, too
 
  private:
   segue::Result<void> on_configure() override {
@@ -35,12 +31,15 @@ class MotionPlanner final : public Component {
 
   segue::Result<PlanResult> plan(const PlanRequest& request) {
     if (!scene_) return segue::fail(segue::ErrorCode::InvalidState, "the planner must be configured first");
-    set_state("planning");
+    planning_.enter();
     auto result = plan_motion(*scene_, request);
-    set_state(result ? "planned" : "no_path");
+    (result ? planned_ : no_path_).enter();
     return result;
   }
 
+  State planning_{*this, "planning"};
+  State planned_{*this, "planned"};
+  State no_path_{*this, "no_path"};
   Operation<segue::Result<PlanResult>(PlanRequest)> plan_{
       *this,
       "plan",

@@ -16,11 +16,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Tells what plans begin with: where the arm and the boxes are. Allocates with each image.
 class SceneObserver final : public Component {
  public:
-  SceneObserver() {
-    doc("Finds out where the arm and the boxes are, with a camera that is fixed to the rover");
-    trigger_on({"markers"});
-    declare_states({"looking", "complete"});
-  }
+  SceneObserver()
+      : Component(
+            {.doc = "Finds out where the arm and the boxes are, with a camera that is fixed to the rover",
+             .trigger_on = {"markers"}}) {}
 
  private:
   segue::Result<void> on_configure() override {
@@ -38,22 +37,24 @@ class SceneObserver final : public Component {
   }
 
   void on_update() override {
-    messages::JointState joints;
-    const bool knows_arm = joints_in_.read(joints) != ReadStatus::NoData;
+    const auto joints = joints_in_.latest();
     const auto markers = markers_in_.take();
     if (!markers) return;
     estimate_->next_image();
     for (const messages::Marker& marker : markers->markers)
       estimate_->add(marker.id, pose_of(camera_frame_ * frame_of(marker.pose) * box_frame_));
-    Situation situation{.base = *base_, .positions = joints.positions, .boxes = {}, .held = -1, .grasp = {}};
+    Situation situation{.base = *base_, .positions = {}, .boxes = {}, .held = -1, .grasp = {}};
     for (const std::int32_t id : *ids_) {
       if (const auto pose = estimate_->pose(id)) situation.boxes.push_back({id, *pose});
     }
-    const bool complete = knows_arm && situation.boxes.size() == ids_->size();
-    set_state(complete ? "complete" : "looking");
+    if (joints) situation.positions = joints->positions;
+    const bool complete = joints && situation.boxes.size() == ids_->size();
+    (complete ? complete_ : looking_).enter();
     if (complete) situation_out_.write(situation);
   }
 
+  State looking_{*this, "looking"};
+  State complete_{*this, "complete"};
   InputPort<messages::Markers> markers_in_{*this, "markers", {.doc = "what the camera sees"}};
   InputPort<messages::JointState> joints_in_{*this, "joints", {.doc = "of the arm"}};
   OutputPort<Situation> situation_out_{

@@ -59,10 +59,10 @@ struct PlanResult {
   Situation after;
 };
 
-}  // namespace planning
+SEGUE_TYPE(BoxPose, id, pose)
+SEGUE_TYPE(Situation, base, positions, boxes, held, grasp)
+SEGUE_TYPE(Goal, positions, pose, of_held, relative_to, quarter_turns)
+SEGUE_TYPE(PlanRequest, from, goals, leave, approach, take, release, first, budget, seed)
+SEGUE_TYPE(PlanResult, path, cost, goal, after)
 
-SEGUE_TYPE(planning::BoxPose, id, pose)
-SEGUE_TYPE(planning::Situation, base, positions, boxes, held, grasp)
-SEGUE_TYPE(planning::Goal, positions, pose, of_held, relative_to, quarter_turns)
-SEGUE_TYPE(planning::PlanRequest, from, goals, leave, approach, take, release, first, budget, seed)
-SEGUE_TYPE(planning::PlanResult, path, cost, goal, after)
+}  // namespace planning

@@ -19,12 +19,11 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// The driver of the arm: moves its joints to commanded positions, no faster than allowed, and holds them.
 class ArmDriver final : public Component {
  public:
-  ArmDriver() {
-    doc("Moves six joints to commanded positions, within their limits, and holds them there");
-    trigger_on({"measured"});
-    declare_states({"moving", "holding"});
-    claims({"arm"});
-  }
+  ArmDriver()
+      : Component(
+            {.doc = "Moves six joints to commanded positions, within their limits, and holds them there",
+             .claims = {"arm"},
+             .trigger_on = {"measured"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -58,7 +57,7 @@ class ArmDriver final : public Component {
     if (const auto command = command_in_.take()) follow(*command);
     advance(measured->time - set_points_.time);
     set_points_.time = measured->time;
-    set_state(arrived(*measured) ? "holding" : "moving");
+    (arrived(*measured) ? holding_ : moving_).enter();
     set_points_out_.write(set_points_);
     joints_out_.write(*measured);
   }
@@ -118,10 +117,12 @@ class ArmDriver final : public Component {
     }
     std::copy(positions.begin(), positions.end(), target_.begin());
     told_ = true;
-    set_state("moving");
+    moving_.enter();
     return {};
   }
 
+  State moving_{*this, "moving"};
+  State holding_{*this, "holding"};
   InputPort<messages::JointCommand> command_in_{
       *this, "command", {.doc = "wanted positions; those beyond limits count as the limits"}};
   InputPort<messages::JointState> measured_in_{*this, "measured", {.doc = "state of the joints"}};

@@ -16,11 +16,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// measures time by the robot's clock, that of the joints.
 class Battery final : public Component {
  public:
-  Battery() {
-    doc("Tells how much charge is left, by the work of the joints and what is always switched on");
-    trigger_on({"arm"});
-    declare_states({"good", "low", "empty"});
-  }
+  Battery()
+      : Component(
+            {.doc = "Tells how much charge is left, by the work of the joints and what is always switched on",
+             .trigger_on = {"arm"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -50,7 +49,7 @@ class Battery final : public Component {
     status_.power = *idle_power_ + (power_of(*arm) + wheel_power_) / *efficiency_;
     energy_ = std::max(energy_ - status_.power * passed, 0.0);
     status_.charge = energy_ / (*capacity_ * kJoulesPerWattHour);
-    set_state(energy_ <= 0 ? "empty" : status_.charge < *low_ ? "low" : "good");
+    (energy_ <= 0 ? empty_ : status_.charge < *low_ ? low_state_ : good_).enter();
     status_out_.write(status_);
   }
 
@@ -73,6 +72,9 @@ class Battery final : public Component {
     return {};
   }
 
+  State good_{*this, "good"};
+  State low_state_{*this, "low"};
+  State empty_{*this, "empty"};
   InputPort<messages::JointState> arm_in_{*this, "arm", {.doc = "the joints of the arm"}};
   InputPort<messages::JointState> wheels_in_{*this, "wheels", {.doc = "the joints of the wheels"}};
   OutputPort<BatteryStatus> status_out_{*this, "status"};

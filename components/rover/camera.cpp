@@ -14,10 +14,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// thread group with tasks that have real-time demands.
 class Camera final : public Component {
  public:
-  Camera() {
-    doc("Takes pictures with a camera of the simulated rover or of its room (OSMesa)");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(100), {}, 0, {}, {}, false});
-  }
+  Camera()
+      : Component({.doc = "Takes pictures with a camera of the simulated rover or of its room (OSMesa)",
+                   .activity = segue::periodic(std::chrono::milliseconds(100))}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -39,7 +38,7 @@ class Camera final : public Component {
       exception("the scene is not one of this rover: are all its parts of the same version?");
       return;
     }
-    image_out_.publish(std::move(image));
+    image.publish();
   }
 
   void on_cleanup() override { renderer_.reset(); }

@@ -16,12 +16,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// dropped by a switch.
 class Gripper final : public Component {
  public:
-  Gripper() {
-    doc("Opens and closes the gripper, and tells whether it holds something");
-    trigger_on({"measured"});
-    declare_states({"opening", "closing", "open", "closed", "holding"});
-    claims({"gripper"});
-  }
+  Gripper()
+      : Component({.doc = "Opens and closes the gripper, and tells whether it holds something",
+                   .claims = {"gripper"},
+                   .trigger_on = {"measured"}}) {}
 
  protected:
   segue::Result<void> on_start() override {
@@ -36,41 +34,46 @@ class Gripper final : public Component {
       exception("measured must tell the opening, its velocity and the force");
       return;
     }
-    set_state(state_of(measured->positions[0], measured->velocities[0], measured->efforts[0]));
+    state_of(measured->positions[0], measured->velocities[0], measured->efforts[0]).enter();
     command_.time = measured->time;
     if (commanded_) command_out_.write(command_);
   }
 
  private:
-  static const char* state_of(double opening, double velocity, double force) {
+  [[nodiscard]] const State& state_of(double opening, double velocity, double force) const {
     constexpr double kStill = 0.01;    // m/s
     constexpr double kClosed = 0.004;  // m
-    if (std::abs(velocity) > kStill) return velocity > 0 ? "opening" : "closing";
-    if (opening < kClosed) return "closed";
-    return force < -0.8 * kGripForce ? "holding" : "open";
+    if (std::abs(velocity) > kStill) return velocity > 0 ? opening_ : closing_;
+    if (opening < kClosed) return closed_;
+    return force < -0.8 * kGripForce ? holding_ : open_;
   }
 
-  void command(double opening, const char* state) {
+  void command(double opening, const State& state) {
     command_.opening = opening;
     commanded_ = true;
-    set_state(state);
+    state.enter();
   }
 
+  State opening_{*this, "opening"};
+  State closing_{*this, "closing"};
+  State open_{*this, "open"};
+  State closed_{*this, "closed"};
+  State holding_{*this, "holding"};
   InputPort<messages::JointState> measured_in_{
       *this, "measured", {.doc = "opening, its velocity, and the force"}};
   OutputPort<GripperCommand> command_out_{*this, "command", {.doc = "set point for the servo"}};
-  Operation<void()> open_{*this,
-                          "open",
-                          {},
-                          [this] { command(kLargestOpening, "opening"); },
-                          RunsIn::TaskThread,
-                          "opens the gripper; the state is open then"};
-  Operation<void()> close_{*this,
-                           "close",
-                           {},
-                           [this] { command(0, "closing"); },
-                           RunsIn::TaskThread,
-                           "closes the gripper; the state is closed or holding then"};
+  Operation<void()> do_open_{*this,
+                             "open",
+                             {},
+                             [this] { command(kLargestOpening, opening_); },
+                             RunsIn::TaskThread,
+                             "opens the gripper; the state is open then"};
+  Operation<void()> do_close_{*this,
+                              "close",
+                              {},
+                              [this] { command(0, closing_); },
+                              RunsIn::TaskThread,
+                              "closes the gripper; the state is closed or holding then"};
   bool commanded_ = false;
   GripperCommand command_;
 };

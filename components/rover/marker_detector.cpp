@@ -11,11 +11,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Looks for AprilTags in images. Allocates memory, and takes milliseconds for each image.
 class MarkerDetector final : public Component {
  public:
-  MarkerDetector() {
-    doc("Finds AprilTags (36h11) in images and estimates their poses in the frame of the camera");
-    trigger_on({"image"});
-    declare_states({"found", "searching"});
-  }
+  MarkerDetector()
+      : Component(
+            {.doc = "Finds AprilTags (36h11) in images and estimates their poses in the frame of the camera",
+             .trigger_on = {"image"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -31,13 +30,15 @@ class MarkerDetector final : public Component {
     const auto image = image_in_.take();
     if (!image) return;
     finder_->find(*image, markers_);
-    set_state(markers_.markers.empty() ? "searching" : "found");
+    (markers_.markers.empty() ? searching_ : found_).enter();
     markers_out_.write(markers_);
   }
 
   void on_cleanup() override { finder_.reset(); }
 
  private:
+  State found_{*this, "found"};
+  State searching_{*this, "searching"};
   InputPort<messages::Image> image_in_{*this, "image", {.doc = "from a camera without distortion"}};
   OutputPort<messages::Markers> markers_out_{
       *this, "markers", {.doc = "what each image shows; of several with the same number the largest"}};

@@ -22,12 +22,11 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// own.
 class RoverDrive final : public Component {
  public:
-  RoverDrive() {
-    doc("Drives six steered wheels at a commanded velocity, within limits, and measures the way");
-    trigger_on({"measured"});
-    declare_states({"driving", "idle"});
-    claims({"wheels"});
-  }
+  RoverDrive()
+      : Component(
+            {.doc = "Drives six steered wheels at a commanded velocity, within limits, and measures the way",
+             .claims = {"wheels"},
+             .trigger_on = {"measured"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -84,7 +83,7 @@ class RoverDrive final : public Component {
     set_points.time = odometry_.time;
     wheels_out_.write(set_points);
     const bool standing = control_.twist().linear == 0 && control_.twist().angular == 0;
-    set_state(standing && wanted_.linear == 0 && wanted_.angular == 0 ? "idle" : "driving");
+    (standing && wanted_.linear == 0 && wanted_.angular == 0 ? idle_ : driving_).enter();
   }
 
   /// A command that is not a number may mean anything, so the rover stops.
@@ -95,6 +94,8 @@ class RoverDrive final : public Component {
                           : messages::Twist2D{};
   }
 
+  State driving_{*this, "driving"};
+  State idle_{*this, "idle"};
   InputPort<messages::Twist2D> command_in_{*this, "command", {.doc = "wanted velocity"}};
   InputPort<messages::JointState> measured_in_{
       *this, "measured", {.doc = "state of six steering joints and six wheels"}};

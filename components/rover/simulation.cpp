@@ -14,10 +14,10 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// update simulates the same time, so that a slow computer makes the robot slow, but never different.
 class Simulation final : public Component {
  public:
-  Simulation() {
-    doc("Simulates a rover with six wheels, an arm, a gripper and sensors in a room (MuJoCo)");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(10), {}, 0, {}, {}, false});
-  }
+  Simulation()
+      : Component(
+            {.doc = "Simulates a rover with six wheels, an arm, a gripper and sensors in a room (MuJoCo)",
+             .activity = segue::periodic(std::chrono::milliseconds(10))}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -87,7 +87,7 @@ class Simulation final : public Component {
     next_scan_ += std::chrono::duration<double>(*scan_period_).count();
     if (auto scan = scan_out_.loan()) {
       rover_->scan(pattern_, *scan);
-      scan_out_.publish(std::move(scan));
+      scan.publish();
     }
   }
 
@@ -113,19 +113,19 @@ class Simulation final : public Component {
   void write_state() {
     if (auto state = wheels_out_.loan()) {
       rover_->read_wheels(*state);
-      wheels_out_.publish(std::move(state));
+      state.publish();
     }
     if (auto state = arm_out_.loan()) {
       rover_->read_arm(*state);
-      arm_out_.publish(std::move(state));
+      state.publish();
     }
     if (auto state = gripper_out_.loan()) {
       rover_->read_gripper(*state);
-      gripper_out_.publish(std::move(state));
+      state.publish();
     }
     if (auto scene = scene_out_.loan()) {
       rover_->read_scene(*scene);
-      scene_out_.publish(std::move(scene));
+      scene.publish();
     }
     rover_->read_imu(imu_);
     imu_out_.write(imu_);

@@ -11,19 +11,19 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// stop.
 class StopButton final : public Component {
  public:
-  StopButton() {
-    doc("Stands for a stop button; operations press and release it");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(10), {}, 0, {}, {}, false});
-    declare_states({"released", "pressed"});
-  }
+  StopButton()
+      : Component({.doc = "Stands for a stop button; operations press and release it",
+                   .activity = segue::periodic(std::chrono::milliseconds(10))}) {}
 
  protected:
   void on_update() override {
-    set_state(pressed_ ? "pressed" : "released");
+    (pressed_ ? pressed_state_ : released_).enter();
     pressed_out_.write(pressed_);
   }
 
  private:
+  State released_{*this, "released"};
+  State pressed_state_{*this, "pressed"};
   OutputPort<bool> pressed_out_{*this, "pressed"};
   Operation<void()> press_{
       *this, "press", {}, [this] { pressed_ = true; }, RunsIn::TaskThread, "presses the button"};

@@ -46,7 +46,7 @@ class SteppedRover {
   void add(const std::string& id, const char* component, const segue::type::Value& properties = {}) {
     auto made = libraries_.create(segue::model::ComponentName(component));
     ASSERT_TRUE(made) << to_string(made.error());
-    const segue::Activity activity = (*made)->default_activity();
+    const segue::Activity activity = (*made)->options().activity;
     auto task = segue::task::Task::create(id, std::move(*made), activity, executor_);
     ASSERT_TRUE(task) << to_string(task.error());
     if (!properties.is_null()) {

@@ -50,11 +50,11 @@ struct Leg {
   double angular = 0;   ///< rad/s
 };
 
-}  // namespace rover
+SEGUE_TYPE(WheelCommand, time, steering, speeds)
+SEGUE_TYPE(GripperCommand, time, opening)
+SEGUE_TYPE(SceneState, time, positions)
+SEGUE_TYPE(SetPointAges, time, clock, wheels, arm)
+SEGUE_TYPE(BatteryStatus, time, charge, power)
+SEGUE_TYPE(Leg, duration, linear, angular)
 
-SEGUE_TYPE(rover::WheelCommand, time, steering, speeds)
-SEGUE_TYPE(rover::GripperCommand, time, opening)
-SEGUE_TYPE(rover::SceneState, time, positions)
-SEGUE_TYPE(rover::SetPointAges, time, clock, wheels, arm)
-SEGUE_TYPE(rover::BatteryStatus, time, charge, power)
-SEGUE_TYPE(rover::Leg, duration, linear, angular)
+}  // namespace rover

@@ -13,11 +13,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 /// Commands velocities one after the other, for as long as each shall last by the robot's clock.
 class VelocityScript final : public Component {
  public:
-  VelocityScript() {
-    doc("Commands velocities one after the other, then to stand still");
-    trigger_on({"time"});
-    declare_states({"driving", "finished"});
-  }
+  VelocityScript()
+      : Component({.doc = "Commands velocities one after the other, then to stand still",
+                   .trigger_on = {"time"}}) {}
 
  protected:
   segue::Result<void> on_configure() override {
@@ -44,12 +42,14 @@ class VelocityScript final : public Component {
       if (leg_ < legs_->size()) leg_end_ += (*legs_)[leg_].duration;
     }
     const bool finished = leg_ == legs_->size();
-    set_state(finished ? "finished" : "driving");
+    (finished ? finished_ : driving_).enter();
     command_out_.write(finished ? messages::Twist2D{}
                                 : messages::Twist2D{(*legs_)[leg_].linear, (*legs_)[leg_].angular});
   }
 
  private:
+  State driving_{*this, "driving"};
+  State finished_{*this, "finished"};
   InputPort<double> time_in_{*this, "time", {.doc = "the robot's clock, s"}};
   OutputPort<messages::Twist2D> command_out_{*this, "command", {.doc = "wanted velocity"}};
   Property<std::vector<Leg>> legs_{

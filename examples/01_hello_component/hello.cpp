@@ -14,20 +14,14 @@ struct Count {
   std::string unit;
 };
 
-}  // namespace hello
-
-SEGUE_TYPE(hello::Count, number, unit)
-
-namespace hello {
+SEGUE_TYPE(Count, number, unit)
 
 using namespace segue::task;
 
 class Counter final : public Component {
  public:
-  Counter() {
-    doc("Counts in steps");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(10)});
-  }
+  Counter()
+      : Component({.doc = "Counts in steps", .activity = segue::periodic(std::chrono::milliseconds(10))}) {}
 
  private:
   void on_update() override {
@@ -48,7 +42,7 @@ class Counter final : public Component {
 
 class Doubler final : public Component {
  public:
-  Doubler() { doc("Doubles every count"); }
+  Doubler() : Component({.doc = "Doubles every count"}) {}
 
  private:
   void on_update() override {  // runs for each new sample, since components are port driven by default

@@ -14,7 +14,7 @@ using namespace segue;
 
 class Source final : public task::Component {
  public:
-  Source() { default_activity({.trigger = Trigger::Periodic, .period = std::chrono::milliseconds(1)}); }
+  Source() : Component({.activity = periodic(std::chrono::milliseconds(1))}) {}
   task::OutputPort<int> out{*this, "out"};
 
  private:

@@ -54,6 +54,21 @@ struct Activity {
   friend bool operator==(const Activity&, const Activity&) = default;
 };
 
+/// Updates at times that are `period` (> 0) apart.
+inline Activity periodic(Duration period) {
+  Activity activity;
+  activity.trigger = Trigger::Periodic;
+  activity.period = period;
+  return activity;
+}
+
+/// Updates when a descriptor can be read that the component names in on_start.
+inline Activity fd_driven() {
+  Activity activity;
+  activity.trigger = Trigger::FileDescriptorDriven;
+  return activity;
+}
+
 /// The deadline of each update: the declared one, else ten periods and at least 5 s, else 30 s. Generous,
 /// since a task that exceeds it is treated as one that has failed.
 inline Duration deadline_of(const Activity& activity) {

@@ -19,8 +19,7 @@ class Source : public segue::task::Component {
  public:
   OutputPort<std::int64_t> out{*this, "out"};
   OutputPort<std::string> words{*this, "words"};
-  Source() {
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(1)});
+  Source() : Component({.activity = segue::periodic(std::chrono::milliseconds(1))}) {
     dynamic_outputs<std::int64_t>("extra");
   }
 
@@ -48,10 +47,7 @@ inline std::atomic<std::int64_t> backwards{0};
 class Sink : public segue::task::Component {
  public:
   InputPort<std::int64_t> in{*this, "in"};
-  Sink() {
-    default_activity({.trigger = segue::Trigger::PortDriven});
-    dynamic_inputs<std::int64_t>("extra");
-  }
+  Sink() { dynamic_inputs<std::int64_t>("extra"); }
 
  protected:
   segue::Result<void> on_configure() override {

@@ -18,9 +18,7 @@ namespace embedded_test {
 /// Logs on its update path.
 class Speaker final : public segue::task::Component {
  public:
-  Speaker() {
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(1)});
-  }
+  Speaker() : Component({.activity = segue::periodic(std::chrono::milliseconds(1))}) {}
 
  private:
   void on_update() override { log(segue::LogLevel::Info, "I am updated"); }

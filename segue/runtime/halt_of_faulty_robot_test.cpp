@@ -21,11 +21,11 @@ using namespace segue::task;
 /// Fails as its property says.
 class Part : public Component {
  public:
-  Part() { default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(1)}); }
+  Part() : Component({.activity = segue::periodic(std::chrono::milliseconds(1))}) {}
 
  protected:
   void on_update() override {
-    if (*fault_ == "error") error("", "it is broken");
+    if (*fault_ == "error") error("it is broken");
     if (*fault_ == "exception") exception("it is broken");
     if (*fault_ == "fatal") fatal("it is broken");
   }
@@ -41,7 +41,7 @@ class Part : public Component {
 
 class Wheels final : public Part {
  public:
-  Wheels() { claims({"wheels"}); }
+  Wheels() : Part({.claims = {"wheels"}}) {}
 };
 
 }  // namespace faulty

@@ -23,12 +23,7 @@ namespace runtime_health_test {
 /// Breaks at its next update while the test wishes it to.
 class Motor final : public segue::task::Component {
  public:
-  Motor() {
-    segue::Activity activity;
-    activity.trigger = segue::Trigger::Periodic;
-    activity.period = std::chrono::milliseconds(1);
-    default_activity(activity);
-  }
+  Motor() : Component({.activity = segue::periodic(std::chrono::milliseconds(1))}) {}
   static std::atomic<bool> hot;
 
  protected:

@@ -26,10 +26,7 @@ TimePoint in_a_minute() {
 /// Notes at each update whether commands are overdue.
 class Wheels final : public task::Component {
  public:
-  Wheels() {
-    trigger_on({"measured"});
-    declare_states({}, {"HOT"});
-  }
+  Wheels() : Component({.trigger_on = {"measured"}}) {}
 
   task::InputPort<double> measured{*this, "measured"};
   task::InputPort<double> command{*this, "command"};
@@ -44,11 +41,14 @@ class Wheels final : public task::Component {
     command.drain();
     overdue.push_back(timeout.passed());
     age = timeout.age();
-    if (fails) error("HOT", "too hot");
+    if (fails) error(hot_, "too hot");
   }
   void on_error() override {
     if (!fails) recovered();
   }
+
+ private:
+  task::ErrorState hot_{*this, "HOT"};
 };
 
 class Numbers final : public task::Component {

@@ -29,10 +29,10 @@ struct Image {
   std::vector<std::uint8_t> pixels;
 };
 
-}  // namespace demo
+SEGUE_TYPE(Pose, x, y)
+SEGUE_TYPE(Image, pixels)
 
-SEGUE_TYPE(demo::Pose, x, y)
-SEGUE_TYPE(demo::Image, pixels)
+}  // namespace demo
 
 namespace segue::sample_link {
 namespace {
@@ -189,12 +189,32 @@ TEST_F(Local, SampleFansOutWithoutACopy) {
   ASSERT_TRUE(loan);
   loan->pixels.assign(1'000'000, 42);
   const demo::Image* written = &*loan;
-  EXPECT_EQ(out.publish(std::move(loan)), WriteResult::Written);
+  EXPECT_EQ(loan.publish(), WriteResult::Written);
+  EXPECT_FALSE(loan);
+  EXPECT_EQ(loan.publish(), WriteResult::NoSlot);
   for (const auto& input : inputs) {
     const Sample<demo::Image> sample = input->take();
     ASSERT_TRUE(sample);
     EXPECT_EQ(sample.get(), written);
   }
+}
+
+TEST_F(Local, LatestReadsAllThatWaitsAndKeepsTheNewest) {
+  OutputPort<int> out(writer, "out");
+  InputPort<int> in(reader, "in");
+  const auto connection = connected(out, in, buffer(3));
+  EXPECT_FALSE(in.latest());
+  for (const int value : {1, 2, 3})
+    out.write(value);
+  for (int again = 0; again < 2; ++again) {
+    const Sample<int> newest = in.latest();
+    ASSERT_TRUE(newest);
+    EXPECT_EQ(*newest, 3);
+  }
+  EXPECT_FALSE(in.take());
+  EXPECT_EQ(in.samples_read(), 3U);
+  connection->disconnect();
+  EXPECT_FALSE(in.latest());
 }
 
 TEST_F(Local, FanInTakesTurnsAndKeepsEachOrder) {
@@ -391,7 +411,7 @@ TEST_F(Local, PrimedPortKeepsItsCapacity) {
     auto loan = out.loan();
     EXPECT_GE(loan->capacity(), 1000U);
     loan->assign(10, i);
-    out.publish(std::move(loan));
+    loan.publish();
   }
 }
 

@@ -42,7 +42,7 @@ TimePoint soon() {
 /// samples at a time, so that every slot that a sample can arrive in has been filled once.
 class Trapped : public Component {
  public:
-  explicit Trapped(std::latch& done) : done_(done) { declare_states({"EVEN", "ODD"}, {"BAD"}); }
+  explicit Trapped(std::latch& done) : done_(done) {}
   std::size_t hold = 0;
   InputPort<Scan> in{*this, "in"};
   OutputPort<Scan> out{*this, "out"};
@@ -85,17 +85,20 @@ class Trapped : public Component {
     while (number_in.take()) {
     }
     number_out.write(*gain_);
-    set_state(count_ % 2 == 0 ? "EVEN" : "ODD");
+    (count_ % 2 == 0 ? even_ : odd_).enter();
     log(LogLevel::Debug, "a line");
-    if (count_ % 7 == 3) error("BAD", "for one update");
+    if (count_ % 7 == 3) error(bad_, "for one update");
     copy_.assign(50, *gain_);
     out.write(copy_);
     auto loan = out.loan();
     if (!loan) return;
     loan->assign(50, *gain_);
-    out.publish(std::move(loan));
+    loan.publish();
   }
 
+  task::State even_{*this, "EVEN"};
+  task::State odd_{*this, "ODD"};
+  task::ErrorState bad_{*this, "BAD"};
   Property<double> gain_{*this, "gain", 1.0, PropertyOptions{.live = true}};
   std::latch& done_;
   Scan copy_;

@@ -207,7 +207,7 @@ TEST(SharedConnection, OnePayloadServesAllReaders) {
   auto loan = source.out.loan();
   *loan = Pose(5);
   const Pose* address = &*loan;
-  source.out.publish(std::move(loan));
+  loan.publish();
   EXPECT_EQ(local.in.take().get(), address);
   const auto one = first.in.take();
   const auto two = second.in.take();
@@ -483,7 +483,7 @@ TEST(SharedConnection, LargeSamplesTakeOnlyTheMemoryThatIsWritten) {
     ASSERT_TRUE(loan);
     loan->pixels.front() = i;
     loan->pixels.back() = i;
-    source.out.publish(std::move(loan));
+    loan.publish();
     const auto sample = sink.in.take();
     ASSERT_TRUE(sample);
     EXPECT_EQ(sample->pixels.front(), i);

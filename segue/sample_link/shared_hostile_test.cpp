@@ -23,10 +23,10 @@ struct Switches {
   Mode mode = Mode::Slow;
 };
 
-}  // namespace shared_hostile_test
+SEGUE_TYPE(Mode, Slow, Medium, Fast)
+SEGUE_TYPE(Switches, on, mode)
 
-SEGUE_TYPE(shared_hostile_test::Mode, Slow, Medium, Fast)
-SEGUE_TYPE(shared_hostile_test::Switches, on, mode)
+}  // namespace shared_hostile_test
 
 namespace segue::sample_link {
 namespace {
@@ -269,7 +269,7 @@ TEST(SharedHostile, SamplesWithImpossibleBytesAreNotDelivered) {
     ASSERT_TRUE(sample);
     std::memset(&sample->on, on, 1);
     std::memset(&sample->mode, mode, 1);
-    source.out.publish(std::move(sample));
+    sample.publish();
     EXPECT_FALSE(sink.in.take());
   }
   EXPECT_EQ(link.input->corrupt(), 2U);

@@ -37,12 +37,8 @@ struct Image {
   std::array<std::uint8_t, 100'000'000> pixels;
 };
 
-}  // namespace segue::sample_link::shared_test
-
-SEGUE_TYPE(segue::sample_link::shared_test::Pose, number, check)
-SEGUE_TYPE(segue::sample_link::shared_test::Image, pixels)
-
-namespace segue::sample_link::shared_test {
+SEGUE_TYPE(Pose, number, check)
+SEGUE_TYPE(Image, pixels)
 
 using task::Component;
 using task::InputPort;

@@ -36,9 +36,9 @@ struct Stamped {
   }
 };
 
-}  // namespace demo
+SEGUE_TYPE(Stamped, writer, count, check)
 
-SEGUE_TYPE(demo::Stamped, writer, count, check)
+}  // namespace demo
 
 namespace segue::sample_link {
 namespace {
@@ -70,7 +70,7 @@ class Writer : public Component {
     for (int i = 0; i < 8; ++i) {
       if (auto loan = out.loan()) {
         loan->stamp(number_, ++count_);
-        out.publish(std::move(loan));
+        loan.publish();
       }
     }
   }

@@ -154,7 +154,7 @@ TEST_F(OverdueUpdate, KeepsNoVerbWaiting) {
 
 TEST_F(OverdueUpdate, OfAnErrorIsNamedAsSuch) {
   probe->act = [this](const std::string& hook) -> Result<void> {
-    if (hook == "update") probe->error("TOO_HOT", "too hot");
+    if (hook == "update") probe->error(probe->too_hot, "too hot");
     if (hook != "error") return {};
     clock.advance(20ms);
     EXPECT_EQ(task->overdue(), "on_error has not returned within 20ms");
@@ -170,7 +170,7 @@ using PortDriven = test::TaskTest;
 TEST_F(PortDriven, OnlyTriggerPortsTrigger) {
   struct Choosy : test::Probe {
     InputPort<int> other{*this, "other"};
-    Choosy() { trigger_on({"other"}); }
+    Choosy() : Probe({.trigger_on = {"other"}}) {}
   };
   auto component = std::make_unique<Choosy>();
   Choosy* choosy = component.get();
@@ -205,7 +205,7 @@ TEST_F(Descriptor, ReadableDescriptorUpdatesOnAThread) {
     updated.release();
     return {};
   };
-  const Activity activity{.trigger = Trigger::FileDescriptorDriven};
+  const Activity activity = fd_driven();
   auto task = Task::create("fd", std::move(component), &activity);
   ASSERT_TRUE(task);
   ASSERT_TRUE((*task)->configure(soon()));
@@ -226,7 +226,7 @@ TEST_F(Descriptor, DescriptorThatCannotBeWatchedRefusesTheStart) {
   probe->act = [&](const std::string& hook) -> Result<void> {
     return hook == "start" ? probe->trigger_fd(-1) : Result<void>{};
   };
-  const Activity activity{.trigger = Trigger::FileDescriptorDriven};
+  const Activity activity = fd_driven();
   auto task = Task::create("fd", std::move(component), &activity);
   ASSERT_TRUE(task);
   ASSERT_TRUE((*task)->configure(soon()));

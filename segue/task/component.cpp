@@ -20,7 +20,7 @@ Named* find_named(const std::vector<Named*>& all, std::string_view name) {
 
 }  // namespace
 
-Component::Component() = default;
+Component::Component(const ComponentOptions& options) : options_(options) {}
 Component::~Component() = default;
 
 std::vector<InputPortBase*> Component::inputs() const {
@@ -93,9 +93,19 @@ Result<void> Component::restore_state(const SavedState& state) {
                                           quote(state.name) + " version " + std::to_string(state.version));
 }
 
-void Component::declare_states(std::vector<std::string> nominal, std::vector<std::string> error) {
-  nominal_states_ = std::move(nominal);
-  error_states_ = std::move(error);
+State::State(Component& component, std::string name)
+    : component_(component), number_(static_cast<std::uint32_t>(component.nominal_states_.size()) + 1) {
+  component.nominal_states_.push_back(std::move(name));
+}
+
+void State::enter() const {
+  assert(component_.context_ != nullptr);
+  component_.context_->set_state(number_);
+}
+
+ErrorState::ErrorState(Component& component, std::string name)
+    : component_(component), number_(static_cast<std::uint32_t>(component.error_states_.size()) + 1) {
+  component.error_states_.push_back(std::move(name));
 }
 
 void Component::add_family(PortFamily family) {
@@ -103,14 +113,14 @@ void Component::add_family(PortFamily family) {
   families_.push_back(std::move(family));
 }
 
-void Component::set_state(std::string_view name) {
-  assert(context_ != nullptr);
-  context_->set_state(name);
+void Component::error(const ErrorState& state, std::string_view message) {
+  assert(context_ != nullptr && &state.component_ == this);
+  context_->error(state.number_, message);
 }
 
-void Component::error(std::string_view name, std::string_view message) {
+void Component::error(std::string_view message) {
   assert(context_ != nullptr);
-  context_->error(name, message);
+  context_->error(0, message);
 }
 
 void Component::recovered() {

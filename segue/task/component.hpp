@@ -11,6 +11,7 @@
 #include <segue/task/port.hpp>
 #include <segue/task/property.hpp>
 #include <segue/task/state.hpp>
+#include <segue/task/sub_state.hpp>
 #include <segue/task/typed_port.hpp>
 
 #include <memory>
@@ -37,8 +38,9 @@ class TaskContext {
  public:
   [[nodiscard]] virtual const std::string& id() const = 0;
   [[nodiscard]] virtual TimePoint now() const = 0;
-  virtual void set_state(std::string_view name) = 0;
-  virtual void error(std::string_view name, std::string_view message) = 0;
+  /// Sub-states by their position among those of their kind, from 1; 0: none.
+  virtual void set_state(std::uint32_t nominal) = 0;
+  virtual void error(std::uint32_t error_state, std::string_view message) = 0;
   virtual void recovered() = 0;
   virtual void exception(std::string_view message) = 0;
   virtual void fatal(std::string_view message) = 0;
@@ -48,13 +50,21 @@ class TaskContext {
   ~TaskContext() = default;
 };
 
+/// Facts about a component that its constructor fixes.
+struct ComponentOptions {
+  std::string doc{};
+  Activity activity{};                    ///< unless the network says otherwise
+  std::vector<std::string> claims{};      ///< devices that one configured task at a time may hold
+  std::vector<std::string> trigger_on{};  ///< inputs that trigger a port-driven task; empty: all
+};
+
 /// A unit of robot software: derive, add ports, properties and operations as members, override hooks, and
 /// register with SEGUE_COMPONENT. Hooks never run at the same time. on_update and on_error run on the task's
 /// executor and must follow the real-time rules; the others run in the thread that asked for the change and
 /// may allocate and block. A hook that throws leads to Exception, after on_stop and on_cleanup.
 class Component {
  public:
-  Component();
+  explicit Component(const ComponentOptions& options = {});
   Component(const Component&) = delete;
   Component& operator=(const Component&) = delete;
   virtual ~Component();
@@ -75,13 +85,9 @@ class Component {
   [[nodiscard]] OperationBase* find_operation(std::string_view name) const;
 
   /// Fixed by the constructor.
-  [[nodiscard]] const Activity& default_activity() const { return activity_; }
+  [[nodiscard]] const ComponentOptions& options() const { return options_; }
   [[nodiscard]] const std::vector<std::string>& nominal_states() const { return nominal_states_; }
   [[nodiscard]] const std::vector<std::string>& error_states() const { return error_states_; }
-  [[nodiscard]] const std::vector<std::string>& claims() const { return claims_; }
-  /// Inputs that trigger a port-driven task; empty: all.
-  [[nodiscard]] const std::vector<std::string>& trigger_ports() const { return trigger_ports_; }
-  [[nodiscard]] const std::string& doc() const { return doc_; }
   /// The name under which it is registered; empty if it was not created by the registry.
   [[nodiscard]] const std::string& component_name() const { return component_name_; }
   void set_component_name(std::string name) { component_name_ = std::move(name); }
@@ -108,14 +114,8 @@ class Component {
   /// that it does not know (the default refuses all); an error or exception fails the transition.
   virtual Result<void> restore_state(const SavedState& state);
 
-  /// For constructors.
-  void default_activity(Activity activity) { activity_ = std::move(activity); }
-  void declare_states(std::vector<std::string> nominal, std::vector<std::string> error = {});
-  void claims(std::vector<std::string> devices) { claims_ = std::move(devices); }
-  void trigger_on(std::vector<std::string> inputs) { trigger_ports_ = std::move(inputs); }
-  void doc(std::string text) { doc_ = std::move(text); }
-  /// Declares dynamic ports that on_configure may create. `pattern` is an ECMAScript regular expression for
-  /// their whole names; networks are checked against it.
+  /// For constructors: declares dynamic ports that on_configure may create. `pattern` is an ECMAScript
+  /// regular expression for their whole names; networks are checked against it.
   template <class T>
   void dynamic_inputs(std::string pattern, std::string text = {}) {
     add_family({std::move(pattern), Direction::Input, &type::type_info<T>(), std::move(text)});
@@ -130,10 +130,9 @@ class Component {
   }
 
   /// The functions below are for hooks, real-time safe, and require a task.
-  /// Enters a declared nominal sub-state of Running; "" is plain Running.
-  void set_state(std::string_view name);
-  /// Enters RunTimeError with a declared sub-state ("" for none). For on_start, on_update and on_error.
-  void error(std::string_view name, std::string_view message);
+  /// Enters RunTimeError, with a sub-state of this component or none. For on_start, on_update and on_error.
+  void error(const ErrorState& state, std::string_view message);
+  void error(std::string_view message);
   /// Returns from RunTimeError to Running. For on_error.
   void recovered();
   /// Enters Exception, or Fatal (which cannot be left), as soon as the hook returns.
@@ -155,6 +154,8 @@ class Component {
   friend class PropertyBase;
   friend class InputTimeout;
   friend class OperationBase;
+  friend class State;
+  friend class ErrorState;
   friend class ComponentAccess;
   friend class HeldPorts;
 
@@ -169,10 +170,7 @@ class Component {
   std::vector<OperationBase*> operations_;
   std::vector<std::string> nominal_states_;
   std::vector<std::string> error_states_;
-  std::vector<std::string> claims_;
-  std::vector<std::string> trigger_ports_;
-  Activity activity_;
-  std::string doc_;
+  const ComponentOptions options_;
   std::string component_name_;
   TaskContext* context_ = nullptr;
   /// The state as a number: TaskState; nominal sub-states from 100, error sub-states from 200.
@@ -185,9 +183,7 @@ inline constexpr std::int32_t kFirstErrorState = 200;
 }  // namespace segue::task
 
 /// Registers a component under its full name ("demo::Filter"). At global scope, in a program or a library.
-#define SEGUE_COMPONENT(Type)                                                                     \
-  static const ::segue::task::detail::Registration SEGUE_DETAIL_NAME(segue_component_, __LINE__){ \
-      #Type, ::segue::task::kComponentAbi,                                                        \
+#define SEGUE_COMPONENT(Type)                                                                        \
+  static const ::segue::task::detail::Registration SEGUE_DETAIL_NAME(segue_component_, __COUNTER__){ \
+      #Type, ::segue::task::kComponentAbi,                                                           \
       []() -> std::unique_ptr<::segue::task::Component> { return std::make_unique<Type>(); }};
-#define SEGUE_DETAIL_NAME(name, line) SEGUE_DETAIL_JOIN(name, line)
-#define SEGUE_DETAIL_JOIN(name, line) name##line

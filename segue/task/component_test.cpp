@@ -15,13 +15,11 @@ namespace demo {
 
 class Filter : public segue::task::Component {
  public:
-  Filter() {
-    default_activity({.trigger = segue::Trigger::Periodic, .period = 10ms});
-    declare_states({"SETTLING"}, {"SENSOR_LOST"});
-    claims({"/dev/x"});
-    trigger_on({"input"});
-    doc("a filter");
-  }
+  Filter()
+      : Component({.doc = "a filter",
+                   .activity = segue::periodic(10ms),
+                   .claims = {"/dev/x"},
+                   .trigger_on = {"input"}}) {}
 
   std::unique_ptr<segue::task::InputPort<int>> extra;
 
@@ -34,6 +32,8 @@ class Filter : public segue::task::Component {
   void on_cleanup() override { extra.reset(); }
 
  private:
+  segue::task::State settling_{*this, "SETTLING"};
+  segue::task::ErrorState sensor_lost_{*this, "SENSOR_LOST"};
   segue::task::InputPort<double> input_{*this, "input"};
   segue::task::OutputPort<double> output_{*this, "output"};
 };
@@ -112,10 +112,10 @@ TEST(ComponentInterface, IsReadableWithoutATask) {
   EXPECT_THAT(outputs, ElementsAre("state", "output"));
   EXPECT_THAT(filter.nominal_states(), ElementsAre("SETTLING"));
   EXPECT_THAT(filter.error_states(), ElementsAre("SENSOR_LOST"));
-  EXPECT_THAT(filter.claims(), ElementsAre("/dev/x"));
-  EXPECT_THAT(filter.trigger_ports(), ElementsAre("input"));
-  EXPECT_EQ(filter.default_activity().period, 10ms);
-  EXPECT_EQ(filter.doc(), "a filter");
+  EXPECT_THAT(filter.options().claims, ElementsAre("/dev/x"));
+  EXPECT_THAT(filter.options().trigger_on, ElementsAre("input"));
+  EXPECT_EQ(filter.options().activity, periodic(10ms));
+  EXPECT_EQ(filter.options().doc, "a filter");
   EXPECT_EQ(filter.find_output("input"), nullptr);
 }
 

@@ -187,7 +187,7 @@ Result<void> Task::Implementation::refused(std::string_view hook_name, Error why
 Result<void> Task::Implementation::arm() {
   trigger_inputs.clear();
   if (activity.trigger == Trigger::PortDriven) {
-    const std::vector<std::string>& wanted = component->trigger_ports();
+    const std::vector<std::string>& wanted = component->options().trigger_on;
     const std::vector<InputPortBase*> inputs = component->inputs();
     for (InputPortBase* input : inputs) {
       if (wanted.empty() || std::ranges::find(wanted, input->name()) != wanted.end()) {

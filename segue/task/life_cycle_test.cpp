@@ -184,7 +184,7 @@ TEST_F(LifeCycle, FatalRunsNoFurtherHookAndIsNeverLeft) {
 TEST_F(LifeCycle, ErrorCallsOnErrorUntilTheComponentRecovers) {
   bring_to(TaskState::Running);
   probe->act = [this](const std::string& hook) -> Result<void> {
-    if (hook == "update") probe->error("TOO_HOT", "81 degrees");
+    if (hook == "update") probe->error(probe->too_hot, "81 degrees");
     return {};
   };
   update();
@@ -206,7 +206,7 @@ TEST_F(LifeCycle, ErrorCallsOnErrorUntilTheComponentRecovers) {
 TEST_F(LifeCycle, ErrorInOnStartStartsInRunTimeErrorAndSaysSo) {
   bring_to(TaskState::Stopped);
   probe->act = [this](const std::string&) -> Result<void> {
-    probe->error("SENSOR_LOST", "no echo");
+    probe->error(probe->sensor_lost, "no echo");
     return {};
   };
   const Result<void> started = task->start(soon());
@@ -215,20 +215,25 @@ TEST_F(LifeCycle, ErrorInOnStartStartsInRunTimeErrorAndSaysSo) {
   EXPECT_EQ(task->state_name(), "SENSOR_LOST");
 }
 
-TEST_F(LifeCycle, SubStatesAreNamedAndUnknownOnesIgnored) {
+TEST_F(LifeCycle, SubStateLastsUntilAnotherOneIsEntered) {
   bring_to(TaskState::Running);
-  const auto set = [this](const std::string& name) {
-    probe->act = [this, name](const std::string&) -> Result<void> {
-      probe->set_state(name);
+  const auto after = [this](const State& state) {
+    probe->act = [&state](const std::string&) -> Result<void> {
+      state.enter();
       return {};
     };
     update();
     return task->state_name();
   };
-  EXPECT_EQ(set("TRACKING"), "TRACKING");
+  EXPECT_EQ(after(probe->tracking), "TRACKING");
   EXPECT_EQ(task->state(), TaskState::Running);
-  EXPECT_EQ(set("DANCING"), "TRACKING");
-  EXPECT_EQ(set(""), "running");
+  EXPECT_EQ(after(probe->settling), "SETTLING");
+}
+
+TEST_F(LifeCycle, SubStateIsNotEnteredOutsideOfRunning) {
+  bring_to(TaskState::Stopped);
+  probe->tracking.enter();
+  EXPECT_EQ(task->state_name(), "stopped");
 }
 
 TEST_F(LifeCycle, EveryChangeIsToldToTheListenerInOrder) {
@@ -318,7 +323,7 @@ TEST_F(LifeCycle, UpdatesOnlyWhileRunning) {
 
 TEST_F(LifeCycle, MissingTriggerPortRefusesTheStart) {
   struct Wrong : test::Probe {
-    Wrong() { trigger_on({"inptu"}); }
+    Wrong() : Probe({.trigger_on = {"inptu"}}) {}
   };
   auto made = Task::create("wrong", std::make_unique<Wrong>(), Activity{}, executor);
   ASSERT_TRUE(made);

@@ -6,6 +6,8 @@
 #include <segue/type/type_info.hpp>
 #include <segue/type/value.hpp>
 
+#include <array>
+#include <concepts>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -85,17 +87,34 @@ class DynamicOperation final : public OperationBase {
   Function function_;
 };
 
+template <std::size_t kGiven, std::size_t kArguments>
+concept OneNamePerArgument = kGiven == kArguments;
+
+/// The names of an operation's arguments, `{"x", "y"}`: another number of them does not compile.
+template <std::size_t N>
+class ArgumentNames {
+ public:
+  template <std::convertible_to<std::string_view>... Names>
+  requires OneNamePerArgument<sizeof...(Names), N>
+  constexpr ArgumentNames(const Names&... names) : names_{names...} {}  // NOLINT(google-explicit-constructor)
+  [[nodiscard]] std::string_view operator[](std::size_t argument) const { return names_[argument]; }
+
+ private:
+  std::array<std::string_view, N> names_;
+};
+
 template <class Signature>
 class Operation;
 
-/// `Operation<double(double)> twice_{*this, "twice", {"x"}, [](double x) { return 2 * x; }};` The function
-/// may also return a Result.
+/// `Operation<double(double)> twice_{*this, "twice", {"x"}, [](double x) { return 2 * x; }};` The braces name
+/// each argument. The function may also return a Result.
 template <class R, class... A>
 class Operation<R(A...)> final : public OperationBase {
  public:
   using Function = std::function<R(A...)>;
-  Operation(Component& component, std::string name, const std::vector<std::string>& argument_names,
-            Function function, RunsIn runs_in = RunsIn::TaskThread, std::string doc = {})
+  using Names = ArgumentNames<sizeof...(A)>;
+  Operation(Component& component, std::string name, const Names& argument_names, Function function,
+            RunsIn runs_in = RunsIn::TaskThread, std::string doc = {})
       : OperationBase(component, describe(std::move(name), argument_names, runs_in, std::move(doc))),
         function_(std::move(function)) {}
 
@@ -120,14 +139,12 @@ class Operation<R(A...)> final : public OperationBase {
   using Plain = typename Unwrapped<R>::type;
   static constexpr bool kReturnsResult = !std::is_same_v<Plain, R>;
 
-  static OperationInfo describe(std::string name, const std::vector<std::string>& argument_names,
-                                RunsIn runs_in, std::string doc) {
+  static OperationInfo describe(std::string name, const Names& argument_names, RunsIn runs_in,
+                                std::string doc) {
     OperationInfo info{std::move(name), {}, {}, runs_in, std::move(doc)};
     const std::vector<const type::TypeInfo*> types = {&type::type_info<std::decay_t<A>>()...};
-    for (std::size_t i = 0; i < types.size(); ++i) {
-      std::string argument = i < argument_names.size() ? argument_names[i] : "arg" + std::to_string(i + 1);
-      info.arguments.push_back({std::move(argument), types[i], std::string(types[i]->name())});
-    }
+    for (std::size_t i = 0; i < types.size(); ++i)
+      info.arguments.push_back({std::string(argument_names[i]), types[i], std::string(types[i]->name())});
     if constexpr (!std::is_void_v<Plain>) info.result = type::type_info<std::decay_t<Plain>>().name();
     return info;
   }

@@ -50,6 +50,11 @@ class Calculator : public test::Probe {
   Operation<void()> explode{*this, "explode", {}, [this] { exception("boom"); }};
 };
 
+using Name = const char*;
+static_assert(std::is_constructible_v<ArgumentNames<2>, Name, Name>);
+static_assert(!std::is_constructible_v<ArgumentNames<2>, Name>, "an argument has no name");
+static_assert(!std::is_constructible_v<ArgumentNames<2>, Name, Name, Name>, "a name has no argument");
+
 class Operations : public ::testing::Test {
  protected:
   Operations() {

@@ -27,10 +27,12 @@ class Probe : public Component {
   Property<std::string> device{*this, "device", "/dev/x"};
   Property<std::vector<int>> limits{*this, "limits", {1, 2}, PropertyOptions{.live = true}};
 
-  Probe() {
-    default_activity({.trigger = Trigger::PortDriven});
-    declare_states({"SETTLING", "TRACKING"}, {"SENSOR_LOST", "TOO_HOT"});
-  }
+  State settling{*this, "SETTLING"};
+  State tracking{*this, "TRACKING"};
+  ErrorState sensor_lost{*this, "SENSOR_LOST"};
+  ErrorState too_hot{*this, "TOO_HOT"};
+
+  explicit Probe(const ComponentOptions& options = {}) : Component(options) {}
 
   using Component::error;
   using Component::exception;
@@ -39,7 +41,6 @@ class Probe : public Component {
   using Component::log;
   using Component::now;
   using Component::recovered;
-  using Component::set_state;
   using Component::trigger_fd;
 
   std::vector<std::string> hooks;
@@ -111,7 +112,7 @@ class TaskTest : public ::testing::Test {
     }
     if (state == TaskState::RunTimeError) {
       probe->act = [this](const std::string&) -> Result<void> {
-        probe->error("SENSOR_LOST", "no echo");
+        probe->error(probe->sensor_lost, "no echo");
         return {};
       };
       update();

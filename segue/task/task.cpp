@@ -161,7 +161,7 @@ Result<type::Value> Task::Implementation::call_in_thread(std::unique_ptr<Operati
 
 Result<std::unique_ptr<Task>> Task::create(std::string id, std::unique_ptr<Component> component,
                                            const Activity* activity) {
-  const Activity wanted = activity == nullptr ? component->default_activity() : *activity;
+  const Activity wanted = activity == nullptr ? component->options().activity : *activity;
   if (auto checked = check_activity(id, wanted); !checked) return std::move(checked.error());
   auto executor = ExecutorSet::of_process().executor_for(id, wanted);
   if (!executor) return std::move(executor.error());

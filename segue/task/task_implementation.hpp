@@ -50,8 +50,8 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   // TaskContext, for hooks.
   [[nodiscard]] const std::string& id() const override { return name; }
   [[nodiscard]] TimePoint now() const override { return executor->clock().now(); }
-  void set_state(std::string_view sub_state) override;
-  void error(std::string_view sub_state, std::string_view text) override;
+  void set_state(std::uint32_t sub_state) override;
+  void error(std::uint32_t sub_state, std::string_view text) override;
   void recovered() override;
   void exception(std::string_view text) override;
   void fatal(std::string_view text) override;

@@ -13,12 +13,6 @@ namespace {
 /// Some callers wait for ever.
 constexpr Duration kLongestOperation = std::chrono::hours(24);
 
-/// Index + 1 of a declared sub-state; 0 for "" and for names that were not declared.
-std::uint32_t number_of(const std::vector<std::string>& declared, std::string_view name) {
-  const auto found = std::ranges::find(declared, name);
-  return found == declared.end() ? 0 : static_cast<std::uint32_t>(found - declared.begin()) + 1;
-}
-
 }  // namespace
 
 bool Task::Implementation::active() const {
@@ -158,32 +152,24 @@ void Task::Implementation::note_operation(TimePoint caller_deadline) noexcept {
   if (reasons != 0) executor->trigger(*this, static_cast<Job::Reason>(reasons));
 }
 
-void Task::Implementation::set_state(std::string_view sub_state) {
-  const std::uint32_t number = number_of(component->nominal_states(), sub_state);
-  if (state() != TaskState::Running || (number == 0 && !sub_state.empty())) {
-    RealtimeLog::instance().push(LogLevel::Warning, name,
-                                 number == 0 ? "set_state() with a name that declare_states() lacks: ignored"
-                                             : "set_state() outside of running: ignored");
+void Task::Implementation::set_state(std::uint32_t sub_state) {
+  if (state() != TaskState::Running) {
+    RealtimeLog::instance().push(LogLevel::Warning, name, "a state entered outside of running: ignored");
     return;
   }
-  if (state_word.load(std::memory_order_relaxed) >> 8U != number) enter(TaskState::Running, number);
+  if (state_word.load(std::memory_order_relaxed) >> 8U != sub_state) enter(TaskState::Running, sub_state);
 }
 
-void Task::Implementation::error(std::string_view sub_state, std::string_view text) {
-  const std::uint32_t number = number_of(component->error_states(), sub_state);
+void Task::Implementation::error(std::uint32_t sub_state, std::string_view text) {
   if (!active() && !starting) {
     RealtimeLog::instance().push(LogLevel::Warning, name, "error() outside of start and update: ignored");
     return;
   }
-  if (number == 0 && !sub_state.empty()) {
-    RealtimeLog::instance().push(LogLevel::Warning, name,
-                                 "error() with a name that declare_states() lacks: without sub-state");
-  }
   message.store(text);
   if (starting) {
-    error_at_start = number + 1;
+    error_at_start = sub_state + 1;
   } else {
-    enter(TaskState::RunTimeError, number);
+    enter(TaskState::RunTimeError, sub_state);
   }
 }
 

@@ -20,19 +20,22 @@ inline PortOptions for_objects(PortOptions options) {
 }
 }  // namespace detail
 
-/// A sample that is written in place. It still holds the value of an earlier sample, so every part must be
-/// set. Must not outlive its port; discarded unless it is published. Real-time safe.
+/// A sample that is written in place: `auto loan = out_.loan(); if (loan) { loan->x = 1; loan.publish(); }`.
+/// It still holds the value of an earlier sample, so every part must be set. Must not outlive its port;
+/// discarded unless it is published. Real-time safe.
 template <class T>
 class Loan {
  public:
-  Loan() = default;
   explicit operator bool() const noexcept { return static_cast<bool>(slot_); }
   T& operator*() const noexcept { return *static_cast<T*>(slot_->value); }
   T* operator->() const noexcept { return static_cast<T*>(slot_->value); }
+  /// Sends the sample; the loan is empty then. An empty one sends nothing (NoSlot).
+  WriteResult publish() noexcept { return slot_ ? port_.publish(slot_.detach()) : WriteResult::NoSlot; }
 
  private:
   friend class OutputPort<T>;
-  explicit Loan(SampleSlot* slot) noexcept : slot_(SampleRef::adopt(slot)) {}
+  Loan(OutputPort<T>& port, SampleSlot* slot) noexcept : port_(port), slot_(SampleRef::adopt(slot)) {}
+  OutputPort<T>& port_;
   SampleRef slot_;
 };
 
@@ -69,20 +72,18 @@ class OutputPort : public OutputPortBase {
     SampleSlot* slot = acquire();
     if (slot == nullptr) return WriteResult::NoSlot;
     *static_cast<T*>(slot->value) = value;
-    return OutputPortBase::publish(slot);
+    return publish(slot);
   }
 
   /// A slot to write to without a copy; empty if none is free. Real-time safe.
-  Loan<T> loan() noexcept {
-    SampleSlot* slot = acquire();
-    return slot == nullptr ? Loan<T>{} : Loan<T>{slot};
-  }
-  /// Sends the sample. Requires a loan of this port. Real-time safe.
-  WriteResult publish(Loan<T> loan) noexcept { return OutputPortBase::publish(loan.slot_.detach()); }
+  Loan<T> loan() noexcept { return {*this, acquire()}; }
 
   /// Fills every free slot, and all slots that later connections add, with `example`, so that writing values
   /// that are not larger allocates nothing. For hooks, not for updates.
   void prime(const T& example) { pool().prime(&example); }
+
+ private:
+  friend class Loan<T>;
 };
 
 /// Reads samples from all connections in turn. For its task only, one thread at a time.
@@ -104,6 +105,16 @@ class InputPort : public InputPortBase {
   /// The next sample itself, without a copy; empty if there is no new one. Real-time safe.
   Sample<T> take() noexcept {
     if (fetch() != ReadStatus::NewData) return {};
+    return Sample<T>(last(), &value_of(*last().get()));
+  }
+
+  /// Reads all that waits, and gives the newest sample, also if it was read before; empty if there is none.
+  /// Real-time safe.
+  Sample<T> latest() noexcept {
+    ReadStatus status = ReadStatus::NewData;
+    while (status == ReadStatus::NewData)
+      status = fetch();
+    if (status == ReadStatus::NoData) return {};
     return Sample<T>(last(), &value_of(*last().get()));
   }
 

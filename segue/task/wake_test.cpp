@@ -153,7 +153,7 @@ TEST_P(Spinning, PeriodIsKept) {
 
 TEST_P(Spinning, DescriptorsAreSeen) {
   event = eventfd(0, EFD_NONBLOCK);
-  start({.trigger = Trigger::FileDescriptorDriven});
+  start(fd_driven());
   for (int i = 0; i < 100; ++i) {
     eventfd_write(event, 1);
     updated.acquire();

@@ -73,7 +73,7 @@ model::OperationModel operation_model(const task::OperationBase& operation) {
 model::ComponentModel describe(const task::Component& component) {
   model::ComponentModel model;
   model.name = model::ComponentName(component.component_name());
-  model.doc = component.doc();
+  model.doc = component.options().doc;
   add_ports(component, model);
   for (const auto* property : component.properties()) {
     model.properties.push_back(property_model(*property));
@@ -81,11 +81,11 @@ model::ComponentModel describe(const task::Component& component) {
   for (const auto* operation : component.operations()) {
     model.operations.push_back(operation_model(*operation));
   }
-  model.activity = component.default_activity();
-  model.trigger_ports = component.trigger_ports();
+  model.activity = component.options().activity;
+  model.trigger_ports = component.options().trigger_on;
   model.nominal_states = component.nominal_states();
   model.error_states = component.error_states();
-  model.exclusive = component.claims();
+  model.exclusive = component.options().claims;
   return model;
 }
 

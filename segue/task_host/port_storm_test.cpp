@@ -17,8 +17,7 @@ using segue::task::PortOptions;
 /// Writes a few samples, then breaks.
 class Fragile : public segue::task::Component {
  public:
-  Fragile() {
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::microseconds(100)});
+  Fragile() : Component({.activity = segue::periodic(std::chrono::microseconds(100))}) {
     dynamic_outputs<double>("out_[0-9]+");
     dynamic_inputs<double>("in_[0-9]+");
   }

@@ -13,19 +13,18 @@ class Wavering : public segue::task::Component {
  public:
   static inline std::atomic<int> updates{0};
 
-  Wavering() {
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::microseconds(200)});
-    declare_states({}, {"LOST"});
-  }
+  Wavering() : Component({.activity = segue::periodic(std::chrono::microseconds(200))}) {}
 
  private:
   static constexpr int kWarmUp = 20;
   void on_update() override {
     segue::testing::trapped = updates.fetch_add(1) > kWarmUp;
-    error("LOST", "for one update");
+    error(lost_, "for one update");
   }
   void on_error() override { recovered(); }
   void on_stop() override { segue::testing::trapped = false; }
+
+  segue::task::ErrorState lost_{*this, "LOST"};
 };
 
 }  // namespace realtime_test

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <new>
 #include <set>
 #include <stdexcept>
@@ -86,6 +87,16 @@ Result<void> check_behaviour(const type::Value& value, std::string_view path) {
   }
 }
 
+task::ComponentOptions options_of(const StandInPlan& plan) {
+  task::ComponentOptions options{.doc = "stands in for " + plan.component.str(),
+                                 .activity = stand_in_activity(plan.model, plan.behaviour)};
+  if (plan.model != nullptr) {
+    options.claims = plan.model->exclusive;
+    options.trigger_on = plan.model->trigger_ports;
+  }
+  return options;
+}
+
 class StandIn final : public task::Component {
  public:
   explicit StandIn(const StandInPlan& plan);
@@ -118,6 +129,8 @@ class StandIn final : public task::Component {
   const type::TypeRegistry* types_;
   Mutex ports_mutex_;  ///< protects the ports below: connections may add more at any time
   std::vector<ExpectedPort> expected_;
+  std::deque<task::State> nominal_states_;
+  std::deque<task::ErrorState> error_states_;
   std::vector<std::unique_ptr<task::InputPortBase>> static_inputs_, dynamic_inputs_;
   std::vector<std::unique_ptr<task::OutputPortBase>> static_outputs_, dynamic_outputs_;
   std::vector<std::unique_ptr<task::DynamicProperty>> properties_;
@@ -131,20 +144,20 @@ class StandIn final : public task::Component {
 };
 
 StandIn::StandIn(const StandInPlan& plan)
-    : defaults_(plan.behaviour),
+    : Component(options_of(plan)),
+      defaults_(plan.behaviour),
       now_(plan.behaviour),
       model_(plan.model == nullptr ? std::nullopt : std::optional(*plan.model)),
       types_(plan.types),
       expected_(plan.ports),
       operations_hang_(plan.behaviour.hangs("operation")) {
   set_component_name(plan.component.str());
-  doc("stands in for " + plan.component.str());
-  default_activity(stand_in_activity(plan.model, plan.behaviour));
   add_properties(plan);
   if (model_) {
-    trigger_on(model_->trigger_ports);
-    claims(model_->exclusive);
-    declare_states(model_->nominal_states, model_->error_states);
+    for (const auto& name : model_->nominal_states)
+      nominal_states_.emplace_back(*this, name);
+    for (const auto& name : model_->error_states)
+      error_states_.emplace_back(*this, name);
     for (const auto& port : model_->ports) {
       if (!port.dynamic && !port.pattern) add_port(port);
     }

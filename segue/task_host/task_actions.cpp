@@ -246,7 +246,7 @@ Result<void> TaskActions::hand_over(const model::HandOverAction& what, TimePoint
 Result<void> TaskActions::check_devices(const TaskEntry& entry) const {
   const auto devices_of = [](const TaskEntry& of) {
     std::vector<std::string> devices = of.definition.exclusive;
-    const auto& claimed = of.task->component().claims();
+    const auto& claimed = of.task->component().options().claims;
     devices.insert(devices.end(), claimed.begin(), claimed.end());
     return devices;
   };

@@ -122,7 +122,7 @@ Activity TaskMaker::activity_for(const model::Task& definition, const ProcessEnt
                                  const task::Component& component, bool stand_in) const {
   const Activity of_component =
       stand_in ? stand_in_activity(catalog_.find(definition.component), behaviour_of(definition))
-               : component.default_activity();
+               : component.options().activity;
   Activity activity = definition.activity.value_or(of_component);
   if (stand_in) {
     follow_clock(activity, of_component);

@@ -11,7 +11,7 @@ namespace written {
 /// Adds up what it reads as new, and shows what it read last.
 class Adder final : public segue::task::Component {
  public:
-  Adder() { default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(1)}); }
+  Adder() : Component({.activity = segue::periodic(std::chrono::milliseconds(1))}) {}
 
  protected:
   segue::Result<void> on_configure() override {

@@ -103,25 +103,26 @@ struct HasOpaque {
   int number = 0;
   std::vector<Opaque> items;
 };
-}  // namespace coded
 
-SEGUE_TYPE(coded::Gait, Walk, Trot, Jump)
-SEGUE_TYPE(coded::Side, Left, None, Right)
-SEGUE_TYPE(coded::Gear, Neutral, First)
-SEGUE_TYPE(coded::Contact, force, leg, firm, gait)
-SEGUE_TYPE(coded::Stamp, seconds, fraction, gear)
-SEGUE_TYPE(coded::Late, number, other, value)
-SEGUE_TYPE(coded::Swapped, y, x)
-SEGUE_TYPE(coded::Gap, before, after, late)
-SEGUE_TYPE(coded::Step, odd, number, name, stamp, duration, contacts, late, stamps, remark, firm, sides,
-           texts, gaps, last, swapped)
-SEGUE_TYPE(coded::Image, stamp, width, data)
-SEGUE_TYPE(coded::Secretive, shown, small, after)
-SEGUE_TYPE(coded::Blank)
-SEGUE_TYPE(coded::Branch, value, branches)
-SEGUE_TYPE(coded::Matrices, odd, vector, matrix, points, image, rotation, rows, axis, turn, many)
-SEGUE_TYPE(coded::Owner, left, right)
-SEGUE_TYPE(coded::HasOpaque, number, items)
+SEGUE_TYPE(Gait, Walk, Trot, Jump)
+SEGUE_TYPE(Side, Left, None, Right)
+SEGUE_TYPE(Gear, Neutral, First)
+SEGUE_TYPE(Contact, force, leg, firm, gait)
+SEGUE_TYPE(Stamp, seconds, fraction, gear)
+SEGUE_TYPE(Late, number, other, value)
+SEGUE_TYPE(Swapped, y, x)
+SEGUE_TYPE(Gap, before, after, late)
+SEGUE_TYPE(Step, odd, number, name, stamp, duration, contacts, late, stamps, remark, firm, sides, texts, gaps,
+           last, swapped)
+SEGUE_TYPE(Image, stamp, width, data)
+SEGUE_TYPE(Secretive, shown, small, after)
+SEGUE_TYPE(Blank)
+SEGUE_TYPE(Branch, value, branches)
+SEGUE_TYPE(Matrices, odd, vector, matrix, points, image, rotation, rows, axis, turn, many)
+SEGUE_TYPE(Owner, left, right)
+SEGUE_TYPE(HasOpaque, number, items)
+
+}  // namespace coded
 
 template <>
 struct segue::type::detail::Describe<coded::Opaque> {

@@ -15,25 +15,30 @@
 #include <type_traits>
 #include <vector>
 
+/// For the associated namespaces of calls only: SEGUE_TYPE is found at global scope, too.
+struct SegueGlobalScope {};
+
 /// Names the members of a struct or the symbols of an enum, so that it can travel through ports and be a
-/// property: `SEGUE_TYPE(demo::Pose, x, y, theta)`, once, at global scope, after the definition, with the
-/// full name. Up to 64 names. Members of base classes may be named too; members not named do not take part.
-/// The type needs a default constructor and copies. Its name elsewhere is typelib's: "/demo/Pose".
-#define SEGUE_TYPE(type_, ...)                                                                 \
-  template <>                                                                                  \
-  struct segue::type::Description<type_> {                                                     \
-    static constexpr std::string_view kName = #type_;                                          \
-    static inline const bool kAnnounced =                                                      \
-        ::segue::type::detail::announce(::segue::type::detail::described_type<type_>);         \
-    template <class Described_>                                                                \
-    static void visit([[maybe_unused]] ::segue::type::detail::Visitor<Described_>& visitor_) { \
-      if constexpr (std::is_enum_v<Described_>) {                                              \
-        SEGUE_DETAIL_EACH(SEGUE_DETAIL_SYMBOL, __VA_ARGS__)                                    \
-      } else {                                                                                 \
-        SEGUE_DETAIL_EACH(SEGUE_DETAIL_MEMBER, __VA_ARGS__)                                    \
-      }                                                                                        \
-    }                                                                                          \
-  };
+/// property: `SEGUE_TYPE(Pose, x, y, theta)`, once, after the definition, in the type's namespace, or with
+/// the full name at global scope. Up to 64 names. Members of base classes may be named too; members not named
+/// do not take part. The type needs a default constructor and copies. Its name elsewhere is typelib's:
+/// "/demo/Pose".
+#define SEGUE_TYPE(type_, ...)                                                            \
+  inline ::segue::type::detail::WrittenName segue_type_name(::std::type_identity<type_>,  \
+                                                            ::SegueGlobalScope) {         \
+    return {__PRETTY_FUNCTION__, #type_};                                                 \
+  }                                                                                       \
+  template <::std::same_as<type_> Described_>                                             \
+  void segue_visit([[maybe_unused]] ::segue::type::detail::Visitor<Described_>& visitor_, \
+                   ::SegueGlobalScope) {                                                  \
+    if constexpr (std::is_enum_v<Described_>) {                                           \
+      SEGUE_DETAIL_EACH(SEGUE_DETAIL_SYMBOL, __VA_ARGS__)                                 \
+    } else {                                                                              \
+      SEGUE_DETAIL_EACH(SEGUE_DETAIL_MEMBER, __VA_ARGS__)                                 \
+    }                                                                                     \
+  }                                                                                       \
+  [[maybe_unused]] static const bool SEGUE_DETAIL_NAME(segue_announced_, __COUNTER__) =   \
+      ::segue::type::detail::announce(::segue::type::detail::described_type<type_>);
 #define SEGUE_DETAIL_SYMBOL(name_) visitor_.symbol(#name_, Described_::name_);
 #define SEGUE_DETAIL_MEMBER(name_) visitor_.member(#name_, &Described_::name_);
 
@@ -48,6 +53,9 @@
 
 #define SEGUE_DETAIL_PARENTHESES ()
 
+#define SEGUE_DETAIL_NAME(name, number) SEGUE_DETAIL_JOIN(name, number)
+#define SEGUE_DETAIL_JOIN(name, number) name##number
+
 /// use(a) use(b) use(c) for (a, b, c).
 #define SEGUE_DETAIL_EACH(use, ...) __VA_OPT__(SEGUE_DETAIL_SCAN(SEGUE_DETAIL_STEP(use, __VA_ARGS__)))
 #define SEGUE_DETAIL_STEP(use, first, ...) \
@@ -56,15 +64,11 @@
 
 namespace segue::type {
 
-/// Specialised by SEGUE_TYPE.
-template <class T>
-struct Description;
-
 namespace detail {
 
 template <class T>
 concept Described = requires {
-  Description<T>::kName;
+  segue_type_name(std::type_identity<T>{}, SegueGlobalScope{});
 };
 
 /// The description of a C++ type: name(text), describe(shape) and, where needed, kSequence, kConversion and
@@ -72,9 +76,9 @@ concept Described = requires {
 template <class T>
 struct Describe {
   static_assert(Described<T>,
-                "no description of this type: describe it with SEGUE_TYPE(its::full::Name, its, members) at "
-                "global scope before it is used by a port or property; pointers, references and maps cannot "
-                "be described");
+                "no description of this type: describe it with SEGUE_TYPE(Name, its, members) in its "
+                "namespace before it is used by a port or property; pointers, references and maps cannot be "
+                "described");
 };
 
 template <class T>

@@ -36,24 +36,28 @@ template <class T>
 requires Described<T> && std::is_enum_v<T>
 struct Describe<T> {
   using Number = std::underlying_type_t<T>;
-  static void name(std::string& text) { append_type_name(text, Description<T>::kName); }
+  static void name(std::string& text) {
+    append_type_name(text, segue_type_name(std::type_identity<T>{}, SegueGlobalScope{}));
+  }
   static void describe(Shape& shape) {
     describe_enum(shape, category_of<Number>(), sizeof(T));
     const T none{};
     Visitor<T> visitor(shape, none);
-    Description<T>::visit(visitor);
+    segue_visit(visitor, SegueGlobalScope{});
   }
 };
 
 template <class T>
 requires Described<T> && std::is_class_v<T>
 struct Describe<T> {
-  static void name(std::string& text) { append_type_name(text, Description<T>::kName); }
+  static void name(std::string& text) {
+    append_type_name(text, segue_type_name(std::type_identity<T>{}, SegueGlobalScope{}));
+  }
   static void describe(Shape& shape) {
     describe_compound(shape, sizeof(T));
     const auto prototype = std::make_unique<T>();
     Visitor<T> visitor(shape, *prototype);
-    Description<T>::visit(visitor);
+    segue_visit(visitor, SegueGlobalScope{});
   }
 };
 

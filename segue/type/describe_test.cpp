@@ -76,6 +76,28 @@ struct Sixty {
 struct NeverAsked {
   int value = 0;
 };
+struct Within : Pose {
+  struct Part {
+    int value = 0;
+  };
+  std::array<Part, 2> parts;
+};
+template <int N>
+struct Sized {
+  int value = N;
+};
+enum class Turn { Left, Right };
+SEGUE_TYPE(Within, x, parts)
+SEGUE_TYPE(Within::Part, value)
+SEGUE_TYPE(Sized<3>, value)
+SEGUE_TYPE(Turn, Left, Right)
+
+namespace {
+struct Unnamed {
+  int value = 0;
+};
+SEGUE_TYPE(Unnamed, value)
+}  // namespace
 }  // namespace demo
 
 // Before the types it is made of: the order does not matter.
@@ -112,6 +134,16 @@ template <class T>
 std::string refusal(const Value& value, T object = {}) {
   const auto done = assign(object, value);
   return done ? "accepted" : done.error().message;
+}
+
+TEST(Describe, is_written_in_the_namespace_of_the_type_or_at_global_scope) {
+  EXPECT_EQ(type_info<demo::Within>().name(), "/demo/Within");
+  EXPECT_EQ(type_info<demo::Within::Part>().name(), "/demo/Within/Part");
+  EXPECT_EQ(type_info<demo::Sized<3>>().name(), "/demo/Sized<3>");
+  EXPECT_EQ(type_info<demo::Turn>().name(), "/demo/Turn");
+  EXPECT_EQ(type_info<demo::Unnamed>().name(), "/demo/Unnamed");
+  struct Derived : demo::Pose {};
+  static_assert(detail::Described<demo::Pose> && !detail::Described<Derived>);
 }
 
 TEST(Describe, names_types_as_typelib_does) {

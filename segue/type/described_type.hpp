@@ -103,9 +103,11 @@ struct DescribedType {
   FlatPlan flat;
   Shape* shape = nullptr;
   DescribedType* next_announced = nullptr;
+  bool announced = false;
 };
 
-/// Lets find_type_info() find the type before it is first used. Cheap, since it runs before main.
+/// Lets find_type_info() find the type before it is first used. Cheap and idempotent, since it runs before
+/// main for each source that describes the type.
 bool announce(DescribedType& described);
 
 /// Describes and registers the type and its parts on first use. Thread safe.
@@ -134,8 +136,14 @@ void describe_compound(Shape& shape, std::size_t size);
 void add_symbol(Shape& shape, std::string_view name, std::int64_t value);
 void add_field(Shape& shape, std::string_view name, std::size_t offset, DescribedType& type);
 
-/// Appends "demo::Pose" as "/demo/Pose".
-void append_type_name(std::string& text, std::string_view cpp_name);
+/// The name of a type where SEGUE_TYPE stands.
+struct WrittenName {
+  std::string_view function;  ///< segue_type_name there, as the compiler describes it
+  std::string_view type;      ///< within the namespace of that function
+};
+
+/// Appends "Pose" in namespace demo, or "demo::Pose" at global scope, as "/demo/Pose".
+void append_type_name(std::string& text, const WrittenName& name);
 std::string number_name(NumericCategory category, std::size_t size);
 
 /// "/std/chrono/milliseconds", or with other representations "/std/chrono/duration</double,1,1000>".

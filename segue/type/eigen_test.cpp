@@ -15,9 +15,11 @@ struct Samples {
   Eigen::VectorXd values;
   Eigen::MatrixXd table;
 };
+
+SEGUE_TYPE(Motion, linear, covariance, rotation)
+SEGUE_TYPE(Samples, values, table)
+
 }  // namespace demo
-SEGUE_TYPE(demo::Motion, linear, covariance, rotation)
-SEGUE_TYPE(demo::Samples, values, table)
 
 namespace segue::type {
 namespace {

@@ -74,21 +74,21 @@ struct TreeOfOpaque {
   std::vector<TreeOfOpaque> branches;
   std::optional<Opaque> leaf;
 };
-}  // namespace demo
 
-SEGUE_TYPE(demo::Gait, Walk, Trot, Jump)
-SEGUE_TYPE(demo::Side, Left, None, Right)
-SEGUE_TYPE(demo::Gear, Neutral, First)
-SEGUE_TYPE(demo::Large, Low, High)
-SEGUE_TYPE(demo::Contact, force, leg, firm, gait)
-SEGUE_TYPE(demo::Step, number, phase, name, length, duration, contacts, remark, firm, sides, texts, last,
-           large)
-SEGUE_TYPE(demo::Secretive, shown, small, after)
-SEGUE_TYPE(demo::Blank)
-SEGUE_TYPE(demo::Branch, value, branches)
-SEGUE_TYPE(demo::Matrices, vector, matrix, points, image, rotation, many)
-SEGUE_TYPE(demo::HasOpaque, number, items)
-SEGUE_TYPE(demo::TreeOfOpaque, branches, leaf)
+SEGUE_TYPE(Gait, Walk, Trot, Jump)
+SEGUE_TYPE(Side, Left, None, Right)
+SEGUE_TYPE(Gear, Neutral, First)
+SEGUE_TYPE(Large, Low, High)
+SEGUE_TYPE(Contact, force, leg, firm, gait)
+SEGUE_TYPE(Step, number, phase, name, length, duration, contacts, remark, firm, sides, texts, last, large)
+SEGUE_TYPE(Secretive, shown, small, after)
+SEGUE_TYPE(Blank)
+SEGUE_TYPE(Branch, value, branches)
+SEGUE_TYPE(Matrices, vector, matrix, points, image, rotation, many)
+SEGUE_TYPE(HasOpaque, number, items)
+SEGUE_TYPE(TreeOfOpaque, branches, leaf)
+
+}  // namespace demo
 
 template <>
 struct segue::type::detail::Describe<demo::Opaque> {

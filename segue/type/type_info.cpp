@@ -80,6 +80,17 @@ void complete_announced(Registry& all) {
   }
 }
 
+/// "demo::" of "...WrittenName demo::segue_type_name(...)". Anonymous namespaces, for which each compiler has
+/// another word, have no name.
+std::string scope_of(std::string_view function) {
+  std::string scope(function.substr(0, function.find("segue_type_name(")));
+  for (const std::string_view anonymous : {"{anonymous}::", "(anonymous namespace)::"}) {
+    for (std::size_t at = scope.find(anonymous); at != std::string::npos; at = scope.find(anonymous))
+      scope.erase(at, anonymous.size());
+  }
+  return scope.substr(scope.rfind(' ') + 1);
+}
+
 }  // namespace
 
 const TypeInfo* find_type_info(std::string_view name) {
@@ -103,7 +114,8 @@ namespace detail {
 bool announce(DescribedType& described) {
   Registry& all = registry();
   const std::scoped_lock lock(all.mutex);
-  described.next_announced = std::exchange(all.announced, &described);
+  if (!std::exchange(described.announced, true))
+    described.next_announced = std::exchange(all.announced, &described);
   return true;
 }
 
@@ -172,9 +184,10 @@ void add_field(Shape& shape, std::string_view name, std::size_t offset, Describe
   shape.fields.push_back({std::string(name), offset, &type});
 }
 
-void append_type_name(std::string& text, std::string_view cpp_name) {
+void append_type_name(std::string& text, const WrittenName& name) {
+  const std::string cpp_name = scope_of(name.function) + std::string(name.type);
   const Result<std::string> canonical = canonical_type_name(cpp_name);
-  text += canonical ? *canonical : "/" + std::string(cpp_name);
+  text += canonical ? *canonical : "/" + cpp_name;
 }
 
 std::string number_name(NumericCategory category, std::size_t size) {

@@ -24,9 +24,7 @@ std::atomic<int> called{0};    // NOLINT(cppcoreguidelines-avoid-non-const-globa
 /// Writes numbers, and counts what comes in.
 class Witness final : public segue::task::Component {
  public:
-  Witness() {
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(5)});
-  }
+  Witness() : Component({.activity = segue::periodic(std::chrono::milliseconds(5))}) {}
 
  private:
   void on_update() override {

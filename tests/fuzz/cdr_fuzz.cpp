@@ -44,13 +44,15 @@ struct All {
   std::optional<Sample> last;
   std::vector<std::vector<std::string>> texts;
 };
+
+SEGUE_TYPE(Mode, Back, Idle, Drive)
+SEGUE_TYPE(Sample, value, valid, mode)
+SEGUE_TYPE(Point, id, kind, x)
+SEGUE_TYPE(Empty)
+SEGUE_TYPE(Tree, value, branches)
+SEGUE_TYPE(All, odd, name, samples, points, remark, bits, two, empty, last, texts)
+
 }  // namespace fuzzed
-SEGUE_TYPE(fuzzed::Mode, Back, Idle, Drive)
-SEGUE_TYPE(fuzzed::Sample, value, valid, mode)
-SEGUE_TYPE(fuzzed::Point, id, kind, x)
-SEGUE_TYPE(fuzzed::Empty)
-SEGUE_TYPE(fuzzed::Tree, value, branches)
-SEGUE_TYPE(fuzzed::All, odd, name, samples, points, remark, bits, two, empty, last, texts)
 
 namespace segue::type {
 namespace {

@@ -69,7 +69,7 @@ class Stuck : public segue::task::Component {
   segue::task::OutputPort<double> out{*this, "out"};
   segue::task::Property<std::string> hook{*this, "hook", "", {}};
 
-  Stuck() { default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(1)}); }
+  Stuck() : Component({.activity = segue::periodic(std::chrono::milliseconds(1))}) {}
 
  protected:
   segue::Result<void> on_configure() override { return note("configure"); }

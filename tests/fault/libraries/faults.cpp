@@ -32,10 +32,9 @@ using segue::task::ReadStatus;
 /// Writes numbers, without a gap as long as its object lives.
 class Beater final : public Component {
  public:
-  Beater() {
-    doc("Writes numbers, without a gap as long as its object lives");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(5), {}, 0, {}, {}, false});
-  }
+  Beater()
+      : Component({.doc = "Writes numbers, without a gap as long as its object lives",
+                   .activity = segue::periodic(std::chrono::milliseconds(5))}) {}
 
  protected:
   void on_update() override {
@@ -60,10 +59,7 @@ class Beater final : public Component {
 /// Hands on what it gets.
 class Relay final : public Component {
  public:
-  Relay() {
-    doc("Hands on what it gets");
-    default_activity({segue::Trigger::PortDriven, {}, {}, 0, {}, {}, false});
-  }
+  Relay() : Component({.doc = "Hands on what it gets"}) {}
 
  protected:
   void on_update() override {
@@ -81,10 +77,7 @@ class Relay final : public Component {
 /// Notices whatever is wrong with what it gets.
 class Watcher final : public Component {
  public:
-  Watcher() {
-    doc("Notices whatever is wrong with what it gets");
-    default_activity({segue::Trigger::PortDriven, {}, {}, 0, {}, {}, false});
-  }
+  Watcher() : Component({.doc = "Notices whatever is wrong with what it gets"}) {}
 
  protected:
   Result<void> on_start() override {
@@ -130,10 +123,9 @@ class Watcher final : public Component {
 /// Does in one of its hooks what it should not.
 class Faulty final : public Component {
  public:
-  Faulty() {
-    doc("Does in one of its hooks what it should not");
-    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(5), {}, 0, {}, {}, false});
-  }
+  Faulty()
+      : Component({.doc = "Does in one of its hooks what it should not",
+                   .activity = segue::periodic(std::chrono::milliseconds(5))}) {}
 
  protected:
   Result<void> on_configure() override { return at("configure"); }

@@ -27,7 +27,7 @@ struct Report {
   std::uint64_t starts = 0;  ///< of the watcher itself
 };
 
-}  // namespace fault
+SEGUE_TYPE(Beat, number, incarnation, echo)
+SEGUE_TYPE(Report, beats, words, last, gaps, restarts, torn, starts)
 
-SEGUE_TYPE(fault::Beat, number, incarnation, echo)
-SEGUE_TYPE(fault::Report, beats, words, last, gaps, restarts, torn, starts)
+}  // namespace fault
