@@ -101,12 +101,12 @@ function(segue_schema FOLDER)
   set(SEGUE_SCHEMA_SOURCES ${sources} PARENT_SCOPE)
 endfunction()
 
-# segue_folder(NAME SOURCES ... [SEPARATE ...] DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
+# segue_folder(NAME SOURCES ... [SEPARATE ...] [HEADERS ...] DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
 # The shared library of one folder of the house. Its include path holds only its own folder, through a tree of links
-# made at configure time; what it may include beyond that comes from the folders it DEPENDS on. SEPARATE sources: see
-# segue_test.
+# made at configure time; what it may include beyond that comes from the folders it DEPENDS on. HEADERS are what users may
+# include, and what these include; no other header is installed (tools/check_house). SEPARATE sources: see segue_test.
 function(segue_folder NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;HEADERS;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
   # One tree for all presets: the same include path everywhere keeps compiler caches useful.
   set(view ${CMAKE_SOURCE_DIR}/build/include/${NAME})
   file(MAKE_DIRECTORY ${view}/segue)
@@ -128,8 +128,7 @@ function(segue_folder NAME)
                         SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} INSTALL_RPATH "$ORIGIN")
   add_dependencies(product segue_${NAME})
   install(TARGETS segue_${NAME} EXPORT segue LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/segue/${NAME}
-          FILES_MATCHING PATTERN "*.hpp" PATTERN "*test_support.hpp" EXCLUDE PATTERN "fake_*.hpp" EXCLUDE)
+  install(FILES ${ARG_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/segue/${NAME})
 endfunction()
 
 # segue_embed(TARGET folders...)

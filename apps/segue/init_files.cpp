@@ -7,26 +7,6 @@ namespace segue::cli {
 
 namespace {
 
-constexpr std::string_view kRobot =
-    R"(# The robot file: `segue check robot.yaml` checks it, `segue run robot.yaml` starts the robot.
-robot: @ROBOT@
-hosts: {onboard: local}
-libraries: [segue_components_demo]      # component libraries; `segue component list` shows their components
-controllers: [controllers/*.yaml]
-halt: {controller: hold, at_rest: [{task: drive, state: idle}]}   # how it comes to rest: `segue stop`, Ctrl-C
-)";
-
-constexpr std::string_view kHold = R"(# Nobody commands the drive, so it comes to rest.
-network: hold
-tasks:
-  drive: {component: "demo::Drive"}
-  odometry: {component: "demo::Odometry"}
-  laser: {component: "demo::LaserScanner"}
-connections:
-  - drive.velocity -> odometry.velocity
-  - odometry.pose -> laser.pose
-)";
-
 constexpr std::string_view kExplore = R"(# Wanders about and turns away from obstacles.
 network: explore
 tasks:
@@ -77,7 +57,8 @@ connections:
 
 constexpr std::string_view kReadme = R"(# @ROBOT@
 
-A simulated robot in a square room, with three controllers: explore, go_to and manual; and one in which it stands still: hold.
+A simulated robot in a square room, with three controllers: explore, go_to and manual; one in which it stands still: hold;
+and a mission, visit. robot.yaml, controllers/hold.yaml and missions/visit.yaml explain all keys of such files.
 
 In one terminal:
 
@@ -93,6 +74,7 @@ In another:
     segue set seeker.speed=0.2
     segue switch manual
     segue call joystick.push forward=1 turn=0.2
+    segue mission run missions/visit.yaml
     segue top
     segue stop                          # bring it to rest, whoever commands it
     segue stop --release                # let it be commanded again
@@ -171,10 +153,13 @@ std::string namespace_of(std::string robot) {
 
 std::vector<InitFile> init_files(const std::string& robot, bool library) {
   const std::string name = namespace_of(robot);
-  std::vector<InitFile> files = {
-      {"robot.yaml", replaced(kRobot, "@ROBOT@", robot)}, {"controllers/explore.yaml", std::string(kExplore)},
-      {"controllers/go_to.yaml", std::string(kGoal)},     {"controllers/manual.yaml", std::string(kManual)},
-      {"controllers/hold.yaml", std::string(kHold)},      {"README.md", replaced(kReadme, "@ROBOT@", robot)}};
+  std::vector<InitFile> files = {{"robot.yaml", replaced(kRobotFile, "@ROBOT@", robot)},
+                                 {"controllers/explore.yaml", std::string(kExplore)},
+                                 {"controllers/go_to.yaml", std::string(kGoal)},
+                                 {"controllers/manual.yaml", std::string(kManual)},
+                                 {"controllers/hold.yaml", std::string(kControllerFile)},
+                                 {"missions/visit.yaml", std::string(kMissionFile)},
+                                 {"README.md", replaced(kReadme, "@ROBOT@", robot)}};
   if (!library) return files;
   files.back().text += replaced(kLibraryReadme, "@ROBOT@", name);
   files.push_back({"components/CMakeLists.txt", replaced(kCMake, "@ROBOT@", name)});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace segue::cli {
@@ -11,8 +12,15 @@ struct InitFile {
   std::string text;
 };
 
-/// The files of `segue init`: a robot with three controllers that use demo components, a README, and with
-/// `library` a component library that builds against the installed package.
+/// The robot file (with @ROBOT@ for its name), the controller and the mission that explain all keys of their
+/// kind. A line that begins with '#' and no space is a key that may be set, with lines below it that are
+/// indented further.
+extern const std::string_view kRobotFile;
+extern const std::string_view kControllerFile;
+extern const std::string_view kMissionFile;
+
+/// The files of `segue init`: a robot with four controllers that use demo components, a mission, a README,
+/// and with `library` a component library that builds against the installed package.
 std::vector<InitFile> init_files(const std::string& robot, bool library);
 
 }  // namespace segue::cli

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/convert/mission_plan.hpp>
+#include <segue/mission/program.hpp>
 #include <segue/task_network/acts_ahead.hpp>
 
 #include <cstddef>
@@ -19,11 +19,6 @@ struct AheadOfFailures {
       senses{};          ///< what may sense before something earlier has acted
   bool complete = true;  ///< else the mission is longer than the `most` nodes that were examined
 };
-
-/// Whether `fails` is in a preemptive container, and `acts` in another of its states or after it. Then no
-/// failure of the one can come after the other without coming so in the sequential run.
-[[nodiscard]] bool beside_or_after_race(const MissionPlan& plan, task_network::NodeId acts,
-                                        task_network::NodeId fails);
 
 /// Nodes that are examined unless told otherwise.
 inline constexpr std::size_t kMostExamined = 4000;

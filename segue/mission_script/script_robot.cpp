@@ -5,6 +5,7 @@
 
 #include <segue/base/question.hpp>
 #include <segue/base/text.hpp>
+#include <segue/mission/execution_threads.hpp>
 #include <segue/mission_robot/change_watch.hpp>
 #include <segue/mission_robot/robot_poll.hpp>
 #include <segue/mission_script/script_messages.hpp>
@@ -467,11 +468,14 @@ class RobotUse final : public ScriptRobot::Use {
 
 ScriptRobot::ScriptRobot(std::shared_ptr<CommandedRobot> robot, std::shared_ptr<ControllerUnion> controllers,
                          ScriptRobotOptions options)
-    : robot_(std::move(robot)), controllers_(std::move(controllers)), options_(std::move(options)) {}
+    : robot_(std::move(robot)),
+      controllers_(std::move(controllers)),
+      options_(std::move(options)),
+      threads_(std::make_unique<ExecutionThreads>()) {}
 ScriptRobot::~ScriptRobot() = default;
 
 std::shared_ptr<ScriptRobot::Use> ScriptRobot::begin(Rights rights, std::function<void()> preempt) {
-  return std::make_shared<RobotUse>(robot_, controllers_, options_, threads_, std::move(rights),
+  return std::make_shared<RobotUse>(robot_, controllers_, options_, *threads_, std::move(rights),
                                     std::move(preempt));
 }
 

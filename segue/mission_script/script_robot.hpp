@@ -4,7 +4,6 @@
 #include <segue/base/clock.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/commanded_robot.hpp>
-#include <segue/mission/execution_threads.hpp>
 #include <segue/mission_robot/controller_union.hpp>
 
 #include <chrono>
@@ -14,6 +13,8 @@
 #include <vector>
 
 namespace segue::mission {
+
+class ExecutionThreads;
 
 struct ScriptRobotOptions {
   /// Called where the robot cannot be reached any more; see ControllerOptions::unreachable.
@@ -54,7 +55,7 @@ class ScriptRobot {
   const std::shared_ptr<CommandedRobot> robot_;
   const std::shared_ptr<ControllerUnion> controllers_;
   const ScriptRobotOptions options_;
-  ExecutionThreads threads_;  // destroyed first: they use the others
+  const std::unique_ptr<ExecutionThreads> threads_;  // destroyed first: they use the others
 };
 
 /// Functions may be called from any thread, and do not block.
