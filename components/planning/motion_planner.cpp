@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <memory>
+#include <thread>
 
 namespace planning {
 
@@ -36,11 +37,18 @@ class MotionPlanner final : public Component {
   segue::Result<PlanResult> plan(const PlanRequest& request) {
     if (!scene_) return segue::fail(segue::ErrorCode::InvalidState, "the planner must be configured first");
     set_state("planning");
+    const auto planned = std::chrono::steady_clock::now() + std::chrono::duration<double>(effort_.get());
     auto result = plan_motion(*scene_, request);
+    std::this_thread::sleep_until(planned);
     set_state(result ? "planned" : "no_path");
     return result;
   }
 
+  Property<double> effort_{
+      *this,
+      "effort",
+      0.0,
+      {.doc = "s that each plan takes at least, as on a slower computer or a harder problem"}};
   Operation<segue::Result<PlanResult>(PlanRequest)> plan_{
       *this,
       "plan",
