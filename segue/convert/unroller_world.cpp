@@ -24,8 +24,8 @@ Symbol Unroller::input_of(const StateEntry& entry, const Action& action, std::si
   return world_.value(mission::placeholder_field(action.inputs[port].name)->data, entry.when, paths_);
 }
 
-/// What acts or senses does so in reality, and changes of one value are made in program order: the node waits
-/// until those before it have been made.
+/// Actions that act or sense do so in reality, and changes of one value are made in program order: the node
+/// waits until those before it have been made.
 void Unroller::wait_for_changes(const StateEntry& entry, const Action& action, NodeSpec& spec) {
   if (spec.kind == ActionClass::Pure && action.changes.empty()) return;
   for (const std::string& name : mission::values_touched(action))

@@ -39,7 +39,7 @@ class WorldFlow {
 
   /// From here on, nodes may be forgotten: a preemptive container has been entered.
   void may_forget();
-  /// What these nodes would have changed has not happened, since they have lost a race.
+  /// The changes of these nodes have not happened, since they have lost a race.
   void forget(const std::vector<task_network::NodeId>& lost, PathConditions& paths);
   /// All races are decided.
   void keep();

@@ -41,7 +41,7 @@ struct WorldField {
 /// The field of the data; null where they have none.
 [[nodiscard]] type::Value value_of(const type::Value& data, std::string_view path);
 
-/// What the action names where it runs: "world.scene" of "{world.scene}" in the arguments of a pool or
+/// The placeholders of values in an action: "world.scene" of "{world.scene}" in the arguments of a pool or
 /// controller, or in the values of its changes.
 [[nodiscard]] std::vector<std::string> world_placeholders(const Action& action);
 
