@@ -96,7 +96,7 @@ class ValueCheck {
 
   void check(const DataChange& change) {
     check_known(world_field(change.field).data, "an effect on " + quote(change.field), change.where);
-    for (const std::string& name : sources_of_change(action_, world_field(change.field).data)) {
+    for (const std::string& name : sources_of(change)) {
       if (placeholder_field(name) || position(action_.inputs, name) || position(action_.outputs, name))
         continue;
       error("unknown-port",

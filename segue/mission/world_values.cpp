@@ -177,17 +177,20 @@ void add_world_inputs(Mission& mission) {
   }
 }
 
+std::vector<std::string> sources_of(const DataChange& change) {
+  std::vector<std::string> names = placeholders(change.field);
+  for (std::string& name : inputs_named_in(change.value))
+    names.push_back(std::move(name));
+  return names;
+}
+
 std::vector<std::string> sources_of_change(const Action& action, std::string_view data) {
   std::vector<std::string> names;
-  const auto add = [&](std::vector<std::string> more) {
-    for (std::string& name : more) {
-      if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
-    }
-  };
   for (const DataChange& change : action.changes) {
     if (!changes(change, data)) continue;
-    add(placeholders(change.field));
-    add(inputs_named_in(change.value));
+    for (std::string& name : sources_of(change)) {
+      if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+    }
   }
   return names;
 }

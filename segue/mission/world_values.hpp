@@ -56,7 +56,9 @@ struct WorldField {
 /// fills when the action begins.
 void add_world_inputs(Mission& mission);
 
-/// The inputs and outputs that the changes of that value are made of, in their order, without duplicates.
+/// The inputs and outputs that the new value consists of.
+[[nodiscard]] std::vector<std::string> sources_of(const DataChange& change);
+/// Those of all changes of that value, in their order, without duplicates.
 [[nodiscard]] std::vector<std::string> sources_of_change(const Action& action, std::string_view data);
 /// The value after the changes of an action. `port` is asked for the inputs and outputs above.
 [[nodiscard]] type::Value changed_value(const Action& action, std::string_view data, type::Value value,
