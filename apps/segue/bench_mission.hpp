@@ -34,10 +34,19 @@ struct MissionExperiment {
   std::string clock;                   ///< TASK.PORT: seconds in the robot's own time; empty: none
   std::uint64_t runs = 5;              ///< in each mode, for each combination
   std::vector<std::string> published;  ///< figures to show, by combination; "": none is known
+  /// Sequential runs have so many instances of each pool that is varied, and are made once for all sizes; 0:
+  /// as many as the concurrent ones.
+  std::uint32_t sequential_pools = 0;
+  bool any_pace = false;  ///< also where the robot's clock was slower than kLeastPace
 };
+
+/// The least real-time factor of a simulated robot: planners and robot would hinder each other below.
+inline constexpr double kLeastPace = 0.95;
 
 /// One value of each factor.
 using MissionSetting = std::vector<type::Value>;
+/// Those of the sequential runs with which concurrent ones are compared.
+MissionSetting sequential_setting(const MissionExperiment& experiment, MissionSetting setting);
 /// In the order in which they are measured: the last factor varies first.
 std::vector<MissionSetting> settings_of(const MissionExperiment& experiment);
 
@@ -57,6 +66,7 @@ struct MissionRun {
   std::string error;        ///< why it did not end well
   MissionTimes wall;
   std::optional<MissionTimes> robot;  ///< by the robot's own clock
+  double planning = 0;                ///< wall time in which calls of pools were under way
   double idle = 0;                    ///< wall time in which no action was under way: the engine was deciding
 };
 

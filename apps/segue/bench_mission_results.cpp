@@ -33,6 +33,7 @@ struct ModeFigures {
   double median = 0;  ///< of the makespan, as the next
   double mean = 0;
   double idle = 0;        ///< share of the makespan, mean
+  double planning = 0;    ///< the same of calls of pools
   double ideal = 0;       ///< of the concurrent schedule with these durations, mean
   double over_ideal = 0;  ///< how much longer than ideal, mean; 0.1 is a tenth
 };
@@ -49,6 +50,7 @@ ModeFigures mission_figures(const MissionCell& cell, bool concurrent, BenchClock
     if (times == nullptr || times->makespan <= 0) continue;
     makespans.push_back(times->makespan);
     idle += run.idle / run.wall.makespan;
+    figures.planning += run.planning / run.wall.makespan;
     figures.ideal += times->ideal;
     if (times->ideal > 0) figures.over_ideal += times->makespan / times->ideal - 1;
   }
@@ -57,6 +59,7 @@ ModeFigures mission_figures(const MissionCell& cell, bool concurrent, BenchClock
   figures.mean = std::accumulate(makespans.begin(), makespans.end(), 0.0) / count;
   figures.median = draw::median_of(makespans);
   figures.idle = idle / count;
+  figures.planning /= count;
   figures.ideal /= count;
   figures.over_ideal /= count;
   return figures;
@@ -116,8 +119,8 @@ std::string mission_table(const MissionExperiment& experiment, const std::vector
   std::vector<Table::Column> columns;
   for (const MissionFactor& factor : experiment.factors)
     columns.push_back({factor.name, Align::Right});
-  for (const char* title :
-       {"ended well", "sequential", "concurrent", "saved (95 %)", "ideal saves", "over ideal", "deciding"})
+  for (const char* title : {"ended well", "planning", "sequential", "concurrent", "saved (95 %)",
+                            "ideal saves", "over ideal", "deciding"})
     columns.push_back({title, Align::Right});
   if (!experiment.published.empty()) columns.push_back({"published", Align::Right});
   Table table(std::move(columns));
@@ -129,6 +132,7 @@ std::string mission_table(const MissionExperiment& experiment, const std::vector
     const auto& [sequential, concurrent, saved, allowed] = figures;
     row.push_back(fmt::format("{}/{}, {}/{}", sequential.ended_well, sequential.runs, concurrent.ended_well,
                               concurrent.runs));
+    row.push_back(sequential.mean > 0 ? fmt::format("{:.0f} %", 100 * sequential.planning) : "-");
     row.push_back(makespan_text(sequential));
     row.push_back(makespan_text(concurrent));
     row.push_back(saving_text(saved));
@@ -176,6 +180,7 @@ std::string failures_of(const MissionExperiment& experiment, const std::vector<M
 }
 
 constexpr std::string_view kMissionFootnotes =
+    "Planning: share of a sequential run in which calls of pools are under way.\n"
     "Makespans in seconds: median (mean) of the runs that ended well. Saved: mean of 1 - concurrent /\n"
     "sequential over runs with the same seed, with Student's 95 % confidence interval for pairs. Ideal\n"
     "saves: likewise, if the durations of the sequential run are scheduled concurrently in virtual\n"
@@ -206,6 +211,7 @@ type::Value run_value(const MissionRun& run) {
                                  {"ended_well", run.ended_well},
                                  {"outcome", run.outcome},
                                  {"makespan_s", run.wall.makespan},
+                                 {"planning_s", run.planning},
                                  {"deciding_s", run.idle}});
   type::ValueMap& map = value.as_map();
   if (!run.error.empty()) map.set("error", run.error);
@@ -230,14 +236,17 @@ std::string csv_of_missions(const MissionExperiment& experiment, const std::vect
   std::string text;
   for (const MissionFactor& factor : experiment.factors)
     text += csv_field(factor.name) + ",";
-  text += "mode,seed,ended_well,outcome,makespan_s,ideal_s,deciding_s,robot_makespan_s,robot_ideal_s,error\n";
+  text +=
+      "mode,seed,ended_well,outcome,makespan_s,ideal_s,planning_s,deciding_s,robot_makespan_s,robot_ideal_s,"
+      "error\n";
   for (const MissionCell& cell : cells) {
     for (const MissionRun& run : cell.runs) {
       for (const type::Value& value : cell.setting)
         text += csv_field(one_line(value)) + ",";
-      text += fmt::format("{},{},{},{},{:.6f},{},{:.6f},", mode_key(run.concurrent), run.seed, run.ended_well,
-                          csv_field(run.outcome), run.wall.makespan,
-                          run.ended_well ? fmt::format("{:.6f}", run.wall.ideal) : "", run.idle);
+      text +=
+          fmt::format("{},{},{},{},{:.6f},{},{:.6f},{:.6f},", mode_key(run.concurrent), run.seed,
+                      run.ended_well, csv_field(run.outcome), run.wall.makespan,
+                      run.ended_well ? fmt::format("{:.6f}", run.wall.ideal) : "", run.planning, run.idle);
       text += run.robot ? fmt::format("{:.6f},{:.6f},", run.robot->makespan, run.robot->ideal) : ",,";
       text += csv_field(run.error) + "\n";
     }

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/program.hpp>
 #include <segue/mission_run/loaded_mission.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/runtime_service.hpp>
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <set>
+#include <string>
 #include <thread>
+#include <variant>
 
 #include "bench_mission.hpp"
 #include "bench_mission_trace.hpp"
@@ -118,6 +123,28 @@ Result<LoadedMission> load_for(const MissionExperiment& experiment, remote_robot
   return std::move(*plan);
 }
 
+/// Adds the paths of the states in that state whose actions are calls of pools.
+void add_calls_of_pools(const mission::Program& program, mission::StateIndex state, const std::string& path,
+                        std::set<std::string, std::less<>>& paths) {
+  const mission::CompiledState& node = program.node(state);
+  if (mission::is_leaf(node.kind)) {
+    if (std::holds_alternative<mission::PoolCall>(program.mission().actions[node.action].run))
+      paths.insert(path);
+  } else if (node.kind == mission::StateKind::Library) {
+    add_calls_of_pools(program, node.library, path, paths);
+  }
+  for (const mission::StateIndex child : node.children) {
+    const std::string& id = program.state(child).id.str();
+    add_calls_of_pools(program, child, path.empty() ? id : path + "/" + id, paths);
+  }
+}
+
+std::set<std::string, std::less<>> calls_of_pools(const mission::Program& program) {
+  std::set<std::string, std::less<>> paths;
+  add_calls_of_pools(program, 0, "", paths);
+  return paths;
+}
+
 double seconds_at(TimePoint when) {
   return seconds(when.time_since_epoch());
 }
@@ -160,7 +187,7 @@ Result<MissionRun> run_on(FreshRobot& robot, const MissionExperiment& experiment
   if (!plan) return plan.error();
   if (auto ready = robot.wait_for_pools(stop); !ready) return ready.error();
   if (auto given = run_by_robot(request, *plan, robot.served(), {}); !given) return given.error();
-  MissionTrace trace;
+  MissionTrace trace(calls_of_pools(*plan->program()));
   request.on_event = [&trace](const mission::StateEvent& event) { trace.observe(event); };
   std::optional<RobotClock> clock;
   if (!experiment.clock.empty()) clock.emplace(robot.served(), experiment.clock);
@@ -177,6 +204,7 @@ Result<MissionRun> run_on(FreshRobot& robot, const MissionExperiment& experiment
   // By the clock of the trace, so that what was under way in it fits in.
   measured.wall.makespan = seconds(end - begin);
   measured.idle = seconds(trace.idle(begin, end));
+  measured.planning = seconds(trace.planning());
   if (!overview.succeeded) return measured;
   if (auto taken = take_times(measured, *plan, request, trace, clock ? &*clock : nullptr, begin, end); !taken)
     return taken.error();
@@ -191,7 +219,7 @@ Result<MissionRun> run_on(FreshRobot& robot, const MissionExperiment& experiment
 
 Result<MissionRun> run_mission_afresh(const MissionExperiment& experiment, const MissionSetting& setting,
                                       bool concurrent, std::uint64_t seed, const std::stop_token& stop) {
-  DealtOut dealt = deal_out(experiment, setting, seed);
+  DealtOut dealt = deal_out(experiment, concurrent ? setting : sequential_setting(experiment, setting), seed);
   auto robot = FreshRobot::start(experiment.robot, std::move(dealt.robot));
   if (!robot) return robot.error();
   RunRequest request;

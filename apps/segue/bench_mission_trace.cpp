@@ -87,20 +87,38 @@ void MissionTrace::observe(const mission::StateEvent& event) {
   open_.erase(began);
 }
 
-Duration MissionTrace::idle(TimePoint begin, TimePoint end) const {
-  std::vector<std::pair<TimePoint, TimePoint>> intervals;
-  {
-    const Lock lock(mutex_);
-    intervals = under_way_;
-  }
+namespace {
+
+using Intervals = std::vector<std::pair<TimePoint, TimePoint>>;
+
+/// How long at least one of them lasted.
+Duration covered(Intervals intervals) {
   std::ranges::sort(intervals);
-  Duration idle{};
-  TimePoint until = begin;
+  Duration covered{};
+  TimePoint until = TimePoint::min();
   for (const auto& [from, to] : intervals) {
-    if (from > until) idle += from - until;
+    if (to > until) covered += to - std::max(from, until);
     until = std::max(until, to);
   }
-  return idle + std::max(Duration::zero(), end - until);
+  return covered;
+}
+
+}  // namespace
+
+Duration MissionTrace::idle(TimePoint begin, TimePoint end) const {
+  const Lock lock(mutex_);
+  return std::max(Duration::zero(), end - begin - covered(under_way_));
+}
+
+Duration MissionTrace::planning() const {
+  Intervals intervals;
+  const Lock lock(mutex_);
+  for (const auto& [path, executions] : executions_) {
+    if (!plans_.contains(path)) continue;
+    for (const Execution& execution : executions)
+      intervals.emplace_back(execution.began, execution.ended);
+  }
+  return covered(std::move(intervals));
 }
 
 namespace {

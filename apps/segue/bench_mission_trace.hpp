@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -48,10 +49,14 @@ class RobotClock {
 /// Records what a run of a mission does. observe() on any thread, the rest after the run.
 class MissionTrace {
  public:
+  /// `planning`: the paths of the states that plan.
+  explicit MissionTrace(std::set<std::string, std::less<>> planning) : plans_(std::move(planning)) {}
   void observe(const mission::StateEvent& event);
 
   /// How long no action was under way between `begin` and `end`.
   [[nodiscard]] Duration idle(TimePoint begin, TimePoint end) const;
+  /// How long at least one of the states that plan was under way.
+  [[nodiscard]] Duration planning() const;
   /// Repeats the run: each execution takes as long as it did on the clock, and ends as it did. Executions
   /// that did not happen take as long as expected. `time`: the seconds on a clock.
   [[nodiscard]] std::shared_ptr<mission::ActionRunner> replay(
@@ -70,6 +75,7 @@ class MissionTrace {
     TimePoint began;
   };
 
+  const std::set<std::string, std::less<>> plans_;
   mutable Mutex mutex_;  ///< protects what follows
   std::vector<Open> open_ SEGUE_GUARDED_BY(mutex_);
   std::vector<std::pair<TimePoint, TimePoint>> under_way_ SEGUE_GUARDED_BY(mutex_);

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <memory>
+#include <thread>
 
 namespace planning {
 
@@ -32,7 +33,9 @@ class MotionPlanner final : public Component {
   segue::Result<PlanResult> plan(const PlanRequest& request) {
     if (!scene_) return segue::fail(segue::ErrorCode::InvalidState, "the planner must be configured first");
     planning_.enter();
+    const auto planned = std::chrono::steady_clock::now() + std::chrono::duration<double>(effort_.get());
     auto result = plan_motion(*scene_, request);
+    std::this_thread::sleep_until(planned);
     (result ? planned_ : no_path_).enter();
     return result;
   }
@@ -40,6 +43,11 @@ class MotionPlanner final : public Component {
   State planning_{*this, "planning"};
   State planned_{*this, "planned"};
   State no_path_{*this, "no_path"};
+  Property<double> effort_{
+      *this,
+      "effort",
+      0.0,
+      {.doc = "s that each plan takes at least, as on a slower computer or a harder problem"}};
   Operation<segue::Result<PlanResult>(PlanRequest)> plan_{
       *this,
       "plan",

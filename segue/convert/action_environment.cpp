@@ -3,15 +3,15 @@
 #include <segue/base/virtual_clock.hpp>
 #include <segue/concurrent/thread.hpp>
 #include <segue/convert/action_environment.hpp>
-#include <segue/convert/all_changes.hpp>
 #include <segue/convert/conversion_fault.hpp>
-#include <segue/convert/subtree_watch.hpp>
+#include <segue/convert/reporter.hpp>
+#include <segue/convert/world_flow.hpp>
 #include <segue/convert/world_views.hpp>
 #include <segue/mission/mission_index.hpp>
+#include <segue/mission/world_values.hpp>
 #include <segue/mission_robot/fact_observer.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <exception>
 
 namespace segue::convert {
@@ -29,68 +29,12 @@ using type::ValueMap;
 
 namespace {
 
-/// The effect in a text such as "p(a)" or "!p(a)".
-task_network::NamedEffect named_effect(const std::string& text) {
-  const bool value = !text.starts_with('!');
-  return {text.substr(value ? 0 : 1), value};
-}
-
 /// Position 0 is before all nodes.
 std::uint64_t place_number(NodeId node) {
   return std::uint64_t{index(node)} + 1;
 }
 
 }  // namespace
-
-/// Turns the ending of an action into a report for the engine. Immutable but for `cancelled`, which only ever
-/// becomes true; the report of a run that was cancelled meanwhile is discarded anyway, so relaxed order would
-/// do.
-struct ActionEnvironment::Reporter {
-  explicit Reporter(mission::Globals used) : globals(std::move(used)) {}
-
-  std::vector<std::string> ports;
-  std::vector<task_network::OutcomeId> outcomes;  ///< by the outcomes of the state
-  bool counts = false;
-  bool recorded = false;  ///< the run has a journal
-  std::int64_t count = 0;
-  mission::Globals globals;  ///< as the action uses them
-  std::atomic<bool> cancelled{false};
-
-  [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs,
-                                 const SubtreeChanges& changes = {}) {
-    Outcome outcome = ending.outcome;
-    std::string error = ending.error;
-    if (cancelled && !planted(ConversionFault::CountsCancelled)) {
-      outcome = kPreempted;
-    } else if (outcome < kPreempted || outcome >= static_cast<Outcome>(outcomes.size())) {
-      outcome = planted(ConversionFault::AcceptsAnyOutcome) ? 0 : kAborted;
-      error = "its action ended with an outcome that it does not declare";
-    }
-    auto report = std::make_unique<task_network::Report>();
-    report->outcome = outcome == kAborted     ? task_network::kAborted
-                      : outcome == kPreempted ? task_network::kPreempted
-                                              : outcomes[static_cast<std::size_t>(outcome)];
-    report->error = error;
-    ValueMap map;
-    for (std::size_t i = 0; i < ports.size() && i < outputs.size(); ++i) {
-      const bool is_error = ports[i] == "error" && !error.empty();
-      map.append(ports[i], is_error ? Value(error) : std::move(outputs[i]));
-    }
-    map.append(std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome));
-    if (outcome != kPreempted && !error.empty())
-      map.append(std::string(outcome == kAborted ? kErrorOutput : kHandledErrorOutput), error);
-    if (counts)
-      map.append(std::string(kCountOutput), count + (planted(ConversionFault::CountsTwice) ? 2 : 1));
-    for (const std::string& fact : changes.facts)
-      report->named_effects.push_back(named_effect(fact));
-    for (const auto& [resource, change] : changes.units)
-      report->named_units.push_back({resource, change});
-    if (recorded) map.append(std::string(kRecordOutput), NodeJournal::record_of(globals, changes));
-    report->outputs = std::make_shared<const Value>(std::move(map));
-    report->pending = std::make_unique<AllChanges>(globals.pending_changes(), ending.pending);
-    return report;
-  }
-};
 
 void ActionEnvironment::EndReceiver::deliver(NodeId node, std::uint32_t attempt, ReportPtr report) {
   const Lock lock(mutex);
@@ -254,9 +198,16 @@ Value ActionEnvironment::newest(NodeContext& context, std::span<const ValueSourc
 }
 
 std::vector<Value> ActionEnvironment::inputs(NodeContext& context) const {
+  const PlannedNode& planned = plan_[context.node()];
   std::vector<Value> values;
-  for (const ValueSource& source : plan_[context.node()].inputs)
+  for (const ValueSource& source : planned.inputs)
     values.push_back(value(context, source));
+  if (planned.role != Role::Action) return values;
+  const auto& ports = *plan_.program().node(planned.state).input_ports;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    if (ports[i].from_world)
+      values[i] = mission::value_of(values[i], mission::placeholder_field(ports[i].name)->path);
+  }
   return values;
 }
 
@@ -319,6 +270,8 @@ void ActionEnvironment::start(NodeContext& context, Completions& completions) {
     case Role::Copy:
     case Role::Global:
       return hand_on(context, completions);
+    case Role::Change:
+      return change_value(context, completions);
   }
 }
 
@@ -348,8 +301,9 @@ bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
   const bool waits = end->outcome == kPreempted;  // until the race is lost again
   const auto again = [&completions, node = context.node(), attempt = context.attempt(), reports,
                       end = std::move(*end)] {
-    completions.finish_at(completions.now(), node, attempt,
-                          reports->report({end.outcome, end.error}, end.outputs, {end.facts, end.units, {}}));
+    completions.finish_at(
+        completions.now(), node, attempt,
+        reports->report({end.outcome, end.error}, end.outputs, {end.facts, end.units, {}, end.values}));
   };
   if (waits)
     running_[index(context.node())] = {reports, again};
@@ -381,93 +335,6 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
   reports->globals.close();
   completions.finish_at(completions.now(), context.node(), context.attempt(),
                         reports->report(*ending, std::move(call.results())));
-}
-
-/// The subtree of the node, with everything that it begins with.
-mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission::Globals& used) const {
-  const PlannedNode& planned = plan_[context.node()];
-  const auto slash = planned.path.rfind('/');
-  std::string parent(planned.path);  // the root of a library has no path element of its own
-  if (plan_.program().node(planned.state).parent != mission::kNoState)
-    parent.resize(slash == std::string::npos ? 0 : slash);
-  const Value error = value(context, planned.error_before);
-  return {planned.state,
-          planned.shown_as,
-          parent,
-          inputs(context),
-          error.is_string() ? error.as_string() : "",
-          planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : used,
-          iterations_,
-          world(context),
-          units(context),
-          planned.around};
-}
-
-mission::Units::Counts ActionEnvironment::units(NodeContext& context) const {
-  const task_network::ResourceTable& resources = plan_.network().resources;
-  mission::Units::Counts counts;
-  for (std::uint32_t i = 0; i < resources.size(); ++i) {
-    const task_network::ResourceId resource{i};
-    counts[resources.name(resource)] =
-        planted(ConversionFault::SeesOldUnits) ? resources[resource].count : context.units(resource);
-  }
-  return counts;
-}
-
-mission::WorldView ActionEnvironment::world(NodeContext& context) const {
-  const task_network::TaskNetwork& network = plan_.network();
-  const task_network::VersionedWorld world = context.world();
-  return view_of(planted(ConversionFault::SeesOldWorld) ? network.initial_world : world, network.facts,
-                 options_.world_data);
-}
-
-/// In virtual time the subtree runs immediately, and its end is reported for the time at which it occurs.
-void ActionEnvironment::start_subtree(NodeContext& context, Completions& completions) {
-  const bool in_virtual_time = options_.clock == task_network::ClockKind::Virtual;
-  auto clock = std::make_shared<VirtualClock>();
-  mission::EngineOptions options;
-  if (in_virtual_time) options.clock = clock.get();
-  options.warn = options_.warn;
-  options.history = false;
-  options.observe = options_.observe;
-  options.preemption_grace = options_.preemption_grace;
-  auto reports = reporter(context.node());
-  options.part = part(context, reports->globals);
-  const SubtreeWatch watch(*options.part);
-  auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
-  if (!made) {
-    return completions.finish_at(completions.now(), context.node(), context.attempt(),
-                                 reports->report({kAborted, made.error().message}, {}));
-  }
-  if (events_ != nullptr) events_->begins(context.node());
-  if (journal_ != nullptr) journal_->began(context.node());
-  std::shared_ptr<mission::Engine> engine = std::move(*made);
-  const auto carry_out = [engine, reports, watch] {
-    engine->run();
-    const mission::MissionResult& ended = engine->result();
-    return reports->report({ended.outcome, ended.error}, ended.outputs, watch.changes(*engine));
-  };
-  if (in_virtual_time) {
-    occupy(engine.get());
-    auto report = carry_out();
-    occupy(nullptr);
-    const Duration taken = clock->now() - VirtualClock().now();
-    const auto when = time_after(completions.now(), taken);
-    if (!when) report = reports->report({kAborted, when.error().message}, {});
-    return completions.finish_at(when.value_or(completions.now()), context.node(), context.attempt(),
-                                 std::move(report));
-  }
-  running_[index(context.node())] = {reports, [engine] { engine->stop(); }};
-  const auto run = [carry_out, receiver = receiver_, node = context.node(), attempt = context.attempt()](
-                       const std::stop_token& /*own*/) { receiver->deliver(node, attempt, carry_out()); };
-  subtrees_.push_back(concurrent::start_stoppable_thread("segue-subtree", run));
-}
-
-/// Registers the subtree that occupies this thread, so that another thread can stop it.
-void ActionEnvironment::occupy(mission::Engine* opaque_subtree) {
-  const Lock lock(stopping_);
-  subtree_ = opaque_subtree;
-  if (subtree_ != nullptr && stopped_) subtree_->stop();
 }
 
 void ActionEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& completions) {

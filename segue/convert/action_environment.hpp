@@ -69,6 +69,7 @@ class ActionEnvironment final : public task_network::Environment {
   void start_subtree(task_network::NodeContext& context, task_network::Completions& completions);
   void occupy(mission::Engine* opaque_subtree);
   void hand_on(task_network::NodeContext& context, task_network::Completions& completions);
+  void change_value(task_network::NodeContext& context, task_network::Completions& completions);
   void join(task_network::NodeContext& context, task_network::Completions& completions);
   void begin_container(task_network::NodeContext& context, task_network::Completions& completions);
   [[nodiscard]] type::Value value(task_network::NodeContext& context, const ValueSource& source) const;

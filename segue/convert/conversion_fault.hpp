@@ -38,6 +38,7 @@ enum class ConversionFault : std::uint8_t {
   ForgetsRecord,             ///< the journal lacks facts of subtrees and global variables
   ForgetsLoops,              ///< the journal does not tell iterations of loops apart
   SeesOldWorld,              ///< actions see the world as it was at the beginning
+  ForgetsChangesOfValues,    ///< actions act on values of the world that are not real yet
   ForgetsWorldData,          ///< what is attached to the world does not follow its facts
   ForgetsStrict,             ///< nothing is strict
   RacesConflict,             ///< states of a preemptive container that touch the same wait for each other

@@ -31,8 +31,8 @@ namespace segue::convert {
 /// Action: a leaf. OpaqueSubtree: a state with everything in it, run sequentially as one node. Join: says
 /// whether one of several ways to a state was taken. Copy: forwards an input or a constant of a container
 /// under a condition. Global: reads a global variable. Begin: of a container that declares
-/// something; takes what it blocks.
-enum class Role : std::uint8_t { Action, OpaqueSubtree, Join, Copy, Global, Begin };
+/// something; takes what it blocks. Change: computes what an action makes of a value of the world.
+enum class Role : std::uint8_t { Action, OpaqueSubtree, Join, Copy, Global, Begin, Change };
 
 /// Where a value comes from: the newest input that exists, or else `rest`.
 struct ValueSource {
@@ -73,8 +73,9 @@ struct PlannedNode {
   std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
   std::string loops;            ///< as mission::Execution
   std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
-  /// The sources of inputs, by port. A Copy has the forwarded values, of which the newest that is not null
-  /// counts.
+  /// The sources of inputs, by port; of an OpaqueSubtree, then of the values_within() it. A Copy has the
+  /// forwarded values, of which the newest that is not null counts; a Change the value as it was, and then
+  /// mission::sources_of_change().
   std::vector<ValueSource> inputs;
   ValueSource error_before;
   ValueSource begun;  ///< how often the state has begun, if its action depends on it
@@ -84,6 +85,7 @@ struct PlannedNode {
   std::vector<std::pair<std::uint32_t, task_network::OutcomeId>>
       joined;  ///< Join: inputs and the values that they must have
   std::string global;
+  std::string value;                    ///< Change: its name
   std::string refused;                  ///< why the action can never begin
   mission::EnclosingScopePtr around{};  ///< OpaqueSubtree: what is declared around it
   mission::ObservedNeedsPtr observed{};

@@ -41,6 +41,7 @@ RunJournal::End end_of(const mission::CompiledState& state, const Value& outputs
     end.facts = texts_of(*record->find("facts"));
     end.units = mission::unit_changes(record->find("units")->as_map());
     end.begun = mission::counts_by_state(record->find("states")->as_map());
+    end.values = record->find("values")->as_map();
   }
   return end;
 }
@@ -53,7 +54,8 @@ Value NodeJournal::record_of(const mission::Globals& used, const SubtreeChanges&
                      {"erased", list_of(variables.erased)},
                      {"facts", list_of(changes.facts)},
                      {"units", mission::to_value(changes.units)},
-                     {"states", mission::to_value(changes.begun)}});
+                     {"states", mission::to_value(changes.begun)},
+                     {"values", changes.values}});
 }
 
 bool NodeJournal::records(NodeId node) const {

@@ -23,6 +23,7 @@ struct SubtreeChanges {
   std::vector<std::string> facts{};
   mission::UnitChanges units{};
   std::map<mission::StateIndex, std::uint32_t> begun{};
+  type::ValueMap values{};  ///< of the world, all that it may change
 };
 
 /// The journal of a concurrent run: which actions and opaque subtrees have begun and ended. Only what counts

@@ -2,6 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/opaque_subtrees.hpp>
+#include <segue/mission/world_values.hpp>
 
 #include <algorithm>
 #include <optional>
@@ -22,7 +23,7 @@ namespace {
 
 bool declares_footprint(const Action& action) {
   return !action.preconditions.empty() || !action.during.empty() || !action.effects.empty() ||
-         !action.resources.empty();
+         !action.changes.empty() || !action.resources.empty();
 }
 
 /// A fact or resource that an action touches. The name may have placeholders.
@@ -223,6 +224,10 @@ class Search {
     for (const mission::ResourceUse& use : action.resources) {
       const bool only_looks = use.operation == mission::ResourceOperation::Exists && !varies(use.resource);
       touched.push_back({"resource " + use.resource, !only_looks});
+    }
+    for (const std::string& name : mission::values_touched(action)) {
+      const auto changed = mission::values_changed(action);
+      touched.push_back({"value " + name, std::ranges::binary_search(changed, name)});
     }
     return action.reads_world;
   }

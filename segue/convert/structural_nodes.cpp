@@ -3,6 +3,13 @@
 // Nodes that execute nothing: they end as soon as they begin.
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/conversion_fault.hpp>
+#include <segue/mission/mission_index.hpp>
+#include <segue/mission/world_values.hpp>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace segue::convert {
 
@@ -20,6 +27,27 @@ void ActionEnvironment::hand_on(NodeContext& context, Completions& completions) 
   auto report = std::make_unique<task_network::Report>();
   report->outputs =
       std::make_shared<const Value>(Value::map({{std::string(kValueOutput), std::move(handed)}}));
+  completions.finish_at(completions.now(), context.node(), context.attempt(), std::move(report));
+}
+
+void ActionEnvironment::change_value(NodeContext& context, Completions& completions) {
+  const PlannedNode& planned = plan_[context.node()];
+  const mission::Program& program = plan_.program();
+  const mission::Action& action = program.mission().actions[program.node(planned.state).action];
+  const auto names = mission::sources_of_change(action, planned.value);
+  std::vector<Value> values = inputs(context);
+  const auto port = [&](std::string_view name) -> const Value& {
+    return values[1 + static_cast<std::size_t>(std::ranges::find(names, name) - names.begin())];
+  };
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto input = mission::position(action.inputs, names[i]);
+    if (!input || !action.inputs[*input].from_world) continue;
+    values[i + 1] = mission::value_of(values[i + 1], mission::placeholder_field(names[i])->path);
+  }
+  auto report = std::make_unique<task_network::Report>();
+  report->outputs = std::make_shared<const Value>(
+      Value::map({{std::string(kValueOutput),
+                   mission::changed_value(action, planned.value, std::move(values.front()), port)}}));
   completions.finish_at(completions.now(), context.node(), context.attempt(), std::move(report));
 }
 

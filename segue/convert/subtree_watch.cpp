@@ -20,8 +20,9 @@ std::vector<std::string> differences(const mission::World::Facts& before,
 
 }  // namespace
 
-SubtreeWatch::SubtreeWatch(const mission::MissionPart& part)
-    : facts_(part.world.facts()),
+SubtreeWatch::SubtreeWatch(const mission::MissionPart& part, std::vector<std::string> values)
+    : values_(std::move(values)),
+      facts_(part.world.facts()),
       units_(part.units),
       iterations_(part.iterations),
       begun_(part.iterations->begin(), part.iterations->end()),
@@ -30,7 +31,10 @@ SubtreeWatch::SubtreeWatch(const mission::MissionPart& part)
 SubtreeChanges SubtreeWatch::changes(const mission::Engine& engine) const {
   SubtreeChanges changes{has_data_ ? engine.world().changes() : differences(facts_, engine.world().facts()),
                          engine.units().changes_since(units_),
+                         {},
                          {}};
+  for (const std::string& name : values_)
+    changes.values.append(name, engine.world().values().find(name)->second);
   for (std::size_t i = 0; i < begun_.size(); ++i) {
     if (const std::uint32_t now = (*iterations_)[i]; now != begun_[i])
       changes.begun[static_cast<mission::StateIndex>(i)] = now;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace segue::convert {
@@ -13,11 +14,13 @@ namespace segue::convert {
 /// The state at the begin of an opaque subtree, by which its changes are found at its end.
 class SubtreeWatch {
  public:
-  explicit SubtreeWatch(const mission::MissionPart& part);
+  /// `values`: those of the world that it may change.
+  SubtreeWatch(const mission::MissionPart& part, std::vector<std::string> values);
   /// The changes of the subtree, after the run of the engine.
   [[nodiscard]] SubtreeChanges changes(const mission::Engine& engine) const;
 
  private:
+  std::vector<std::string> values_;
   mission::World::Facts facts_;
   mission::Units::Counts units_;
   std::shared_ptr<mission::Iterations> iterations_;

@@ -143,4 +143,14 @@ struct Track {
   [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
 };
 
+/// The facts and resources of an action, once known.
+struct Touch {
+  std::optional<std::vector<std::size_t>> named_by{};  ///< the inputs that determine them, by port
+  bool known = false;                                  ///< the same for all its nodes
+  std::vector<task_network::Literal> preconditions{};
+  std::vector<task_network::Literal> effects{};
+  std::vector<task_network::Claim> claims{};
+  mission::ObservedNeedsPtr observed{};
+};
+
 }  // namespace segue::convert

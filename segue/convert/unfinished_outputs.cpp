@@ -87,7 +87,7 @@ class Replay {
     ValueMap outputs;
     if (planned.role == Role::Global)
       outputs.append(std::string(kValueOutput), globals_.get(planned.global).value_or(Value()));
-    if (planned.state == mission::kNoState)
+    if (planned.state == mission::kNoState || planned.role == Role::Change)
       return end(node, task_network::kSuccess, &given_.emplace_back(std::move(outputs)));
     const mission::CompiledState& state = plan_.program().node(planned.state);
     for (std::size_t i = 0; i < state.outputs.size(); ++i) {

@@ -22,7 +22,8 @@ Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, PlanScope
       scope_(scope),
       subtrees_(find_opaque_subtrees(plan.program())),
       shared_(plan.program()),
-      touches_(plan.program().mission().actions.size()) {
+      touches_(plan.program().mission().actions.size()),
+      world_(plan.program().mission()) {
   find_varying();
 }
 

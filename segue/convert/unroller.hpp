@@ -4,6 +4,7 @@
 #include <segue/convert/container_run.hpp>
 #include <segue/convert/mission_plan.hpp>
 #include <segue/convert/track.hpp>
+#include <segue/convert/world_flow.hpp>
 #include <segue/mission/shared_units.hpp>
 
 #include <memory>
@@ -14,16 +15,6 @@
 #include <vector>
 
 namespace segue::convert {
-
-/// The facts and resources of an action, once known.
-struct Touch {
-  std::optional<std::vector<std::size_t>> named_by{};  ///< the inputs that determine them, by port
-  bool known = false;                                  ///< the same for all its nodes
-  std::vector<task_network::Literal> preconditions{};
-  std::vector<task_network::Literal> effects{};
-  std::vector<task_network::Claim> claims{};
-  mission::ObservedNeedsPtr observed{};
-};
 
 /// Walks through a mission as the reference engine would, along all ways at once. States of a hierarchy are
 /// taken in a weak topological order: all ways to a state are known before it becomes a node, and each state
@@ -150,6 +141,15 @@ class Unroller {
   [[nodiscard]] Result<mission::Needs> needs_of(const StateEntry& entry);
   void look_up(const mission::Needs& needs, Touch& touch);
 
+  // The values of the world (unroller_world.cpp)
+  Symbol input_of(const StateEntry& entry, const mission::Action& action, std::size_t port);
+  void wait_for_changes(const StateEntry& entry, const mission::Action& action, task_network::NodeSpec& spec);
+  void wait_for_changes_of(const std::string& name, const StateEntry& entry, task_network::NodeSpec& spec);
+  void change_world(const StateEntry& entry, const mission::Action& action, task_network::NodeId by,
+                    const StateEnd& end);
+  void connect_subtree_to_world(const StateEntry& entry, task_network::NodeSpec& spec, PlannedNode& planned);
+  void change_world_by_subtree(const StateEntry& entry, task_network::NodeId subtree);
+
   // The declarations of containers, and their ends (unroller_containers.cpp)
   void begin_container(ContainerExecution& activation);
   void follow(ContainerExecution& activation);
@@ -190,6 +190,7 @@ class Unroller {
   std::unordered_map<mission::StateIndex, Slots> begun_;
   std::vector<std::uint32_t> copies_;  ///< by name, of TaskNetwork::names
   std::vector<Touch> touches_;         ///< by action
+  WorldFlow world_;
   std::unordered_map<mission::StateIndex, std::optional<std::vector<std::size_t>>>
       named_by_;                 ///< by container: the inputs that determine what it declares
   task_network::NodeSpec spec_;  ///< of the current node

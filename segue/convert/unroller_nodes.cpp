@@ -312,7 +312,8 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   declare(entry, spec, planned);
   planned.when = entry.when;
   for (std::size_t i = 0; i < entry.inputs.size(); ++i)
-    planned.inputs.push_back(connect(spec, entry.inputs[i], what.inputs[i].name));
+    planned.inputs.push_back(connect(spec, input_of(entry, what, i), what.inputs[i].name));
+  wait_for_changes(entry, what, spec);
   planned.error_before = connect(spec, {entry.errors, {}}, kErrorOutput);
   count(spec, planned, entry);
   if (branches != nullptr) planned.branches = connect_branches(spec, entry, *branches);
@@ -324,7 +325,9 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
     more.candidates.push_back({id, plan_.network_.names.intern(kCountOutput), entry.when, {}});
     begun_.at(entry.state).write(0, entry.when, std::move(more), paths_);
   }
-  return ends_of(entry, id, spec);
+  StateEnd end = ends_of(entry, id, spec);
+  if (!what.changes.empty()) change_world(entry, what, id, end);
+  return end;
 }
 
 StateEnd Unroller::add_subtree(const StateEntry& entry) {
@@ -348,9 +351,11 @@ StateEnd Unroller::add_subtree(const StateEntry& entry) {
   planned.when = entry.when;
   for (std::size_t i = 0; i < entry.inputs.size(); ++i)
     planned.inputs.push_back(connect(spec, entry.inputs[i], (*state.input_ports)[i].name));
+  connect_subtree_to_world(entry, spec, planned);
   planned.error_before = connect(spec, {entry.errors, {}}, kErrorOutput);
   const NodeId id = append(spec, std::move(planned), plan_.network_.name);
   put_in(entry.container, id);
+  change_world_by_subtree(entry, id);
   return ends_of(entry, id, spec);
 }
 

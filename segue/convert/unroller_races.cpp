@@ -31,6 +31,7 @@ void Unroller::enter_race(Track& track, ContainerExecution& activation) {
   const auto race = std::make_shared<Race>(Race{track.frames.back().activation});
   track.frames.back().race = race;
   races_.push_back(race);
+  world_.may_forget();
   for (const StateIndex child : node(activation.entry.state).children) {
     StateEntry entry = entry_of(track.frames.back(), child, when);
     auto beside = std::make_shared<Track>();
@@ -172,7 +173,10 @@ void Unroller::decide(Race& race, std::size_t first) {
            around = around->around)
         around->lost = true;
     }
+    world_.forget(race.tracks[i]->open, paths_);
   }
+  const auto is_open = [](const std::weak_ptr<Race>& each) { return !each.expired() && !each.lock()->first; };
+  if (std::ranges::none_of(races_, is_open)) world_.keep();
 }
 
 /// Whether all that the state stands for has ended, for certain.

@@ -7,6 +7,8 @@
 
 namespace segue::mission {
 
+using type::Value;
+
 namespace {
 
 bool is_argument(std::string_view text) {
@@ -73,6 +75,36 @@ std::optional<std::string> parameter_input(const type::Value& parameter) {
   const std::string& text = parameter.as_string();
   if (text.size() < 3 || text.front() != '{' || text.find('}') != text.size() - 1) return std::nullopt;
   return text.substr(1, text.size() - 2);
+}
+
+std::vector<std::string> inputs_named_in(const Value& value) {
+  std::vector<std::string> names;
+  const auto add_all = [&](const Value& item) {
+    for (std::string& name : inputs_named_in(item))
+      names.push_back(std::move(name));
+  };
+  if (auto name = parameter_input(value)) names.push_back(std::move(*name));
+  if (value.is_list()) std::ranges::for_each(value.as_list(), add_all);
+  if (value.is_map()) {
+    for (const auto& [key, item] : value.as_map())
+      add_all(item);
+  }
+  return names;
+}
+
+Value filled(const Value& value, const std::function<const Value&(std::string_view port)>& value_of) {
+  if (const auto name = parameter_input(value)) return value_of(*name);
+  if (value.is_list()) {
+    Value::List list;
+    for (const Value& item : value.as_list())
+      list.push_back(filled(item, value_of));
+    return list;
+  }
+  if (!value.is_map()) return value;
+  type::ValueMap map;
+  for (const auto& [key, item] : value.as_map())
+    map.append(key, filled(item, value_of));
+  return map;
 }
 
 }  // namespace segue::mission

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -71,6 +72,15 @@ struct Fact {
 /// The fact without its sign: "p(a,b)".
 std::string to_string(const Fact& fact);
 
+/// An effect on data of the world (DeclaredData): what takes the place of the data, or of a field in them,
+/// once the action has ended as expected.
+struct DataChange {
+  std::string field;  ///< "scene", or "scene.arm.pose", with "{name}" in parts after the first
+  type::Value value;  ///< "{name}", at any depth, stands for that input or output
+  SourcePlace where;
+  friend bool operator==(const DataChange&, const DataChange&) = default;
+};
+
 /// A C++ function that the program has registered under this name.
 struct Callback {
   std::string name;
@@ -121,11 +131,13 @@ struct Action {
   std::vector<Fact> preconditions;
   std::vector<Fact> during;  ///< as `preconditions`; observed ones (ObservedFact) must hold all along
   std::vector<Fact> effects;
+  std::vector<DataChange> changes;  ///< effects on data, in the order in which they are made
   std::vector<ResourceUse> resources;
   bool pure = false;         ///< its result can be discarded; otherwise it is potentially irreversible
   bool sensing = false;      ///< observes the real world: never runs on a predicted one
   bool reads_world = false;  ///< looks at facts that it does not declare (ActionCall::world)
-  bool strict = false;       ///< it waits until nothing before it can fail any more
+  std::vector<std::string> reads_data;  ///< names of data that it looks at there, and nothing else
+  bool strict = false;                  ///< it waits until nothing before it can fail any more
   /// Its script uses a robot, and may request these controllers ("{input}" in a name stands for the value of
   /// that input); nothing: it uses none. An action that is a controller names it under `run`.
   std::optional<std::vector<std::string>> controllers;
@@ -160,5 +172,12 @@ std::vector<std::string> placeholders(std::string_view text);
 
 /// The input that a parameter "{port}" names; nothing if the parameter is a plain value.
 std::optional<std::string> parameter_input(const type::Value& parameter);
+
+/// The inputs that texts "{port}" in the value name, at any depth, in their order.
+std::vector<std::string> inputs_named_in(const type::Value& value);
+
+/// The value with those of `value_of` in place of the texts "{port}" in it, at any depth.
+type::Value filled(const type::Value& value,
+                   const std::function<const type::Value&(std::string_view port)>& value_of);
 
 }  // namespace segue::mission

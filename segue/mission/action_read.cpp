@@ -42,24 +42,27 @@ Port read_port(const std::string& name, const Value& value, const std::string& w
   return port;
 }
 
+void read_fact(std::vector<Fact>& facts, const Value& item, const Fields& fields, std::string_view key,
+               std::string_view signs, const Source& source) {
+  auto fact = item.is_string() ? parse_fact(item.as_string(), signs) : std::nullopt;
+  if (!fact) {
+    return source.error(
+        "bad-fact",
+        fields.what() + ": " + quote(key) + " must be facts such as " +
+            (signs == "!" ? "'at(robot, {place})' or '!held(cup)'" : "'+held(cup)' or '-at(cup, table)'") +
+            ", got " + type::describe(item),
+        item);
+  }
+  fact->where = source.at(item);
+  facts.push_back(std::move(*fact));
+}
+
 void read_facts(std::vector<Fact>& facts, Fields& fields, std::string_view key, std::string_view signs,
                 const Source& source) {
   const Value* list = fields.find(key, Value::Kind::List);
   if (list == nullptr) return;
-  for (const Value& item : list->as_list()) {
-    auto fact = item.is_string() ? parse_fact(item.as_string(), signs) : std::nullopt;
-    if (!fact) {
-      source.error(
-          "bad-fact",
-          fields.what() + ": " + quote(key) + " must be facts such as " +
-              (signs == "!" ? "'at(robot, {place})' or '!held(cup)'" : "'+held(cup)' or '-at(cup, table)'") +
-              ", got " + type::describe(item),
-          item);
-      continue;
-    }
-    fact->where = source.at(item);
-    facts.push_back(std::move(*fact));
-  }
+  for (const Value& item : list->as_list())
+    read_fact(facts, item, fields, key, signs, source);
 }
 
 /// {block: arm} or {consume: "cup_{n}", count: 2, parameters: {...}}: the operation is the key.
@@ -214,13 +217,44 @@ void read_needs(std::vector<Fact>& preconditions, std::vector<ResourceUse>& reso
     read_use(resources, item, fields.what(), source);
 }
 
+namespace {
+
+/// {scene.arm: "{goal}"}: data and the values that take their place, in this order.
+void read_changes(std::vector<DataChange>& changes, const Value& map, const Source& source) {
+  for (const auto& [field, value] : map.as_map())
+    changes.push_back({field, value, source.at(value)});
+}
+
+/// Facts, and maps of data with their new values.
+void read_effects(Action& action, Fields& fields, const Source& source) {
+  const Value* list = fields.find("effects", Value::Kind::List);
+  if (list == nullptr) return;
+  for (const Value& item : list->as_list()) {
+    if (item.is_map())
+      read_changes(action.changes, item, source);
+    else
+      read_fact(action.effects, item, fields, "effects", "+-", source);
+  }
+}
+
+/// true, or a list of the data that it looks at.
+void read_what_it_looks_at(Action& action, Fields& fields) {
+  const Value* value = fields.find("reads_world");
+  if (value != nullptr && value->is_list())
+    action.reads_data = fields.texts("reads_world");
+  else
+    action.reads_world = fields.boolean("reads_world", false);
+}
+
+}  // namespace
+
 void read_declarations(Action& action, Fields& fields, const Source& source) {
   read_needs(action.preconditions, action.resources, fields, source);
   read_facts(action.during, fields, "while", "!", source);
-  read_facts(action.effects, fields, "effects", "+-", source);
+  read_effects(action, fields, source);
   action.pure = fields.boolean("pure", false);
   action.sensing = fields.boolean("sensing", false);
-  action.reads_world = fields.boolean("reads_world", false);
+  read_what_it_looks_at(action, fields);
   action.strict = fields.boolean("strict", false);
   if (fields.find("controllers", Value::Kind::List) != nullptr)
     action.controllers = fields.texts("controllers");

@@ -4,6 +4,7 @@
 #include <segue/mission/controllers.hpp>
 #include <segue/mission/mission_index.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/world_values.hpp>
 #include <segue/model/reader.hpp>
 
 #include <algorithm>
@@ -13,8 +14,17 @@ namespace segue::mission {
 using type::Value;
 
 Result<WorldView> ActionCall::world() const {
-  if (action().reads_world) return look_at_world();
-  return fail(ErrorCode::InvalidState, "the action does not declare 'reads_world'");
+  const Action& what = action();
+  if (!what.reads_world && what.reads_data.empty())
+    return fail(ErrorCode::InvalidState, "the action does not declare 'reads_world'");
+  const WorldView seen = what.reads_world ? look_at_world() : WorldView({}, {});
+  AttachedData data = seen.data();
+  for (std::size_t i = 0; i < what.inputs.size(); ++i) {
+    const auto field = what.inputs[i].from_world ? placeholder_field(what.inputs[i].name) : std::nullopt;
+    if (field && field->path.empty())
+      data.insert_or_assign(std::string(field->data), std::make_shared<const ValueData>(inputs()[i]));
+  }
+  return WorldView(seen.facts(), std::move(data));
 }
 
 const Value& ActionCall::progress() const {
@@ -38,18 +48,7 @@ const Value& ActionCall::input(std::string_view name) const {
 }
 
 Value ActionCall::filled(const Value& value) const {
-  if (const auto name = parameter_input(value)) return input(*name);
-  if (value.is_list()) {
-    Value::List list;
-    for (const Value& item : value.as_list())
-      list.push_back(filled(item));
-    return list;
-  }
-  if (!value.is_map()) return value;
-  type::ValueMap map;
-  for (const auto& [key, item] : value.as_map())
-    map.append(key, filled(item));
-  return map;
+  return mission::filled(value, [this](std::string_view name) -> const Value& { return input(name); });
 }
 
 bool ActionCall::set_output(std::string_view name, Value value) {

@@ -81,8 +81,8 @@ class ActionCall {
   /// it changes must be kept aside (Ending::pending).
   [[nodiscard]] virtual bool may_be_discarded() const { return false; }
   /// The facts that hold, and what is attached to them. For a pure action in a concurrent run those that are
-  /// predicted; the action is repeated if they were predicted wrongly. InvalidState if the action does not
-  /// declare `reads_world`.
+  /// predicted; the action is repeated if they were predicted wrongly. An action that names the data which it
+  /// reads gets these, and no facts. InvalidState if the action does not declare `reads_world`.
   [[nodiscard]] Result<WorldView> world() const;
   /// The error with which the preceding state aborted; empty if it did not.
   [[nodiscard]] virtual const std::string& error_before() const = 0;

@@ -76,6 +76,14 @@ Value write_run(std::monostate /*nothing*/) {
   return {};
 }
 
+void write_effects(ValueMap& map, const Action& action) {
+  if (action.effects.empty() && action.changes.empty()) return;
+  Value::List effects = write_facts(action.effects, "+", "-").as_list();
+  for (const DataChange& change : action.changes)
+    effects.push_back(Value::map({{change.field, change.value}}));
+  map.append("effects", std::move(effects));
+}
+
 Value write_port(const Port& port) {
   if (port.value.is_null()) return port.type;
   return Value::map({{"type", port.type}, {"default", port.value}});
@@ -121,10 +129,11 @@ Value write_action(const Action& action) {
   write_outcomes(map, action.outcomes);
   write_needs(map, action.preconditions, action.resources);
   if (!action.during.empty()) map.append("while", write_facts(action.during, "", "!"));
-  if (!action.effects.empty()) map.append("effects", write_facts(action.effects, "+", "-"));
+  write_effects(map, action);
   if (action.pure) map.append("pure", true);
   if (action.sensing) map.append("sensing", true);
   if (action.reads_world) map.append("reads_world", true);
+  if (!action.reads_data.empty()) map.append("reads_world", text_list(action.reads_data));
   if (action.strict) map.append("strict", true);
   if (action.controllers) map.append("controllers", text_list(*action.controllers));
   ValueMap expect;

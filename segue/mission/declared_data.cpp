@@ -3,6 +3,8 @@
 #include <segue/mission/checks.hpp>
 #include <segue/mission/declared_data.hpp>
 #include <segue/mission/mission_file_parts.hpp>
+#include <segue/mission/mission_index.hpp>
+#include <segue/mission/world_values.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +29,7 @@ DeclaredData read_one(const std::string& name, const Value& value, const Source&
   Fields fields(value, described(data), source);
   if (const Value* initial = fields.require("initial", "what they are when the mission begins"))
     data.initial = *initial;
-  if (const Value* script = fields.require("python", "the script with the functions that 'effects' names"))
+  if (const Value* script = fields.find("python"))
     data.functions = read_script(*script, fields.what(), source);
   if (data.functions.isolated)
     source.error("bad-script", fields.what() + ": only the scripts of actions can be 'isolated'", value);
@@ -47,6 +49,67 @@ bool is_finite(const Value& value) {
   return !value.is_map() ||
          std::ranges::all_of(value.as_map(), [](const auto& entry) { return is_finite(entry.second); });
 }
+
+/// The values that an action looks at and changes.
+class ValueCheck {
+ public:
+  ValueCheck(const Mission& mission, const Action& action, Diagnostics& diagnostics)
+      : mission_(mission), action_(action), diagnostics_(diagnostics) {}
+
+  void run() {
+    for (const std::string& name : action_.reads_data)
+      check_known(name, "'reads_world'", action_.where);
+    for (const std::string& placeholder : world_placeholders(action_))
+      check_known(placeholder_field(placeholder)->data, quote("{" + placeholder + "}"), action_.where);
+    for (const DataChange& change : action_.changes)
+      check(change);
+    if (!action_.changes.empty() && action_.action_class() != ActionClass::Irreversible) {
+      error("bad-effect",
+            std::string("it is ") + (action_.sensing ? "sensing" : "pure") +
+                ", so it cannot change world data: its result may be discarded",
+            action_.changes.front().where);
+    }
+  }
+
+ private:
+  void error(std::string code, const std::string& message, const SourcePlace& where) {
+    diagnostics_.error(std::move(code), "action " + quote(action_.name.str()) + ": " + message, where);
+  }
+
+  void check_known(std::string_view name, const std::string& where_named, const SourcePlace& where) {
+    std::vector<std::string> names;
+    for (const DeclaredData& data : mission_.world_data)
+      names.push_back(data.name);
+    const auto found = std::ranges::find(mission_.world_data, name, &DeclaredData::name);
+    if (found == mission_.world_data.end()) {
+      error("unknown-data",
+            where_named + " names the world data " + quote(name) + ", which the mission does not have" +
+                did_you_mean(std::string(name), names),
+            where);
+    } else if (!is_value(*found)) {
+      error("scripted-data",
+            where_named + " names the world data " + quote(name) +
+                ", which follow facts by functions in Python: only scripts with 'reads_world: true' see them",
+            where);
+    }
+  }
+
+  void check(const DataChange& change) {
+    check_known(world_field(change.field).data, "an effect on " + quote(change.field), change.where);
+    for (const std::string& name : sources_of(change)) {
+      if (placeholder_field(name) || position(action_.inputs, name) || position(action_.outputs, name))
+        continue;
+      error("unknown-port",
+            "its effect on " + quote(change.field) + " uses " + quote(name) +
+                ", which is neither an input nor an output of it" + suggestion(action_.inputs, name),
+            change.where);
+    }
+  }
+
+  const Mission& mission_;
+  const Action& action_;
+  Diagnostics& diagnostics_;
+};
 
 bool can_happen(const Mission& mission, std::string_view predicate, bool becomes_true) {
   return std::ranges::any_of(mission.actions, [&](const Action& action) {
@@ -101,7 +164,7 @@ void write_declared_data(ValueMap& map, const std::vector<DeclaredData>& all) {
       effects.append(effect.of, effect.function);
     ValueMap entry;
     entry.append("initial", data.initial);
-    entry.append("python", write_script(data.functions));
+    if (!is_value(data)) entry.append("python", write_script(data.functions));
     if (!data.effects.empty()) entry.append("effects", std::move(effects));
     entries.append(data.name, std::move(entry));
   }
@@ -109,7 +172,6 @@ void write_declared_data(ValueMap& map, const std::vector<DeclaredData>& all) {
 }
 
 void check_declared_data(const Mission& mission, Diagnostics& diagnostics) {
-  const bool is_read = std::ranges::any_of(mission.actions, &Action::reads_world);
   for (const DeclaredData& data : mission.world_data) {
     if (!is_identifier(data.name))
       diagnostics.error("bad-name", described(data) + ": the name must be an identifier, such as scene",
@@ -120,11 +182,26 @@ void check_declared_data(const Mission& mission, Diagnostics& diagnostics) {
                             ": 'initial' is infinite or not a number somewhere, which cannot "
                             "be passed to a script",
                         data.where);
-    for (const DataEffect& effect : data.effects)
-      check_effect(mission, data, effect, diagnostics);
-    if (!is_read)
+    if (is_value(data) && !data.effects.empty()) {
+      diagnostics.error("bad-effect",
+                        described(data) +
+                            ": 'effects' names functions of the script under 'python', which is missing; a "
+                            "value is changed by the effects of actions, as in effects: [{" +
+                            data.name + ": \"{input}\"}]",
+                        data.where);
+    } else {
+      for (const DataEffect& effect : data.effects)
+        check_effect(mission, data, effect, diagnostics);
+    }
+    const auto reads = [&](const Action& action) {
+      if (action.reads_world) return true;
+      return std::ranges::binary_search(values_read(mission, action), data.name);
+    };
+    if (std::ranges::none_of(mission.actions, reads))
       diagnostics.warning("never-read", described(data) + ": no action declares 'reads_world'", data.where);
   }
+  for (const Action& action : mission.actions)
+    ValueCheck(mission, action, diagnostics).run();
 }
 
 }  // namespace segue::mission::detail

@@ -64,6 +64,7 @@ class Collector {
     take_actions(name, library);
     take_shared(mission_.globals, library.globals, "global variable");
     take_shared(mission_.resources, library.resources, "resource");
+    take_shared(mission_.world_data, library.world_data, "world data");
     const auto offset = static_cast<StateIndex>(mission_.states.size());
     for (State& state : library.states) {
       if (state.parent != kNoState) state.parent += offset;

@@ -25,6 +25,7 @@ struct Port {
   std::string type = "any";
   type::Value value;
   SourcePlace where;
+  bool from_world = false;  ///< an input that add_world_inputs() has added; its name is a WorldField
   friend bool operator==(const Port&, const Port&) = default;
 };
 

@@ -7,6 +7,7 @@
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission/pool_actions.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/world_values.hpp>
 
 #include <algorithm>
 
@@ -167,6 +168,7 @@ Result<std::shared_ptr<const Program>> Program::compile(Mission mission,
   const MissionIndex index(program->mission_);
   const Diagnostics problems = detail::validate(index);
   if (problems.has_errors()) return problems.to_error();
+  add_world_inputs(program->mission_);
   Compiler(index, program->nodes_).run();
   claim_controllers(program->mission_, conflicts);
   claim_pools(program->mission_);

@@ -80,8 +80,8 @@ class Program {
   static Result<std::shared_ptr<const Program>> compile(Mission mission,
                                                         const ControllerConflicts* conflicts = nullptr);
 
-  /// The mission as it was written, except for units that are kept (move_kept_units) and units that
-  /// controllers need (claim_controllers).
+  /// The mission as it was written, except for units that are kept (move_kept_units), units that controllers
+  /// need (claim_controllers), and inputs for what actions see of the world (add_world_inputs).
   [[nodiscard]] const Mission& mission() const { return mission_; }
   /// By StateIndex.
   [[nodiscard]] const std::vector<CompiledState>& nodes() const { return nodes_; }

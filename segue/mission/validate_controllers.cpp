@@ -2,6 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/checks.hpp>
 #include <segue/mission/controllers.hpp>
+#include <segue/mission/world_values.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -14,7 +15,7 @@ namespace {
 
 void check_input(const Action& action, const std::string& name, const SourcePlace& where,
                  Diagnostics& diagnostics) {
-  if (position(action.inputs, name)) return;
+  if (position(action.inputs, name) || placeholder_field(name)) return;
   diagnostics.error("unknown-port",
                     "action " + quote(action.name.str()) + ": it uses the input " + quote(name) +
                         ", which it does not have" + suggestion(action.inputs, name),

@@ -7,12 +7,14 @@
 
 namespace segue::mission {
 
-World::World(Facts facts, bool keep, const AttachedData& data) : facts_(std::move(facts)), keep_(keep) {
+World::World(Facts facts, bool keep, const AttachedData& data, WorldValues values)
+    : facts_(std::move(facts)), values_(std::move(values)), keep_(keep) {
   for (const auto& [name, attached] : data)
     data_.emplace(name, attached);
   if (!keep_) return;
   initial_ = facts_;
   initial_data_ = data_;
+  initial_values_ = values_;
 }
 
 void World::set(const std::string& fact, bool holds) {
@@ -36,19 +38,36 @@ const GroundFact* World::first_false(std::span<const GroundFact> facts,
   return found == facts.end() ? nullptr : &*found;
 }
 
-World::Changes World::apply(std::span<const GroundFact> effects) {
+type::Value World::value_of(std::string_view placeholder) const {
+  const auto field = placeholder_field(placeholder);
+  const auto found = field ? values_.find(field->data) : values_.end();
+  return found == values_.end() ? type::Value() : mission::value_of(found->second, field->path);
+}
+
+void World::make(const Change& change) {
+  if (const auto* fact = std::get_if<GroundFact>(&change.made)) return set(fact->text, fact->holds);
+  const auto& [name, value] = std::get<NewValue>(change.made);
+  values_.insert_or_assign(name, value);
+}
+
+World::Changes World::apply(std::span<const GroundFact> effects, WorldValues values) {
   const auto first = static_cast<std::uint32_t>(changes_.size());
-  for (const GroundFact& effect : effects) {
-    set(effect.text, effect.holds);
-    if (keep_) changes_.push_back({effect, false});
-  }
+  const auto make_and_keep = [this](Change change) {
+    make(change);
+    if (keep_) changes_.push_back(std::move(change));
+  };
+  for (const GroundFact& effect : effects)
+    make_and_keep({effect});
+  for (auto& [name, value] : values)
+    make_and_keep({NewValue(name, std::move(value))});
   return {first, static_cast<std::uint32_t>(changes_.size())};
 }
 
 std::vector<std::string> World::changes() const {
   std::vector<std::string> texts;
   for (const Change& change : changes_) {
-    if (!change.undone) texts.push_back((change.fact.holds ? "" : "!") + change.fact.text);
+    const auto* fact = std::get_if<GroundFact>(&change.made);
+    if (fact != nullptr && !change.undone) texts.push_back((fact->holds ? "" : "!") + fact->text);
   }
   return texts;
 }
@@ -59,8 +78,9 @@ void World::undo(Changes changes) {
   // Data cannot be undone, so all that counts is done again.
   facts_ = initial_;
   data_ = initial_data_;
+  values_ = initial_values_;
   for (const Change& change : changes_) {
-    if (!change.undone) set(change.fact.text, change.fact.holds);
+    if (!change.undone) make(change);
   }
 }
 

@@ -33,7 +33,8 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
     if (auto attached = attach_declared(program->mission(), data); !attached) return attached.error();
   }
   const bool lists_changes = options.part && !data.empty();
-  World world(std::move(*facts), options.backward || lists_changes, data);
+  WorldValues values = options.part ? options.part->values : initial_values(program->mission());
+  World world(std::move(*facts), options.backward || lists_changes, data, std::move(values));
   auto core = std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(world),
                                                    Units(*units), std::move(options));
   core->observer = runners.observer();

@@ -40,6 +40,7 @@ struct MissionPart {
   Globals globals;           ///< shared with the creator
   std::shared_ptr<Iterations> iterations;
   WorldView world;      ///< when it begins
+  WorldValues values;   ///< when it begins
   Units::Counts units;  ///< when it begins
   EnclosingScopePtr around{};
 };

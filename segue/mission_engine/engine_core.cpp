@@ -26,9 +26,11 @@ EngineCore::EngineCore(std::shared_ptr<const Program> program_,
       shared_(*program),
       around_root_(options.part ? options.part->around : nullptr),
       virtual_clock_(dynamic_cast<VirtualClock*>(options.clock)) {
-  for (const Action& action : program->mission().actions)
+  for (const Action& action : program->mission().actions) {
     touches_.push_back(!action.preconditions.empty() || !action.during.empty() || !action.effects.empty() ||
                        !action.resources.empty());
+    changes_values_.push_back(!action.changes.empty());
+  }
 }
 
 void EngineCore::begin() {

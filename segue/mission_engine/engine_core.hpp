@@ -126,6 +126,8 @@ class EngineCore {
   void free(Activation& activation);
   void free_children(Activation& container);
   void fill_inputs(Activation& child, Activation& container);
+  void fill_world_inputs(Activation& leaf);
+  [[nodiscard]] WorldValues new_values(const Action& action, const Activation& leaf) const;
   void set_up(Activation& container);
   void set(Activation& container, std::uint32_t slot, type::Value value);
   void take_outputs(Activation& container, const Activation& child);
@@ -177,7 +179,8 @@ class EngineCore {
   std::size_t replayed_count_ = 0;
   std::vector<std::pair<TimePoint, Timer>> late_;  ///< preempted, with the time at which they are abandoned
   std::shared_ptr<Iterations> iterations_;
-  std::vector<bool> touches_;  ///< by action: it has facts or resources
+  std::vector<bool> touches_;         ///< by action: it has facts or resources
+  std::vector<bool> changes_values_;  ///< by action: of the world
   SharedUnits shared_;
   RetryWatch retries_;
   std::vector<Waiting> asking_;  ///< leaves that wait for units, the first one longest

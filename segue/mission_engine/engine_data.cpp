@@ -91,6 +91,31 @@ void EngineCore::fill_inputs(Activation& child, Activation& container) {
   if (const auto port = position(*node.input_ports, "error")) child.inputs[*port] = container.error;
 }
 
+/// The inputs of an action that are what it sees of the world.
+void EngineCore::fill_world_inputs(Activation& leaf) {
+  const std::vector<Port>& ports = *program->node(leaf.state).input_ports;
+  for (std::size_t i = 0; i < leaf.inputs.size(); ++i) {
+    if (ports[i].from_world) leaf.inputs[i] = world.value_of(ports[i].name);
+  }
+}
+
+/// The values of the world that the action changes, as they are then.
+WorldValues EngineCore::new_values(const Action& action, const Activation& leaf) const {
+  static const Value kNull;
+  const auto port = [&](std::string_view name) -> const Value& {
+    if (const auto input = position(action.inputs, name)) return leaf.inputs[*input];
+    const auto output = position(action.outputs, name);
+    return output ? leaf.outputs[*output] : kNull;
+  };
+  WorldValues values;
+  for (const std::string& name : values_changed(action)) {
+    const auto old = world.values().find(name);
+    values.emplace(name,
+                   changed_value(action, name, old == world.values().end() ? kNull : old->second, port));
+  }
+  return values;
+}
+
 void EngineCore::set_up(Activation& container) {
   const CompiledState& node = program->node(container.state);
   container.slots.resize(node.slots);

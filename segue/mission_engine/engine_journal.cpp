@@ -31,6 +31,7 @@ bool EngineCore::begin_postponed() {
   const auto [leaf, generation] = postponed_.front();
   postponed_.pop_front();
   if (leaf->generation != generation) return true;  // it was preempted meanwhile
+  fill_world_inputs(*leaf);                         // what was replayed meanwhile may have changed it
   bool under_way = false;
   const Ending ending = begin_with_journal(*leaf, under_way);
   if (!under_way) complete(*leaf, ending);

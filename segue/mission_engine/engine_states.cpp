@@ -128,6 +128,7 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
 }
 
 Activation* EngineCore::begin_leaf(Activation& leaf) {
+  fill_world_inputs(leaf);
   bool under_way = false;
   const Ending ending = call(leaf, under_way);
   if (under_way) {
@@ -143,7 +144,7 @@ Activation* EngineCore::begin_leaf(Activation& leaf) {
 void EngineCore::apply_effects(Activation& leaf) {
   const Action& action = program->mission().actions[program->node(leaf.state).action];
   if (program->outcome_name(leaf.state, leaf.outcome) == action.foreseen_outcome())
-    leaf.changed = world.apply(leaf.effects);
+    leaf.changed = world.apply(leaf.effects, new_values(action, leaf));
 }
 
 Ending EngineCore::call(Activation& leaf, bool& under_way) {
@@ -285,7 +286,8 @@ Activation* EngineCore::finish(Activation& activation) {
   if (!activation.error.empty()) {
     if (const auto port = position(*node.output_ports, "error")) activation.outputs[*port] = activation.error;
   }
-  if (!activation.effects.empty()) apply_effects(activation);
+  const bool is_action = is_leaf(node.kind);
+  if (!activation.effects.empty() || (is_action && changes_values_[node.action])) apply_effects(activation);
   if (!activation.units.uses.empty()) give_units_back(activation);
   if (activation.item != History::kNone)
     history.end(activation.item, activation.outcome, now(), activation.error);

@@ -222,7 +222,8 @@ Result<void> RunJournal::take(const Value& line) {
           texts_of(line, "erased"),
           texts_of(line, "facts"),
           unit_changes(map_of(line, "units")),
-          counts_by_state(map_of(line, "states"))};
+          counts_by_state(map_of(line, "states")),
+          map_of(line, "values")};
   const Execution execution{path->as_string(), n.as_uint(), text_of(line, "loops")};
   open_.erase(execution);
   if (!places_.emplace(execution, ends_.size()).second)
@@ -320,6 +321,7 @@ void RunJournal::ended(const Execution& execution, const End& end) {
   if (!end.facts.empty()) line.append("facts", list(end.facts));
   if (!end.units.empty()) line.append("units", to_value(end.units));
   if (!end.begun.empty()) line.append("states", to_value(end.begun));
+  if (!end.values.empty()) line.append("values", end.values);
   file_->add(line, false);
 }
 

@@ -62,6 +62,7 @@ class RunJournal {
     UnitChanges units{};  ///< of an opaque subtree: units that it has created or removed
     /// How often states in an opaque subtree have begun since the mission began.
     std::map<StateIndex, std::uint32_t> begun{};
+    type::ValueMap values{};  ///< of the world, that an opaque subtree may have changed
   };
   using Warn = std::function<void(std::string)>;
 

@@ -42,6 +42,7 @@ Result<Value> inputs_of(const ActionCall& call) {
   ValueMap inputs;
   const auto& ports = call.action().inputs;
   for (std::size_t i = 0; i < ports.size(); ++i) {
+    if (ports[i].from_world) continue;
     if (const auto place = not_finite(call.inputs()[i])) {
       return fail(ErrorCode::InvalidArgument,
                   "input " + quote(ports[i].name + *place) +

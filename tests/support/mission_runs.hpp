@@ -96,11 +96,15 @@ class Answers final : public mission::ActionRunner {
 
   /// Mostly looks at the world, if it may.
   static std::uint64_t sense(const mission::ActionCall& call, std::uint64_t number) {
-    if (!call.action().reads_world || (number >> 12) % 4 == 0) return number;
+    const bool looks = call.action().reads_world || !call.action().reads_data.empty();
+    if (!looks || (number >> 12) % 4 == 0) return number;
     const auto world = call.world().value();
     for (const std::string& fact : world.facts())
       number = digest(fact, number);
-    return digest("", number ^ world.attached<ChangeCount>("changes")->count);
+    for (const auto& [name, data] : world.data())
+      number = digest(name + type::to_json(data->shown()), number);
+    const auto changes = world.attached<ChangeCount>("changes");
+    return changes ? digest("", number ^ changes->count) : number;
   }
 
   static std::uint64_t integer(const std::optional<type::Value>& value) {
@@ -134,7 +138,8 @@ class Answers final : public mission::ActionRunner {
 
   /// The resources that it holds exclusively while it runs, in program order.
   static std::vector<std::string> own(const mission::Action& action) {
-    if (action.resources.empty() && action.effects.empty() && action.preconditions.empty())
+    if (action.resources.empty() && action.effects.empty() && action.preconditions.empty() &&
+        action.changes.empty())
       return {"all", "p0", "p1"};
     for (const mission::ResourceUse& use : action.resources) {
       if (use.operation == mission::ResourceOperation::Block && use.resource == "r0") return {"r0"};

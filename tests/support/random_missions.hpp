@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <random>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,10 +15,10 @@ namespace segue::convert {
 
 /// A mission file generated from a seed: branches, loops, hierarchies within hierarchies, barriers and
 /// preemptive containers, libraries, aborts, preemptions and their handlers, data flows and variables, facts,
-/// and all operations on resources. Loops go on after aborts too, also of states that cannot begin; watches
-/// read the world beside the work. Callbacks: `mix`; `shared`, which may use what the action declares to
-/// touch, or anything if it declares nothing; `remember`, of pure and sensing actions, which uses the global
-/// variable that an input names; and `later`, which another thread ends.
+/// values of the world, and all operations on resources. Loops go on after aborts too, also of states that
+/// cannot begin; watches read the world beside the work. Callbacks: `mix`; `shared`, which may use what the
+/// action declares to touch, or anything if it declares nothing; `remember`, of pure and sensing actions,
+/// which uses the global variable that an input names; and `later`, which another thread ends.
 class RandomMission {
  public:
   explicit RandomMission(std::uint64_t seed) : random_(seed) {}
@@ -25,7 +26,7 @@ class RandomMission {
   std::string text() {
     const std::string root = hierarchy(0, "", {});
     const std::string world = chance(50) ? "world: [f0, f3, f4, g(1), g(4)]\n" : "";
-    return "mission: random\n" + world +
+    return "mission: random\n" + world + world_data() +
            "resources:\n  r1: {commutes: true}\n  pool: {count: 2}\n  stock: {class: task, count: 100000}\n" +
            "  cup: {class: world, count: 2}\n  tool: {count: 2}\n" + "actions:\n" + actions_ +
            (libraries_.empty() ? "" : "libraries:\n" + libraries_) +
@@ -72,6 +73,33 @@ class RandomMission {
     std::string text = fmt::format("    effects: [\"{}{}\"]\n", chance(60) ? "+" : "-", fact());
     if (chance(20)) text += fmt::format("    preconditions: [\"{}{}\"]\n", chance(50) ? "!" : "", fact());
     return text;
+  }
+
+  /// A value of the world. Concurrent branches have one each, for the reason for which they have facts.
+  std::string value_of_world(const Where& where) {
+    std::string name = where.is_concurrent() ? "v_" + where.fact : fmt::format("v{}", under(2));
+    values_.insert(name);
+    return name;
+  }
+
+  /// Adds effects on a value of the world to those of an action.
+  void change_value(std::string& text, const Where& where) {
+    static constexpr std::string_view kChanges[] = {R"({}: "{{x}}")", R"({}.a: "{{y}}")",
+                                                    R"({0}.b: "{{x}}", {0}.b.c: [1, "{{y}}"])", "{}: null"};
+    const std::string change = fmt::format(fmt::runtime(kChanges[under(4)]), value_of_world(where));
+    const std::string begin = "    effects: [";
+    const std::size_t list = text.find(begin);
+    if (list == std::string::npos)
+      text += begin + "{" + change + "}]\n";
+    else
+      text.insert(list + begin.size(), "{" + change + "}, ");
+  }
+
+  std::string world_data() {
+    std::string text;
+    for (const std::string& name : values_)
+      text += fmt::format("  {}: {{initial: {}}}\n", name, name == "v0" ? "4" : "{a: 2}");
+    return text.empty() ? "" : "world_data:\n" + text;
   }
 
   std::string resources(bool pure) {
@@ -124,10 +152,16 @@ class RandomMission {
     if (pure) text += "    pure: true\n";
     if (sensing) text += "    sensing: true\n";
     // The world beside other branches would be a race.
-    if (!where.is_concurrent() && chance(pure ? 20 : 3)) text += "    reads_world: true\n";
+    if (!where.is_concurrent() && chance(pure ? 20 : 3))
+      text += "    reads_world: true\n";
+    else if (chance(25))
+      text += fmt::format("    reads_world: [{}]\n", value_of_world(where));
     if (chance(6)) text += "    strict: true\n";
     const bool opaque = !pure && chance(where.is_concurrent() ? 3 : 15);
-    if (!opaque && (!pure || chance(60))) text += facts(where);
+    std::string touched;
+    if (!opaque && (!pure || chance(60))) touched = facts(where);
+    if (!opaque && !pure && !sensing && chance(30)) change_value(touched, where);
+    text += touched;
     if (!opaque) text += resources(pure || remembers);  // what creates or removes units is irreversible
     if (chance(60))
       text += fmt::format("    expect: {{duration: {}s, outcome: {}}}\n", under(12), foreseen(two));
@@ -330,6 +364,7 @@ class RandomMission {
   std::mt19937_64 random_;
   std::string actions_;
   std::string libraries_;
+  std::set<std::string> values_;  ///< of the world
   int count_ = 0;
 };
 
