@@ -11,28 +11,28 @@ using namespace segue::task;
 /// Follows a beacon. Without a signal it cannot: it waits in the error state until the signal is back.
 class Tracker final : public Component {
  public:
-  Tracker() {
-    doc("Follows a beacon");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(10)});
-    declare_states({"searching", "tracking"}, {"no_signal"});
-  }
+  Tracker()
+      : Component({.doc = "Follows a beacon", .activity = segue::periodic(std::chrono::milliseconds(10))}) {}
 
  private:
   segue::Result<void> on_start() override {
-    set_state("searching");
+    searching_.enter();
     return {};
   }
   void on_update() override {
     if (signal_ <= 0) {
-      error("no_signal", "the antenna receives nothing");  // from now on on_error() is called instead
+      error(no_signal_, "the antenna receives nothing");  // from now on on_error() is called instead
     } else {
-      set_state(signal_ >= *threshold_ ? "tracking" : "searching");  // no cost if it is in that state already
+      (signal_ >= *threshold_ ? tracking_ : searching_).enter();  // no cost if it is in that state already
     }
   }
   void on_error() override {
     if (signal_ > 0) recovered();
   }
 
+  State searching_{*this, "searching"};
+  State tracking_{*this, "tracking"};
+  ErrorState no_signal_{*this, "no_signal"};
   Property<double> threshold_{*this, "threshold", 0.5, {.live = true, .doc = "signal at which it tracks"}};
   Operation<void(double)> receive_{*this, "receive", {"signal"}, [this](double signal) { signal_ = signal; }};
   double signal_ = 0.1;

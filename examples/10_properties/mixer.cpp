@@ -14,9 +14,9 @@ using namespace segue::task;
 /// Writes the number of each channel, times the gain, to a port of the channel.
 class Mixer final : public Component {
  public:
-  Mixer() {
-    doc("Writes one level for each channel");
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(10)});
+  Mixer()
+      : Component({.doc = "Writes one level for each channel",
+                   .activity = segue::periodic(std::chrono::milliseconds(10))}) {
     dynamic_outputs<double>("level_\\d+", "one for each channel");  // lets `segue check` know their names
   }
 

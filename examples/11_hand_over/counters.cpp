@@ -21,7 +21,7 @@ using namespace segue::task;
 
 class Counter : public Component {
  public:
-  Counter() { doc("Adds up numbers"); }
+  Counter() : Component({.doc = "Adds up numbers"}) {}
 
  protected:
   std::int64_t add(std::int64_t number) { return total_.sum += number; }
