@@ -27,9 +27,7 @@ class Speaker final : public segue::task::Component {
 /// Has a port, a property and an operation.
 class Counter final : public segue::task::Component {
  public:
-  Counter() {
-    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(1)});
-  }
+  Counter() : Component({.activity = segue::periodic(std::chrono::milliseconds(1))}) {}
 
  private:
   void on_update() override {
