@@ -24,6 +24,7 @@
 
 namespace segue::fleet {
 
+namespace testing = deploy::testing;
 using namespace std::chrono_literals;
 using deploy::testing::FakePtr;
 using deploy::testing::FakeWorld;
