@@ -29,6 +29,12 @@ class AnyOutput final : public OutputPortBase {
   using OutputPortBase::publish;
 };
 
+static segue::Activity in_shared_thread() {
+  segue::Activity activity;
+  activity.thread = "gateway_receivers";
+  return activity;
+}
+
 /// Writes the samples that arrive from a topic to `out`, decoded into the memory where readers find it, in
 /// the thread in which Cyclone receives it: another thread would cost a wake-up for each sample. A lock keeps
 /// that to one thread at a time, and to the time between on_start and on_stop. Samples that arrive before
@@ -38,7 +44,7 @@ class Receiver final : public Link {
  public:
   Receiver()
       : Link(Direction::Output, "out",
-             {.doc = "Receives samples from another host", .activity = {.thread = "gateway_receivers"}}) {}
+             {.doc = "Receives samples from another host", .activity = in_shared_thread()}) {}
 
  protected:
   segue::Result<void> on_configure() override {

@@ -11,6 +11,13 @@ namespace planning {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
+/// Its deadline is that of operations, too.
+static segue::Activity patient() {
+  segue::Activity activity;
+  activity.update_deadline = std::chrono::minutes(5);
+  return activity;
+}
+
 /// Plans motions of the rover's arm. Whatever it needs to know is part of the request, so that motions can be
 /// planned long before their turn, by any instance of a pool. Planning allocates and takes up to seconds:
 /// give the task no thread group with tasks that have real-time demands.
@@ -18,7 +25,7 @@ class MotionPlanner final : public Component {
  public:
   MotionPlanner()
       : Component({.doc = "Finds motions of the rover's arm that touch nothing (OMPL, MuJoCo)",
-                   .activity = {.update_deadline = std::chrono::minutes(5)}}) {}  // operations count, too
+                   .activity = patient()}) {}
 
  private:
   segue::Result<void> on_configure() override {
