@@ -24,12 +24,12 @@ namespace {
 
 namespace testing = deploy::testing;
 using namespace std::chrono_literals;
+using deploy::testing::FakePtr;
+using deploy::testing::FakeWorld;
+using deploy::testing::Fault;
+using deploy::testing::FaultKind;
 using model::ActionKind;
 using segue::testing::eventually;
-using testing::FakePtr;
-using testing::FakeWorld;
-using testing::Fault;
-using testing::FaultKind;
 
 TimePoint soon() {
   return RealClock::instance().now() + 60s;
@@ -119,7 +119,7 @@ class EventRecorder {
 /// counted.
 struct Robot {
   explicit Robot(FakeWorld& fakes, DeployedOptions options = {60s, 1h})
-      : world(fakes), host(own, processes, testing::connector(world), launch(), local, options) {
+      : world(fakes), host(own, processes, deploy::testing::connector(world), launch(), local, options) {
     host.set_listener([this](const task_host::HostEvent& event) { recorded.add(event); });
   }
 
@@ -181,8 +181,8 @@ struct Robot {
   task_host::LibrarySet libraries;
   task_host::LocalTaskHost local{
       libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
-  testing::FakeProcesses processes{world};
-  testing::FakeService own{world, world.own()};
+  deploy::testing::FakeProcesses processes{world};
+  deploy::testing::FakeService own{world, world.own()};
   DeployedTaskHost host;
 };
 
@@ -749,7 +749,7 @@ TEST(DeployedTaskHost, AdoptsWhatRuns) {
   ASSERT_EQ(world.running().size(), 2U);
   // The tasks of the former runtime's own process, and its incarnation, are gone.
   world.change([&] {
-    *world.own() = testing::FakeProcess{};
+    *world.own() = deploy::testing::FakeProcess{};
     world.own()->incarnation = 2000;
   });
   const auto p1 = world.find("p1");
@@ -943,7 +943,7 @@ TEST(DeployedTaskHost, OpensAnInputAgainWhereTheOutputHasNoType) {
   FakeWorld world;
   Robot robot(world);
   model::Network target = network_of(kOne);
-  target.connections.at(1).from.port = testing::kPortWithoutType;
+  target.connections.at(1).from.port = deploy::testing::kPortWithoutType;
   ASSERT_EQ(text(robot.switch_to(target)), "done");
   EXPECT_TRUE(equivalent(robot.host.observe(), target)) << text(robot.wrong());
   const int opened = world.calls("open_inputs");

@@ -203,7 +203,7 @@ class ServedRobot::LeaseCheck {
 
 Result<std::optional<std::string>> ServedRobot::lost_command(const std::stop_token& stop) {
   const LeaseCheck check(*this, stop);
-  if (!looking.has_lease()) return no_longer_wanted();
+  if (!check.has_lease()) return no_longer_wanted();
   const auto lease = present_lease();
   if (!lease) return lease.error();
   if (!*lease) return std::optional<std::string>();

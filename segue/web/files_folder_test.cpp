@@ -33,8 +33,8 @@ class FileFolderTest : public ::testing::Test {
     const auto content = folder_->read(path);
     const auto found = folder_->stat(path);
     const auto saved = folder_->replace(path, "x", "");
-    if (content || looked || saved) return ErrorCode::Internal;  // ADD_FAILURE() would not say which path
-    EXPECT_EQ(content.error().code, looked.error().code) << path;
+    if (content || found || saved) return ErrorCode::Internal;  // ADD_FAILURE() would not say which path
+    EXPECT_EQ(content.error().code, found.error().code) << path;
     return content.error().code;
   }
 
