@@ -21,7 +21,7 @@ int cancel_request(control::RobotService& robot, const CancelOptions& options, c
   const type::Value* undo = answer->find("undo");
   const type::Value* restored = undo == nullptr ? nullptr : undo->find("restored");
   const bool is_restored = restored == nullptr || *restored == type::Value(true);
-  return text_at(*answer, "outcome") == "cancelled" && is_restored ? kDone : kFailed;
+  return printable_at(*answer, "outcome") == "cancelled" && is_restored ? kDone : kFailed;
 }
 
 }  // namespace

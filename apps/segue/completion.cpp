@@ -109,8 +109,8 @@ void add_members(const type::Value& task, const std::string& id, const std::stri
     return;
   }
   for (const type::Value& member : list_at(task, kind)) {
-    if (kind == "ports" && text_at(member, "direction") != "output") continue;
-    names.push_back(id + '.' + text_at(member, "name"));
+    if (kind == "ports" && printable_at(member, "direction") != "output") continue;
+    names.push_back(id + '.' + printable_at(member, "name"));
   }
 }
 

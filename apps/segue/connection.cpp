@@ -66,7 +66,7 @@ std::vector<std::string> controller_names(const Value& status) {
 std::vector<std::string> task_names(const Value& status) {
   std::vector<std::string> names;
   for (const Value& task : list_at(status, "tasks"))
-    names.push_back(text_at(task, "id"));
+    names.push_back(printable_at(task, "id"));
   return names;
 }
 

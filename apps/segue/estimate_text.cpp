@@ -94,7 +94,7 @@ std::string expectation_of(const Value& result) {
 
 void Forecasts::add(const Value& result) {
   const Value* predicted = result.find("predicted_s");
-  if (predicted == nullptr || text_at(result, "outcome") != "done") return;
+  if (predicted == nullptr || printable_at(result, "outcome") != "done") return;
   const Value* total = predicted->find("total");
   const Value* commit = predicted->find("commit");
   if (total == nullptr || commit == nullptr) return;

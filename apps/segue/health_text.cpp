@@ -13,7 +13,7 @@ using type::Value;
 
 std::string health_state(const Value& status) {
   const Value* health = status.find("health");
-  return health == nullptr ? std::string() : text_at(*health, "state");
+  return health == nullptr ? std::string() : printable_at(*health, "state");
 }
 
 /// The state of the runtime, or of the robot where something is wrong with it: a robot with broken parts is
@@ -21,7 +21,7 @@ std::string health_state(const Value& status) {
 std::string state_text(const Value& status) {
   const std::string health = health_state(status);
   if (health == "lost") return coloured(Colour::Red, "lost");
-  return health == "in_trouble" ? coloured(Colour::Red, "in trouble") : text_at(status, "state");
+  return health == "in_trouble" ? coloured(Colour::Red, "in trouble") : printable_at(status, "state");
 }
 
 /// The robot's troubles: each with its time, its reason and its repair.
@@ -30,10 +30,10 @@ std::string troubles_text(const Value& status) {
   std::string text;
   if (health == nullptr || health_state(status) == "lost") return text;
   for (const Value& trouble : list_at(*health, "troubles")) {
-    const std::string why = text_at(trouble, "why");
+    const std::string why = printable_at(trouble, "why");
     text += fmt::format("{}{}, since {}{}\n  repair: {}\n", coloured(Colour::Red, "trouble: "),
-                        printable(text_at(trouble, "what")), format_seconds(number_at(trouble, "for_s")),
-                        why.empty() ? "" : ": " + printable(why), printable(text_at(trouble, "repair")));
+                        printable_at(trouble, "what"), format_seconds(number_at(trouble, "for_s")),
+                        why.empty() ? "" : ": " + printable(why), printable_at(trouble, "repair"));
   }
   return text;
 }

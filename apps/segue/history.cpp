@@ -39,8 +39,8 @@ std::string short_time(const std::string& time) {
 
 /// "; version 3f2a9c81d0b2 since then" where the robot runs another version after it.
 std::string version_of(const Value& result) {
-  const std::string version = text_at(result, "runs_version");
-  if (version.empty() || version == text_at(result, "from_version")) return {};
+  const std::string version = printable_at(result, "runs_version");
+  if (version.empty() || version == printable_at(result, "from_version")) return {};
   return fmt::format("; version {}", printable(version));
 }
 
@@ -54,7 +54,7 @@ void show_transitions(const Value::List& results, bool with_time) {
       saved += number_at(*ahead, "saved_s");
       ++prepared;
     }
-    print_line((with_time ? short_time(text_at(result, "time")) : "") + printable(outcome_line(result)) +
+    print_line((with_time ? short_time(printable_at(result, "time")) : "") + printable(outcome_line(result)) +
                version_of(result) + expectation_of(result) + saving_of(result));
   }
   const std::string verdict = forecasts.verdict();
@@ -96,8 +96,8 @@ int show_differences(journal::JournalReader& reader, std::size_t limit, const Co
   }
   if (found->empty()) print_line("no drift was ever found");
   for (const Value& entry : as_values(*found)) {
-    const std::string done = text_at(entry, "done");
-    print_line(short_time(text_at(entry, "time")) + printable(text_at(entry, "sentence")) +
+    const std::string done = printable_at(entry, "done");
+    print_line(short_time(printable_at(entry, "time")) + printable_at(entry, "sentence") +
                (done.empty() ? "" : ": " + printable(done)));
   }
   return kDone;
@@ -112,8 +112,9 @@ int show_versions(journal::JournalReader& reader, std::size_t limit, const Conte
   }
   if (found->empty()) print_line("no controller was ever loaded");
   for (const Value& entry : as_values(*found)) {
-    print_line(fmt::format("{}{} {} ({})", short_time(text_at(entry, "time")), text_at(entry, "controller"),
-                           text_at(entry, "version"), text_at(entry, "file")));
+    print_line(fmt::format("{}{} {} ({})", short_time(printable_at(entry, "time")),
+                           printable_at(entry, "controller"), printable_at(entry, "version"),
+                           printable_at(entry, "file")));
   }
   return kDone;
 }
@@ -127,7 +128,7 @@ int show_missions(journal::JournalReader& reader, std::size_t limit, const Conte
   }
   if (found->empty()) print_line("nothing has happened yet");
   for (const Value& entry : *found)
-    print_line(short_time(text_at(entry, "time")) + printable(happened_line(entry)));
+    print_line(short_time(printable_at(entry, "time")) + printable(happened_line(entry)));
   return kDone;
 }
 
@@ -137,7 +138,7 @@ void warn_of_gaps(journal::JournalReader& reader) {
   if (!gaps) return;
   for (const journal::GapEntry& gap : *gaps) {
     const Value entry = journal::to_value(gap);
-    print_note(fmt::format("before {}{} could not be recorded: {}", short_time(text_at(entry, "time")),
+    print_note(fmt::format("before {}{} could not be recorded: {}", short_time(printable_at(entry, "time")),
                            gap.lost == 1 ? "1 entry" : fmt::format("{} entries", gap.lost),
                            printable(gap.reason)));
   }

@@ -26,15 +26,15 @@ struct Happened {
 
 /// "patrol/there#2"
 std::string name_of(const Value& entry) {
-  const std::string action = text_at(entry, "action");
+  const std::string action = printable_at(entry, "action");
   const double iteration = number_at(entry, "iteration");
-  return text_at(entry, "mission") + (action.empty() ? "" : "/" + action) +
+  return printable_at(entry, "mission") + (action.empty() ? "" : "/" + action) +
          (iteration == 0 ? "" : fmt::format("#{}", iteration));
 }
 
 std::string transition_line(const Value& entry) {
-  const std::string who = text_at(entry, "who");
-  const std::string cause = text_at(entry, "cause");
+  const std::string who = printable_at(entry, "who");
+  const std::string cause = printable_at(entry, "cause");
   const bool is_requested = cause == "request" || cause == "apply";
   return outcome_line(entry) + saving_of(entry) +
          (is_requested && !who.empty() ? "; requested by " + who : "");
@@ -62,15 +62,15 @@ Result<Value::List> what_happened(journal::JournalReader& reader, std::size_t li
 }
 
 std::string happened_line(const Value& entry) {
-  const std::string kind = text_at(entry, "kind");
+  const std::string kind = printable_at(entry, "kind");
   if (kind == "transition") return transition_line(entry);
-  if (kind == "asked") return name_of(entry) + " asked for " + text_at(entry, "controller");
+  if (kind == "asked") return name_of(entry) + " asked for " + printable_at(entry, "controller");
   if (kind == "began") {
     const bool is_mission = entry.find("action") == nullptr;
-    return name_of(entry) + " began" + (is_mission ? ", run by " + text_at(entry, "who") : "");
+    return name_of(entry) + " began" + (is_mission ? ", run by " + printable_at(entry, "who") : "");
   }
-  const std::string error = text_at(entry, "error");
-  return fmt::format("{} ended: {} after {}{}", name_of(entry), text_at(entry, "outcome"),
+  const std::string error = printable_at(entry, "error");
+  return fmt::format("{} ended: {} after {}{}", name_of(entry), printable_at(entry, "outcome"),
                      format_seconds(number_at(entry, "duration_s")), error.empty() ? "" : "; " + error);
 }
 

@@ -143,13 +143,13 @@ void MissionRemote::heed(const control::HolderRequest& request) {
   if (what == "plan") {
     to_show_ = PlanDetail::Whole;
   } else if (what == "step") {
-    control_.step(step_called(text_at(arguments, "how")), done);
+    control_.step(step_called(printable_at(arguments, "how")), done);
   } else if (what == "break") {
     control_.set_breakpoints(texts_in(list_at(arguments, "at")), done);
   } else if (what == "go_on_at") {
-    control_.go_on_at(text_at(arguments, "at"), done);
+    control_.go_on_at(printable_at(arguments, "at"), done);
   } else if (what == "values") {
-    const std::string path = text_at(arguments, "of");
+    const std::string path = printable_at(arguments, "of");
     control_.values_of(path, [answers = answers_, number = number, path](const Result<Value>& values) {
       answers->heard_values(number, path, values);
     });

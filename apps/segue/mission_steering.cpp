@@ -46,7 +46,7 @@ Result<Value> mission_of(control::RobotService& robot) {
   if (!status) return status.error();
   const Value* doing = status->find("doing");
   if (doing != nullptr && doing->find("mission") != nullptr) return *doing;
-  const std::string who = text_at(*status, "commanded_by");
+  const std::string who = printable_at(*status, "commanded_by");
   return fail(ErrorCode::NotFound, who.empty()
                                        ? std::string("no mission commands the robot")
                                        : "the robot is commanded by " + who + ", which is not a mission");
@@ -81,9 +81,9 @@ int show_mission(control::RobotService& robot, const Context& context) {
     return kDone;
   }
   const auto ended = number_at(*doing, "ended");
-  print_line(
-      printable(fmt::format("mission {}: {}; {}; {} action{} ended", text_at(*doing, "mission"),
-                            text_at(*doing, "state"), where(*doing), ended, ended == 1 ? " has" : "s have")));
+  print_line(printable(fmt::format("mission {}: {}; {}; {} action{} ended", printable_at(*doing, "mission"),
+                                   printable_at(*doing, "state"), where(*doing), ended,
+                                   ended == 1 ? " has" : "s have")));
   if (const auto paths = texts_at(control_of(*doing), "breakpoints"); !paths.empty())
     print_line(printable("breakpoints: " + listed(paths)));
   return kDone;
@@ -104,13 +104,13 @@ Result<Value> ask(control::RobotService& robot, std::string_view what, const Val
     const Value* problem = control.find("problem");
     const auto asked = static_cast<double>(*number);
     if (problem != nullptr && number_at(*problem, "number") == asked)
-      return fail(ErrorCode::InvalidState, text_at(*problem, "text"));
+      return fail(ErrorCode::InvalidState, printable_at(*problem, "text"));
     if (number_at(control, "heard") >= asked && has_followed(*doing)) break;
     if (RealClock::instance().now() > deadline) {
       return fail(
           ErrorCode::DeadlineExceeded,
           fmt::format("mission {} has not followed yet ({}; {}); watch it with 'segue mission status'",
-                      quote(text_at(*doing, "mission")), text_at(*doing, "state"), where(*doing)));
+                      quote(printable_at(*doing, "mission")), printable_at(*doing, "state"), where(*doing)));
     }
     std::this_thread::sleep_for(kPollPeriod);
   }
@@ -122,7 +122,7 @@ int show_state(const Result<Value>& doing, const std::string& name, const std::s
                const Context& context) {
   const bool has_ended = !doing && doing.error().code == ErrorCode::NotFound;
   if (!doing && (!has_ended || ended.empty())) return failed(context, doing.error());
-  const std::string state = has_ended ? ended : text_at(*doing, "state");
+  const std::string state = has_ended ? ended : printable_at(*doing, "state");
   if (context.json()) {
     print_json(Value::map({{"mission", name}, {"state", state}}));
   } else {
@@ -138,7 +138,7 @@ Result<Value> rest_after(control::RobotService& robot, TimePoint deadline) {
     if (!status) return status.error();
     const Value* halt = status->find("halt");
     if (halt == nullptr || halt->is_null()) return Value();
-    const std::string state = text_at(*halt, "state");
+    const std::string state = printable_at(*halt, "state");
     if (state != "halting") {
       Value rest = *halt;
       rest.as_map().set("at_rest", state == "at_rest");
@@ -157,9 +157,9 @@ int ask_state(control::RobotService& robot, const std::string& what, const std::
   const auto now = mission_of(robot);
   if (!now) return failed(context, now.error());
   const auto doing = ask(robot, what, {}, options.timeout,
-                         [&](const Value& then) { return text_at(then, "state") == wanted; });
+                         [&](const Value& then) { return printable_at(then, "state") == wanted; });
   const std::string ended = what == "resume" ? "ended" : "";
-  return show_state(doing, text_at(*now, "mission"), ended, context);
+  return show_state(doing, printable_at(*now, "mission"), ended, context);
 }
 
 /// Stops the mission; it counts as stopped when the robot is at rest.
@@ -167,7 +167,7 @@ int stop_mission(control::RobotService& robot, const SteeringOptions& options, c
   const TimePoint deadline = deadline_in(options.timeout);
   const auto now = mission_of(robot);
   if (!now) return failed(context, now.error());
-  const std::string name = text_at(*now, "mission");
+  const std::string name = printable_at(*now, "mission");
   const auto doing = ask(robot, "stop", {}, options.timeout, [](const Value&) { return false; });
   if (doing || doing.error().code != ErrorCode::NotFound) return failed(context, doing.error());
   const auto rest = rest_after(robot, deadline);
@@ -189,7 +189,7 @@ int show_place(const Result<Value>& doing, const Context& context) {
     print_json(has_ended ? Value::map({{"state", "ended"}}) : *doing);
   } else {
     print_line(has_ended ? "the mission has ended"
-                         : printable("mission " + text_at(*doing, "mission") + ": " + where(*doing)));
+                         : printable("mission " + printable_at(*doing, "mission") + ": " + where(*doing)));
   }
   return kDone;
 }
@@ -252,8 +252,8 @@ void add_ports(Table& table, const Value& values, std::string_view key, const st
   for (const Value& port : list_at(values, key)) {
     const Value* cut = port.find("cut");
     const bool is_cut = cut != nullptr && *cut == Value(true);
-    table.add({kind, printable(text_at(port, "name")), printable(text_at(port, "type")),
-               printable(text_at(port, "text")) + (is_cut ? " ..." : "")});
+    table.add({kind, printable_at(port, "name"), printable(printable_at(port, "type")),
+               printable_at(port, "text") + (is_cut ? " ..." : "")});
   }
 }
 
@@ -263,7 +263,7 @@ int show_values(control::RobotService& robot, const SteeringOptions& options, co
   if (!doing) return failed(context, doing.error());
   const Value control = control_of(*doing);
   const Value* values = control.find("values");
-  if (values == nullptr || text_at(*values, "of") != options.path) {
+  if (values == nullptr || printable_at(*values, "of") != options.path) {
     return failed(context, fail(ErrorCode::Superseded, "somebody else asked for other values meanwhile"));
   }
   if (context.json()) {
@@ -273,7 +273,7 @@ int show_values(control::RobotService& robot, const SteeringOptions& options, co
   Table table({{"PORT", Table::Align::Left}, {"NAME"}, {"TYPE"}, {"VALUE"}});
   add_ports(table, *values, "inputs", "input");
   add_ports(table, *values, "outputs", "output");
-  const std::string when = text_at(*values, "when");
+  const std::string when = printable_at(*values, "when");
   print_line(printable((options.path.empty() ? "the mission" : options.path) + ": " +
                        (when == "next" ? "would begin now with"
                         : when.empty() ? "does not run"

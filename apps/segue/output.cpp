@@ -288,7 +288,7 @@ double number_at(const Value& map, std::string_view key) {
   return value != nullptr && value->is_number() ? value->as_double() : 0.0;
 }
 
-std::string text_at(const Value& map, std::string_view key) {
+std::string printable_at(const Value& map, std::string_view key) {
   const Value* value = map.find(key);
   return value != nullptr && value->is_string() ? printable(value->as_string()) : std::string();
 }

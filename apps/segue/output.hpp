@@ -60,10 +60,10 @@ int exit_status(const Error& error);
 int failed(const Context& context, const Error& error);
 
 double seconds(Duration duration);
-/// The number at `key` of a map, 0 where there is none; the text there, or ""; the list there, or an empty
-/// one.
+/// The number at `key` of a map, 0 where there is none; the text there as printable(), or "";
+/// the list there, or an empty one.
 double number_at(const type::Value& map, std::string_view key);
-std::string text_at(const type::Value& map, std::string_view key);
+std::string printable_at(const type::Value& map, std::string_view key);
 const type::Value::List& list_at(const type::Value& map, std::string_view key);
 
 /// Columns as wide as their widest cell. Colours of cells do not count.

@@ -30,12 +30,12 @@ bool is_set(const Value& map, std::string_view key) {
 
 /// "explore: changed (controllers/explore.yaml, 3f2a9c81d0b2 -> 8812aa09bb11), runs", and its edits.
 std::string change_text(const Value& change) {
-  const std::string kind = text_at(change, "change");
-  const std::string from = text_at(change, "from_version");
-  const std::string to = text_at(change, "to_version");
+  const std::string kind = printable_at(change, "change");
+  const std::string from = printable_at(change, "from_version");
+  const std::string to = printable_at(change, "to_version");
   const std::string arrow = from.empty() || to.empty() ? "" : " -> ";
-  std::string text = fmt::format("{}: {} ({}, {}{}{})", text_at(change, "controller"), kind,
-                                 text_at(change, "file"), from, arrow, to);
+  std::string text = fmt::format("{}: {} ({}, {}{}{})", printable_at(change, "controller"), kind,
+                                 printable_at(change, "file"), from, arrow, to);
   if (is_set(change, "runs"))
     text += kind == "removed" ? "; it keeps running until the next switch" : ", it runs";
   text += '\n';
@@ -63,7 +63,7 @@ bool has_changes(const Value& answer) {
 
 int show_plan(const Value& answer, const PlanOptions& options, const Context& context) {
   const Value* transition = answer.find("transition");
-  const bool refused = text_at(answer, "outcome") == "refused";
+  const bool refused = printable_at(answer, "outcome") == "refused";
   if (context.json()) {
     print_json(answer);
   } else if (!refused) {
@@ -90,7 +90,7 @@ int plan(control::RobotService& robot, const PlanOptions& options, const Context
 }
 
 int show_applied(const Value& answer, const Context& context) {
-  const std::string outcome = text_at(answer, "outcome");
+  const std::string outcome = printable_at(answer, "outcome");
   const Value* transition = answer.find("transition");
   if (context.json()) {
     print_json(answer);

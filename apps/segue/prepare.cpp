@@ -24,11 +24,11 @@ bool is_ready(const Value& entry) {
 }
 
 std::string readiness_line(const Value& entry) {
-  const std::string name = text_at(entry, "controller");
+  const std::string name = printable_at(entry, "controller");
   const auto prepared = number_at(entry, "prepared");
   if (!is_ready(entry) && prepared == 0)
-    return fmt::format("{} is not ready: {}", name, text_at(entry, "reason"));
-  const std::string reason = is_ready(entry) ? "" : "; " + text_at(entry, "reason");
+    return fmt::format("{} is not ready: {}", name, printable_at(entry, "reason"));
+  const std::string reason = is_ready(entry) ? "" : "; " + printable_at(entry, "reason");
   return fmt::format("{}: {} of {} tasks are ready{}", name, prepared, number_at(entry, "tasks"), reason);
 }
 

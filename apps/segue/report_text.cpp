@@ -22,19 +22,20 @@ std::string name_or_empty(const std::string& name) {
 
 /// "stop slam" from an action's JSON.
 std::string action_label(const Value& action) {
-  const std::string kind = text_at(action, "kind");
-  const std::string task = text_at(action, "task");
+  const std::string kind = printable_at(action, "kind");
+  const std::string task = printable_at(action, "task");
   if (kind == "connect" || kind == "disconnect") {
-    const std::string policy = text_at(action, "policy");
+    const std::string policy = printable_at(action, "policy");
     const std::string suffix = policy.empty() || policy == "data" ? "" : " (" + policy + ")";
-    return fmt::format("{} {} -> {}{}", kind, text_at(action, "from"), text_at(action, "to"), suffix);
+    return fmt::format("{} {} -> {}{}", kind, printable_at(action, "from"), printable_at(action, "to"),
+                       suffix);
   }
   if (kind == "hand_over")
-    return fmt::format("{} {} -> {}", kind, text_at(action, "from"), text_at(action, "to"));
+    return fmt::format("{} {} -> {}", kind, printable_at(action, "from"), printable_at(action, "to"));
   if (kind == "deploy" || kind == "undeploy") {
-    return fmt::format("{} {}/{}", kind, text_at(action, "host"), text_at(action, "process"));
+    return fmt::format("{} {}/{}", kind, printable_at(action, "host"), printable_at(action, "process"));
   }
-  if (kind == "call_operation") return fmt::format("{} {}.{}", kind, task, text_at(action, "operation"));
+  if (kind == "call_operation") return fmt::format("{} {}.{}", kind, task, printable_at(action, "operation"));
   return fmt::format("{} {}", kind, task);
 }
 
@@ -42,10 +43,10 @@ std::string phase_text(const Value& transition, std::string_view phase) {
   std::string text;
   std::size_t count = 0;
   for (const Value& action : list_at(transition, "actions")) {
-    if (text_at(action, "phase") != phase) continue;
+    if (printable_at(action, "phase") != phase) continue;
     ++count;
-    text += fmt::format("{:>5}  {:<14} {}\n", number_at(action, "id"), text_at(action, "kind"),
-                        action_label(action).substr(text_at(action, "kind").size() + 1));
+    text += fmt::format("{:>5}  {:<14} {}\n", number_at(action, "id"), printable_at(action, "kind"),
+                        action_label(action).substr(printable_at(action, "kind").size() + 1));
   }
   if (count == 0) return {};
   return coloured(Colour::Bold, fmt::format("{} ({})", phase, count)) + '\n' + text;
@@ -63,8 +64,8 @@ std::string counts_text(const Value& counts) {
 std::string actions_text(const Value& result) {
   Table table({{"STARTED", Table::Align::Right}, {"TOOK", Table::Align::Right}, {"ACTION"}, {"OUTCOME"}});
   for (const Value& action : list_at(result, "actions")) {
-    const std::string outcome = text_at(action, "outcome");
-    const std::string error = text_at(action, "error");
+    const std::string outcome = printable_at(action, "outcome");
+    const std::string error = printable_at(action, "error");
     const Colour colour = outcome == "done" ? Colour::Green : outcome == "failed" ? Colour::Red : Colour::Dim;
     table.add({format_seconds(number_at(action, "started_s")),
                format_seconds(number_at(action, "duration_s")), action_label(action),
@@ -89,11 +90,11 @@ std::string describe_transition(const Value& transition) {
   const Value* counts = transition.find("counts");
   const Value& counted = counts != nullptr ? *counts : none;
   const double total = number_at(counted, "total");
-  std::string text = fmt::format("{} -> {}: ", name_or_empty(text_at(transition, "from")),
-                                 name_or_empty(text_at(transition, "to")));
+  std::string text = fmt::format("{} -> {}: ", name_or_empty(printable_at(transition, "from")),
+                                 name_or_empty(printable_at(transition, "to")));
   if (total == 0) return text + "nothing to do\n";
   text += fmt::format("{} action{}, {} of them state changes; order {}\n", total, total == 1 ? "" : "s",
-                      number_at(counted, "state_changes"), text_at(transition, "order"));
+                      number_at(counted, "state_changes"), printable_at(transition, "order"));
   for (const auto phase : model::kPhaseNames)
     text += phase_text(transition, phase);
   return text + "total: " + counts_text(counted) + '\n';
@@ -106,13 +107,14 @@ std::string describe(const model::Transition& transition) {
 std::string outcome_line(const Value& result) {
   int done = 0;
   for (const Value& action : list_at(result, "actions"))
-    done += text_at(action, "outcome") == "done" ? 1 : 0;
-  const std::string cause = text_at(result, "cause");
+    done += printable_at(action, "outcome") == "done" ? 1 : 0;
+  const std::string cause = printable_at(result, "cause");
   const std::string why = cause.empty() || cause == "request" ? "" : " (" + cause + ")";
-  std::string line = fmt::format("{} -> {}{}: {}", name_or_empty(text_at(result, "from")),
-                                 name_or_empty(text_at(result, "to")), why, text_at(result, "outcome"));
+  std::string line =
+      fmt::format("{} -> {}{}: {}", name_or_empty(printable_at(result, "from")),
+                  name_or_empty(printable_at(result, "to")), why, printable_at(result, "outcome"));
   if (list_at(result, "actions").empty()) return line;
-  const std::string leftover = text_at(result, "leftover").empty() ? "" : ", retire incomplete";
+  const std::string leftover = printable_at(result, "leftover").empty() ? "" : ", retire incomplete";
   return line + fmt::format(", {} action{} in {} (commit {}){}", done, done == 1 ? "" : "s",
                             format_seconds(number_at(result, "duration_s")),
                             format_seconds(number_at(result, "commit_s")), leftover);
@@ -132,24 +134,24 @@ std::string saving_line(double seconds, std::size_t transitions) {
 }
 
 std::string outcome_text(const Value& result) {
-  const bool done = text_at(result, "outcome") == "done";
+  const bool done = printable_at(result, "outcome") == "done";
   return actions_text(result) + coloured(done ? Colour::Green : Colour::Red, outcome_line(result)) + '\n';
 }
 
 void print_reasons(const Value& result) {
   for (const Value& item : list_at(result, "diagnostics")) {
-    print_error_line(fmt::format("{}:{}:{}: {}: {}", text_at(item, "file"), number_at(item, "line"),
-                                 number_at(item, "column"), text_at(item, "severity"),
-                                 text_at(item, "message")));
+    print_error_line(fmt::format("{}:{}:{}: {}: {}", printable_at(item, "file"), number_at(item, "line"),
+                                 number_at(item, "column"), printable_at(item, "severity"),
+                                 printable_at(item, "message")));
   }
-  const std::string error = text_at(result, "error");
+  const std::string error = printable_at(result, "error");
   if (!error.empty()) print_error_line("segue: error: " + error);
-  const std::string leftover = text_at(result, "leftover");
+  const std::string leftover = printable_at(result, "leftover");
   if (!leftover.empty()) print_error_line("segue: warning: " + leftover);
 }
 
 int show_outcome(const Value& result, const Context& context) {
-  const bool done = text_at(result, "outcome") == "done";
+  const bool done = printable_at(result, "outcome") == "done";
   if (context.json()) {
     print_json(result);
   } else {
@@ -160,12 +162,12 @@ int show_outcome(const Value& result, const Context& context) {
 }
 
 std::string event_line(const Value& event) {
-  const std::string kind = text_at(event, "kind");
-  const std::string subject = text_at(event, "subject");
-  const std::string message = text_at(event, "message");
+  const std::string kind = printable_at(event, "kind");
+  const std::string subject = printable_at(event, "subject");
+  const std::string message = printable_at(event, "message");
   const std::string separator = subject.empty() || message.empty() ? "" : ": ";
   return fmt::format("{:>5} {} {} {}{}{}", number_at(event, "number"),
-                     coloured(Colour::Dim, text_at(event, "time")),
+                     coloured(Colour::Dim, printable_at(event, "time")),
                      coloured(colour_of(kind), fmt::format("{:<20}", kind)), subject, separator, message);
 }
 

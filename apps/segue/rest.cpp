@@ -24,7 +24,8 @@ std::string rest_text(const std::string& what, const Value& rest) {
     stopped.push_back(task.is_string() ? task.as_string() : "");
   const std::string tasks = stopped.empty() ? "" : "; stopped, since they hold devices: " + listed(stopped);
   if (!is_at_rest(rest))
-    return printable(what + ", but the robot was not at rest in time: " + text_at(rest, "trouble") + tasks);
+    return printable(what + ", but the robot was not at rest in time: " + printable_at(rest, "trouble") +
+                     tasks);
   return printable(fmt::format("{}; the robot is at rest after {}{}", what,
                                format_seconds(number_at(rest, "duration_s")), tasks));
 }

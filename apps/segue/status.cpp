@@ -31,12 +31,12 @@ std::int64_t tasks_of_pools(const Value& status) {
 std::string pools_text(const Value& status) {
   std::string text;
   for (const Value& pool : list_at(status, "pools")) {
-    text += fmt::format("pool {}: {} of {} ready\n", text_at(pool, "pool"), number_at(pool, "ready"),
+    text += fmt::format("pool {}: {} of {} ready\n", printable_at(pool, "pool"), number_at(pool, "ready"),
                         number_at(pool, "size"));
     for (const Value& one : list_at(pool, "instances")) {
-      const std::string reason = text_at(one, "reason");
+      const std::string reason = printable_at(one, "reason");
       if (!reason.empty()) {
-        text += coloured(Colour::Red, text_at(one, "task") + ": ") + printable(reason) + '\n';
+        text += coloured(Colour::Red, printable_at(one, "task") + ": ") + printable(reason) + '\n';
       }
     }
   }
@@ -44,10 +44,11 @@ std::string pools_text(const Value& status) {
 }
 
 std::string status_heading(const Value& status) {
-  const std::string controller = text_at(status, "controller");
+  const std::string controller = printable_at(status, "controller");
   const auto tasks = static_cast<std::int64_t>(list_at(status, "tasks").size());
-  return fmt::format("robot {} (pid {}, up {}): {}, {}\n", coloured(Colour::Bold, text_at(status, "robot")),
-                     number_at(status, "pid"), format_seconds(number_at(status, "uptime_s")),
+  return fmt::format("robot {} (pid {}, up {}): {}, {}\n",
+                     coloured(Colour::Bold, printable_at(status, "robot")), number_at(status, "pid"),
+                     format_seconds(number_at(status, "uptime_s")),
                      !controller.empty()               ? "controller " + coloured(Colour::Green, controller)
                      : tasks == tasks_of_pools(status) ? "the empty network"
                                                        : "an unnamed network",
@@ -56,13 +57,13 @@ std::string status_heading(const Value& status) {
 
 /// The holder of the lease, as a line.
 std::string commander_text(const Value& status) {
-  const std::string who = text_at(status, "commanded_by");
+  const std::string who = printable_at(status, "commanded_by");
   return who.empty() ? who : fmt::format("commanded by: {}\n", printable(who));
 }
 
 /// The loss of the robot to another runtime, as text; empty: it is not lost.
 std::string loss_text(const Value& status) {
-  std::string why = text_at(status, "lost");
+  std::string why = printable_at(status, "lost");
   if (why.empty()) return why;
   return coloured(Colour::Red, "lost: " + printable(why)) + "\nonly `segue run --take-over` gets it back\n";
 }
@@ -72,14 +73,15 @@ std::string loss_text(const Value& status) {
 std::string halt_text(const Value& status) {
   std::string text;
   if (const Value* halt = status.find("halt"); halt != nullptr && halt->is_map()) {
-    const std::string state = text_at(*halt, "state");
-    const std::string why = text_at(*halt, "why");
-    text += fmt::format("halted by {}{}: {}\n", text_at(*halt, "who"), why.empty() ? "" : " (" + why + ")",
-                        state == "halting"   ? "on its way to rest"
-                        : state == "at_rest" ? "at rest"
-                                             : "not at rest in time: " + text_at(*halt, "trouble"));
+    const std::string state = printable_at(*halt, "state");
+    const std::string why = printable_at(*halt, "why");
+    text +=
+        fmt::format("halted by {}{}: {}\n", printable_at(*halt, "who"), why.empty() ? "" : " (" + why + ")",
+                    state == "halting"   ? "on its way to rest"
+                    : state == "at_rest" ? "at rest"
+                                         : "not at rest in time: " + printable_at(*halt, "trouble"));
   }
-  if (const std::string who = text_at(status, "stopped_by"); !who.empty())
+  if (const std::string who = printable_at(status, "stopped_by"); !who.empty())
     text += fmt::format("stopped by {} until `segue stop --release`\n", who);
   return text.empty() ? text : coloured(Colour::Red, printable(text));
 }
@@ -87,19 +89,20 @@ std::string halt_text(const Value& status) {
 /// The differences between the robot's files and the network that runs; empty if it runs what was loaded and
 /// the files have not changed since.
 std::string files_text(const Value& status) {
-  const std::string controller = text_at(status, "controller");
-  const std::string version = text_at(status, "version");
+  const std::string controller = printable_at(status, "controller");
+  const std::string version = printable_at(status, "version");
   const Value* loaded = status.find("loaded_version");
   std::string text;
   if (!controller.empty() && (loaded == nullptr || loaded->is_null())) {
     text +=
         fmt::format("'{}' is none of the robot's controllers; it runs until the next switch\n", controller);
-  } else if (loaded != nullptr && !version.empty() && text_at(status, "loaded_version") != version) {
+  } else if (loaded != nullptr && !version.empty() && printable_at(status, "loaded_version") != version) {
     text += fmt::format("'{}' runs in version {}; version {} is loaded\n", controller, version,
-                        text_at(status, "loaded_version"));
+                        printable_at(status, "loaded_version"));
   }
   for (const Value& change : list_at(status, "changed_files"))
-    text += fmt::format("{} since it was loaded: {}\n", text_at(change, "change"), text_at(change, "file"));
+    text += fmt::format("{} since it was loaded: {}\n", printable_at(change, "change"),
+                        printable_at(change, "file"));
   if (!list_at(status, "changed_files").empty())
     text += "`segue plan` shows what that changes, `segue apply` does it\n";
   return text.empty() ? text : coloured(Colour::Yellow, printable(text));
@@ -107,7 +110,7 @@ std::string files_text(const Value& status) {
 
 std::string other_controllers(const Value& status) {
   auto names = controller_names(status);
-  std::erase(names, text_at(status, "controller"));
+  std::erase(names, printable_at(status, "controller"));
   return names.empty() ? std::string() : fmt::format("can switch to: {}\n", printable(listed(names)));
 }
 
@@ -127,20 +130,19 @@ std::string hosts_text(const Value& status) {
   for (const Value& host : list_at(status, "hosts")) {
     const Value* reachable = host.find("reachable");
     const bool up = reachable != nullptr && reachable->is_bool() && reachable->as_bool();
-    const std::string address = text_at(host, "address");
-    table.add(
-        {text_at(host, "name"), address,
-         up ? coloured(Colour::Green, printable(text_at(host, "state"))) : coloured(Colour::Red, "unknown"),
-         address == "local" ? "-" : format_seconds(number_at(host, "since_s")),
-         optional_micros(host, "round_trip_us"), optional_micros(host, "clock_offset_us")});
+    const std::string address = printable_at(host, "address");
+    table.add({printable_at(host, "name"), address,
+               up ? coloured(Colour::Green, printable_at(host, "state")) : coloured(Colour::Red, "unknown"),
+               address == "local" ? "-" : format_seconds(number_at(host, "since_s")),
+               optional_micros(host, "round_trip_us"), optional_micros(host, "clock_offset_us")});
   }
   if (list_at(status, "hosts").empty()) return {};
   std::string text = '\n' + table.text();
   for (const Value& host : list_at(status, "hosts")) {
     const Value* reachable = host.find("reachable");
     if (reachable == nullptr || !reachable->is_bool() || reachable->as_bool()) continue;
-    text += coloured(Colour::Red, "host " + text_at(host, "name") + ": ") +
-            printable(text_at(host, "state")) + '\n';
+    text += coloured(Colour::Red, "host " + printable_at(host, "name") + ": ") + printable_at(host, "state") +
+            '\n';
   }
   return text;
 }
@@ -160,8 +162,8 @@ std::string connections_text(const Value& status) {
                {"LATENCY", Table::Align::Right},
                {"WORST", Table::Align::Right}});
   for (const Value& connection : list_at(status, "connections")) {
-    table.add({text_at(connection, "from"), text_at(connection, "to"), text_at(connection, "policy"),
-               fmt::format("{}", number_at(connection, "written")),
+    table.add({printable_at(connection, "from"), printable_at(connection, "to"),
+               printable_at(connection, "policy"), fmt::format("{}", number_at(connection, "written")),
                fmt::format("{}", number_at(connection, "read")),
                fmt::format("{}", number_at(connection, "dropped")), latency_cell(connection, "latency_us"),
                latency_cell(connection, "latency_worst_us")});
@@ -194,13 +196,13 @@ int show_status(control::RobotService& robot, bool by_health, const Context& con
       print(coloured(Colour::Yellow, "drift: ") + printable(difference.as_string()) + '\n');
   }
   for (const Value& process : list_at(*status, "ended")) {
-    print(coloured(Colour::Red, "ended: ") + "process " + text_at(process, "process") + ' ');
-    std::istringstream lines(text_at(process, "message"));
+    print(coloured(Colour::Red, "ended: ") + "process " + printable_at(process, "process") + ' ');
+    std::istringstream lines(printable_at(process, "message"));
     for (std::string line; std::getline(lines, line);)
       print(printable(line) + '\n');
   }
   for (const Value& fault : list_at(*status, "unresolved")) {
-    print(coloured(Colour::Red, "unresolved: ") + printable(text_at(fault, "fault")) + '\n');
+    print(coloured(Colour::Red, "unresolved: ") + printable_at(fault, "fault") + '\n');
   }
   return exit_status(*status, by_health);
 }

@@ -61,8 +61,8 @@ class SwitchWatcher {
       if (!events || !events->is_list()) return;
       for (const Value& event : events->as_list()) {
         last = static_cast<std::uint64_t>(number_at(event, "number"));
-        done += text_at(event, "kind") == "action_done" ? 1 : 0;
-        progress_.show(fmt::format("{} actions done: {}", done, text_at(event, "subject")));
+        done += printable_at(event, "kind") == "action_done" ? 1 : 0;
+        progress_.show(fmt::format("{} actions done: {}", done, printable_at(event, "subject")));
       }
     }
   }
@@ -106,7 +106,7 @@ class CancelOnSignal {
     const auto status = robot ? (*robot)->status() : Result<Value>(robot.error());
     if (!status) return print_note("cannot cancel: " + status.error().message);
     for (const Value& request : list_at(*status, "requests")) {
-      if (!text_at(request, "who").ends_with(me)) continue;
+      if (!printable_at(request, "who").ends_with(me)) continue;
       print_note("cancelling; Ctrl-C again to detach");
       const auto number = static_cast<std::uint64_t>(number_at(request, "request"));
       const auto answer = (*robot)->cancel(number, me, deadline_in(std::chrono::minutes(1)));
@@ -212,7 +212,7 @@ int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options,
   }
   const bool only_late = !answer && answer.error().code == ErrorCode::DeadlineExceeded;
   if (!options.wait && only_late) return show_requested(options, context);
-  const bool refused = answer && text_at(*answer, "outcome") == "refused";
+  const bool refused = answer && printable_at(*answer, "outcome") == "refused";
   if (answer && options.dry_run && !refused) return show_plan(*answer, context);
   const int status = answer ? show_outcome(*answer, context) : failed(context, answer.error());
   if (status == kFailed && options.transition.empty() && options.network.empty())

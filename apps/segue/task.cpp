@@ -19,8 +19,8 @@ using type::Value;
 std::string ports_text(const Value& task) {
   Table table({{"PORT"}, {"DIRECTION"}, {"TYPE"}, {"DESCRIPTION"}});
   for (const Value& port : list_at(task, "ports")) {
-    table.add(
-        {text_at(port, "name"), text_at(port, "direction"), text_at(port, "type"), text_at(port, "doc")});
+    table.add({printable_at(port, "name"), printable_at(port, "direction"), printable_at(port, "type"),
+               printable_at(port, "doc")});
   }
   return list_at(task, "ports").empty() ? std::string() : '\n' + table.text();
 }
@@ -30,12 +30,12 @@ std::string operations_text(const Value& task) {
   for (const Value& operation : list_at(task, "operations")) {
     std::string arguments;
     for (const Value& argument : list_at(operation, "arguments")) {
-      arguments +=
-          (arguments.empty() ? "" : ", ") + text_at(argument, "name") + ": " + text_at(argument, "type");
+      arguments += (arguments.empty() ? "" : ", ") + printable_at(argument, "name") + ": " +
+                   printable_at(argument, "type");
     }
-    const std::string result = text_at(operation, "result");
-    table.add({fmt::format("{}({})", text_at(operation, "name"), arguments), result.empty() ? "-" : result,
-               text_at(operation, "doc")});
+    const std::string result = printable_at(operation, "result");
+    table.add({fmt::format("{}({})", printable_at(operation, "name"), arguments),
+               result.empty() ? "-" : result, printable_at(operation, "doc")});
   }
   return list_at(task, "operations").empty() ? std::string() : '\n' + table.text();
 }
@@ -118,8 +118,8 @@ std::string log_text(const Value& task) {
   if (lines.empty()) return {};
   std::string text = '\n' + coloured(Colour::Bold, "LOG") + '\n';
   for (std::size_t at = lines.size() - std::min(lines.size(), kShownLines); at < lines.size(); ++at) {
-    text += fmt::format("  {} {}: {}\n", text_at(lines[at], "time"), text_at(lines[at], "level"),
-                        text_at(lines[at], "message"));
+    text += fmt::format("  {} {}: {}\n", printable_at(lines[at], "time"), printable_at(lines[at], "level"),
+                        printable_at(lines[at], "message"));
   }
   return text;
 }
@@ -131,9 +131,9 @@ int show_task(control::RobotService& robot, const std::string& id, const Context
     print_json(*task);
     return kDone;
   }
-  print(fmt::format("{}: {}, {}\n", coloured(Colour::Bold, text_at(*task, "id")), text_at(*task, "component"),
-                    text_at(*task, "state_name")));
-  const std::string error = text_at(*task, "error");
+  print(fmt::format("{}: {}, {}\n", coloured(Colour::Bold, printable_at(*task, "id")),
+                    printable_at(*task, "component"), printable_at(*task, "state_name")));
+  const std::string error = printable_at(*task, "error");
   if (!error.empty()) print(coloured(Colour::Red, "error: ") + error + '\n');
   print(timing_text(*task) + histograms_text(*task) + ports_text(*task) + properties_text(*task) +
         operations_text(*task) + log_text(*task));

@@ -21,8 +21,8 @@ std::string state_cell(const Value& task) {
       unknown != nullptr && unknown->is_bool() && unknown->as_bool()) {
     return coloured(Colour::Red, "unknown");
   }
-  const std::string state = text_at(task, "state");
-  const std::string name = text_at(task, "state_name");
+  const std::string state = printable_at(task, "state");
+  const std::string name = printable_at(task, "state_name");
   const bool is_error = state == "run_time_error" || state == "exception" || state == "fatal";
   const Colour colour = is_error ? Colour::Red : state == "running" ? Colour::Green : Colour::Yellow;
   const std::string text = name.empty() || name == state ? state : fmt::format("{} ({})", state, name);
@@ -36,22 +36,22 @@ std::string micros(const Value& task, std::string_view key) {
 
 /// The process in which it runs, with the host unless it is the local one.
 std::string process_cell(const Value& task) {
-  const std::string process = text_at(task, "process");
-  const std::string host = text_at(task, "host");
+  const std::string process = printable_at(task, "process");
+  const std::string host = printable_at(task, "host");
   const bool here = host.empty() || host == "localhost" || process.empty();
   return process.empty() ? "-" : here ? process : fmt::format("{}/{}", host, process);
 }
 
 bool has_processes(const Value::List& tasks) {
   return std::any_of(tasks.begin(), tasks.end(),
-                     [](const Value& task) { return !text_at(task, "process").empty(); });
+                     [](const Value& task) { return !printable_at(task, "process").empty(); });
 }
 
 std::vector<std::string> task_cells(const Value& task, bool with_process, bool with_cpu) {
   const Value* stand_in = task.find("stand_in");
   const bool is_stand_in = stand_in != nullptr && stand_in->is_bool() && stand_in->as_bool();
   std::vector<std::string> row = {
-      text_at(task, "id"),        text_at(task, "component") + (is_stand_in ? " (stand-in)" : ""),
+      printable_at(task, "id"),   printable_at(task, "component") + (is_stand_in ? " (stand-in)" : ""),
       state_cell(task),           fmt::format("{}", number_at(task, "cycles")),
       micros(task, "cycle_us"),   micros(task, "worst_us"),
       micros(task, "latency_us"), fmt::format("{}", number_at(task, "missed"))};
@@ -66,9 +66,9 @@ std::vector<std::string> task_cells(const Value& task, bool with_process, bool w
 std::string errors_text(const Value::List& tasks) {
   std::string text;
   for (const Value& task : tasks) {
-    const std::string error = text_at(task, "error");
+    const std::string error = printable_at(task, "error");
     if (!error.empty())
-      text += fmt::format("{} {}\n", coloured(Colour::Red, text_at(task, "id") + ':'), error);
+      text += fmt::format("{} {}\n", coloured(Colour::Red, printable_at(task, "id") + ':'), error);
   }
   return text;
 }

@@ -19,9 +19,9 @@ struct TopOptions {
 };
 
 std::string top_page(const Value& status) {
-  const std::string controller = text_at(status, "controller");
+  const std::string controller = printable_at(status, "controller");
   return fmt::format("{}: {}, {}; up {}; {} tasks, {} connections\n\n{}",
-                     coloured(Colour::Bold, text_at(status, "robot")),
+                     coloured(Colour::Bold, printable_at(status, "robot")),
                      controller.empty() ? "the empty network" : controller, state_text(status),
                      format_seconds(number_at(status, "uptime_s")), list_at(status, "tasks").size(),
                      list_at(status, "connections").size(), task_table(status, true));
@@ -33,7 +33,7 @@ void add_processor_times(control::RobotService& robot, Value& status) {
   if (tasks == nullptr || !tasks->is_list()) return;
   for (Value& task : tasks->as_list()) {
     if (task.find("cpu_us") != nullptr) continue;
-    const auto report = robot.task(text_at(task, "id"));  // may have been removed since
+    const auto report = robot.task(printable_at(task, "id"));  // may have been removed since
     const Value* timing = report ? report->find("timing") : nullptr;
     if (timing != nullptr && task.is_map()) task.as_map().set("cpu_us", number_at(*timing, "cpu_us"));
   }

@@ -5,6 +5,7 @@
 #include <segue/base/error.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/mission_io.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -27,11 +28,6 @@ const Value& part(const Value& line, std::string_view key) {
   static const Value kNothing;
   const Value* found = line.find(key);
   return found == nullptr ? kNothing : *found;
-}
-
-std::string text_of(const Value& line, std::string_view key) {
-  const Value& value = part(line, key);
-  return value.is_string() ? value.as_string() : std::string();
 }
 
 bool flag_of(const Value& line, std::string_view key) {
@@ -161,11 +157,11 @@ Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::pa
 
 Result<void> RunJournal::read(const RunJournalFile::Contents& contents, const Mission& mission) {
   const Value& first = contents.first;
-  if (text_of(first, "digest") != digest(mission)) {
-    return fail(ErrorCode::InvalidArgument, "the run was one of " + quote(text_of(first, "mission")) +
+  if (text_at(first, "digest") != digest(mission)) {
+    return fail(ErrorCode::InvalidArgument, "the run was one of " + quote(text_at(first, "mission")) +
                                                 " as it was then; this mission is another one");
   }
-  start_ = {map_of(first, "inputs"), texts_of(first, "facts"), text_of(first, "start_at"),
+  start_ = {map_of(first, "inputs"), texts_of(first, "facts"), text_at(first, "start_at"),
             flag_of(first, "concurrent"), counts_of(first)};
   if (const Value& seed = part(first, "seed"); seed.is_integer()) start_.seed = seed.as_uint();
   for (const Value& entry : contents.entries) {
@@ -196,17 +192,17 @@ Result<void> RunJournal::take(const Value& line) {
   const Value& n = part(line, "n");
   if (!n.is_integer()) return fail(ErrorCode::ParseError, "the number of the execution is missing");
   if (const Value* path = line.find("begun"); path != nullptr && path->is_string()) {
-    open_[{path->as_string(), n.as_uint(), text_of(line, "loops")}] = {
-        flag_of(line, "irreversible"), text_of(line, "action"), {}};
+    open_[{path->as_string(), n.as_uint(), text_at(line, "loops")}] = {
+        flag_of(line, "irreversible"), text_at(line, "action"), {}};
     return {};
   }
   if (const Value* path = line.find("progressed"); path != nullptr && path->is_string()) {
-    const auto open = open_.find({path->as_string(), n.as_uint(), text_of(line, "loops")});
+    const auto open = open_.find({path->as_string(), n.as_uint(), text_at(line, "loops")});
     if (open != open_.end()) open->second.progress = part(line, "to");
     return {};
   }
   if (const Value* path = line.find("first"); path != nullptr && path->is_string()) {
-    firsts_.insert({path->as_string(), n.as_uint(), text_of(line, "loops")});
+    firsts_.insert({path->as_string(), n.as_uint(), text_at(line, "loops")});
     return {};
   }
   const Value* path = line.find("ended");
@@ -215,7 +211,7 @@ Result<void> RunJournal::take(const Value& line) {
     return fail(ErrorCode::ParseError, "it records neither a begin nor an end");
   const Value& outputs = part(line, "outputs");
   End end{static_cast<Outcome>(outcome.as_int()),
-          text_of(line, "error"),
+          text_at(line, "error"),
           flag_of(line, "preempted"),
           outputs.is_list() ? outputs.as_list() : Value::List(),
           map_of(line, "globals"),
@@ -224,7 +220,7 @@ Result<void> RunJournal::take(const Value& line) {
           unit_changes(map_of(line, "units")),
           counts_by_state(map_of(line, "states")),
           map_of(line, "values")};
-  const Execution execution{path->as_string(), n.as_uint(), text_of(line, "loops")};
+  const Execution execution{path->as_string(), n.as_uint(), text_at(line, "loops")};
   open_.erase(execution);
   if (!places_.emplace(execution, ends_.size()).second)
     return fail(ErrorCode::ParseError, quote(execution.path) + " ends twice");

@@ -6,6 +6,7 @@
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_script/script_messages.hpp>
 #include <segue/mission_script/script_process.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <array>
 #include <chrono>
@@ -146,7 +147,7 @@ class ScriptCompiler::Impl {
     const Named& owner = scripts[number];
     const int line = integer_at(error, "line");
     const int column = integer_at(error, "column");
-    const std::string message = detail::message_text(error, "message");
+    const std::string message = text_at(error, "message");
     if (owner.script->text.empty()) {
       const std::string file = script_file(mission, *owner.script, owner.owner).string();
       return diagnostics.error("bad-script", owner.what + ": " + message, {file, line, column});

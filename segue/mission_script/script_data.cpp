@@ -3,6 +3,7 @@
 #include <segue/mission/world_effects.hpp>
 #include <segue/mission_script/script_data.hpp>
 #include <segue/mission_script/script_messages.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -61,7 +62,7 @@ Value ScriptData::names() const {
 
 ValueMap ScriptData::answer(const Value& request) {
   ValueMap answer;
-  const std::string name = message_text(request, "name");
+  const std::string name = text_at(request, "name");
   const auto found = readings_.find(name);
   if (found == readings_.end()) {
     answer.append("error", "there are no data " + quote(name) + " to compute");

@@ -5,6 +5,7 @@
 #include <segue/mission_script/script_data.hpp>
 #include <segue/mission_script/script_messages.hpp>
 #include <segue/type/json.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <algorithm>
 #include <array>
@@ -170,11 +171,6 @@ Result<std::string> framed(const Value& message, std::size_t largest) {
   return text + body;
 }
 
-std::string message_text(const Value& message, std::string_view key) {
-  const Value* value = message.find(key);
-  return value == nullptr || !value->is_string() ? std::string() : value->as_string();
-}
-
 void MessageReader::append(std::string_view text) {
   if (read_ > 0) text_.erase(0, std::exchange(read_, 0));
   text_ += text;
@@ -336,13 +332,12 @@ Answer set(Globals& globals, const std::string& name, const std::shared_ptr<Scri
            const Value& request) {
   const Value* given = request.find("value");
   Value value = given == nullptr ? Value() : *given;
-  const std::string type = message_text(request, "type");
+  const std::string type = text_at(request, "type");
   const Value* number = request.find("object");
   if (number == nullptr || !number->is_integer())
     return done(globals.set(name, std::move(value), key_of(request), type));
   auto object = ScriptObjects::hold(objects, number->as_uint(), std::move(value));
-  return done(
-      globals.set_object(name, std::move(object), message_text(request, "kind"), key_of(request), type));
+  return done(globals.set_object(name, std::move(object), text_at(request, "kind"), key_of(request), type));
 }
 
 Answer erase(Globals& globals, const std::string& name) {
@@ -352,8 +347,8 @@ Answer erase(Globals& globals, const std::string& name) {
 
 Answer serve(Globals& globals, const std::shared_ptr<ScriptObjects>& objects, const Value& request,
              ValueMap& held) {
-  const std::string call = message_text(request, "call");
-  const std::string name = message_text(request, "name");
+  const std::string call = text_at(request, "call");
+  const std::string name = text_at(request, "name");
   const Globals::Key key = key_of(request);
   if (call == "get") return get(globals, name, key, *objects, held);
   if (call == "set") return set(globals, name, objects, request);

@@ -19,9 +19,6 @@ namespace segue::mission::detail {
 /// A message with its length prefix. ResourceExhausted if it has more than `largest` bytes.
 Result<std::string> framed(const type::Value& message, std::size_t largest);
 
-/// The text at `key` of a message; empty if there is none.
-std::string message_text(const type::Value& message, std::string_view key);
-
 /// Assembles messages from the pieces that arrive.
 class MessageReader {
  public:

@@ -9,6 +9,7 @@
 #include <segue/mission_robot/change_watch.hpp>
 #include <segue/mission_robot/robot_poll.hpp>
 #include <segue/mission_script/script_messages.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -63,7 +64,7 @@ TimePoint deadline_of(const Value& request) {
 }
 
 Result<Member> member_of(const Value& request) {
-  const std::string name = detail::message_text(request, "name");
+  const std::string name = text_at(request, "name");
   Member member = parse_member(name);
   if (!member.task.empty()) return member;
   return fail(ErrorCode::InvalidArgument, quote(name) + " is not of the form 'task.name'");
@@ -161,14 +162,14 @@ class RobotUse final : public ScriptRobot::Use {
     if (has_ended_) return fail(ErrorCode::InvalidState, "the action has ended");
     if (asked_.size() >= kMostAsked) return fail(ErrorCode::ResourceExhausted, "it asks too much at once");
     asked_.push_back(stop);
-    if (detail::message_text(request, "call") == "request") ++requests_;
+    if (text_at(request, "call") == "request") ++requests_;
     return {};
   }
 
   void has_answered(const Value& request, const std::stop_token& stop) {
     const Lock lock(mutex_);
     std::erase_if(asked_, [&](const std::stop_source& one) { return one.get_token() == stop; });
-    if (detail::message_text(request, "call") == "request") --requests_;
+    if (text_at(request, "call") == "request") --requests_;
     answered_.notify_all();
   }
 
@@ -186,7 +187,7 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   Result<Value> serve(const Value& request, const std::stop_token& stop) {
-    const std::string call = detail::message_text(request, "call");
+    const std::string call = text_at(request, "call");
     if (call == "task") return task(request, stop);
     if (call == "wait_for_state") return wait_for_state(request, stop);
     if (call == "request" || call == "set" || call == "write") {
@@ -222,7 +223,7 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   Result<Value> task(const Value& request, const std::stop_token& stop) {
-    const std::string name = detail::message_text(request, "name");
+    const std::string name = text_at(request, "name");
     return poll(name, {RealClock::instance().now() + kAnswer, stop}, [&](const Wait& wait) {
       const auto view = robot_->task(name, wait);
       return view ? to_value(*view) : Result<Value>(view.error());
@@ -271,8 +272,8 @@ class RobotUse final : public ScriptRobot::Use {
 
   /// The task, once it has been updated since and is in that state.
   Result<Value> wait_for_state(const Value& request, const std::stop_token& stop) {
-    const std::string name = detail::message_text(request, "name");
-    const TaskReaches wanted{name, detail::message_text(request, "state")};
+    const std::string name = text_at(request, "name");
+    const TaskReaches wanted{name, text_at(request, "state")};
     const TimePoint deadline = request.find("timeout") == nullptr ? TimePoint::max() : deadline_of(request);
     return poll(name, {deadline, stop}, [&](const Wait& wait) { return reaches(wanted, wait); });
   }
@@ -334,14 +335,14 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   Result<Value> request(const Value& request, const std::stop_token& stop) {
-    const std::string controller = detail::message_text(request, "name");
+    const std::string controller = text_at(request, "name");
     if (std::ranges::find(rights_.controllers, controller) == rights_.controllers.end()) {
       return fail(ErrorCode::PermissionDenied, "the action does not declare that it uses the controller " +
                                                    quote(controller) + "; add it to its 'controllers'");
     }
     auto properties = properties_of(request);
     if (!properties) return properties.error();
-    const bool keep = detail::message_text(request, "afterwards") != "stop";
+    const bool keep = text_at(request, "afterwards") != "stop";
     if (auto runs = controllers_->begin(controller, std::move(*properties), {rights_.user, stop, keep});
         !runs)
       return runs.error();
@@ -365,7 +366,7 @@ class RobotUse final : public ScriptRobot::Use {
   }
 
   Result<Value> release(const Value& request) {
-    const std::string controller = detail::message_text(request, "name");
+    const std::string controller = text_at(request, "name");
     Lock lock(mutex_);
     const auto found = std::ranges::find(used_, controller, &Used::controller);
     if (found == used_.end())

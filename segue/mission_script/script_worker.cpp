@@ -3,6 +3,7 @@
 #include <segue/base/text.hpp>
 #include <segue/concurrent/thread.hpp>
 #include <segue/mission_script/script_worker.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -40,10 +41,10 @@ LogLevel level_of(const std::string& name) {
 
 Ending ending_of(const Value& message) {
   const Value* outcome = message.find("outcome");
-  if (outcome == nullptr || !outcome->is_integer()) return {kAborted, message_text(message, "error")};
+  if (outcome == nullptr || !outcome->is_integer()) return {kAborted, text_at(message, "error")};
   const std::int64_t number = std::clamp<std::int64_t>(outcome->as_int(), std::numeric_limits<Outcome>::min(),
                                                        std::numeric_limits<Outcome>::max());
-  return {static_cast<Outcome>(number), message_text(message, "error")};
+  return {static_cast<Outcome>(number), text_at(message, "error")};
 }
 
 }  // namespace
@@ -185,15 +186,14 @@ bool ScriptWorker::read_output(ScriptProcess& process) {
 }
 
 void ScriptWorker::handle(const Value& message) {
-  const std::string what = message_text(message, "do");
+  const std::string what = text_at(message, "do");
   if (what == "end") {
     handle_end(message);
   } else if (what == "ask") {
     handle_question(message);
   } else if (what == "log") {
-    const std::string path = message_text(message, "path");
-    log(level_of(message_text(message, "level")), path.empty() ? "python" : path,
-        message_text(message, "text"));
+    const std::string path = text_at(message, "path");
+    log(level_of(text_at(message, "level")), path.empty() ? "python" : path, text_at(message, "text"));
   } else {
     refuse("it sent an unknown message");
   }
@@ -245,7 +245,7 @@ void ScriptWorker::complete(ScriptExecution execution, Ending ending) {
 void ScriptWorker::handle_question(const Value& message) {
   Lock guard(mutex_);
   const auto found = executions_.find(number_of(message, "execution").value_or(0));
-  const std::string about = message_text(message, "about");
+  const std::string about = text_at(message, "about");
   if (about == "data" && found != executions_.end() && found->second.data) {
     const auto data = found->second.data;
     guard.unlock();
@@ -266,8 +266,8 @@ void ScriptWorker::handle_question(const Value& message) {
   } else {
     reply = answer_about_globals(found->second.globals, objects_, message);
     const Value* value = reply.find("value");
-    if (message_text(message, "call") == "lock" && value != nullptr && value->is_integer())
-      found->second.locks.emplace_back(message_text(message, "name"), value->as_uint());
+    if (text_at(message, "call") == "lock" && value != nullptr && value->is_integer())
+      found->second.locks.emplace_back(text_at(message, "name"), value->as_uint());
   }
   guard.unlock();
   answer(std::move(reply), number_of(message, "number").value_or(0));

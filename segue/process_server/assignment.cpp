@@ -2,6 +2,7 @@
 #include <segue/base/error.hpp>
 #include <segue/process_server/assignment.hpp>
 #include <segue/type/json.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -20,11 +21,6 @@ constexpr int kMostFiles = 1000;
 Error wrong(const std::string& what) {
   return fail(ErrorCode::InvalidArgument,
               "segue-deployment is started by a process server, which hands it an assignment: " + what);
-}
-
-std::string text_at(const Value& map, std::string_view key) {
-  const Value* found = map.find(key);
-  return found != nullptr && found->is_string() ? found->as_string() : std::string{};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/controller_names.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <algorithm>
 #include <optional>
@@ -19,11 +20,6 @@ namespace {
 constexpr std::size_t kBuffer = 64;
 /// Actions that a request names.
 constexpr std::size_t kNamedActions = 3;
-
-std::string text_at(const Value& value, std::string_view key) {
-  const Value* found = value.find(key);
-  return found == nullptr || !found->is_string() ? std::string() : found->as_string();
-}
 
 Value::List list_at(const Value& value, std::string_view key) {
   const Value* found = value.find(key);

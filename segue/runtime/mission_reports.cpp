@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/mission_reports.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -21,9 +22,8 @@ constexpr std::size_t kLongestError = 2048;
 /// Clocks that differ by less count as equal.
 constexpr std::int64_t kSameClock = 1'000'000'000;
 
-std::string text_at(const Value& value, std::string_view key, std::size_t longest = kLongestName) {
-  const Value* found = value.find(key);
-  return found == nullptr || !found->is_string() ? std::string() : found->as_string().substr(0, longest);
+std::string cut_text_at(const Value& value, std::string_view key, std::size_t longest = kLongestName) {
+  return text_at(value, key).substr(0, longest);
 }
 
 /// 0 where there is none; never negative.
@@ -39,7 +39,7 @@ std::int64_t nanoseconds(std::chrono::system_clock::time_point time) {
 }
 
 std::optional<MissionEntry::Kind> kind_in(const Value& value) {
-  const auto* found = std::ranges::find(journal::kMissionKindNames, text_at(value, "kind"));
+  const auto* found = std::ranges::find(journal::kMissionKindNames, cut_text_at(value, "kind"));
   if (found == journal::kMissionKindNames.end()) return std::nullopt;
   return static_cast<MissionEntry::Kind>(found - journal::kMissionKindNames.begin());
 }
@@ -67,7 +67,7 @@ void MissionReports::take_happened(Value& doing) {
   const Value* happened = doing.find("happened");
   if (happened == nullptr) return;
   refill();
-  const std::string mission = text_at(doing, "mission");
+  const std::string mission = cut_text_at(doing, "mission");
   const auto now = std::chrono::system_clock::now();
   const std::int64_t sent = count_at(*happened, "sent_ns");
   const auto apart = std::max(sent, nanoseconds(now)) - std::min(sent, nanoseconds(now));
@@ -102,11 +102,11 @@ void MissionReports::take(const Value& one, const std::string& mission, WallTime
   entry.kind = *kind;
   entry.who = holder_.substr(0, kLongestName);
   entry.mission = mission;
-  entry.action = text_at(one, "action", 2 * kLongestName);
+  entry.action = cut_text_at(one, "action", 2 * kLongestName);
   entry.iteration = static_cast<std::uint64_t>(count_at(one, "iteration"));
-  entry.controller = text_at(one, "controller");
-  entry.outcome = text_at(one, "outcome");
-  entry.error = text_at(one, "error", kLongestError);
+  entry.controller = cut_text_at(one, "controller");
+  entry.outcome = cut_text_at(one, "outcome");
+  entry.error = cut_text_at(one, "error", kLongestError);
   entry.duration = Duration(count_at(one, "duration_ns"));
   add(std::move(entry));
 }

@@ -3,6 +3,7 @@
 
 #include <segue/control/detail/services.hpp>
 #include <segue/rpc/detail/wire.hpp>
+#include <segue/type/value_at.hpp>
 
 #include <utility>
 
@@ -18,11 +19,6 @@ Value listed(const std::vector<PropertySetting>& properties) {
   for (const PropertySetting& one : properties)
     list.push_back(Value::map({{"task", one.task.str()}, {"property", one.property}, {"value", one.value}}));
   return list;
-}
-
-std::string text_at(const Value& map, std::string_view key) {
-  const Value* text = map.find(key);
-  return text == nullptr || !text->is_string() ? std::string() : text->as_string();
 }
 
 /// Null is none.
