@@ -75,7 +75,7 @@ class RobotService {
   /// of its name.
   virtual Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
                                                 const RequestOptions& options, TimePoint deadline) = 0;
-  /// As diff(), of switch_to_network().
+  /// The transition that switch_to_network() would execute now: the JSON of `diff`.
   virtual Result<type::Value> diff_to_network(std::string_view text, std::string_view file,
                                               const RequestOptions& options, TimePoint deadline) = 0;
   /// The changes that apply() would make with the robot's files as they are now: {"outcome" ("done", or

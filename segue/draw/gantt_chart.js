@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What both Gantt charts have in common: that of the page which the command writes (gantt_page_*.js) and that of the
+// The parts that both Gantt charts have in common: that of the page which the command writes (gantt_page_*.js) and that of the
 // studio (ui/src/missions). Times in seconds and rows become places on a canvas, and bars, waits, labels and the axis are
 // drawn there. What rows, bars and colours mean is left to the charts. A module without imports: the build puts it before
 // the script of the page, and the studio imports it, where TypeScript checks its types.
 
 /**
- * What part of a run is seen. `top`: the first row that is seen, in rows.
+ * The part of a run that is seen. `top`: the first row that is seen, in rows.
  * @typedef {{from: number, until: number, top: number, rowHeight: number}} Window
  */
 /**
@@ -25,7 +25,7 @@
  */
 /** @typedef {{text: string, colour: string, critical: boolean}} LabelLook */
 /**
- * What a row shows. Bars in order, each of which ends before the next begins, may be very many.
+ * The contents of a row: bars in order, each of which ends before the next begins, may be very many.
  * @template {{from: number, until: number}} Bar
  * @typedef {{label: LabelLook, faint: boolean, waits: readonly WaitLook[], bars: readonly Bar[], inOrder: boolean, lookOf: (bar: Bar) => BarLook}} RowLook
  */
@@ -142,7 +142,7 @@ export function setUp(context, ratio) {
 }
 
 /**
- * What is drawn until the context is restored stays right of `left` and below the axis.
+ * Clips: drawings until the context is restored stay right of `left` and below the axis.
  * @param {Chart} chart @param {number} left
  */
 function clipRows({ context, size }, left) {

@@ -31,7 +31,7 @@ const state = {rows: [], from: 0, until: end, selected: null, matches: [], match
 let palette = {};
 let size = {width: 0, height: 0, gutter: 120};
 
-/// What is seen; the browser scrolls the rows.
+/// The window of time that is seen; the browser scrolls the rows.
 const windowNow = () => ({from: state.from, until: state.until, top: scroller.scrollTop / readableRow, rowHeight: readableRow});
 
 function seconds(value, room = end) {

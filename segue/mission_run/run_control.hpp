@@ -39,7 +39,7 @@ class RunControl {
   /// In place of those set before.
   void set_breakpoints(std::vector<std::string> paths, Done done);
   void go_on_at(std::string path, Done done);
-  /// As of mission::Engine::values_of.
+  /// Tells `done` the values of the ports of a state, as JSON; an error where no run has them.
   void values_of(std::string path, std::function<void(Result<type::Value>)> done);
 
   struct Position {

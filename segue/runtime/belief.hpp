@@ -55,8 +55,8 @@ class Belief {
 
   /// Replaces the belief by a snapshot and applies the task events received since.
   void adopt(BeliefState seen, std::uint64_t task_events);
-  /// Like adopt(), but returns false and does nothing if the belief was replaced after the snapshot was
-  /// taken.
+  /// Replaces the belief by a snapshot and applies the task events received since. False, and nothing is
+  /// done, where the belief was replaced after the snapshot was taken.
   bool refresh(BeliefState seen, const Observation& observed);
   /// Replaces the belief by a network given by the user.
   void adopt_assumed(model::Network network);

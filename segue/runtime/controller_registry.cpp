@@ -11,7 +11,7 @@ namespace segue::runtime::detail {
 
 namespace {
 
-/// The same object as before where it is equal, so that nobody begins to watch its conditions anew.
+/// The halt of `set`; `before`, where it is equal, so that nobody begins to watch its conditions anew.
 std::shared_ptr<const model::Halt> halt_of(const ControllerSet& set,
                                            const std::shared_ptr<const model::Halt>& before) {
   if (!set.halt) {

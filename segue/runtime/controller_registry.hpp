@@ -41,7 +41,7 @@ class ControllerRegistry {
   /// Puts definitions in force again that replace() has returned.
   void restore(Definitions before);
 
-  /// As of find_controller(), with the same errors.
+  /// The controller of that name; NotFound, with a similar name, where there is none.
   [[nodiscard]] Result<model::Network> find(const model::NetworkName& name) const;
   /// Nothing for the empty name, and where find() fails.
   [[nodiscard]] std::optional<model::Network> known(const model::NetworkName& name) const;
@@ -62,11 +62,12 @@ class ControllerRegistry {
   /// How they differ from those of `before`.
   [[nodiscard]] std::vector<ControllerChange> changes_since(const Definitions& before,
                                                             const model::NetworkName& runs) const;
-  /// As of Runtime::conflicts().
+  /// For each two of these controllers what keeps them from running at once, and influences. NotFound.
   [[nodiscard]] Result<std::vector<ControllerConflict>> conflicts(
       const std::vector<model::NetworkName>& names) const;
 
-  /// As of detail::name_of() and detail::running_controller(), for a network without what the host adds.
+  /// The controllers that a network is, by name, "" for none, and the one known controller that it is. Of a
+  /// network without what the host adds.
   [[nodiscard]] model::NetworkName name_of(const model::Network& condensed) const;
   [[nodiscard]] std::optional<model::Network> running_controller(const model::Network& condensed) const;
 

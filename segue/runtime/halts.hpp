@@ -64,8 +64,9 @@ class Halts {
   void look_at(const std::set<model::TaskId>& tasks);
   /// As long as a transition changes their states, conditions of `when` do not look at these. Does not block.
   void look_away_from(const std::set<model::TaskId>& tasks);
-  /// As of Runtime::halt(). Requests are refused from before `first` is called, which is before the runtime
-  /// is asked for anything; without it, the robot is taken from whoever commands it.
+  /// Brings the robot to rest, whoever commands it; the result comes once it rests, or tasks that hold
+  /// devices are stopped. Requests are refused from before `first` is called, which is before the runtime is
+  /// asked for anything; without it, the robot is taken from whoever commands it.
   std::shared_future<HaltResult> begin(HaltRequest request, const std::function<void()>& first = {});
   [[nodiscard]] std::shared_future<HaltResult> on_its_way() const;
   /// That one, or the last, if the robot has not been commanded since.

@@ -49,7 +49,8 @@ class Leases {
   /// Records what the holder says that it is doing (control::RobotService::report).
   Result<void> report(std::uint64_t number, type::Value doing);
   [[nodiscard]] type::Value doing() const;
-  /// As of control::RobotService::mission. Asks the holder for its plan where that is wanted and not known.
+  /// The mission that commands the robot, or the last one that did, with what happened after entry `after`;
+  /// null where there was none. Asks the holder for its plan where that is wanted and not known.
   /// A mission has not ended before the robot is at rest: `halts`, whether it comes to rest now; or
   /// `halts_after`, once the lease ends.
   [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan, bool halts, bool halts_after);
@@ -59,7 +60,8 @@ class Leases {
   [[nodiscard]] std::optional<Error> refusal_of(const RequestOptions& options) const;
   /// Whether a request with these options takes the robot over from somebody.
   [[nodiscard]] bool would_take_over(const RequestOptions& options) const;
-  /// As of Runtime::allow().
+  /// Whether this sender may do something with tasks that is no request. InvalidState where the lease is
+  /// another's.
   Result<void> allow(const Sender& sender, const std::string& what);
   /// Takes the robot over where the options of an accepted request say so.
   void take_over(const RequestOptions& options);

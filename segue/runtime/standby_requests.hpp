@@ -34,7 +34,8 @@ class StandbyRequests {
   StandbyRequests(const Sources& sources, const model::LookAhead& budget)
       : sources_(sources), budget_(budget) {}
 
-  /// As of Runtime::prepare(). Look-ahead is due. Nothing where nothing is done with that lease any more.
+  /// Keeps these controllers prepared from now on, the likeliest first; look-ahead is due. Nothing where
+  /// nothing is done with that lease any more.
   std::optional<std::future<std::vector<Readiness>>> request(std::vector<model::NetworkName> wanted,
                                                              std::uint64_t lease);
   /// As much of them as the budget permits beside `controller`, and the halt's controller. Asks the host how

@@ -35,7 +35,7 @@ class Supervisor {
 
   /// A computer is reachable again, and not yet brought to what it should run.
   void host_returned(const model::HostName& host);
-  /// As of Runtime::snapshot(). Asks the host.
+  /// The parts of the robot and their problems. Asks the host; blocks meanwhile.
   [[nodiscard]] RobotSnapshot snapshot();
 
  private:

@@ -49,7 +49,7 @@ class Switching {
   void adopt(const Observation& seen, const model::Network& controller, std::optional<model::Network> wanted);
   /// Before a transition from what was observed, unless a user has said what runs.
   void adopt_observed(const Observation& seen);
-  /// As of Runtime::reset_belief().
+  /// Replaces the belief by `network`, or by a snapshot of the host; after a transition in progress.
   void reset(std::optional<model::Network> network);
   /// Leaves the state Executing, and performs a reset of the belief that was requested meanwhile.
   void settle(RuntimeState next);

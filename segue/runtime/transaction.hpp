@@ -56,8 +56,9 @@ class Transaction {
   /// A newer request waits: prepare ends early as superseded and leaves what it has created, retire ends
   /// early and leaves the rest, commit is finished. From any thread; does not block.
   void supersede();
-  /// The same, and what prepare has in progress is only waited for where it concerns what runs or `wanted`,
-  /// the parts of the network that comes next: a task of neither may take as long as it likes.
+  /// Ends early as supersede() does, and what prepare has in progress is only waited for where it concerns
+  /// what runs or `wanted`, the parts of the network that comes next: a task of neither may take as long as
+  /// it likes.
   void make_way(NetworkParts wanted);
   /// The robot is to come to rest: so does retire, and an undo, too, ends early and leaves the rest.
   void make_way_to_rest(NetworkParts rest);

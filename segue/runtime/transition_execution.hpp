@@ -38,8 +38,8 @@ class Execution : public std::enable_shared_from_this<Execution> {
   bool run(model::Phase phase);
   /// No further action begins. From any thread.
   void cancel() { stop_.request_stop(); }
-  /// The same, and those in progress that may be left are not waited for, and count as if they had not begun;
-  /// how they end must be observed. From any thread, also several times.
+  /// No further action begins, and those in progress that may be left are not waited for, and count as if
+  /// they had not begun; how they end must be observed. From any thread, also several times.
   void leave(const task_host::Leaving::MayBeLeft& may_be_left);
 
   /// One record for each action, in the order of the transition; moves them out. No phase may run.

@@ -375,7 +375,8 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     return kj::READY_NOW;
   }
 
-  /// As answer_holder(), for a request: `job(options, wait)`. Somebody without a lease may ask, and go.
+  /// Answers a request with the result of `job(options, wait)`, on a thread of its own, where the caller's
+  /// role allows that verb. Somebody without a lease may ask, and go.
   template <class Context, class Job>
   kj::Promise<void> answer_request(Verb verb, Context context, Job job) {
     const auto params = context.getParams();
