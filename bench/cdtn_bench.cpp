@@ -3,6 +3,8 @@
 // layer. For comparison, in the same run, executors without worlds, resources, conditions or failures: arrays
 // and counters in one thread, a plain thread pool, and oneTBB's flow graph, if it is installed, in one thread
 // like the engine and in two.
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task_network/concurrent_engine.hpp>
 #include <segue/task_network/order.hpp>
 #include <segue/task_network/simulated_environment.hpp>
@@ -10,9 +12,7 @@
 #include <benchmark/benchmark.h>
 
 #include <atomic>
-#include <condition_variable>
 #include <deque>
-#include <mutex>
 #include <random>
 #include <thread>
 #include <vector>
@@ -258,13 +258,13 @@ void run_pool(benchmark::State& state) {
       open[i] = static_cast<std::uint32_t>(graph.before[i].size());
       if (graph.before[i].empty()) ready.push_back(i);
     }
-    std::mutex mutex;
-    std::condition_variable changed;
+    segue::Mutex mutex;
+    segue::ConditionVariable changed;
     std::size_t left = open.size();
     const auto work = [&] {
-      std::unique_lock lock(mutex);
+      segue::Lock lock(mutex);
       for (;;) {
-        changed.wait(lock, [&] { return !ready.empty() || left == 0; });
+        changed.wait(mutex, [&] { return !ready.empty() || left == 0; });
         if (left == 0) return;
         const std::uint32_t node = ready.front();
         ready.pop_front();

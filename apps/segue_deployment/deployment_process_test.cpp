@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/file.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/process_server/assignment.hpp>
@@ -10,9 +12,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
-#include <condition_variable>
 #include <cstdlib>
-#include <mutex>
 
 namespace segue::deploy {
 namespace {
@@ -49,7 +49,7 @@ class DeploymentProcessTest : public testing::Test {
     ASSERT_TRUE(made.has_value()) << to_string(made.error());
     processes_ = std::move(*made);
     processes_->set_listener([this](const process_server::ProcessInfo& process) {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       ended_.push_back(process);
       changed_.notify_all();
     });
@@ -73,8 +73,8 @@ class DeploymentProcessTest : public testing::Test {
 
   /// The exit status, once it has ended by itself.
   std::optional<process_server::ExitReason> end() {
-    std::unique_lock lock(mutex_);
-    if (!changed_.wait_for(lock, kPatience, [&] { return !ended_.empty(); })) return std::nullopt;
+    Lock lock(mutex_);
+    if (!changed_.wait_for(mutex_, kPatience, [&] { return !ended_.empty(); })) return std::nullopt;
     return ended_.front().exit;
   }
 
@@ -83,8 +83,8 @@ class DeploymentProcessTest : public testing::Test {
   fs::path folder_;
   std::vector<int> pids_;
   std::unique_ptr<process_server::ProcessServer> processes_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::vector<process_server::ProcessInfo> ended_;
 };
 

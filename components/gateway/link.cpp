@@ -41,9 +41,9 @@ std::string user_data(const dds_qos_t* quality) {
 
 /// Component libraries stay loaded until the process ends.
 segue::Result<void> load(const std::string& library) {
-  static std::mutex mutex;
+  static segue::Mutex mutex;
   static segue::task_host::LibrarySet libraries;
-  const std::lock_guard lock(mutex);
+  const segue::Lock lock(mutex);
   return libraries.load(library);
 }
 
@@ -52,19 +52,20 @@ using Endpoint = std::unique_ptr<dds_builtintopic_endpoint_t, decltype(&::dds_bu
 }  // namespace
 
 void Matches::set(std::uint32_t count) {
-  const std::lock_guard lock(mutex_);
+  const segue::Lock lock(mutex_);
   count_ = count;
   changed_.notify_all();
 }
 
 std::uint32_t Matches::count() const {
-  const std::lock_guard lock(mutex_);
+  const segue::Lock lock(mutex_);
   return count_;
 }
 
 std::uint32_t Matches::wait(std::uint32_t count, std::uint32_t timeout_ms) const {
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, std::chrono::milliseconds(timeout_ms), [&] { return count_ >= count; });
+  const segue::Lock lock(mutex_);
+  changed_.wait_for(mutex_, std::chrono::milliseconds(timeout_ms),
+                    [&]() SEGUE_REQUIRES(mutex_) { return count_ >= count; });
   return count_;
 }
 
@@ -131,7 +132,7 @@ segue::Result<void> Link::open() {
   type_ = *type;
   kept_ = *policy;
   topic_ = std::move(topic);
-  const std::lock_guard lock(names_mutex_);
+  const segue::Lock lock(names_mutex_);
   participant_ = *joined;
   topic_name_ = *topic_name;
   type_name_ = type_name;
@@ -144,8 +145,13 @@ void Link::close() {
   matches_.set(0);
 }
 
+dds_entity_t Link::participant_entity() const {
+  const segue::Lock lock(names_mutex_);
+  return participant_;
+}
+
 std::string Link::topic_name() const {
-  const std::lock_guard lock(names_mutex_);
+  const segue::Lock lock(names_mutex_);
   return topic_name_;
 }
 
@@ -163,6 +169,7 @@ Quality Link::quality() const {
                        static_cast<std::int32_t>(std::min(kept_.size, kMost)));
   }
   ::dds_qset_writer_data_lifecycle(made.get(), false);
+  const segue::Lock lock(names_mutex_);
   if (!structure_.empty()) ::dds_qset_userdata(made.get(), structure_.data(), structure_.size());
   return made;
 }
@@ -170,7 +177,7 @@ Quality Link::quality() const {
 bool Link::differs(const dds_builtintopic_endpoint_t& endpoint) const {
   const std::string theirs = user_data(endpoint.qos);
   const std::size_t begin = theirs.find(kStructureKey);
-  const std::lock_guard lock(names_mutex_);
+  const segue::Lock lock(names_mutex_);
   return begin != std::string::npos && !structure_.empty() &&
          theirs.compare(begin, structure_.size(), structure_) != 0;
 }
@@ -189,7 +196,7 @@ std::uint64_t Link::count_mismatched(dds_entity_t endpoint) const {
                          &::dds_builtintopic_free_endpoint);
     if (other != nullptr && differs(*other)) ++mismatched;
   }
-  std::unique_lock lock(names_mutex_);
+  segue::Lock lock(names_mutex_);
   const std::string topic = topic_name_;
   const std::string type = type_name_;
   const dds_entity_t joined = participant_;

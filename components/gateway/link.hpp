@@ -4,13 +4,13 @@
 #include "message.hpp"
 #include "participant.hpp"
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/policy.hpp>
 #include <segue/task/component.hpp>
 
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -32,9 +32,9 @@ class Matches {
   std::uint32_t wait(std::uint32_t count, std::uint32_t timeout_ms) const;
 
  private:
-  mutable std::mutex mutex_;
-  mutable std::condition_variable changed_;
-  std::uint32_t count_ = 0;
+  mutable segue::Mutex mutex_;
+  mutable segue::ConditionVariable changed_;
+  std::uint32_t count_ SEGUE_GUARDED_BY(mutex_) = 0;
 };
 
 /// A DDS entity that is deleted with its last callback.
@@ -72,7 +72,7 @@ class Link : public segue::task::Component {
   [[nodiscard]] const segue::type::TypeInfo* type() const { return type_; }
   [[nodiscard]] const segue::Policy& policy() const { return kept_; }
   [[nodiscard]] const Topic& topic() const { return topic_; }
-  [[nodiscard]] dds_entity_t participant_entity() const { return participant_; }
+  [[nodiscard]] dds_entity_t participant_entity() const;
   [[nodiscard]] std::string topic_name() const;
   [[nodiscard]] Quality quality() const;
   /// Whether an endpoint's user data names another structure of the type than this process knows.
@@ -123,11 +123,12 @@ class Link : public segue::task::Component {
   const segue::type::TypeInfo* type_ = nullptr;
   segue::Policy kept_;
   Topic topic_;
-  mutable std::mutex names_mutex_;  ///< guards what follows, which statistics() reads in any thread
-  dds_entity_t participant_ = 0;
-  std::string topic_name_;
-  std::string type_name_;
-  std::string structure_;  ///< in the user data of endpoints; empty without a type
+  mutable segue::Mutex names_mutex_;  ///< statistics() reads its members in any thread
+  dds_entity_t participant_ SEGUE_GUARDED_BY(names_mutex_) = 0;
+  std::string topic_name_ SEGUE_GUARDED_BY(names_mutex_);
+  std::string type_name_ SEGUE_GUARDED_BY(names_mutex_);
+  std::string structure_
+      SEGUE_GUARDED_BY(names_mutex_);  ///< in the user data of endpoints; empty without a type
 };
 
 }  // namespace gateway

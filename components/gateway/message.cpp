@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "message.hpp"
 
+#include <segue/base/mutex.hpp>
+
 #include <dds/ddsi/q_misc.h>
 #include <dds/ddsi/q_protocol.h>
 #include <dds/ddsi/q_radmin.h>
@@ -8,7 +10,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <mutex>
 #include <new>
 #include <utility>
 #include <vector>
@@ -27,13 +28,13 @@ struct Free {
 };
 
 struct FreeBlocks {
-  std::mutex mutex;
-  std::vector<Free> blocks;
-  std::size_t total = 0;
+  segue::Mutex mutex;
+  std::vector<Free> blocks SEGUE_GUARDED_BY(mutex);
+  std::size_t total SEGUE_GUARDED_BY(mutex) = 0;
 
   /// The smallest one that fits and is not much too large.
   Free take(std::size_t size) {
-    const std::lock_guard lock(mutex);
+    const segue::Lock lock(mutex);
     auto best = blocks.end();
     for (auto block = blocks.begin(); block != blocks.end(); ++block) {
       const bool fits = block->capacity >= size && block->capacity / 2 <= size;
@@ -47,7 +48,7 @@ struct FreeBlocks {
   }
 
   bool keep(const Free& block) {
-    const std::lock_guard lock(mutex);
+    const segue::Lock lock(mutex);
     if (block.capacity > kMostKept - total) return false;
     blocks.push_back(block);
     total += block.capacity;

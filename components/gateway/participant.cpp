@@ -2,6 +2,7 @@
 #include "participant.hpp"
 
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 
 #include <dds/ddsrt/log.h>
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <mutex>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -86,11 +86,11 @@ class Words {
   }
   void listen() { ::dds_set_log_sink(&Words::hear, this); }
   std::string take() {
-    const std::lock_guard lock(mutex_);
+    const segue::Lock lock(mutex_);
     return std::exchange(heard_, {});
   }
   void log_from_now_on() {
-    const std::lock_guard lock(mutex_);
+    const segue::Lock lock(mutex_);
     logs_ = true;
   }
 
@@ -102,22 +102,22 @@ class Words {
     static_cast<Words*>(self)->add(text);
   }
   void add(std::string_view text) {
-    const std::lock_guard lock(mutex_);
+    const segue::Lock lock(mutex_);
     if (logs_) return segue::log(segue::LogLevel::Warning, "gateway", text);
     if (!heard_.empty()) heard_ += "; ";
     heard_ += text;
   }
 
-  std::mutex mutex_;
-  std::string heard_;
-  bool logs_ = false;
+  segue::Mutex mutex_;
+  std::string heard_ SEGUE_GUARDED_BY(mutex_);
+  bool logs_ SEGUE_GUARDED_BY(mutex_) = false;
 };
 
 struct Shared {
-  std::mutex mutex;
-  std::optional<Settings> settings;
-  dds_entity_t domain = 0;
-  dds_entity_t participant = 0;
+  segue::Mutex mutex;
+  std::optional<Settings> settings SEGUE_GUARDED_BY(mutex);
+  dds_entity_t domain SEGUE_GUARDED_BY(mutex) = 0;
+  dds_entity_t participant SEGUE_GUARDED_BY(mutex) = 0;
 
   ~Shared() {
     // Tells the others, which would wait for the lease otherwise.
@@ -157,7 +157,7 @@ dds_entity_t create_participant(const Settings& settings) {
 }
 
 /// Requires the lock.
-segue::Result<dds_entity_t> create(Shared& all, const Settings& settings) {
+segue::Result<dds_entity_t> create(Shared& all, const Settings& settings) SEGUE_REQUIRES(all.mutex) {
   Words& words = Words::instance();
   words.listen();
   static_cast<void>(words.take());
@@ -203,7 +203,7 @@ std::vector<std::string> peers_of_process() {
 segue::Result<dds_entity_t> participant(const Settings& settings) {
   if (auto valid = check(settings); !valid) return valid.error();
   Shared& all = shared();
-  const std::lock_guard lock(all.mutex);
+  const segue::Lock lock(all.mutex);
   if (all.participant == 0) return create(all, settings);
   if (*all.settings == settings) return all.participant;
   return segue::fail(segue::ErrorCode::InvalidState,

@@ -6,7 +6,6 @@
 
 #include <atomic>
 #include <iostream>
-#include <mutex>
 #include <thread>
 
 namespace {

@@ -2,6 +2,7 @@
 #include "link.hpp"
 #include "types.hpp"
 
+#include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
@@ -43,8 +44,11 @@ class Receiver final : public Link {
   segue::Result<void> on_configure() override {
     if (auto opened = open(); !opened) return opened;
     received_ = refused_ = lost_ = corrupt_ = bytes_ = 0;
-    known_writer_ = 0;
-    sequences_.clear();
+    {
+      const segue::Lock lock(mutex_);
+      known_writer_ = 0;
+      sequences_.clear();
+    }
     out_.emplace(*this, "out", type(), std::string(),
                  PortOptions{.dynamic = true, .doc = "samples as they arrive", .flat = true});
     if (auto made = make_reader(); !made) {
@@ -55,7 +59,7 @@ class Receiver final : public Link {
   }
 
   segue::Result<void> on_start() override {
-    const std::lock_guard lock(mutex_);
+    const segue::Lock lock(mutex_);
     running_ = true;
     for (const MessageRef& message : waiting_)
       deliver(*message);
@@ -66,13 +70,16 @@ class Receiver final : public Link {
   void on_update() override {}
 
   void on_stop() override {
-    const std::lock_guard lock(mutex_);
+    const segue::Lock lock(mutex_);
     running_ = false;
   }
 
   void on_cleanup() override {
     reader_.reset();
-    waiting_.clear();
+    {
+      const segue::Lock lock(mutex_);
+      waiting_.clear();
+    }
     out_.reset();
     close();
   }
@@ -99,7 +106,7 @@ class Receiver final : public Link {
   /// In a thread of Cyclone.
   void receive(dds_entity_t reader) {
     constexpr std::size_t kBatch = 16;
-    const std::lock_guard lock(mutex_);
+    const segue::Lock lock(mutex_);
     std::array<ddsi_serdata*, kBatch> messages{};
     std::array<dds_sample_info_t, kBatch> infos{};
     dds_return_t taken = kBatch;
@@ -112,7 +119,7 @@ class Receiver final : public Link {
     }
   }
 
-  void arrived(dds_entity_t reader, MessageRef message, dds_instance_handle_t writer) {
+  void arrived(dds_entity_t reader, MessageRef message, dds_instance_handle_t writer) SEGUE_REQUIRES(mutex_) {
     if (writer != known_writer_) know(reader, writer);
     // A writer that was lost from sight for a while sends all samples again whose acknowledgement it has not
     // got.
@@ -128,13 +135,13 @@ class Receiver final : public Link {
   }
 
   /// Numbers that a writer skips are samples that it overwrote or gave up before they had arrived.
-  void count_gap(std::uint64_t number) {
+  void count_gap(std::uint64_t number) SEGUE_REQUIRES(mutex_) {
     if (*sequence_ != 0 && number > *sequence_ + 1) lost_ += number - *sequence_ - 1;
     *sequence_ = number;
   }
 
   /// A writer that is found again has another handle, but its old identifier.
-  void know(dds_entity_t reader, dds_instance_handle_t writer) {
+  void know(dds_entity_t reader, dds_instance_handle_t writer) SEGUE_REQUIRES(mutex_) {
     known_writer_ = writer;
     dds_builtintopic_endpoint_t* endpoint = ::dds_get_matched_publication_data(reader, writer);
     // The writer may be gone already; its samples are checked as all others are.
@@ -149,7 +156,7 @@ class Receiver final : public Link {
     sequence_ = &sequences_[id];
   }
 
-  void wait(MessageRef message) {
+  void wait(MessageRef message) SEGUE_REQUIRES(mutex_) {
     if (waiting_.size() >= policy().size) {
       ++lost_;
       if (policy().kind == segue::BufferKind::Buffer) return;
@@ -158,7 +165,7 @@ class Receiver final : public Link {
     waiting_.push_back(std::move(message));
   }
 
-  void deliver(const Message& message) {
+  void deliver(const Message& message) SEGUE_REQUIRES(mutex_) {
     SampleRef sample;
     try {
       sample = room_for(message);
@@ -216,13 +223,14 @@ class Receiver final : public Link {
   std::atomic<std::uint64_t> lost_{0};
   std::atomic<std::uint64_t> corrupt_{0};
   std::atomic<std::uint64_t> bytes_{0};
-  std::mutex mutex_;  ///< one thread at a time delivers; guards what follows
-  bool running_ = false;
-  bool trusted_ = true;
-  dds_instance_handle_t known_writer_ = 0;  ///< of the last message
-  std::uint64_t* sequence_ = nullptr;       ///< of the last message of that writer
-  std::map<WriterId, std::uint64_t> sequences_;
-  std::deque<MessageRef> waiting_;
+  segue::Mutex mutex_;  ///< one thread at a time delivers
+  bool running_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool trusted_ SEGUE_GUARDED_BY(mutex_) = true;
+  dds_instance_handle_t known_writer_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< of the last message
+  std::uint64_t* sequence_ SEGUE_GUARDED_BY(mutex_) = nullptr;       ///< of the last message of that writer
+  std::map<WriterId, std::uint64_t> sequences_ SEGUE_GUARDED_BY(mutex_);
+  std::deque<MessageRef> waiting_ SEGUE_GUARDED_BY(mutex_);
+  // Changed only while there is no reader, whose callbacks use them.
   std::optional<AnyOutput> out_;
   Entity reader_;
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "path_search.hpp"
 
+#include <segue/base/mutex.hpp>
+
 #include <ompl/base/ScopedState.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/PathSimplifier.h>
@@ -12,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 
 namespace planning {
 namespace {
@@ -102,8 +103,8 @@ double cost_of(const std::vector<Positions>& path) {
 std::optional<std::vector<Positions>> find_path(const SearchSpace& space, const Positions& start,
                                                 const Positions& goal, const SearchBudget& budget) {
   if (!space.is_free(start) || !space.is_free(goal)) return std::nullopt;
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
+  static segue::Mutex mutex;
+  const segue::Lock lock(mutex);
   ompl::msg::noOutputHandler();
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(budget.seed % 0x7fffffff + 1));
   Searches searches(space, start, goal);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderer.hpp"
 
+#include <segue/base/mutex.hpp>
+
 #include <GL/osmesa.h>
 #include <algorithm>
-#include <mutex>
 #include <vector>
 
 namespace rover {
@@ -15,10 +16,7 @@ struct DestroyContext {
 using ContextPtr = std::unique_ptr<osmesa_context, DestroyContext>;
 
 /// Finding the functions of OpenGL is not safe in several threads.
-std::mutex& context_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
+segue::Mutex context_mutex;
 
 /// The context is the thread's as long as this lives.
 class Current {
@@ -66,7 +64,7 @@ segue::Result<void> Renderer::Implementation::open() {
   mjv_defaultScene(&scene);
   mjv_makeScene(model.get(), &scene, 200);
   mjr_defaultContext(&resources);
-  const std::lock_guard lock(context_mutex());
+  const segue::Lock lock(context_mutex);
   context.reset(OSMesaCreateContextExt(GL_RGBA, 24, 8, 0, nullptr));
   if (!context) return segue::fail(segue::ErrorCode::Unsupported, "OSMesa gives no context to draw in");
   const Current current(context.get(), window);

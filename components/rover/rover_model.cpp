@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rover_model.hpp"
 
+#include <segue/base/mutex.hpp>
+
 #include <apriltag/apriltag.h>
 #include <apriltag/tag36h11.h>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -268,8 +269,8 @@ std::string rover_model_text() {
 
 segue::Result<ModelPtr> load_rover_model() {
   // MuJoCo's parser keeps the last model that it read for all threads.
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
+  static segue::Mutex mutex;
+  const segue::Lock lock(mutex);
   Files files;
   apriltag_family_t* const family = tag36h11_create();
   for (std::size_t number = 0; number < kBoxes; ++number) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/base/question.hpp>
 #include <support/fake_deployment.hpp>
 #include <support/random_actions.hpp>
@@ -9,7 +10,6 @@
 
 #include <future>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -76,7 +76,7 @@ TEST_F(DeploymentTest, ABatchHasAnOutcomeForEachAction) {
 struct ReportedEnds {
   task_host::Completion listener() {
     return [this](const std::vector<task_host::Completed>& ended) {
-      const std::lock_guard lock(mutex);
+      const Lock lock(mutex);
       for (const auto& one : ended) {
         EXPECT_FALSE(outcomes.contains(one.index)) << "reported twice";
         outcomes.insert_or_assign(one.index, one.outcome);
@@ -84,30 +84,30 @@ struct ReportedEnds {
     };
   }
   std::size_t count() {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     return outcomes.size();
   }
   bool has(std::size_t index) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     return outcomes.contains(index);
   }
-  std::mutex mutex;
+  Mutex mutex;
   std::map<std::size_t, Result<void>> outcomes;
 };
 
 TEST_F(DeploymentTest, HowLongActionsTookTravels) {
   serve();
-  std::mutex mutex;
+  Mutex mutex;
   std::map<std::size_t, std::optional<Duration>> took;
   const auto process = client();
   process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "bad")}, soon(),
                      [&](const std::vector<task_host::Completed>& ended) {
-                       const std::lock_guard lock(mutex);
+                       const Lock lock(mutex);
                        for (const auto& one : ended)
                          took.emplace(one.index, one.took);
                      });
   ASSERT_TRUE(eventually([&] {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     return took.size() == 2;
   }));
   for (const auto& [index, duration] : took) {

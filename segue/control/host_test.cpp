@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/rpc_codecs/host.capnp.h>
+#include <segue/base/mutex.hpp>
 #include <segue/control/host_client.hpp>
 #include <segue/control/server.hpp>
 #include <support/fake_hosted_robot.hpp>
@@ -28,7 +29,7 @@ class FakeHostDaemon final : public distributed::HostService {
   std::chrono::system_clock::time_point time{};
 
   distributed::RobotRequest request() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return request_;
   }
   Result<distributed::HostInfo> info() override { return who; }
@@ -45,14 +46,14 @@ class FakeHostDaemon final : public distributed::HostService {
   }
   Result<std::shared_ptr<distributed::HostedRobot>> acquire(const distributed::RobotRequest& request,
                                                             TimePoint /*deadline*/) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     request_ = request;
     if (request.holder == "late") return fail(ErrorCode::AlreadyExists, "runtime 'early' commands it");
     return std::shared_ptr<distributed::HostedRobot>(robot);
   }
 
  private:
-  std::mutex mutex_;
+  Mutex mutex_;
   distributed::RobotRequest request_;
 };
 
@@ -399,10 +400,10 @@ TEST_F(HostTest, EventsOfARobotTravel) {
   serve();
   const auto host = client();
   const auto robot = robot_of(*host);
-  std::mutex mutex;
+  Mutex mutex;
   std::vector<task_host::HostEvent> events;
   robot->set_listener([&](const task_host::HostEvent& event) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     events.push_back(event);
   });
   ASSERT_TRUE(eventually([&] { return daemon_.robot->has_listener(); }));
@@ -410,10 +411,10 @@ TEST_F(HostTest, EventsOfARobotTravel) {
   daemon_.robot->tell(
       task_host::ProcessEvent{{model::HostName("left"), model::ProcessName("p")}, "has ended", true});
   ASSERT_TRUE(eventually([&] {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     return events.size() == 2;
   }));
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   const auto& task = std::get<task_host::TaskEvent>(events[0]);
   EXPECT_EQ(task.task, TaskId("a"));
   EXPECT_EQ(task.state, TaskState::Fatal);

@@ -3,6 +3,7 @@
 // Runs of pure and sensing actions that are discarded leave no trace: neither in global variables nor in the
 // persistent variables of scripts.
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/convert/test_support.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_script/script_runner.hpp>
@@ -11,7 +12,6 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,7 +27,7 @@ class Gate {
  public:
   void wait(std::function<void()> then) {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       if (!open_) return waiting_.push_back(std::move(then));
     }
     then();
@@ -35,7 +35,7 @@ class Gate {
   void open() {
     std::vector<std::function<void()>> waiting;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       open_ = true;
       waiting.swap(waiting_);
     }
@@ -44,7 +44,7 @@ class Gate {
   }
 
  private:
-  std::mutex mutex_;
+  Mutex mutex_;
   bool open_ = false;
   std::vector<std::function<void()>> waiting_;
 };

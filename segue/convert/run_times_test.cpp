@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The times that a concurrent run records, compared with what each action measured itself.
+#include <segue/base/mutex.hpp>
 #include <segue/convert/concurrent_run.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_script/script_runner.hpp>
@@ -8,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <mutex>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -36,16 +36,16 @@ class Stopwatch {
   void nap() {
     const TimePoint begin = monotonic_now();
     RealClock::instance().sleep_until(begin + kNap);
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     spans_.push_back({begin, monotonic_now()});
   }
   std::vector<Span> spans() const {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return spans_;
   }
 
  private:
-  mutable std::mutex mutex_;
+  mutable Mutex mutex_;
   std::vector<Span> spans_;
 };
 

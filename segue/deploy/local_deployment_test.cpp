@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tasks of one process as a deployment, without shared memory.
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/task_host/test_support.hpp>
 #include <support/eventually.hpp>
@@ -7,8 +9,6 @@
 
 #include <gmock/gmock.h>
 
-#include <condition_variable>
-#include <mutex>
 #include <set>
 #include <thread>
 
@@ -203,24 +203,24 @@ TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_a_hook_while_others_go_on)
 TEST_F(LocalDeploymentTest, tells_what_has_ended_while_another_hook_is_at_work) {
   expect_done({apply(stuck_in("s", "configure"), "p"), apply(task_of("a", "any::Thing"), "p"),
                apply(task_of("b", "any::Thing"), "p")});
-  std::mutex mutex;
-  std::condition_variable changed;
+  Mutex mutex;
+  ConditionVariable changed;
   std::set<std::size_t> reported;
   const std::vector actions{on_task(ActionKind::Configure, "s"), on_task(ActionKind::Configure, "a"),
                             on_task(ActionKind::Start, "b")};
   deployment_.begin_all(actions, soon(), [&](const std::vector<task_host::Completed>& ended) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     for (const auto& one : ended) {
       EXPECT_EQ(one.outcome.has_value(), one.index != 2) << "b was not configured";
       reported.insert(one.index);
     }
     changed.notify_all();
   });
-  std::unique_lock lock(mutex);
-  ASSERT_TRUE(changed.wait_until(lock, soon(), [&] { return reported.size() == 2; }));
+  Lock lock(mutex);
+  ASSERT_TRUE(changed.wait_until(mutex, soon(), [&] { return reported.size() == 2; }));
   EXPECT_FALSE(reported.contains(0));
   hooks::release("s");
-  ASSERT_TRUE(changed.wait_until(lock, soon(), [&] { return reported.size() == 3; }));
+  ASSERT_TRUE(changed.wait_until(mutex, soon(), [&] { return reported.size() == 3; }));
 }
 
 TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
@@ -273,18 +273,18 @@ TEST(LocalHostOfOverdueTasks, removes_a_process_whose_task_hangs_and_destroys_th
 }
 
 TEST_F(LocalDeploymentTest, tells_of_a_task_that_fails_by_itself) {
-  std::mutex mutex;
-  std::condition_variable reported;
+  Mutex mutex;
+  ConditionVariable reported;
   std::vector<task_host::TaskEvent> events;
   deployment_.set_listener([&](const task_host::TaskEvent& event) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     events.push_back(event);
     reported.notify_all();
   });
   const type::Value behaviour = type::Value::map({{"fail", "update"}, {"rate", 1000}});
   bring_to_running(task_of("a", "any::Thing", type::Value::map({{"stand_in", behaviour}})));
-  std::unique_lock lock(mutex);
-  ASSERT_TRUE(reported.wait_for(lock, std::chrono::seconds(60), [&] { return !events.empty(); }));
+  Lock lock(mutex);
+  ASSERT_TRUE(reported.wait_for(mutex, std::chrono::seconds(60), [&] { return !events.empty(); }));
   EXPECT_EQ(events.front().task, model::TaskId("a"));
   lock.unlock();
   deployment_.set_listener({});

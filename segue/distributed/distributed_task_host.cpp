@@ -16,7 +16,6 @@
 #include <segue/task_host/full_id.hpp>
 
 #include <algorithm>
-#include <mutex>
 #include <thread>
 #include <utility>
 

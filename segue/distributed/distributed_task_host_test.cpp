@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/distributed_task_host.hpp>
 
 #include <segue/base/text.hpp>
@@ -17,7 +19,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <condition_variable>
 #include <future>
 #include <random>
 #include <thread>
@@ -110,7 +111,7 @@ struct Commander {
   ~Commander() { host.set_listener({}); }
 
   void note(std::string event) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     events.push_back(std::move(event));
     changed.notify_all();
   }
@@ -191,8 +192,8 @@ struct Commander {
     return {};
   }
   bool told(const std::string& event) {
-    std::unique_lock lock(mutex);
-    return changed.wait_for(lock, kPatience,
+    Lock lock(mutex);
+    return changed.wait_for(mutex, kPatience,
                             [&] { return std::find(events.begin(), events.end(), event) != events.end(); });
   }
 
@@ -200,8 +201,8 @@ struct Commander {
   const model::ComponentCatalog catalog;
   const DistributedOptions options;
   Order order = Order::Seamless;
-  std::mutex mutex;                 ///< protects both below
-  std::condition_variable changed;  ///< `events`
+  Mutex mutex;                ///< protects both below
+  ConditionVariable changed;  ///< `events`
   std::vector<std::string> events;
   task_host::LibrarySet libraries;
   task_host::LocalTaskHost local{
@@ -428,20 +429,20 @@ TEST(DistributedTaskHost, AHostThatWasLostMeanwhileTakesNoMoreActionsOfATransiti
 class ClockWithDelay final : public Clock {
  public:
   [[nodiscard]] TimePoint now() const override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const TimePoint real = RealClock::instance().now();
     return delayed_ == std::this_thread::get_id() ? (delayed_ = {}, real + delay_) : real;
   }
   void sleep_until(TimePoint when) override { RealClock::instance().sleep_until(when); }
   /// Of the next reading by this thread.
   void delay_this_thread(Duration delay) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     delayed_ = std::this_thread::get_id();
     delay_ = delay;
   }
 
  private:
-  mutable std::mutex mutex_;  ///< protects both below
+  mutable Mutex mutex_;  ///< protects both below
   mutable std::thread::id delayed_;
   Duration delay_{};
 };
@@ -616,7 +617,7 @@ TEST_F(LostRobot, IsLostOnAllHostsOnceOneHasGivenItToAnotherRuntime) {
 TEST_F(LostRobot, IsSaidToBeLostOnceAndBeforeAHostIsGivenUpForIt) {
   const auto rival = rival_at(computers_.left);
   ASSERT_TRUE(former_.told("right is lost"));
-  const std::lock_guard lock(former_.mutex);
+  const Lock lock(former_.mutex);
   const auto& events = former_.events;
   EXPECT_EQ(std::count(events.begin(), events.end(), "the robot is lost"), 1);
   EXPECT_LT(std::find(events.begin(), events.end(), "the robot is lost"),
@@ -707,7 +708,7 @@ TEST(DistributedTaskHost, ACallThatFailsLateDoesNotLoseTheNextConnection) {
   computers.left.line.mend();
   ASSERT_TRUE(run.told("left is back"));
   {
-    const std::lock_guard lock(run.mutex);
+    const Lock lock(run.mutex);
     run.events.clear();
   }
   release.set_value();
@@ -728,18 +729,18 @@ class Interruptions {
   void end() {
     line_.spoil_calls({});
     line_.on_attempt({});
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     over_ = true;
     line_.mend();
   }
   [[nodiscard]] int count() const {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return count_;
   }
 
  private:
   std::optional<Error> during_call() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (over_ || !line_.up() || --calls_ > 0) {
       return std::nullopt;
     }
@@ -753,14 +754,14 @@ class Interruptions {
     return random_() % 2 == 0 ? std::optional<Error>(fail(ErrorCode::Unavailable, "injected")) : std::nullopt;
   }
   void before_attempt() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (!over_ && !line_.up() && --attempts_ < 0) {
       line_.mend();
     }
   }
 
   testing::Line& line_;
-  mutable std::mutex mutex_;  ///< protects everything below
+  mutable Mutex mutex_;  ///< protects everything below
   std::mt19937 random_{20261126};
   int calls_ = 20;    ///< until the line breaks
   int attempts_ = 0;  ///< that are in vain

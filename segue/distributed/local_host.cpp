@@ -15,7 +15,6 @@
 #include <unistd.h>
 
 #include <map>
-#include <mutex>
 #include <set>
 #include <utility>
 
@@ -151,7 +150,7 @@ LocalHost::LocalHost(std::unique_ptr<Implementation> implementation)
 LocalHost::~LocalHost() {
   const Lock lock(implementation_->mutex);
   for (const auto& [name, robot] : implementation_->robots) {
-    const std::lock_guard one(robot->acquiring);
+    const TimedWriteLock one(robot->acquiring, TimePoint::max());
     robot->lease.close();
     robot->here.reset();
   }
@@ -238,7 +237,7 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
     return found.error();
   }
   const auto& robot = *found;
-  const std::unique_lock one(robot->acquiring, deadline);
+  const TimedWriteLock one(robot->acquiring, deadline);
   if (!one) {
     return fail(ErrorCode::DeadlineExceeded, "another runtime is getting the robot still", name);
   }

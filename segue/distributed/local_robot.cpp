@@ -175,27 +175,6 @@ LocalRobot::LocalRobot(process_server::Launch launch,
       tasks_(own_, *processes_, std::move(connector), launch_, no_tasks_, {.hosts = {host}}),
       part_(tasks_, clock) {}
 
-void Turn::lock() {
-  Lock lock(mutex_);
-  free_.wait(mutex_, [this]() SEGUE_REQUIRES(mutex_) { return !taken_; });
-  taken_ = true;
-}
-
-bool Turn::try_lock_until(TimePoint deadline) {
-  Lock lock(mutex_);
-  if (!free_.wait_until(mutex_, deadline, [this]() SEGUE_REQUIRES(mutex_) { return !taken_; })) {
-    return false;
-  }
-  taken_ = true;
-  return true;
-}
-
-void Turn::unlock() {
-  const Lock lock(mutex_);
-  taken_ = false;
-  free_.notify_one();
-}
-
 std::shared_ptr<HostedRobot> make_session(std::shared_ptr<LeasedRobot> robot, std::uint64_t epoch) {
   return std::make_shared<Session>(std::move(robot), epoch);
 }

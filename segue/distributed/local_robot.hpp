@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/base/condition_variable.hpp>
-#include <segue/base/mutex.hpp>
+#include <segue/base/timed_mutex.hpp>
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/distributed/commit_participant.hpp>
 #include <segue/distributed/host_service.hpp>
@@ -13,7 +12,6 @@
 #include <segue/task_host/local_task_host.hpp>
 
 #include <memory>
-#include <mutex>
 
 namespace segue::distributed::detail {
 
@@ -39,27 +37,13 @@ class LocalRobot {
   CommitParticipant part_;
 };
 
-/// A std::timed_mutex for std::lock_guard and std::unique_lock. (The thread sanitizer of gcc 12 does not
-/// understand that one.)
-class Turn {
- public:
-  void lock();
-  bool try_lock_until(TimePoint deadline);
-  void unlock();
-
- private:
-  Mutex mutex_;
-  ConditionVariable free_;
-  bool taken_ SEGUE_GUARDED_BY(mutex_) = false;
-};
-
 /// A robot with its lease, as long as the daemon lives.
 struct LeasedRobot {
   LeasedRobot(const std::string& robot, const std::filesystem::path& epoch, const Clock& clock)
       : lease(robot, epoch, clock) {}
 
   Lease lease;
-  Turn acquiring;                    ///< one runtime gets the robot at a time
+  TimedMutex acquiring;              ///< one runtime gets the robot at a time
   std::shared_ptr<LocalRobot> here;  ///< null until the robot was acquired first; replaced while nobody works
 };
 

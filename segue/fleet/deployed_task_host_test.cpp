@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
 
 #include <segue/fleet/process_record.hpp>
@@ -14,7 +16,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <csignal>
 #include <latch>
 #include <thread>
@@ -78,14 +79,14 @@ class EventRecorder {
  public:
   void add(const task_host::HostEvent& event) {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       events_.push_back(event);
     }
     changed_.notify_all();
   }
   bool wait(const std::function<bool(const task_host::HostEvent&)>& fits) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_until(lock, soon(),
+    Lock lock(mutex_);
+    return changed_.wait_until(mutex_, soon(),
                                [&] { return std::any_of(events_.begin(), events_.end(), fits); });
   }
   bool process(const std::string& name, const std::string& part, bool gone) {
@@ -99,7 +100,7 @@ class EventRecorder {
     return wait([&](const task_host::HostEvent& event) { return says(event, id, state); });
   }
   bool has_seen(const std::string& id, TaskState state) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return std::any_of(events_.begin(), events_.end(),
                        [&](const task_host::HostEvent& event) { return says(event, id, state); });
   }
@@ -110,8 +111,8 @@ class EventRecorder {
     return what != nullptr && what->task.str() == id && what->state == state;
   }
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::vector<task_host::HostEvent> events_;
 };
 
@@ -881,24 +882,24 @@ class Crowd {
  public:
   explicit Crowd(std::size_t most) : most_(most) {}
   void enter() {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     ++inside_;
     changed_.notify_all();
-    changed_.wait_for(lock, 300ms, [this] { return inside_ > most_ || over_; });
+    changed_.wait_for(mutex_, 300ms, [this] { return inside_ > most_ || over_; });
     over_ = true;  // one moment is enough
     crowded_ = crowded_ || inside_ > most_;
     changed_.notify_all();
     --inside_;
   }
   [[nodiscard]] bool crowded() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return crowded_;
   }
 
  private:
   const std::size_t most_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::size_t inside_ = 0;
   bool over_ = false;
   bool crowded_ = false;

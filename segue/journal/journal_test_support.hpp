@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/journal/journal.hpp>
 #include <segue/journal/journal_reader.hpp>
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include <condition_variable>
 #include <filesystem>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -40,16 +40,16 @@ class Troubles {
  public:
   Journal::OnTrouble listener() {
     return [this](const Trouble& trouble) {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       reported_.push_back(trouble);
       changed_.notify_all();
     };
   }
   /// The first of a kind.
   Trouble wait_for(Trouble::Kind kind) {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     const Trouble* found = nullptr;
-    const bool came = changed_.wait_until(lock, soon(), [&] {
+    const bool came = changed_.wait_until(mutex_, soon(), [&] {
       for (const Trouble& trouble : reported_)
         if (trouble.kind == kind && found == nullptr) found = &trouble;
       return found != nullptr;
@@ -58,7 +58,7 @@ class Troubles {
     return came ? *found : Trouble{};
   }
   std::vector<Trouble::Kind> kinds() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     std::vector<Trouble::Kind> kinds;
     for (const Trouble& trouble : reported_)
       kinds.push_back(trouble.kind);
@@ -66,8 +66,8 @@ class Troubles {
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::vector<Trouble> reported_;
 };
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // An action that has lost commands nothing any more, whatever it was doing when it was preempted.
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission_engine/engine_test_support.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_robot/fake_commanded_robot.hpp>
@@ -10,10 +12,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,7 +70,7 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
   void watch(const TaskQuestion& asked, const Wait& wait, TaskAnswer answered) override {
     auto ask = [this, asked, wait, answered = std::move(answered)] { inner_->watch(asked, wait, answered); };
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       questions_.emplace_back("watch");
       changed_.notify_all();
       if (questions_.size() == held_ && !let_go_) {
@@ -88,19 +88,19 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
 
   /// The question with the number at which the robot is held.
   std::string wait_for_question() {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(changed_.wait_for(lock, 60s, [this] { return questions_.size() >= held_; }));
+    Lock lock(mutex_);
+    EXPECT_TRUE(changed_.wait_for(mutex_, {}, 60s, [this] { return questions_.size() >= held_; }));
     return questions_.size() < held_ ? "" : questions_[held_ - 1];
   }
   /// From now on nothing may be commanded.
   void forbid() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     forbidden_ = true;
   }
   void let_go() {
     std::function<void()> ask;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       let_go_ = true;
       changed_.notify_all();
       ask = std::exchange(unanswered_, nullptr);
@@ -108,21 +108,21 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     if (ask) ask();
   }
   std::vector<std::string> commanded_after_loss() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return commanded_after_loss_;
   }
 
  private:
   void question(const char* what, const std::stop_token& stop) {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     questions_.emplace_back(what);
     changed_.notify_all();
     if (questions_.size() != held_) return;
-    EXPECT_TRUE(changed_.wait_for(lock, stop, 60s, [this] { return let_go_; }) || stop.stop_requested());
+    EXPECT_TRUE(changed_.wait_for(mutex_, stop, 60s, [this] { return let_go_; }) || stop.stop_requested());
   }
   bool command(const char* what, const Wait& wait) {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       if (forbidden_ && !wait.is_stopped()) commanded_after_loss_.emplace_back(what);
     }
     question(what, wait.stop);
@@ -130,8 +130,8 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
   }
 
   const std::size_t held_;
-  std::mutex mutex_;  ///< protects all below
-  std::condition_variable_any changed_;
+  Mutex mutex_;  ///< protects all below
+  StoppableConditionVariable changed_;
   std::vector<std::string> questions_;
   std::vector<std::string> commanded_after_loss_;
   bool forbidden_ = false;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission_robot/controller_union.hpp>
 
 #include <gmock/gmock.h>
@@ -27,11 +29,11 @@ using ::testing::UnorderedElementsAre;
 class RequestedRobot final : public CommandedRobot {
  public:
   Result<void> request(const ControllerRequest& what, const Wait& wait) override {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     requests_.push_back(what);
     asked_.notify_all();
     const std::size_t mine = requests_.size();
-    asked_.wait_for(lock, wait.stop, 60s, [&] { return !held_ || mine <= let_go_; });
+    asked_.wait_for(mutex_, wait.stop, 60s, [&] { return !held_ || mine <= let_go_; });
     if (wait.is_stopped() && !is_late_) return no_longer_wanted();
     for (const std::string& controller : what.controllers) {
       if (broken_.contains(controller)) return fail(ErrorCode::InvalidState, controller + " is broken");
@@ -40,15 +42,15 @@ class RequestedRobot final : public CommandedRobot {
     return {};
   }
   Result<ControllerTrouble> trouble(std::string_view controller, const Wait& /*wait*/) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     polls_.emplace_back(controller);
     return ControllerTrouble{.why = broken_.contains(std::string(controller)) ? "it is broken" : "",
                              .tasks = {},
                              .repair = repair_};
   }
   Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override {
-    std::unique_lock lock(mutex_);
-    asked_.wait_for(lock, 60s, [&] { return !keeps_conflicts_; });
+    Lock lock(mutex_);
+    asked_.wait_for(mutex_, {}, 60s, [&] { return !keeps_conflicts_; });
     return ControllerConflicts{
         {}, {{"drive", "stick", "input base.command"}}, {{"explore", "drive", "input planner.goal"}}};
   }
@@ -77,60 +79,60 @@ class RequestedRobot final : public CommandedRobot {
 
   /// Requests are not answered until let_go().
   void hold() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     held_ = true;
   }
   /// Does not say what conflicts as long as this holds.
   void keep_conflicts(bool keeps) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     keeps_conflicts_ = keeps;
     asked_.notify_all();
   }
   /// Whoever wants a request no longer is too late: the robot runs it.
   void be_late() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     is_late_ = true;
   }
   void let_go() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     held_ = false;
     asked_.notify_all();
   }
   /// The request under way is answered; others are not yet.
   void let_go_of_one() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     let_go_ = requests_.size();
     asked_.notify_all();
   }
   void wait_for_requests(std::size_t count) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(asked_.wait_for(lock, 60s, [&] { return requests_.size() >= count; }));
+    Lock lock(mutex_);
+    EXPECT_TRUE(asked_.wait_for(mutex_, {}, 60s, [&] { return requests_.size() >= count; }));
   }
   void break_controller(const std::string& controller) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     broken_.insert(controller);
   }
   void mend(const std::string& task) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     repair_ = task;
   }
   /// The controllers that somebody has looked at.
   std::vector<std::string> polls() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return polls_;
   }
   ControllerRequest runs() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return runs_;
   }
   std::vector<ControllerRequest> requests() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return requests_;
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable_any asked_;
+  Mutex mutex_;
+  StoppableConditionVariable asked_;
   std::vector<ControllerRequest> requests_;
   ControllerRequest runs_;
   std::set<std::string> broken_;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/mission/commanded_robot.hpp>
 
 #include <cstdint>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -16,7 +16,7 @@ class FakeChanges {
  public:
   void add() {
     std::vector<ChangesAnswer> waiting;
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     const std::uint64_t now = ++count_;
     if (is_silent_) return;
     waiting.swap(waiting_);
@@ -25,16 +25,16 @@ class FakeChanges {
       answered(now);
   }
   [[nodiscard]] std::uint64_t count() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return count_;
   }
   /// Nobody who waits hears of a change any more.
   void be_silent() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     is_silent_ = true;
   }
   void watch(std::uint64_t seen, ChangesAnswer answered) {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     if (seen == count_) return waiting_.push_back(std::move(answered));
     const std::uint64_t now = count_;
     lock.unlock();
@@ -42,7 +42,7 @@ class FakeChanges {
   }
 
  private:
-  std::mutex mutex_;  ///< protects all below
+  Mutex mutex_;  ///< protects all below
   bool is_silent_ = false;
   std::uint64_t count_ = 1;
   std::vector<ChangesAnswer> waiting_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/mission_robot/fake_changes.hpp>
 #include <segue/mission_robot/fake_port.hpp>
@@ -10,10 +12,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,7 +35,7 @@ class FakeCommandedRobot : public CommandedRobot {
     return answered;
   }
   Result<ControllerTrouble> trouble(std::string_view controller, const Wait& /*wait*/) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ++polls_;
     asked_one_.notify_all();
     if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
@@ -49,7 +49,7 @@ class FakeCommandedRobot : public CommandedRobot {
   Result<type::Value> call(const Member& operation, const type::Value& arguments,
                            const Wait& /*wait*/) override {
     if (operation.name == "failed") {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       return type::Value(failed_);
     }
     const type::Value* goal = arguments.find("goal");
@@ -70,7 +70,7 @@ class FakeCommandedRobot : public CommandedRobot {
     if (question.task != "planner" && question.task != "silent")
       return answered(fail(ErrorCode::NotFound, "no task " + question.task + " runs"));
     const auto answer = [&] {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       ++watches_;
       asked_one_.notify_all();
       return task_.watch(question, std::move(answered), changes_.count());
@@ -116,12 +116,12 @@ class FakeCommandedRobot : public CommandedRobot {
   /// Changes of what runs and who commands are told to nobody any more; tasks still say how they are.
   void tell_no_changes() { changes_.be_silent(); }
   std::vector<std::string> asked() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return asked_;
   }
   /// How often somebody has asked whether a controller runs.
   std::size_t polls() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return polls_;
   }
   void wait_until_polled(std::size_t times) {
@@ -129,7 +129,7 @@ class FakeCommandedRobot : public CommandedRobot {
   }
   /// Questions for the task so far.
   std::size_t watches() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return watches_;
   }
   void wait_until_watched(std::size_t questions) {
@@ -147,18 +147,18 @@ class FakeCommandedRobot : public CommandedRobot {
   static constexpr const char* kTakenOver = "the robot was taken over by somebody";
 
   void wait_until(const std::function<bool()>& is_so, const std::string& what = {}) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(asked_one_.wait_for(lock, std::chrono::seconds(60), is_so)) << what;
+    Lock lock(mutex_);
+    EXPECT_TRUE(asked_one_.wait_for(mutex_, std::chrono::seconds(60), is_so)) << what;
   }
   Result<void> answer(const ControllerRequest& what) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (taken_over_) return fail(ErrorCode::InvalidState, kTakenOver);
     if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
     runs_ = what.controllers.empty() ? "" : what.controllers.front();
     return {};
   }
   void change(const std::function<void()>& how) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     how();
     task_.answer_waiting(changes_.count());
   }
@@ -168,15 +168,15 @@ class FakeCommandedRobot : public CommandedRobot {
     changes_.add();
   }
   void note(std::string what) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     asked_.push_back(std::move(what));
     asked_one_.notify_all();
   }
 
   FakePort port_;
   FakeChanges changes_;
-  std::mutex mutex_;  ///< protects all below
-  std::condition_variable asked_one_;
+  Mutex mutex_;  ///< protects all below
+  ConditionVariable asked_one_;
   std::vector<std::string> asked_;
   std::string runs_;
   std::string trouble_;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission_robot/fake_commanded_robot.hpp>
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,7 +23,7 @@ class FakeMendingRobot final : public FakeCommandedRobot {
   void watch(const TaskQuestion& question, const Wait& wait, TaskAnswer answered) override {
     const auto once = std::make_shared<Once>(std::move(answered));
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       open_.push_back(once);
     }
     if (is_gone()) return once->answer(gone());
@@ -32,7 +32,7 @@ class FakeMendingRobot final : public FakeCommandedRobot {
   }
   Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override {
     auto trouble = FakeCommandedRobot::trouble(controller, wait);
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (trouble) trouble->repair = repair_;
     if (!repair_.empty()) ++waits_;
     waited_.notify_all();
@@ -48,17 +48,17 @@ class FakeMendingRobot final : public FakeCommandedRobot {
 
   /// The task is lost when that operation is called next, which does nothing then.
   void lose_task_at(const std::string& operation) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     losing_ = operation;
   }
   void refuse(const std::string& operation) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     refused_ = operation;
   }
   void lose_task() {
     std::vector<std::shared_ptr<Once>> open;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       repair_ = "task 'planner' is gone";
       open.swap(open_);
     }
@@ -66,13 +66,13 @@ class FakeMendingRobot final : public FakeCommandedRobot {
       one->answer(gone());
   }
   void mend_task() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     repair_.clear();
   }
   /// An action has been told that the task is being mended.
   void wait_until_waited_for() {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(waited_.wait_for(lock, std::chrono::seconds(60), [&] { return waits_ > 2; }));
+    Lock lock(mutex_);
+    EXPECT_TRUE(waited_.wait_for(mutex_, std::chrono::seconds(60), [&] { return waits_ > 2; }));
   }
 
  private:
@@ -86,21 +86,21 @@ class FakeMendingRobot final : public FakeCommandedRobot {
   };
   static Error gone() { return fail(ErrorCode::NotFound, "no task planner runs"); }
   bool is_gone() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return !repair_.empty();
   }
 
   bool is_losing(const std::string& operation) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return operation == losing_ && !std::exchange(losing_, "").empty();
   }
   bool is_refused(const std::string& operation) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return operation == refused_;
   }
 
-  std::mutex mutex_;  ///< protects all below
-  std::condition_variable waited_;
+  Mutex mutex_;  ///< protects all below
+  ConditionVariable waited_;
   std::string losing_;
   std::string refused_;
   std::vector<std::shared_ptr<Once>> open_;

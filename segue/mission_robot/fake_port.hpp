@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/mission/commanded_robot.hpp>
 
 #include <cstddef>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <utility>
 #include <vector>
@@ -16,7 +16,7 @@ namespace segue::mission {
 class FakePort {
  public:
   void show(type::Value sample) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     samples_.push_back(std::move(sample));
     for (Reader* reader : readers_)
       reader->answer();
@@ -28,21 +28,21 @@ class FakePort {
   class Reader final : public PortSamples {
    public:
     explicit Reader(FakePort& port) : port_(port) {
-      const std::lock_guard lock(port_.mutex_);
+      const Lock lock(port_.mutex_);
       port_.readers_.insert(this);
     }
     ~Reader() override {
-      const std::lock_guard lock(port_.mutex_);
+      const Lock lock(port_.mutex_);
       port_.readers_.erase(this);
     }
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
     Result<std::vector<type::Value>> take(const Wait& /*wait*/) override {
-      const std::lock_guard lock(port_.mutex_);
+      const Lock lock(port_.mutex_);
       return unread();
     }
     void next(const Wait& /*wait*/, SamplesAnswer answered) override {
-      const std::lock_guard lock(port_.mutex_);
+      const Lock lock(port_.mutex_);
       answered_ = std::move(answered);
       answer();
     }
@@ -63,7 +63,7 @@ class FakePort {
     SamplesAnswer answered_;
   };
 
-  std::mutex mutex_;  ///< protects all below
+  Mutex mutex_;  ///< protects all below
   std::vector<type::Value> samples_;
   std::set<Reader*> readers_;
 };

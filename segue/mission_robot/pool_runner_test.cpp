@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_engine/engine_test_support.hpp>
 #include <segue/mission_robot/pool_runner.hpp>
@@ -6,11 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <condition_variable>
 #include <functional>
 #include <future>
 #include <map>
-#include <mutex>
 
 namespace segue::mission {
 namespace {
@@ -36,7 +36,7 @@ class PlanningRobot final : public CommandedRobot {
     return {};
   }
   Result<std::vector<PoolView>> pools(const Wait& /*wait*/) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (is_gone_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     ++looks_;
     looked_.notify_all();
@@ -44,7 +44,7 @@ class PlanningRobot final : public CommandedRobot {
   }
   Result<Value> call(const Member& operation, const Value& arguments, const Wait& /*wait*/) override {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       called_.push_back(operation.task);
     }
     return answer_(operation.task, arguments);
@@ -79,31 +79,31 @@ class PlanningRobot final : public CommandedRobot {
     change(instance, [works](PoolInstanceView& one) { one.busy = works; });
   }
   void vanish() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     is_gone_ = true;
   }
   /// Somebody has asked for the pools that often.
   void wait_for_looks(int count) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(looked_.wait_for(lock, 60s, [&] { return looks_ >= count; }));
+    Lock lock(mutex_);
+    EXPECT_TRUE(looked_.wait_for(mutex_, 60s, [&] { return looks_ >= count; }));
   }
   std::vector<std::string> called() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return called_;
   }
 
  private:
   void change(const std::string& instance, const std::function<void(PoolInstanceView&)>& how) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     for (PoolInstanceView& one : instances_) {
       if (one.task == instance) how(one);
     }
   }
 
   const Answer answer_;
-  std::mutex mutex_;  ///< protects all below
+  Mutex mutex_;  ///< protects all below
   std::vector<PoolInstanceView> instances_{{"planner_1", 1, true}, {"planner_2", 2, true}};
-  std::condition_variable looked_;
+  ConditionVariable looked_;
   std::vector<std::string> called_;
   int looks_ = 0;
   bool is_gone_ = false;

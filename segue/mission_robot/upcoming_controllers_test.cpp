@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_robot/prepared_controllers.hpp>
 #include <segue/mission_robot/upcoming_controllers.hpp>
@@ -130,7 +132,7 @@ class PreparingRobot final : public CommandedRobot {
   }
   Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override { return ControllerConflicts{}; }
   Result<void> prepare(const std::vector<std::string>& controllers, const Wait& /*wait*/) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     prepared_.push_back(controllers);
     changed_.notify_all();
     return fail(ErrorCode::Unsupported, "which harms nobody");
@@ -155,14 +157,14 @@ class PreparingRobot final : public CommandedRobot {
     return fail(ErrorCode::Unsupported, "not in this test");
   }
   bool wait_for(const std::vector<std::string>& controllers) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, 60s,
+    Lock lock(mutex_);
+    return changed_.wait_for(mutex_, 60s,
                              [&] { return !prepared_.empty() && prepared_.back() == controllers; });
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::vector<std::vector<std::string>> prepared_;
 };
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Runs that are steered from other threads: paused, stepped, held at breakpoints, sent elsewhere.
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission_run/loaded_mission_test_support.hpp>
 #include <segue/mission_run/run_control.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <condition_variable>
 #include <future>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -30,28 +30,28 @@ using Paths = std::vector<std::string>;
 class Waiting final : public mission::ActionRunner {
  public:
   std::optional<mission::Ending> start(mission::ActionCall& call) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     end_ = call.defer([] {});
     ++begun_;
     changed_.notify_all();
     return std::nullopt;
   }
   void end() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     end_({}, {});
   }
   bool wait_until_begun(int count) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return begun_ >= count; });
+    Lock lock(mutex_);
+    return changed_.wait_for(mutex_, std::chrono::seconds(60), [&] { return begun_ >= count; });
   }
   int begun() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return begun_;
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   mission::Completer end_;
   int begun_ = 0;
 };
@@ -137,8 +137,8 @@ class Steered {
   /// Waits until it is held and at rest.
   Paths held_at() {
     std::optional<Paths> at;
-    std::unique_lock lock(mutex_);
-    const bool held = held_.wait_for(lock, std::chrono::seconds(60), [&] {
+    Lock lock(mutex_);
+    const bool held = held_.wait_for(mutex_, std::chrono::seconds(60), [&] {
       at = control_.position().at;
       return at.has_value();
     });
@@ -174,7 +174,7 @@ class Steered {
 
  private:
   void held_before(const Paths& paths) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     told_.insert(told_.end(), paths.begin(), paths.end());
     held_.notify_all();
   }
@@ -183,9 +183,9 @@ class Steered {
   RunRequest request_;
   RunControl control_;
   std::stop_source stop_;
-  std::mutex mutex_;              ///< protects told_ while the thread runs
-  std::condition_variable held_;  ///< told_ has become more
-  Paths told_;                    ///< by the thread
+  Mutex mutex_;             ///< protects told_ while the thread runs
+  ConditionVariable held_;  ///< told_ has become more
+  Paths told_;              ///< by the thread
   std::promise<Result<std::unique_ptr<FinishedRun>>> ended_;
   std::jthread thread_;
 };
@@ -322,13 +322,13 @@ TEST_F(Steering, AnswersEveryQuestionOnce) {
     EXPECT_THAT(run.held_at(), ElementsAre("again"));
     run.control().resume();
     int answers = 0;
-    std::mutex mutex;
+    Mutex mutex;
     {
       std::vector<std::jthread> askers;
       for (int asker = 0; asker < 3; ++asker) {
         askers.emplace_back([&] {
           (void)run.values_of("fetch");
-          const std::lock_guard lock(mutex);
+          const Lock lock(mutex);
           ++answers;
         });
       }

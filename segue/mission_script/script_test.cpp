@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_engine/engine.hpp>
 #include <segue/mission_script/script_runner.hpp>
@@ -11,13 +13,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <mutex>
 #include <thread>
 
 namespace segue::mission {
@@ -41,7 +41,7 @@ class Lines {
   Lines() {
     set_log_level(LogLevel::Debug);
     set_log_sink([this](LogLevel level, std::string_view source, std::string_view text) {
-      const std::lock_guard guard(mutex_);
+      const Lock guard(mutex_);
       text_ += std::string(to_string(level)) + " " + std::string(source) + ": " + std::string(text) + "\n";
       changed_.notify_all();
     });
@@ -54,17 +54,17 @@ class Lines {
   Lines& operator=(const Lines&) = delete;
 
   std::string text() {
-    const std::lock_guard guard(mutex_);
+    const Lock guard(mutex_);
     return text_;
   }
   bool wait_for(const std::string& part) {
-    std::unique_lock guard(mutex_);
-    return changed_.wait_for(guard, kPatience, [&] { return text_.find(part) != std::string::npos; });
+    Lock guard(mutex_);
+    return changed_.wait_for(mutex_, kPatience, [&] { return text_.find(part) != std::string::npos; });
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::string text_;
 };
 

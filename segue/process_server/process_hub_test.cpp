@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/process_server/process_hub.hpp>
 
 #include <gtest/gtest.h>
@@ -6,7 +7,6 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -36,11 +36,11 @@ class AskedService final : public ProcessService {
     return std::vector{info_of(robot)};
   }
   void set_listener(Listener listener) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     listener_ = std::move(listener);
   }
   void end(const std::string& robot) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (listener_) {
       listener_(info_of(robot));
     }
@@ -52,7 +52,7 @@ class AskedService final : public ProcessService {
     info.robot = robot;
     return info;
   }
-  std::mutex mutex_;
+  Mutex mutex_;
   Listener listener_;
 };
 

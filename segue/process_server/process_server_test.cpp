@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/file.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/process_server/process_log.hpp>
 #include <segue/process_server/process_server.hpp>
@@ -20,12 +22,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <set>
 #include <thread>
 
@@ -55,27 +55,27 @@ bool lives(int pid) {
 class Heard {
  public:
   void hear(const ProcessInfo& process) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     told_.push_back(process);
     changed_.notify_all();
   }
   /// The first event of that process.
   std::optional<ProcessInfo> end_of(const std::string& process) {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     const auto find = [&] {
       return std::ranges::find_if(told_, [&](const auto& each) { return each.key.process.str() == process; });
     };
-    if (!changed_.wait_for(lock, kPatience, [&] { return find() != told_.end(); })) return std::nullopt;
+    if (!changed_.wait_for(mutex_, kPatience, [&] { return find() != told_.end(); })) return std::nullopt;
     return *find();
   }
   std::size_t count() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return told_.size();
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::vector<ProcessInfo> told_;
 };
 
@@ -361,7 +361,7 @@ TEST_F(ProcessServerTest, manyServersOfOneNameStartItOnce) {
 
 TEST_F(ProcessServerTest, startAndStopFromManyThreadsLeaveNothing) {
   const auto processes = server();
-  std::mutex mutex;
+  Mutex mutex;
   {
     std::vector<std::jthread> threads;
     for (int i = 0; i < 4; ++i) {
@@ -369,7 +369,7 @@ TEST_F(ProcessServerTest, startAndStopFromManyThreadsLeaveNothing) {
         for (int turn = 0; turn < 10; ++turn) {
           const auto process = processes->start(launch(i % 2 == 0 ? "a" : "b"), soon());
           if (process) {
-            const std::lock_guard lock(mutex);
+            const Lock lock(mutex);
             pids_.push_back(process->pid);
           }
           static_cast<void>(processes->stop("rover", key(i < 2 ? "a" : "b"), soon()));
@@ -584,7 +584,7 @@ TEST_F(ProcessServerTest, manyProcessesStartAndEndAtOnceThroughAZygote) {
   constexpr int kThreads = 8;
   constexpr int kRounds = 5;
   const auto processes = server(with_zygote(options()));
-  std::mutex mutex;  // of pids_
+  Mutex mutex;  // of pids_
   std::vector<std::thread> threads;
   for (int i = 0; i < kThreads; ++i) {
     threads.emplace_back([&, name = "process" + std::to_string(i)] {
@@ -592,7 +592,7 @@ TEST_F(ProcessServerTest, manyProcessesStartAndEndAtOnceThroughAZygote) {
         const auto process = processes->start(launch(name), soon());
         ASSERT_TRUE(process.has_value()) << to_string(process.error());
         {
-          const std::lock_guard lock(mutex);
+          const Lock lock(mutex);
           pids_.push_back(process->pid);
         }
         ASSERT_TRUE(eventually([&] { return text_of(process->log).ends_with("ready\n"); }));

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/model/condition.hpp>
 #include <segue/runtime/condition_watch.hpp>
 #include <segue/runtime/test_support.hpp>
@@ -8,9 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -24,20 +24,20 @@ using type::Value;
 class AskedPort {
  public:
   void ask(task_host::SamplesAnswer answer) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     answers_.push_back(std::move(answer));
     asked_.notify_all();
   }
   /// Answers the question with this number, once it has been asked.
   void answer(std::size_t number, Result<std::vector<Value>> samples) {
-    std::unique_lock lock(mutex_);
-    ASSERT_TRUE(asked_.wait_for(lock, std::chrono::seconds(60), [&] { return answers_.size() > number; }));
+    Lock lock(mutex_);
+    ASSERT_TRUE(asked_.wait_for(mutex_, std::chrono::seconds(60), [&] { return answers_.size() > number; }));
     answers_.at(number)(std::move(samples));
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable asked_;
+  Mutex mutex_;
+  ConditionVariable asked_;
   std::vector<task_host::SamplesAnswer> answers_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A runtime whose robot another one has got on other computers.
+#include <segue/base/mutex.hpp>
 #include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/test_support.hpp>
 
@@ -10,7 +11,6 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
-#include <mutex>
 #include <string>
 
 namespace segue::runtime {
@@ -27,7 +27,7 @@ class LosableHost final : public segue::testing::ForwardingHost {
 
   void lose() {
     lost_ = true;
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     listener_(task_host::LossEvent{"another runtime has got the robot"});
   }
   [[nodiscard]] std::optional<Error> loss() const override {
@@ -35,7 +35,7 @@ class LosableHost final : public segue::testing::ForwardingHost {
                  : std::nullopt;
   }
   void set_listener(Listener listener) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     listener_ = std::move(listener);
   }
   [[nodiscard]] model::Network observe() const override {
@@ -47,7 +47,7 @@ class LosableHost final : public segue::testing::ForwardingHost {
  private:
   std::atomic<bool> lost_{false};
   mutable std::atomic<int> looks_{0};
-  std::mutex mutex_;  ///< protects the member below; held while it is called
+  Mutex mutex_;  ///< protects the member below; held while it is called
   Listener listener_;
 };
 

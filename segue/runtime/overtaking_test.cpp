@@ -5,6 +5,8 @@
 // robot always gets to what is requested last, and nothing is left over.
 //
 // SEGUE_REQUESTS sets the number of requests of each test, SEGUE_SEED the seed.
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/task_host/component_library.hpp>
@@ -18,11 +20,9 @@
 
 #include <array>
 #include <atomic>
-#include <condition_variable>
 #include <cstdlib>
 #include <future>
 #include <map>
-#include <mutex>
 #include <random>
 #include <string>
 #include <thread>
@@ -106,22 +106,22 @@ class Robot {
   }
 
   std::uint64_t random_below(std::uint64_t limit) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return random_() % limit;
   }
 
   /// Until so many more calls have begun, or the answer is there. A robot at rest is looked at now and then,
   /// which are calls, too.
   void wait_for_calls(std::uint64_t count, const std::future<SwitchResult>& answer) {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     const std::uint64_t last = calls_ + count;
-    EXPECT_TRUE(called_.wait_for(lock, segue::testing::kPatience, [&] {
+    EXPECT_TRUE(called_.wait_for(mutex_, segue::testing::kPatience, [&] {
       return calls_ >= last || answer.wait_for(0s) == std::future_status::ready;
     }));
   }
   /// From now on, or no more, processes die in the middle of calls.
   void set_mortal(bool mortal) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     mortal_ = mortal;
   }
 
@@ -132,7 +132,7 @@ class Robot {
  private:
   /// Whether a process dies in the middle of this one.
   bool note_call() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ++calls_;
     called_.notify_all();
     if (!mortal_ || calls_ < next_death_) {
@@ -163,9 +163,9 @@ class Robot {
     return options;
   }
 
-  std::mutex mutex_;  ///< protects everything below up to the host
+  Mutex mutex_;  ///< protects everything below up to the host
   Random random_;
-  std::condition_variable called_;
+  ConditionVariable called_;
   std::uint64_t calls_ = 0;
   bool mortal_ = false;
   std::uint64_t next_death_ = 0;  ///< at this call

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <segue/runtime/belief.hpp>
@@ -117,16 +118,16 @@ TEST_F(RuntimeTest, keeps_tasks_that_the_transition_does_not_name_running) {
 
 TEST_F(RuntimeTest, lets_the_host_get_ready_between_prepare_and_commit) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
-  std::mutex mutex;
+  Mutex mutex;
   std::vector<model::Phase> phases;
   std::vector<model::Phase> before;
   robot_.asking.ask([&](const model::Action& action) -> Result<void> {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     phases.push_back(action.phase);
     return {};
   });
   robot_.asking.when_getting_ready([&](const model::Network& target) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     EXPECT_EQ(target.name.str(), "second");
     before = phases;
   });

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <mutex>
+#include <functional>
 
 namespace segue::task {
 
@@ -43,14 +43,17 @@ OutputPortBase* Component::find_output(std::string_view name) const {
   return find_named(outputs_, name);
 }
 
-HeldPorts::HeldPorts(const Component& component, const Component& other)
-    : one_(component.ports_mutex_, std::defer_lock) {
-  if (&component == &other) {
-    one_.lock();
-    return;
-  }
-  other_ = std::unique_lock(other.ports_mutex_, std::defer_lock);
-  std::lock(one_, other_);  // free of deadlock, whatever order others use
+HeldPorts::HeldPorts(const Component& component, const Component& other) SEGUE_UNCHECKED_LOCKS
+    : first_(std::min(&component, &other, std::less<>())->ports_mutex_),
+      second_(std::max(&component, &other, std::less<>())->ports_mutex_) {
+  first_.lock();
+  if (&second_ != &first_) second_.lock();
+}
+
+/// Unchecked: both mutexes may be one.
+HeldPorts::~HeldPorts() SEGUE_UNCHECKED_LOCKS {
+  if (&second_ != &first_) second_.unlock();
+  first_.unlock();
 }
 
 InputPortBase* HeldPorts::find_input(const Component& component, std::string_view name) const {

@@ -4,7 +4,6 @@
 #include <segue/base/mutex.hpp>
 #include <segue/task/component.hpp>
 
-#include <mutex>
 #include <string_view>
 #include <vector>
 
@@ -16,9 +15,12 @@ namespace segue::task {
 /// these components, calling their inputs() or find_...(), and waiting for a task would deadlock.
 class HeldPorts {
  public:
-  explicit HeldPorts(const Component& component) : one_(component.ports_mutex_) {}
+  explicit HeldPorts(const Component& component) : HeldPorts(component, component) {}
   /// Holds both components; they may be the same.
   HeldPorts(const Component& component, const Component& other);
+  ~HeldPorts();
+  HeldPorts(const HeldPorts&) = delete;
+  HeldPorts& operator=(const HeldPorts&) = delete;
 
   /// Require that the component is one of those held.
   [[nodiscard]] const std::vector<InputPortBase*>& inputs(const Component& component) const {
@@ -31,8 +33,9 @@ class HeldPorts {
   [[nodiscard]] OutputPortBase* find_output(const Component& component, std::string_view name) const;
 
  private:
-  std::unique_lock<Mutex> one_;
-  std::unique_lock<Mutex> other_;
+  // In the order of their addresses, so that nobody deadlocks; both may be the same.
+  Mutex& first_;
+  Mutex& second_;
 };
 
 }  // namespace segue::task

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/action_pool.hpp>
 #include <segue/task_host/batch_outcomes.hpp>
 #include <segue/task_host/test_support.hpp>
@@ -6,9 +8,7 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
-#include <condition_variable>
 #include <map>
-#include <mutex>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -31,7 +31,7 @@ class Reports {
   Completion listener() {
     return [this](std::vector<Completed> ended) {
       const bool alone = !inside_.exchange(true);
-      std::unique_lock lock(mutex_);
+      Lock lock(mutex_);
       overlapped_ = overlapped_ || !alone;
       ++calls_;
       for (auto& one : ended) {
@@ -43,34 +43,34 @@ class Reports {
     };
   }
   bool wait_for(std::size_t count) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_until(lock, soon(), [&] { return outcomes_.size() >= count; });
+    Lock lock(mutex_);
+    return changed_.wait_until(mutex_, soon(), [&] { return outcomes_.size() >= count; });
   }
   bool has(std::size_t index) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return outcomes_.contains(index);
   }
   Result<void> at(std::size_t index) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return outcomes_.at(index);
   }
   std::size_t count() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return outcomes_.size();
   }
   std::size_t calls() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return calls_;
   }
   bool orderly() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return !twice_ && !overlapped_;
   }
 
  private:
   std::atomic<bool> inside_{false};
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::map<std::size_t, Result<void>> outcomes_;
   std::size_t calls_ = 0;
   bool twice_ = false;
@@ -85,26 +85,26 @@ class Worker {
     return [this](const model::Action& action, TimePoint /*deadline*/) { return act(*action.task()); };
   }
   void release() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     released_ = true;
     changed_.notify_all();
   }
   std::vector<std::string> begun() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return begun_;
   }
   std::set<std::thread::id> threads() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return threads_;
   }
 
  private:
   Result<void> act(const model::TaskId& task) {
-    std::unique_lock lock(mutex_);
+    Lock lock(mutex_);
     begun_.push_back(task.str());
     threads_.insert(std::this_thread::get_id());
     if (task.str().starts_with("slow")) {
-      changed_.wait(lock, [&] { return released_; });
+      changed_.wait(mutex_, [&] { return released_; });
     }
     if (task.str().starts_with("throws")) {
       throw std::runtime_error("a defect");
@@ -115,8 +115,8 @@ class Worker {
     return {};
   }
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   bool released_ = false;
   std::vector<std::string> begun_;
   std::set<std::thread::id> threads_;

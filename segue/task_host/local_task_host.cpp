@@ -16,7 +16,6 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
-#include <shared_mutex>
 
 namespace segue::task_host {
 
@@ -86,8 +85,8 @@ Error no_port(std::string_view direction, const model::PortRef& port, const std:
 }
 
 /// Keeps the entry's ports from changing; DeadlineExceeded while a hook changes them.
-Result<std::shared_lock<detail::PortsMutex>> hold_ports(const detail::TaskEntry& entry) {
-  std::shared_lock lock(*entry.ports, RealClock::instance().now() + kPatience);
+Result<TimedReadLock> hold_ports(const detail::TaskEntry& entry) {
+  TimedReadLock lock(*entry.ports, RealClock::instance().now() + kPatience);
   if (!lock) {
     return fail(ErrorCode::DeadlineExceeded, "is being configured or cleaned up; ask again later",
                 entry.definition.id.str());

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/base/question.hpp>
 #include <segue/task/realtime_log.hpp>
 #include <segue/task_host/test_support.hpp>
 
 #include <gmock/gmock.h>
 
-#include <condition_variable>
 #include <future>
 #include <memory>
-#include <mutex>
 #include <semaphore>
 #include <thread>
 
@@ -381,12 +381,12 @@ TEST_F(LocalHost, reads_the_samples_of_a_port) {
 }
 
 TEST_F(LocalHost, tells_of_a_task_that_fails_by_itself_but_not_of_actions) {
-  std::mutex mutex;
-  std::condition_variable told;
+  Mutex mutex;
+  ConditionVariable told;
   std::vector<TaskEvent> events;
   host_.set_listener([&](const HostEvent& happened) {
     const auto& event = std::get<TaskEvent>(happened);
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     events.push_back(event);
     told.notify_all();
   });
@@ -395,8 +395,8 @@ TEST_F(LocalHost, tells_of_a_task_that_fails_by_itself_but_not_of_actions) {
   expect_done(apply(task_of("a", "any::Thing", type::Value::map({{"stand_in", behaviour}}))));
   expect_done(on_task(ActionKind::Configure, "a"));
   expect_done(on_task(ActionKind::Start, "a"));
-  std::unique_lock lock(mutex);
-  ASSERT_TRUE(told.wait_for(lock, std::chrono::seconds(30), [&] { return !events.empty(); }));
+  Lock lock(mutex);
+  ASSERT_TRUE(told.wait_for(mutex, std::chrono::seconds(30), [&] { return !events.empty(); }));
   EXPECT_EQ(events.front().task, model::TaskId("a"));
   EXPECT_EQ(events.front().state, TaskState::Exception);
   EXPECT_THAT(events.front().message, HasSubstr("update"));

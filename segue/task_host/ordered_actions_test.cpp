@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/ordered_actions.hpp>
 
 #include <gmock/gmock.h>
@@ -266,7 +267,7 @@ RC_GTEST_PROP(OrderedActionsProperty, EveryActionComesAfterThoseItWaitsFor, ()) 
     if (id > 0) after = *rc::gen::resize(3, rc::gen::container<Ids>(rc::gen::inRange(0, id)));
     actions.push_back(action(id, after));
   }
-  std::mutex mutex;
+  Mutex mutex;
   std::set<int> done;
   std::set<int> begun;
   std::atomic<bool> wrong = false;
@@ -278,13 +279,13 @@ RC_GTEST_PROP(OrderedActionsProperty, EveryActionComesAfterThoseItWaitsFor, ()) 
     return number == 0 ? nullptr : &place.at(static_cast<std::size_t>(number));
   };
   performer.begin = [&](std::vector<Action> some, TimePoint, Completion completed) {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     threads.emplace_back([&, some = std::move(some), completed = std::move(completed)] {
       bool failed = false;
       for (std::size_t i = 0; i < some.size(); ++i) {
         Completed one{i, Result<void>()};
         {
-          const std::lock_guard locked(mutex);
+          const Lock locked(mutex);
           const auto missing = [&](int before) { return !done.contains(before); };
           if (failed) {
             one.begun = false;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tasks that break unmake their dynamic ports in their own thread, whatever others do with them.
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/test_support.hpp>
 
 #include <atomic>
-#include <condition_variable>
-#include <mutex>
 #include <stdexcept>
 #include <thread>
 
@@ -74,7 +74,7 @@ class PortStorm : public ::testing::Test {
   PortStorm() {
     host_.set_listener([this](const HostEvent& happened) {
       const auto& event = std::get<TaskEvent>(happened);
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       if (event.task == kFragile && event.state == TaskState::Exception) ++broken_;
       changed_.notify_all();
     });
@@ -85,8 +85,8 @@ class PortStorm : public ::testing::Test {
   ~PortStorm() override { host_.set_listener({}); }
 
   bool wait_until_broken(int times) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return broken_ >= times; });
+    Lock lock(mutex_);
+    return changed_.wait_for(mutex_, std::chrono::seconds(60), [&] { return broken_ >= times; });
   }
   /// Expects success, or the failures that occur only because the ports are not there just now.
   void expect_done_or_gone(const Result<void>& done) {
@@ -127,8 +127,8 @@ class PortStorm : public ::testing::Test {
     }
   }
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   int broken_ = 0;
   std::atomic<bool> over_{false};
   std::size_t most_ports_ = 0;  ///< of the looking thread

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
 
 namespace segue::task_host::detail {
 
@@ -166,7 +165,7 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
     return task.stop(deadline);
   }
   // The other verbs create and remove ports.
-  const std::unique_lock ports(*entry.ports, deadline);
+  const TimedWriteLock ports(*entry.ports, deadline);
   if (!ports) {
     return busy(entry);
   }
@@ -223,7 +222,7 @@ Result<void> TaskActions::restore_state(const model::TaskId& id, const task::Sav
   const VerbWatch::Verb restoring(verbs_, id, entry->task.get(), "restore_state", deadline);
   const Acting acting(*entry->task);
   // A component in which restoring fails is cleaned up, which removes its ports.
-  const std::unique_lock ports(*entry->ports, deadline);
+  const TimedWriteLock ports(*entry->ports, deadline);
   if (!ports) {
     return busy(*entry);
   }

@@ -14,8 +14,6 @@ namespace {
 constexpr Duration kReadingPatience = std::chrono::milliseconds(100);
 constexpr Duration kReadingPoll = std::chrono::microseconds(500);
 
-using PortsLock = std::shared_lock<PortsMutex>;
-
 ConnectionEnd end_of(const TaskEntry& entry) {
   return {entry.task->component(), entry.stand_in, entry.configured()};
 }
@@ -50,7 +48,7 @@ Result<void> TaskConnections::connect(const model::Connection& connection, bool 
   if (!from_ports) {
     return from_ports.error();
   }
-  Result<PortsLock> to_ports;  // a task may be connected with itself
+  Result<TimedReadLock> to_ports;  // a task may be connected with itself
   if (to->ports != from->ports) {
     to_ports = hold_ports(*to, deadline);
     if (!to_ports) {

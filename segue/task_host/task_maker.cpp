@@ -2,7 +2,6 @@
 #include <segue/task_host/task_maker.hpp>
 
 #include <algorithm>
-#include <mutex>
 
 namespace segue::task_host::detail {
 
@@ -158,7 +157,7 @@ Result<void> TaskMaker::complete(const TaskEntry& entry, const model::Task& defi
   if (!entry.stand_in || missing.empty()) {
     return {};
   }
-  const std::unique_lock shape(*entry.ports, deadline);
+  const TimedWriteLock shape(*entry.ports, deadline);
   if (!shape) {
     return busy(entry);
   }

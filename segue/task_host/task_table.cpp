@@ -4,7 +4,6 @@
 #include <segue/base/text.hpp>
 
 #include <iterator>
-#include <shared_mutex>
 #include <utility>
 
 namespace segue::task_host::detail {
@@ -21,8 +20,8 @@ Error busy(const TaskEntry& entry) {
   return fail(ErrorCode::DeadlineExceeded, "a hook of the task has not returned", entry.definition.id.str());
 }
 
-Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoint deadline) {
-  std::shared_lock lock(*entry.ports, deadline);
+Result<TimedReadLock> hold_ports(const TaskEntry& entry, TimePoint deadline) {
+  TimedReadLock lock(*entry.ports, deadline);
   if (!lock) {
     return busy(entry);
   }

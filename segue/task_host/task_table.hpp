@@ -3,6 +3,7 @@
 
 #include <segue/base/mutex.hpp>
 #include <segue/base/shared_mutex.hpp>
+#include <segue/base/timed_mutex.hpp>
 #include <segue/model/network.hpp>
 #include <segue/task/executor_set.hpp>
 #include <segue/task/task.hpp>
@@ -14,7 +15,6 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <shared_mutex>
 #include <tuple>
 #include <vector>
 
@@ -22,7 +22,7 @@ namespace segue::task_host::detail {
 
 /// Protects the ports of a task, which configure and cleanup create and remove (and the properties of a
 /// stand-in): readers hold it shared, those verbs exclusively. Locked with a deadline, since a hook may hang.
-using PortsMutex = std::shared_timed_mutex;
+using PortsMutex = TimedMutex;
 
 /// A task with its definition. A value: the table returns copies, so that nothing is locked while a hook
 /// runs.
@@ -47,7 +47,7 @@ struct ProcessEntry {
 /// The error of other verbs while a hook holds the entry's ports.
 Error busy(const TaskEntry& entry);
 /// Locks the entry's ports for reading; DeadlineExceeded where a hook holds them too long.
-Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoint deadline);
+Result<TimedReadLock> hold_ports(const TaskEntry& entry, TimePoint deadline);
 
 /// Orders connections by their writers, so that those of one writer stand together.
 struct ByWriter {

@@ -55,8 +55,12 @@ struct Describe<T> {
   }
   static void describe(Shape& shape) {
     describe_compound(shape, sizeof(T));
-    const auto prototype = std::make_unique<T>();
-    Visitor<T> visitor(shape, *prototype);
+    // Only places of members are taken: no object is made, whose constructor might use types itself.
+    struct alignas(T) Storage {
+      std::byte bytes[sizeof(T)];
+    };
+    const auto storage = std::make_unique<Storage>();
+    Visitor<T> visitor(shape, reinterpret_cast<const T&>(*storage));
     segue_visit(visitor, SegueGlobalScope{});
   }
 };

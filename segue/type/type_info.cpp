@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
 #include <segue/type/described_type.hpp>
 
 #include <algorithm>
 #include <array>
 #include <map>
-#include <mutex>
 #include <utility>
 
 namespace segue::type {
@@ -12,13 +12,11 @@ namespace {
 
 /// Lives as long as the process, since types are used even while it exits.
 struct Registry {
-  /// Guards all members. Recursive, since describing a type runs its default constructor, which may use types
-  /// itself.
-  std::recursive_mutex mutex;
-  std::map<std::string, const TypeInfo*, std::less<>> by_name;
-  detail::DescribedType* announced = nullptr;
-  std::vector<detail::DescribedType*> fresh;  ///< described, but not yet complete
-  int depth = 0;
+  /// Held while types are described, which calls nothing of users.
+  Mutex mutex;
+  std::map<std::string, const TypeInfo*, std::less<>> by_name SEGUE_GUARDED_BY(mutex);
+  detail::DescribedType* announced SEGUE_GUARDED_BY(mutex) = nullptr;
+  std::vector<detail::DescribedType*> fresh SEGUE_GUARDED_BY(mutex);  ///< described, but not yet complete
 };
 
 Registry& registry() {
@@ -61,22 +59,28 @@ bool travels_as_bytes(const detail::DescribedType& described) {
   }
 }
 
-void finish_fresh(Registry& all) {
-  for (detail::DescribedType* described : all.fresh) {
-    described->info.trivially_copyable = travels_as_bytes(*described);
-    described->info.hash = structural_hash(described->shape->type);
+void add(Registry& all, const TypeInfo& info) SEGUE_REQUIRES(all.mutex) {
+  all.by_name.try_emplace(std::string(info.name()), &info);
+}
+
+/// Describes the type and its parts.
+void complete(Registry& all, detail::DescribedType& described) SEGUE_REQUIRES(all.mutex) {
+  detail::part(described);
+  for (detail::DescribedType* fresh : all.fresh) {
+    fresh->info.trivially_copyable = travels_as_bytes(*fresh);
+    fresh->info.hash = structural_hash(fresh->shape->type);
   }
   detail::plan_flat(all.fresh);
   detail::plan_cdr(all.fresh);
-  for (detail::DescribedType* described : std::exchange(all.fresh, {}))
-    register_type_info(described->info);
+  for (const detail::DescribedType* fresh : std::exchange(all.fresh, {}))
+    add(all, fresh->info);
 }
 
 /// Completes what SEGUE_TYPE announced since the last call.
-void complete_announced(Registry& all) {
+void complete_announced(Registry& all) SEGUE_REQUIRES(all.mutex) {
   while (all.announced != nullptr) {
     detail::DescribedType* described = std::exchange(all.announced, all.announced->next_announced);
-    detail::complete(*described);
+    complete(all, *described);
   }
 }
 
@@ -97,7 +101,7 @@ const TypeInfo* find_type_info(std::string_view name) {
   const Result<std::string> canonical = canonical_type_name(name);
   if (!canonical) return nullptr;
   Registry& all = registry();
-  const std::scoped_lock lock(all.mutex);
+  const Lock lock(all.mutex);
   complete_announced(all);
   const auto found = all.by_name.find(*canonical);
   return found == all.by_name.end() ? nullptr : found->second;
@@ -105,21 +109,22 @@ const TypeInfo* find_type_info(std::string_view name) {
 
 void register_type_info(const TypeInfo& info) {
   Registry& all = registry();
-  const std::scoped_lock lock(all.mutex);
-  all.by_name.try_emplace(std::string(info.name()), &info);
+  const Lock lock(all.mutex);
+  add(all, info);
 }
 
 namespace detail {
 
 bool announce(DescribedType& described) {
   Registry& all = registry();
-  const std::scoped_lock lock(all.mutex);
+  const Lock lock(all.mutex);
   if (!std::exchange(described.announced, true))
     described.next_announced = std::exchange(all.announced, &described);
   return true;
 }
 
-const Type* part(DescribedType& described) {
+/// Unchecked: the caller is within complete(), which holds the registry's mutex.
+const Type* part(DescribedType& described) SEGUE_UNCHECKED_LOCKS {
   if (described.shape != nullptr) return &described.shape->type;
   described.shape = new Shape;  // never destroyed: ports keep its address until the process has gone
   Type& type = described.shape->type;
@@ -133,10 +138,8 @@ const Type* part(DescribedType& described) {
 
 const TypeInfo& complete(DescribedType& described) {
   Registry& all = registry();
-  const std::scoped_lock lock(all.mutex);
-  ++all.depth;
-  part(described);
-  if (--all.depth == 0) finish_fresh(all);
+  const Lock lock(all.mutex);
+  type::complete(all, described);
   return described.info;
 }
 

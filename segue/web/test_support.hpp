@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/type/json.hpp>
 #include <segue/web/hub.hpp>
 #include <support/eventually.hpp>
@@ -9,10 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,12 +31,12 @@ class ShownRobot final : public control::FakeRobotService {
   std::atomic<bool> is_gone{false};    ///< the task whose ports are opened
 
   void show(type::Value status) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     status_ = std::move(status);
   }
   Result<type::Value> status(const Wait& /*wait*/) override {
     ++questions;
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return status_;
   }
   Result<type::Value> task(std::string_view id) override {
@@ -49,7 +48,7 @@ class ShownRobot final : public control::FakeRobotService {
   /// The mission of the last show_mission(); null at first.
   Result<type::Value> mission(std::uint64_t after, bool with_plan) override {
     ++questions;
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     type::Value::List entries;
     for (std::uint64_t i = after + 1; i <= mission_entries_ && entries.size() < 2000; ++i)
       entries.push_back(type::Value::map({{"number", i}, {"kind", "began"}}));
@@ -60,7 +59,7 @@ class ShownRobot final : public control::FakeRobotService {
     return shown;
   }
   void show_mission(std::uint64_t run, const std::string& state, std::uint64_t entries, type::Value plan) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     mission_run_ = run;
     mission_state_ = state;
     mission_entries_ = entries;
@@ -90,7 +89,7 @@ class ShownRobot final : public control::FakeRobotService {
     [[nodiscard]] std::string type_name() const override { return "/int32_t"; }
   };
 
-  std::mutex mutex_;
+  Mutex mutex_;
   std::uint64_t mission_run_ = 0;
   std::string mission_state_;
   std::uint64_t mission_entries_ = 0;

@@ -2,7 +2,9 @@
 //
 // Two computers take a robot over at the same moment. In whichever order their calls reach the robot's hosts,
 // one of them commands the robot on all hosts afterwards, and the other one knows that it does not.
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 
 #include <support/eventually.hpp>
 #include <support/number_from.hpp>
@@ -13,9 +15,7 @@
 
 #include <algorithm>
 #include <array>
-#include <condition_variable>
 #include <future>
-#include <mutex>
 #include <optional>
 #include <random>
 #include <string>
@@ -52,8 +52,8 @@ class Turns {
   explicit Turns(std::vector<Step> order) : order_(std::move(order)) {}
 
   void wait_for(const Step& step) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] {
+    Lock lock(mutex_);
+    changed_.wait(mutex_, [&] {
       return order_.empty() || order_.front() == step ||
              std::find(order_.begin(), order_.end(), step) == order_.end();
     });
@@ -70,14 +70,14 @@ class Turns {
   template <class Which>
   void erase(Which which) {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       std::erase_if(order_, which);
     }
     changed_.notify_all();
   }
 
-  std::mutex mutex_;  ///< protects the last member
-  std::condition_variable changed_;
+  Mutex mutex_;  ///< protects the last member
+  ConditionVariable changed_;
   std::vector<Step> order_;
 };
 

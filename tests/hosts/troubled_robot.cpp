@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "troubled_robot.hpp"
 
+#include <segue/base/mutex.hpp>
+#include <segue/base/shared_mutex.hpp>
 #include <segue/base/text.hpp>
 
 #include <support/eventually.hpp>
@@ -114,7 +116,7 @@ void TroubledRobot::plant(std::size_t host) {
     line.pretend([](const std::string& what) { return what == "commit"; });
   } else if (planted_ == Planted::OldViewCountsAsPresent) {
     line.forge([this, host](HostView& view) {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       view = first_views_.try_emplace(host, view).first->second;
     });
   } else if (planted_ == Planted::RefusalCountsAsPromise && host == 0) {
@@ -137,7 +139,7 @@ model::HostName TroubledRobot::name(std::size_t host) const {
 void TroubledRobot::restart_runtime() {
   command_.reset();
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     usurped_.clear();
   }
   command_ = std::make_unique<Command>(*this);
@@ -152,19 +154,19 @@ bool TroubledRobot::can_be_reached(std::size_t host) const {
   if (command_->host.loss()) {
     return false;
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return computers_.at(host)->line.up() && !rivals_.contains(host);
 }
 
 bool TroubledRobot::must_be_lost() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return std::any_of(usurped_.begin(), usurped_.end(),
                      [&](std::size_t host) { return computers_[host]->line.up(); });
 }
 
 bool TroubledRobot::has_lost_robot() {
   const bool is_lost = host().loss().has_value();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (is_lost && usurped_.empty()) {
     violations_.push_back("the runtime counts the robot as lost, which no other one has got");
   }
@@ -175,7 +177,7 @@ bool TroubledRobot::has_lost_robot() {
 bool TroubledRobot::is_commanded(std::size_t host) const {
   const std::string holder = "runtime" + std::to_string(runtimes_);
   auto& computer = *computers_[host];
-  const std::shared_lock running(computer.booting);
+  const ReadLock running(computer.booting);
   const auto leases = computer.local->robots();
   return leases && std::any_of(leases->begin(), leases->end(),
                                [&](const LeaseInfo& lease) { return lease.holder == holder; });
@@ -219,7 +221,7 @@ std::string TroubledRobot::settle() {
 }
 
 void TroubledRobot::arm(const std::vector<Trouble>& troubles) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   traps_.clear();
   for (const auto& trouble : troubles) {
     auto& world = computers_.at(static_cast<std::size_t>(trouble.host))->world;
@@ -240,7 +242,7 @@ void TroubledRobot::arm(const std::vector<Trouble>& troubles) {
 void TroubledRobot::disarm() {
   std::vector<std::future<void>> unfinished;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     armed_ = false;
     for (auto& trap : traps_) {
       const auto& world = computers_.at(static_cast<std::size_t>(trap.trouble.host))->world;
@@ -261,14 +263,14 @@ void TroubledRobot::disarm() {
     }
     const auto outcome = computer->line.deliver();
     if (outcome && *outcome) {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       violations_.push_back(computer->name + " has committed although it was told to too late");
     }
   }
 }
 
 std::vector<Trouble> TroubledRobot::struck() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::vector<Trouble> troubles;
   for (const auto& trap : traps_) {
     if (trap.struck) {
@@ -281,7 +283,7 @@ std::vector<Trouble> TroubledRobot::struck() const {
 void TroubledRobot::heal() {
   std::map<std::size_t, Rival> rivals;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     rivals.swap(rivals_);
     traps_.clear();
   }
@@ -326,7 +328,7 @@ model::Network TroubledRobot::part(const model::Network& network, std::optional<
 }
 
 void TroubledRobot::renew_rivals() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   std::erase_if(rivals_, [](const auto& entry) {
     const auto& session = entry.second.session;
     return session != nullptr && !session->renew();
@@ -337,19 +339,19 @@ std::vector<std::string> TroubledRobot::violations() {
   renew_rivals();
   std::map<std::size_t, Rival> rivals;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     rivals = rivals_;
   }
   for (const auto& [host, rival] : rivals) {
     const auto changes = changes_between(rival.frozen, truth(host));
     const bool still_commands = rival.session == nullptr || rival.session->renew();
     if (!changes.empty() && still_commands) {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       violations_.push_back(name(host).str() +
                             " has obeyed a runtime that does not command it: " + listed(changes));
     }
   }
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return violations_;
 }
 
@@ -358,7 +360,7 @@ std::optional<Error> TroubledRobot::meet(std::size_t host, const std::string& wh
     check_promises(host);
   }
   if (moment == Moment::Before && what == "begin_transition") {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     in_transition_ = armed_;
     promises_.clear();
   }
@@ -368,7 +370,7 @@ std::optional<Error> TroubledRobot::meet(std::size_t host, const std::string& wh
 
 std::optional<TroubleKind> TroubledRobot::next_trouble(std::size_t host, const std::string& what,
                                                        Moment moment) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!armed_ || !in_transition_) {
     return std::nullopt;
   }
@@ -422,7 +424,7 @@ std::optional<Error> TroubledRobot::strike(std::size_t host, TroubleKind kind) {
 
 bool TroubledRobot::delays_commit(std::size_t host) {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto trap = std::find_if(traps_.begin(), traps_.end(), [&](const Trap& one) {
       return delays(one.trouble.kind) && static_cast<std::size_t>(one.trouble.host) == host && !one.struck;
     });
@@ -451,11 +453,11 @@ void TroubledRobot::restart(std::size_t host, bool with_processes) {
 
 void TroubledRobot::enter_rival(std::size_t host, bool ends_all) {
   // The last that gets the robot is the one that is remembered.
-  const std::lock_guard one(entering_);
+  const Lock one(entering_);
   auto& computer = *computers_[host];
   Rival rival;
   if (planted_ != Planted::LeaseIsNotChecked) {
-    const std::shared_lock running(computer.booting);
+    const ReadLock running(computer.booting);
     auto session = computer.local->acquire(request_of("rival", true), before_long());
     if (!session) {
       return;  // the runtime gets it again and again, which it may
@@ -466,7 +468,7 @@ void TroubledRobot::enter_rival(std::size_t host, bool ends_all) {
     }
   }
   rival.frozen = computer.world.truth();
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (rival.session != nullptr) {
     usurped_.insert(host);
   }
@@ -476,12 +478,12 @@ void TroubledRobot::enter_rival(std::size_t host, bool ends_all) {
 /// What would wait for a call in progress if it were done by its thread.
 void TroubledRobot::later(std::function<void()> what) {
   auto started = std::async(std::launch::async, std::move(what));
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   later_.push_back(std::move(started));
 }
 
 void TroubledRobot::witness(std::size_t host, const std::string& what, bool succeeded) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!succeeded) {
     return;
   }
@@ -495,7 +497,7 @@ void TroubledRobot::witness(std::size_t host, const std::string& what, bool succ
 }
 
 void TroubledRobot::check_promises(std::size_t host) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   for (const auto& [other, promise] : promises_) {
     if (promise == Promise::Asked) {
       violations_.push_back(name(host).str() + " is told to commit although " + name(other).str() +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/distributed_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/task_host/component_library.hpp>
@@ -13,7 +14,6 @@
 #include <future>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -176,8 +176,8 @@ class TroubledRobot {
   const Planted planted_;
   deploy::testing::FakeWorld own_;
   std::vector<std::unique_ptr<Computer>> computers_;
-  std::mutex entering_;       ///< one rival enters at a time; taken before `mutex_`
-  mutable std::mutex mutex_;  ///< protects everything below but `command_`
+  Mutex entering_;       ///< one rival enters at a time; taken before `mutex_`
+  mutable Mutex mutex_;  ///< protects everything below but `command_`
   std::vector<Trap> traps_;
   bool armed_ = false;
   bool in_transition_ = false;

@@ -5,6 +5,8 @@
 // obeyed; whoever has lost the robot does nothing any more; and afterwards whoever has it can switch it.
 // SEGUE_COMMANDERS_ROUNDS=200 runs as many rounds, SEGUE_SEED=n another sequence of them.
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
+#include <segue/base/shared_mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/files.hpp>
 
@@ -121,7 +123,7 @@ class TwoCommanders : public ::testing::Test {
   void count_call(bool is_present) {
     if (!armed_ || !is_present) return;
     const int number = ++calls_;
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     for (auto& one : happenings_) {
       if (one.done || one.at != number) continue;
       one.done = true;
@@ -141,7 +143,7 @@ class TwoCommanders : public ::testing::Test {
     if (cut_for_next_ >= 0) lines_.at(1 - side_).at(static_cast<std::size_t>(cut_for_next_)).cut();
     former_.reset();  // there is one runtime on each computer
     next_ = commander(1 - side_, true);
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     for (std::size_t i = 0; i < count_; ++i) {
       if (holder_at(i) == next_->holder) frozen_[i] = held(*daemons_.at(i));
     }
@@ -152,7 +154,7 @@ class TwoCommanders : public ::testing::Test {
     std::vector<std::future<void>> under_way;
     std::vector<Happening> left;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       under_way.swap(later_);
       for (auto& one : happenings_) {
         if (!std::exchange(one.done, true)) left.push_back(one);
@@ -166,7 +168,7 @@ class TwoCommanders : public ::testing::Test {
 
   std::string holder_at(std::size_t daemon) {
     auto& computer = *daemons_.at(daemon);
-    const std::shared_lock running(computer.booting);
+    const ReadLock running(computer.booting);
     const auto robots = computer.local->robots();
     return robots && !robots->empty() ? robots->front().holder : "";
   }
@@ -276,7 +278,7 @@ class TwoCommanders : public ::testing::Test {
   int cut_for_next_ = -1;  ///< the daemon that whoever takes the robot over does not reach at first
   std::atomic<bool> armed_{false};
   std::atomic<int> calls_{0};
-  std::mutex mutex_;  ///< protects the next three
+  Mutex mutex_;  ///< protects the next three
   std::vector<Happening> happenings_;
   std::vector<std::future<void>> later_;
   std::map<std::size_t, std::string> frozen_;  ///< what hosts had when they were given to the next commander

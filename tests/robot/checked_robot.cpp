@@ -8,20 +8,22 @@
 
 #include "random_robot.hpp"
 
+#include <segue/base/mutex.hpp>
+
 namespace segue::testing {
 
 std::optional<std::string> CheckedRobot::problem() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return problem_;
 }
 
 std::set<std::string> CheckedRobot::running() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   return running_;
 }
 
 void CheckedRobot::blame(std::string what) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (!problem_) problem_ = std::move(what);
 }
 
@@ -46,7 +48,7 @@ void CheckedRobot::check_granted(const std::set<std::string>& names, bool was_lo
   const model::Network expected = united(controllers_, names);
   if (!may_be_lost_ && !equivalent(runs, expected))
     blame(fmt::format("{} was requested, but the robot runs: {}", names, differences(runs, expected)));
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   running_ = names;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/model/network.hpp>
 #include <segue/runtime/runtime.hpp>
 
@@ -8,7 +9,6 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -61,7 +61,7 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   std::atomic<int> answers_ = 0;
   std::atomic<int> requests_begun_ = 0;
   std::atomic<int> requests_ended_ = 0;
-  mutable std::mutex mutex_;  ///< protects the next two
+  mutable Mutex mutex_;  ///< protects the next two
   std::set<std::string> running_;
   std::optional<std::string> problem_;
 };

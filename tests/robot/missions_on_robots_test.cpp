@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random missions on random robots of stand-ins, with a real runtime: what the robot runs is compared with a
 // model all along, while its actions fail, and while others ask for the robot and take it over.
+#include <segue/base/mutex.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_run/loaded_mission.hpp>
@@ -108,8 +109,8 @@ class RobotRun {
   void let_actions_fail() {
     checked_->expect_faults();
     robot_.asking.ask([random = Random(random_()), in = trouble_.fault_in,
-                       mutex = std::make_shared<std::mutex>()](const model::Action&) mutable -> Result<void> {
-      const std::lock_guard lock(*mutex);
+                       mutex = std::make_shared<Mutex>()](const model::Action&) mutable -> Result<void> {
+      const Lock lock(*mutex);
       if (one_in(random, in)) return fail(ErrorCode::IoError, "a fault");
       return {};
     });

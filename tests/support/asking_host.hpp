@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <support/forwarding_host.hpp>
 
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -21,25 +21,25 @@ class AskingHost final : public ForwardingHost {
 
   using ForwardingHost::ForwardingHost;
   void ask(Ask ask) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ask_ = std::move(ask);
   }
   /// Called after every successful action, which has taken effect whatever the call returns.
   void ask_after(Ask ask) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     ask_after_ = std::move(ask);
   }
 
   /// Called by get_ready().
   void when_getting_ready(std::function<void(const model::Network&)> notify) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     getting_ready_ = std::move(notify);
   }
 
   void get_ready(const model::Network& target) override {
     std::function<void(const model::Network&)> notify;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       notify = getting_ready_;
     }
     if (notify) {
@@ -52,7 +52,7 @@ class AskingHost final : public ForwardingHost {
     Ask ask;
     Ask after;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       ask = ask_;
       after = ask_after_;
     }
@@ -81,7 +81,7 @@ class AskingHost final : public ForwardingHost {
     Listener notify;
     std::optional<task_host::TaskEvent> event;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       notify = listener_;
       event.swap(after_look_);
     }
@@ -92,19 +92,19 @@ class AskingHost final : public ForwardingHost {
   }
   /// Reports `event` after the next snapshot has been taken and before it is returned.
   void tell_after_look(task_host::TaskEvent event) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     after_look_ = std::move(event);
   }
   void set_listener(Listener listener) override {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       listener_ = listener;
     }
     inner_.set_listener(std::move(listener));
   }
 
  private:
-  mutable std::mutex mutex_;
+  mutable Mutex mutex_;
   Ask ask_;
   Ask ask_after_;
   std::function<void(const model::Network&)> getting_ready_;

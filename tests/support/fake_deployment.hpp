@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
 #include <segue/task_host/action_pool.hpp>
@@ -15,7 +16,6 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -54,12 +54,12 @@ inline model::Action action_of(model::ActionKind kind, const std::string& task) 
 template <class Fake>
 class Seen {
  public:
-  Seen(const Fake& fake, std::mutex& fields) : fake_(fake), lock_(fields) {}
+  Seen(const Fake& fake, Mutex& fields) : fake_(fake), lock_(fields) {}
   const Fake* operator->() const { return &fake_; }
 
  private:
   const Fake& fake_;
-  std::unique_lock<std::mutex> lock_;
+  Lock lock_;
 };
 
 class FakeDeployment final : public deploy::DeploymentService {
@@ -95,11 +95,11 @@ class FakeDeployment final : public deploy::DeploymentService {
 
   Result<deploy::DeploymentInfo> info() override { return who; }
   Result<deploy::Snapshot> snapshot() override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     return now;
   }
   Result<void> expect(const model::Network& network) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     expected = network;
     return {};
   }
@@ -108,7 +108,7 @@ class FakeDeployment final : public deploy::DeploymentService {
                  task_host::Completion completed) override {
     note(deadline);
     {
-      const std::lock_guard lock(fields_);
+      const Lock lock(fields_);
       performed = actions;
     }
     for (const model::Action& action : actions) {
@@ -117,31 +117,31 @@ class FakeDeployment final : public deploy::DeploymentService {
     actions_.begin(std::move(actions), deadline, std::move(completed));
   }
   Result<void> arm_commit(const deploy::ArmCommit& what, TimePoint /*deadline*/) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     armed = what;
     return {};
   }
   Result<void> settle(TimePoint /*deadline*/) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     ++settled;
     return {};
   }
   Result<void> conclude(const model::Transition& transition, TimePoint /*deadline*/) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     concluded = transition;
     return {};
   }
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
     note(deadline);
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     return state;
   }
   Result<void> restore_state(const model::TaskId& task, const task::SavedState& given,
                              TimePoint deadline) override {
     note(deadline);
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     state = given;
     return {};
   }
@@ -151,7 +151,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   }
   Result<type::Value> properties(const model::TaskId& task) const override {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     return value;
   }
   /// Keeps a question whose asker has seen the level, until become() or its stop.
@@ -164,7 +164,7 @@ class FakeDeployment final : public deploy::DeploymentService {
         answered(no_longer_wanted());
         return true;
       }
-      std::unique_lock lock(fields_);
+      Lock lock(fields_);
       const task_host::TaskLevel level{TaskState::Running, state_name, 7};
       lock.unlock();
       if (end == task_host::detail::Watches::End::No && !question.is_news(level)) return false;
@@ -174,20 +174,20 @@ class FakeDeployment final : public deploy::DeploymentService {
   }
   void become(std::string name) {
     {
-      const std::lock_guard lock(fields_);
+      const Lock lock(fields_);
       state_name = std::move(name);
     }
     watches_.ring();
   }
   Result<task_host::TaskDetails> details(const model::TaskId& task) const override {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     return task_details;
   }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& set,
                             TimePoint deadline) override {
     note(deadline);
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     written = task.str() + "." + std::string(path);
     value = set;
     return {};
@@ -200,7 +200,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     return type::Value("released");
   }
   Result<void> write(const model::PortRef& port, const type::Value& sample, TimePoint /*deadline*/) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     wrote = type::Value::map({{"port", to_string(port)}, {"value", sample}});
     return {};
   }
@@ -213,12 +213,12 @@ class FakeDeployment final : public deploy::DeploymentService {
     return sample_link::MemoryOffer{7, memory_with("payload"), memory_with("control")};
   }
   Result<void> admit(const sample_link::MemoryOffer& peer, TimePoint /*deadline*/) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     admitted = {std::to_string(peer.incarnation), content_of(peer.payload), content_of(peer.control)};
     return {};
   }
   Result<void> forget(sample_link::Incarnation peer) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     forgotten = peer;
     return {};
   }
@@ -237,44 +237,44 @@ class FakeDeployment final : public deploy::DeploymentService {
   std::vector<Result<sample_link::InputPlace>> open_inputs(std::span<const deploy::OpenInput> inputs,
                                                            TimePoint deadline) override {
     note(deadline);
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     opened.assign(inputs.begin(), inputs.end());
     return {inputs.size(), Result<sample_link::InputPlace>(place)};
   }
   std::vector<Result<void>> attach_outputs(std::span<const deploy::AttachOutput> outputs,
                                            TimePoint deadline) override {
     note(deadline);
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     attached.assign(outputs.begin(), outputs.end());
     return std::vector<Result<void>>(outputs.size());
   }
   std::vector<Result<void>> close_endpoints(std::span<const deploy::CloseEndpoint> endpoints,
                                             TimePoint deadline) override {
     note(deadline);
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     closed.assign(endpoints.begin(), endpoints.end());
     return std::vector<Result<void>>(endpoints.size());
   }
   void set_listener(Listener listener) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     listener_ = std::move(listener);
     ++listeners_set;
   }
 
   void hold(const model::Network& network) {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     now.network = network;
   }
   Seen<FakeDeployment> seen() { return {*this, fields_}; }
 
   void tell(const task_host::TaskEvent& event) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (listener_) listener_(event);
   }
 
  private:
   void note(TimePoint deadline) {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     left = deadline - RealClock::instance().now();
   }
   Result<void> wait(TimePoint deadline) {
@@ -303,8 +303,8 @@ class FakeDeployment final : public deploy::DeploymentService {
     int last_;
   };
 
-  mutable std::mutex fields_;
-  std::mutex mutex_;
+  mutable Mutex fields_;
+  Mutex mutex_;
   Listener listener_;
   concurrent::ThreadPool threads_{"fake", task_host::kActionThreads};
   task_host::ActionPool actions_{
@@ -325,41 +325,41 @@ class FakeProcesses final : public process_server::ProcessService {
   std::string asked{};
 
   Result<process_server::ProcessInfo> start(const process_server::Launch& launch, TimePoint) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     launched = launch;
     if (launch.robot == "twice") return fail(ErrorCode::AlreadyExists, "it runs");
     return process;
   }
   Result<process_server::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
                                           TimePoint) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     asked = robot + ":" + to_string(key);
     return exit;
   }
   Result<process_server::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
                                           TimePoint) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     asked = "kill " + robot + ":" + to_string(key);
     return exit;
   }
   Result<std::vector<process_server::ProcessInfo>> processes(const std::string& robot) override {
-    const std::lock_guard lock(fields_);
+    const Lock lock(fields_);
     asked = robot;
     return std::vector<process_server::ProcessInfo>{process, {}};
   }
   Seen<FakeProcesses> seen() { return {*this, fields_}; }
   void set_listener(Listener listener) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     listener_ = std::move(listener);
   }
   void tell(const process_server::ProcessInfo& event) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (listener_) listener_(event);
   }
 
  private:
-  std::mutex fields_;
-  std::mutex mutex_;
+  Mutex fields_;
+  Mutex mutex_;
   Listener listener_;
 };
 

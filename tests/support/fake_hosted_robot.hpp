@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/distributed/hosted_robot.hpp>
 #include <segue/task_host/task_access.hpp>
 #include <support/fake_deployment.hpp>
@@ -9,7 +10,6 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -40,19 +40,19 @@ class FakeHostedRobot final : public task_host::TaskForwarder<distributed::Hoste
     Duration duration{0};
   };
   void set(const std::function<void(Fields&)>& change) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     change(fields_);
   }
   Fields fields() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return fields_;
   }
   void tell(const task_host::HostEvent& event) {
-    const std::lock_guard lock(listening_);
+    const Lock lock(listening_);
     if (listener_) listener_(event);
   }
   bool has_listener() {
-    const std::lock_guard lock(listening_);
+    const Lock lock(listening_);
     return listener_ != nullptr;
   }
 
@@ -131,7 +131,7 @@ class FakeHostedRobot final : public task_host::TaskForwarder<distributed::Hoste
                 [&](Fields& fields) { fields.duration = deadline - RealClock::instance().now(); });
   }
   void set_listener(task_host::TaskHost::Listener listener) override {
-    const std::lock_guard lock(listening_);
+    const Lock lock(listening_);
     listener_ = std::move(listener);
   }
 
@@ -148,16 +148,16 @@ class FakeHostedRobot final : public task_host::TaskForwarder<distributed::Hoste
 
  private:
   Result<void> note(const std::string& what, const std::function<void(Fields&)>& change = {}) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     fields_.asked.push_back(what);
     if (change) change(fields_);
     if (fields_.refusal) return *fields_.refusal;
     return {};
   }
 
-  std::mutex mutex_;
+  Mutex mutex_;
   Fields fields_;
-  std::mutex listening_;
+  Mutex listening_;
   task_host::TaskHost::Listener listener_;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
+#include <segue/base/shared_mutex.hpp>
 #include <segue/distributed/host_link.hpp>
 #include <segue/distributed/local_host.hpp>
 #include <support/fake_world.hpp>
@@ -13,9 +15,7 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <shared_mutex>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -37,7 +37,7 @@ class Line {
   void spoil_answer(const std::string& which, ErrorCode code) { spoil_answers(once(which, code)); }
   [[nodiscard]] std::optional<Error> before(const std::string& what) {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       ++calls_[what];
     }
     return ask(before_, what);
@@ -46,7 +46,7 @@ class Line {
 
   /// How many calls of that name were made.
   [[nodiscard]] int calls(const std::string& what) const {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     const auto found = calls_.find(what);
     return found == calls_.end() ? 0 : found->second;
   }
@@ -91,7 +91,7 @@ class Line {
   void cut() {
     up_ = false;
     ++number_;
-    const std::lock_guard lock(listening_);
+    const Lock lock(listening_);
     for (const auto& [who, gone] : std::exchange(gone_, {}))
       gone();
   }
@@ -104,12 +104,12 @@ class Line {
   [[nodiscard]] bool up() const { return up_; }
   [[nodiscard]] int number() const { return number_; }
   void listen(const void* who, std::function<void()> gone) {
-    const std::lock_guard lock(listening_);
+    const Lock lock(listening_);
     gone_[who] = std::move(gone);
   }
   /// It is not being told any more when this returns.
   void leave(const void* who) {
-    const std::lock_guard lock(listening_);
+    const Lock lock(listening_);
     gone_.erase(who);
   }
 
@@ -121,12 +121,12 @@ class Line {
   }
   template <class Hook>
   void set(Hook& which, Hook hook) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     which = std::move(hook);
   }
   template <class Hook>
   Hook get(const Hook& which) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return which;
   }
   std::optional<Error> ask(const Spoil& which, const std::string& what) {
@@ -136,7 +136,7 @@ class Line {
 
   std::atomic<bool> up_{true};
   std::atomic<int> number_{0};
-  mutable std::mutex mutex_;  ///< protects everything below up to the next mutex
+  mutable Mutex mutex_;  ///< protects everything below up to the next mutex
   std::map<std::string, int> calls_;
   Spoil before_;
   Spoil after_;
@@ -146,7 +146,7 @@ class Line {
   Order late_;
   Forgery forgery_;
   std::function<void()> attempted_;
-  std::mutex listening_;  ///< protects the member below; held while they are told
+  Mutex listening_;  ///< protects the member below; held while they are told
   std::map<const void*, std::function<void()>> gone_;
 };
 
@@ -339,7 +339,7 @@ class Computer {
 
   /// The daemon starts; processes that run already are adopted.
   void boot() {
-    const std::lock_guard alone(booting);
+    const WriteLock alone(booting);
     local.reset();
     auto made = LocalHost::create(processes, deploy::testing::connector(world),
                                   {model::HostName(name), folder, clock});
@@ -365,7 +365,7 @@ class Computer {
   deploy::testing::FakeWorld world;
   deploy::testing::FakeProcesses processes{world};
   AdvancingClock clock;
-  std::shared_mutex booting;  ///< protects the member below, which boot() replaces
+  SharedMutex booting;  ///< protects the member below, which boot() replaces
   std::unique_ptr<LocalHost> local;
   std::vector<LibraryInfo> libraries;  ///< what the daemon says that it has
   std::string architecture = "x86_64";
@@ -386,19 +386,19 @@ class Computer {
     }
     Result<std::chrono::system_clock::time_point> clock() override {
       return wire_.pass("clock", [&] {
-        const std::shared_lock running(computer_.booting);
+        const ReadLock running(computer_.booting);
         return computer_.local->clock();
       });
     }
     Result<std::vector<LeaseInfo>> robots() override {
       return wire_.pass("robots", [&] {
-        const std::shared_lock running(computer_.booting);
+        const ReadLock running(computer_.booting);
         return computer_.local->robots();
       });
     }
     Result<std::uint64_t> highest_term(const std::string& robot) override {
       return wire_.pass("highest_term", [&] {
-        const std::shared_lock running(computer_.booting);
+        const ReadLock running(computer_.booting);
         return computer_.local->highest_term(robot);
       });
     }
@@ -407,7 +407,7 @@ class Computer {
     }
     Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) override {
       return wire_.pass("acquire", [&]() -> Result<std::shared_ptr<HostedRobot>> {
-        const std::shared_lock running(computer_.booting);
+        const ReadLock running(computer_.booting);
         auto robot = computer_.local->acquire(request, deadline);
         if (!robot) return robot.error();
         return std::make_shared<WiredRobot>(wire_, std::move(*robot));

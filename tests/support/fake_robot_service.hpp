@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/control/robot_service.hpp>
 #include <segue/control/server.hpp>
 #include <segue/task_host/watches.hpp>
@@ -8,11 +10,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <stop_token>
 #include <string>
 
@@ -28,19 +28,19 @@ inline TimePoint soon() {
 class Gate {
  public:
   void open() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     open_ = true;
     changed_.notify_all();
   }
   bool wait_until(TimePoint deadline) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_until(lock, deadline, [this] { return open_; });
+    Lock lock(mutex_);
+    return changed_.wait_until(mutex_, deadline, [this] { return open_; });
   }
   bool wait() { return wait_until(soon()); }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   bool open_ = false;
 };
 
@@ -148,7 +148,7 @@ class FakeRobotService : public RobotService {
     return type::Value::map({{"after", after}, {"with_plan", with_plan}});
   }
   Result<std::uint64_t> send_command(std::string_view what, const type::Value& arguments) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     asked_.push_back({++asked_so_far_, std::string(what), arguments});
     return asked_so_far_;
   }
@@ -180,7 +180,7 @@ class FakeRobotService : public RobotService {
   }
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
                             const Sender& sender, const Wait& /*wait*/) override {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     set_ = type::Value::map({{"task", task}, {"property", property}, {"value", value}});
     sender_ = sender;
     set_text_ = value.source_text();
@@ -217,15 +217,15 @@ class FakeRobotService : public RobotService {
   }
 
   type::Value last_set() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return set_;
   }
   Sender last_sender() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return sender_;
   }
   std::string last_set_text() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return set_text_;
   }
 
@@ -299,7 +299,7 @@ class FakeRobotService : public RobotService {
     }
 
     Result<std::vector<HolderRequest>> asked() override {
-      const std::lock_guard lock(robot_.mutex_);
+      const Lock lock(robot_.mutex_);
       return std::exchange(robot_.asked_, {});
     }
 
@@ -307,7 +307,7 @@ class FakeRobotService : public RobotService {
     FakeRobotService& robot_;
   };
 
-  std::mutex mutex_;
+  Mutex mutex_;
   std::uint64_t asked_so_far_ = 0;
   std::vector<HolderRequest> asked_;
   type::Value set_;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
+
 #include <support/fake_world.hpp>
 
 #include <algorithm>
@@ -20,7 +22,7 @@ Result<T> FakeService::answer(const std::string& what, Effect effect) const {
   const auto verdict = world_.judge(what, process_);
   Result<T> answer = fail(ErrorCode::Internal, "no answer");
   if (verdict.take_effect) {
-    const std::lock_guard lock(world_.mutex);
+    const Lock lock(world_.mutex);
     answer = effect();
   }
   if (verdict.die_afterwards) {
@@ -410,7 +412,7 @@ std::vector<Result<void>> FakeService::close_endpoints(std::span<const CloseEndp
 }
 
 void FakeService::set_listener(Listener listener) {
-  const std::lock_guard lock(world_.mutex);
+  const Lock lock(world_.mutex);
   process_->listener = std::move(listener);
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/mutex.hpp>
+
 #include <support/fake_world.hpp>
 
 #include <algorithm>
@@ -31,52 +33,52 @@ FakeWorld::~FakeWorld() {
 }
 
 void FakeWorld::set_fault(Fault fault) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   fault_ = fault;
   count_ = 0;
 }
 
 void FakeWorld::clear_fault() {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   fault_.reset();
 }
 
 bool FakeWorld::fault_happened() const {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   return happened_;
 }
 
 int FakeWorld::calls(const std::string& what) const {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   const auto found = calls_.find(what);
   return found == calls_.end() ? 0 : found->second;
 }
 
 void FakeWorld::on_call(std::function<void(const std::string&, const FakePtr&)> see) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   see_ = std::move(see);
 }
 
 void FakeWorld::change(const std::function<void()>& what) {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   what();
 }
 
 FakePtr FakeWorld::find(const std::string& process) const {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   const auto found = std::find_if(processes_.begin(), processes_.end(),
                                   [&](const auto& item) { return item.first.process.str() == process; });
   return found == processes_.end() ? nullptr : found->second;
 }
 
 FakePtr FakeWorld::find(const model::DeploymentKey& key) const {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   const auto found = processes_.find(key);
   return found == processes_.end() ? nullptr : found->second;
 }
 
 std::vector<FakePtr> FakeWorld::running() const {
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   std::vector<FakePtr> running;
   for (const auto& [key, process] : processes_) {
     running.push_back(process);
@@ -99,7 +101,7 @@ FakePtr FakeWorld::of(sample_link::Incarnation incarnation) const {
 model::Network FakeWorld::truth() const {
   auto all = running();
   all.push_back(own_);
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   model::Network network;
   for (const auto& process : all) {
     model::Deployment deployment = process->deployment;
@@ -144,7 +146,7 @@ std::size_t FakeWorld::orphaned_endpoints() const {
 std::vector<std::string> FakeWorld::orphans() const {
   auto all = running();
   all.push_back(own_);
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   std::vector<std::string> found;
   for (const auto& process : all) {
     for (const auto& endpoint : process->endpoints) {
@@ -170,7 +172,7 @@ FakePtr FakeWorld::add_running(const std::string& process) {
   process_server::Launch launch;
   launch.deployment.process = model::ProcessName(process);
   auto made = start(launch);
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   made->info.adopted = true;
   return made;
 }
@@ -179,7 +181,7 @@ FakePtr FakeWorld::start(const process_server::Launch& launch) {
   const auto process = std::make_shared<FakeProcess>();
   bool dies = false;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     ++lives_;
     process->deployment = launch.deployment;
     process->incarnation = static_cast<sample_link::Incarnation>(lives_);
@@ -199,7 +201,7 @@ FakePtr FakeWorld::start(const process_server::Launch& launch) {
 void FakeWorld::kill(const FakePtr& process, int signal, bool requested) {
   std::function<void()> gone;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     if (process == own_ || !std::exchange(process->alive, false)) {
       return;
     }
@@ -219,7 +221,7 @@ void FakeWorld::kill(const FakePtr& process, int signal, bool requested) {
     info.exit->requested = requested;
     process_server::ProcessService::Listener listener;
     {
-      const std::lock_guard lock(mutex);
+      const Lock lock(mutex);
       listener = exit_listener;
     }
     if (listener) {
@@ -231,7 +233,7 @@ void FakeWorld::kill(const FakePtr& process, int signal, bool requested) {
 void FakeWorld::cut(const FakePtr& process) {
   std::function<void()> gone;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     gone = std::exchange(process->gone, nullptr);
   }
   later([gone] {
@@ -243,14 +245,14 @@ void FakeWorld::cut(const FakePtr& process) {
 
 void FakeWorld::later(std::function<void()> what) {
   auto started = std::async(std::launch::async, std::move(what));
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   later_.push_back(std::move(started));
 }
 
 void FakeWorld::tell(const FakePtr& process, const task_host::TaskEvent& event) {
   DeploymentService::Listener listener;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     listener = process->listener;
   }
   if (listener) {
@@ -261,7 +263,7 @@ void FakeWorld::tell(const FakePtr& process, const task_host::TaskEvent& event) 
 FakeWorld::Verdict FakeWorld::judge(const std::string& what, const FakePtr& process) {
   std::function<void(const std::string&, const FakePtr&)> see;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     see = see_;
   }
   if (see) {
@@ -270,7 +272,7 @@ FakeWorld::Verdict FakeWorld::judge(const std::string& what, const FakePtr& proc
   Verdict verdict;
   bool die_first = false;
   {
-    const std::lock_guard lock(mutex);
+    const Lock lock(mutex);
     ++calls_[what];
     ++count_;
     const bool hit = fault_ && fault_->at == count_;
@@ -291,7 +293,7 @@ FakeWorld::Verdict FakeWorld::judge(const std::string& what, const FakePtr& proc
   if (die_first) {
     kill(process);
   }
-  const std::lock_guard lock(mutex);
+  const Lock lock(mutex);
   if (process != nullptr && (!process->alive || process->hangs)) {
     verdict.answer = injected(process->alive ? ErrorCode::DeadlineExceeded : ErrorCode::Unavailable);
     verdict.take_effect = false;
@@ -365,7 +367,7 @@ Result<std::vector<process_server::ProcessInfo>> FakeProcesses::processes(const 
 }
 
 void FakeProcesses::set_listener(Listener listener) {
-  const std::lock_guard lock(world_.mutex);
+  const Lock lock(world_.mutex);
   world_.exit_listener = std::move(listener);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <future>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -117,7 +117,7 @@ class FakeWorld {
   [[nodiscard]] std::vector<FakePtr> running() const;
   [[nodiscard]] FakePtr of(sample_link::Incarnation incarnation) const;  ///< with the lock held
   std::uint64_t next_place() { return ++places_; }                       ///< likewise
-  mutable std::mutex mutex;
+  mutable Mutex mutex;
   process_server::ProcessService::Listener exit_listener;
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <support/forwarding_host.hpp>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -46,7 +46,7 @@ class FaultyHost final : public ForwardingHost {
 
   /// Injects the fault at the action of this label, once or at every attempt, according to the fault.
   void arm(Fault fault, std::string label) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     fault_ = fault;
     label_ = std::move(label);
     struck_ = false;
@@ -55,23 +55,23 @@ class FaultyHost final : public ForwardingHost {
   }
   /// Ends the fault: hooks have returned, and processes can be started.
   void heal() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     fault_.reset();
     hanging_.clear();
     server_is_down_ = false;
   }
   [[nodiscard]] bool struck() const {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return struck_;
   }
   /// The process of the fault.
   [[nodiscard]] std::optional<model::DeploymentKey> place() const {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return place_;
   }
   /// The actions that reached the tasks since arm().
   [[nodiscard]] std::vector<model::Action> passed() const {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return passed_;
   }
 
@@ -92,7 +92,7 @@ class FaultyHost final : public ForwardingHost {
       index_of.push_back(i);
     }
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       passed_.insert(passed_.end(), passed.begin(), passed.end());
     }
     inner_.begin_all(std::move(passed), deadline, [index_of, doubted, completed](auto ended) {
@@ -107,7 +107,7 @@ class FaultyHost final : public ForwardingHost {
   [[nodiscard]] model::Network observe() const override {
     std::vector<model::Action> due;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       std::erase_if(hanging_, [&](Hanging& one) {
         if (one.snapshots-- > 0) return false;
         if (one.is_done) due.push_back(one.action);
@@ -117,7 +117,7 @@ class FaultyHost final : public ForwardingHost {
     for (const auto& action : due)
       static_cast<void>(inner_.perform(action, patience()));
     model::Network seen = inner_.observe();
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     for (const auto& one : hanging_) {
       const auto* id = one.action.task();
       model::Task* task = id == nullptr ? nullptr : seen.find_task(*id);
@@ -140,7 +140,7 @@ class FaultyHost final : public ForwardingHost {
 
   void set_listener(Listener listener) override {
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       listener_ = listener;
     }
     inner_.set_listener(std::move(listener));
@@ -172,7 +172,7 @@ class FaultyHost final : public ForwardingHost {
     const auto place = place_of(action);
     Fault fault{};
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       if (is_of_process(action) && server_is_down_) return {false, false, gone()};
       if (is_held_up(action)) return {false, false, overdue()};
       if (!strikes(action)) {
@@ -197,7 +197,7 @@ class FaultyHost final : public ForwardingHost {
       case Fault::DiesAgain:
         return die(action, place);
       case Fault::ServerDies: {
-        const std::lock_guard lock(mutex_);
+        const Lock lock(mutex_);
         server_is_down_ = true;
         return is_of_process(action) ? Meeting{false, false, gone()} : Meeting{};
       }
@@ -206,7 +206,7 @@ class FaultyHost final : public ForwardingHost {
     }
     const bool once = fault == Fault::Late || fault == Fault::Lost;
     const int snapshots = fault == Fault::Slow ? 0 : once ? 1 : std::numeric_limits<int>::max();
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     hanging_.push_back({action, place, snapshots, fault == Fault::Slow || fault == Fault::Late});
     return {false, false, overdue()};
   }
@@ -222,7 +222,7 @@ class FaultyHost final : public ForwardingHost {
     const bool was_there = inner_.perform(kill, patience()).has_value();
     Listener notify;
     {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       notify = listener_;
     }
     if (was_there && notify) notify(task_host::ProcessEvent{*place, "was ended by SIGKILL", true});
@@ -244,7 +244,7 @@ class FaultyHost final : public ForwardingHost {
   }
   /// False where no action of the task hangs.
   bool forget_hanging(const model::TaskId& id) {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return std::erase_if(hanging_, [&](const Hanging& one) {
              return one.action.task() != nullptr && *one.action.task() == id;
            }) > 0;
@@ -279,7 +279,7 @@ class FaultyHost final : public ForwardingHost {
     return std::nullopt;
   }
 
-  mutable std::mutex mutex_;
+  mutable Mutex mutex_;
   std::optional<Fault> fault_;
   std::string label_;
   bool struck_ = false;

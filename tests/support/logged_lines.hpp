@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/log.hpp>
+#include <segue/base/mutex.hpp>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,7 +20,7 @@ class LoggedLines {
  public:
   LoggedLines() {
     set_log_sink([this](LogLevel, std::string_view, std::string_view message) {
-      const std::lock_guard lock(mutex_);
+      const Lock lock(mutex_);
       lines_.emplace_back(message);
       changed_.notify_all();
     });
@@ -35,8 +35,8 @@ class LoggedLines {
       return std::ranges::all_of(parts,
                                  [&](const auto& part) { return line.find(part) != std::string::npos; });
     };
-    std::unique_lock lock(mutex_);
-    if (changed_.wait_until(lock, std::chrono::steady_clock::now() + std::chrono::seconds(60),
+    Lock lock(mutex_);
+    if (changed_.wait_until(mutex_, std::chrono::steady_clock::now() + std::chrono::seconds(60),
                             [&] { return std::ranges::any_of(lines_, fits); })) {
       return ::testing::AssertionSuccess();
     }
@@ -46,13 +46,13 @@ class LoggedLines {
     return ::testing::AssertionFailure() << "logged:" << all;
   }
   std::size_t count() {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     return lines_.size();
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  Mutex mutex_;
+  ConditionVariable changed_;
   std::vector<std::string> lines_;
 };
 

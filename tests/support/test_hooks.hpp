@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
 #include <segue/task/component.hpp>
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,8 +15,8 @@
 namespace hooks {
 
 struct State {
-  std::mutex mutex;
-  std::condition_variable changed;
+  segue::Mutex mutex;
+  segue::ConditionVariable changed;
   std::vector<std::string> log;
   std::set<std::string> inside;
   std::set<std::string> released;
@@ -30,33 +30,33 @@ inline State& state() {
 }
 
 inline bool wait_for(const std::function<bool(State&)>& wanted) {
-  std::unique_lock lock(state().mutex);
-  return state().changed.wait_for(lock, std::chrono::seconds(60), [&] { return wanted(state()); });
+  segue::Lock lock(state().mutex);
+  return state().changed.wait_for(state().mutex, std::chrono::seconds(60), [&] { return wanted(state()); });
 }
 inline bool wait_until_inside(const std::string& task) {
   return wait_for([&](State& now) { return now.inside.contains(task); });
 }
 inline std::vector<std::string> log() {
-  const std::lock_guard lock(state().mutex);
+  const segue::Lock lock(state().mutex);
   return state().log;
 }
 inline void forget_log() {
-  const std::lock_guard lock(state().mutex);
+  const segue::Lock lock(state().mutex);
   state().log.clear();
 }
 inline void release(const std::string& task) {
-  const std::lock_guard lock(state().mutex);
+  const segue::Lock lock(state().mutex);
   state().released.insert(task);
   state().changed.notify_all();
 }
 inline void release_all() {
-  const std::lock_guard lock(state().mutex);
+  const segue::Lock lock(state().mutex);
   state().all_released = true;
   state().changed.notify_all();
 }
 /// Back to the initial state.
 inline void reset() {
-  const std::lock_guard lock(state().mutex);
+  const segue::Lock lock(state().mutex);
   state().log.clear();
   state().inside.clear();
   state().released.clear();
@@ -82,12 +82,13 @@ class Stuck : public segue::task::Component {
 
  private:
   segue::Result<void> note(const std::string& name) {
-    std::unique_lock lock(state().mutex);
+    segue::Lock lock(state().mutex);
     state().log.push_back(name + " " + id());
     if (hook.get() == name) {
       state().inside.insert(id());
       state().changed.notify_all();
-      state().changed.wait(lock, [&] { return state().all_released || state().released.contains(id()); });
+      state().changed.wait(state().mutex,
+                           [&] { return state().all_released || state().released.contains(id()); });
     }
     state().changed.notify_all();
     return {};
