@@ -82,15 +82,6 @@ TEST_F(LocalHost, tells_the_log_of_a_task_with_a_long_name) {
   EXPECT_EQ(host_.details(model::TaskId(name))->log.size(), 1U);
 }
 
-TEST_F(LocalHost, walks_a_task_through_its_states) {
-  bring_to_running("a");
-  EXPECT_EQ(state_of("a"), TaskState::Running);
-  expect_done(on_task(ActionKind::Stop, "a"));
-  EXPECT_EQ(state_of("a"), TaskState::Stopped);
-  expect_done(on_task(ActionKind::Cleanup, "a"));
-  EXPECT_EQ(state_of("a"), TaskState::PreOperational);
-}
-
 TEST_F(LocalHost, refuses_verbs_that_the_state_does_not_allow) {
   expect_done(apply(task_of("a", "any::Thing")));
   for (const auto kind : {ActionKind::Start, ActionKind::Stop, ActionKind::Cleanup, ActionKind::Recover}) {

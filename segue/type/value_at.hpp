@@ -8,7 +8,7 @@
 
 namespace segue::type {
 
-/// The text under a key of a map; "" where there is none, or where the value is no map.
+/// The text under a key of a map; "" where there is none, or the value is not a map.
 [[nodiscard]] std::string text_at(const Value& map, std::string_view key);
 
 }  // namespace segue::type

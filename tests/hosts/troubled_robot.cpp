@@ -151,9 +151,7 @@ void TroubledRobot::cut(std::size_t host) {
 }
 
 bool TroubledRobot::can_be_reached(std::size_t host) const {
-  if (command_->host.loss()) {
-    return false;
-  }
+  if (command_->host.loss()) return false;
   const Lock lock(mutex_);
   return computers_.at(host)->line.up() && !rivals_.contains(host);
 }
@@ -184,9 +182,7 @@ bool TroubledRobot::is_commanded(std::size_t host) const {
 }
 
 std::string TroubledRobot::unnoticed() {
-  if (must_be_lost() && !host().loss()) {
-    return "the robot is not noticed to be lost";
-  }
+  if (must_be_lost() && !host().loss()) return "the robot is not noticed to be lost";
   std::string missing;
   const auto reports = host().computers();
   for (std::size_t i = 0; i < hosts(); ++i) {
@@ -212,9 +208,7 @@ std::string TroubledRobot::settle() {
     missing = unnoticed();
     return missing.empty();
   };
-  if (!segue::testing::eventually(settled, patience)) {
-    return missing;
-  }
+  if (!segue::testing::eventually(settled, patience)) return missing;
   // Answered when the runtime has looked after everything else.
   const bool idle = runtime().prepare({}).wait_for(kLong) == std::future_status::ready;
   return idle ? "" : "the runtime is busy without end";
@@ -371,9 +365,7 @@ std::optional<Error> TroubledRobot::meet(std::size_t host, const std::string& wh
 std::optional<TroubleKind> TroubledRobot::next_trouble(std::size_t host, const std::string& what,
                                                        Moment moment) {
   const Lock lock(mutex_);
-  if (!armed_ || !in_transition_) {
-    return std::nullopt;
-  }
+  if (!armed_ || !in_transition_) return std::nullopt;
   for (auto& trap : traps_) {
     const auto& trouble = trap.trouble;
     const auto call = static_cast<std::size_t>(trouble.call) % kCalls.size();
@@ -428,13 +420,9 @@ bool TroubledRobot::delays_commit(std::size_t host) {
     const auto trap = std::find_if(traps_.begin(), traps_.end(), [&](const Trap& one) {
       return delays(one.trouble.kind) && static_cast<std::size_t>(one.trouble.host) == host && !one.struck;
     });
-    if (!armed_ || trap == traps_.end()) {
-      return false;
-    }
+    if (!armed_ || trap == traps_.end()) return false;
     trap->struck = true;
-    if (trap->trouble.kind == TroubleKind::LateCommitAgain) {
-      return true;
-    }
+    if (trap->trouble.kind == TroubleKind::LateCommitAgain) return true;
   }
   computers_[host]->line.cut();
   return true;
@@ -484,9 +472,7 @@ void TroubledRobot::later(std::function<void()> what) {
 
 void TroubledRobot::witness(std::size_t host, const std::string& what, bool succeeded) {
   const Lock lock(mutex_);
-  if (!succeeded) {
-    return;
-  }
+  if (!succeeded) return;
   if (what == "arm_commit") {
     promises_[host] = Promise::Asked;
   } else if (what == "vote") {
