@@ -55,7 +55,7 @@ std::pair<std::uint64_t, std::uint64_t> gaps_in(const std::vector<std::uint64_t>
   return {gaps.lost(), gaps.late()};
 }
 
-TEST(GapCounter, counts_what_is_missing_and_what_comes_late) {
+TEST(GapCounter, CountsWhatIsMissingAndWhatComesLate) {
   using Gaps = std::pair<std::uint64_t, std::uint64_t>;
   EXPECT_EQ(gaps_in({5, 6, 7}), (Gaps{0, 0})) << "the first may have any number";
   EXPECT_EQ(gaps_in({1, 2, 5, 6}), (Gaps{2, 0}));
@@ -67,7 +67,7 @@ TEST(GapCounter, counts_what_is_missing_and_what_comes_late) {
   EXPECT_EQ(gaps_in({1, 20'000, 19'999, 20'001}), (Gaps{19'997, 1}));
 }
 
-TEST(BenchChain, counts_every_sample_and_none_is_lost) {
+TEST(BenchChain, CountsEverySampleAndNoneIsLost) {
   auto robot = open("03_chain");
   ASSERT_TRUE(robot);
   ASSERT_EQ(robot->switch_to("relay_a").outcome, runtime::Outcome::Done);
@@ -87,7 +87,7 @@ TEST(BenchChain, counts_every_sample_and_none_is_lost) {
       << "samples flow through the other relay";
 }
 
-TEST(DemoRobot, goes_where_it_is_told_and_keeps_its_pose_across_a_switch) {
+TEST(DemoRobot, GoesWhereItIsToldAndKeepsItsPoseAcrossASwitch) {
   auto robot = open("02_two_controllers");
   ASSERT_TRUE(robot);
   ASSERT_EQ(robot->switch_to("explore").outcome, runtime::Outcome::Done);

@@ -42,7 +42,7 @@ std::vector<std::byte> encoded(const T& sample) {
   return bytes;
 }
 
-TEST_F(GatewayLink, hostile_bytes_are_counted_and_dropped) {
+TEST_F(GatewayLink, HostileBytesAreCountedAndDropped) {
   Running receiver("gateway::Receiver", properties(kDomain, topic, name_of<Text>(), "buffer", 100));
   Sink<Text> sink(receiver, kPlenty);
   Foreign foreign(topic, name_of<Text>());
@@ -65,7 +65,7 @@ TEST_F(GatewayLink, hostile_bytes_are_counted_and_dropped) {
   EXPECT_EQ(receiver.count("corrupt"), corrupt + 3);
 }
 
-TEST_F(GatewayLink, another_type_does_not_match_and_is_seen) {
+TEST_F(GatewayLink, AnotherTypeDoesNotMatchAndIsSeen) {
   Running receiver("gateway::Receiver", properties(kDomain, topic, name_of<Text>()));
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>()));
   EXPECT_TRUE(
@@ -84,7 +84,7 @@ std::string refusal(const std::string& topic, const ValueMap& changes, TaskState
   return done ? std::string() : segue::to_string(done.error());
 }
 
-TEST_F(GatewayLink, wrong_properties_are_refused_with_a_reason) {
+TEST_F(GatewayLink, WrongPropertiesAreRefusedWithAReason) {
   const auto refuse = [&](const char* name, Value value) {
     ValueMap changes;
     changes.append(name, std::move(value));
@@ -100,7 +100,7 @@ TEST_F(GatewayLink, wrong_properties_are_refused_with_a_reason) {
   EXPECT_THAT(refuse("peers", Value::list({})), HasSubstr("with other settings"));
 }
 
-TEST_F(GatewayLink, a_task_without_peers_looks_for_those_of_its_process) {
+TEST_F(GatewayLink, ATaskWithoutPeersLooksForThoseOfItsProcess) {
   ValueMap changes;
   changes.append("peers", Value::list({}));
   ::setenv("SEGUE_PEERS", "127.0.0.1", 1);  // as the tests' participant has
@@ -110,7 +110,7 @@ TEST_F(GatewayLink, a_task_without_peers_looks_for_those_of_its_process) {
   ::unsetenv("SEGUE_PEERS");
 }
 
-TEST_F(GatewayLink, a_type_comes_from_its_library) {
+TEST_F(GatewayLink, ATypeComesFromItsLibrary) {
   Running receiver("gateway::Receiver");
   ValueMap values = properties(kDomain, topic, "/demo/Scan");
   values["library"] = "segue_components_demo";
@@ -120,7 +120,7 @@ TEST_F(GatewayLink, a_type_comes_from_its_library) {
   EXPECT_EQ(receiver.out().type_name(), "/demo/Scan");
 }
 
-TEST(GatewayStart, a_network_that_is_not_there_leads_to_exception) {
+TEST(GatewayStart, ANetworkThatIsNotThereLeadsToException) {
   for (const char* interface : {"no_such_device", "203.0.113.77"}) {
     Peer peer({"configure", std::to_string(kDomain), interface});
     EXPECT_EQ(peer.line(), "exception");

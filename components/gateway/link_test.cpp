@@ -4,7 +4,7 @@
 namespace gateway::testing {
 namespace {
 
-TEST(GatewayNames, are_those_of_ros) {
+TEST(GatewayNames, AreThoseOfRos) {
   EXPECT_EQ(dds_topic_name("scan").value(), "rt/scan");
   EXPECT_EQ(dds_topic_name("/robot/scan").value(), "rt/robot/scan");
   for (const char* wrong : {"", "/", "a//b", "a/", "a b", "a-b", "//a"})
@@ -19,7 +19,7 @@ TEST(GatewayNames, are_those_of_ros) {
   EXPECT_NE(vector, dds_type_name("/std/vector</double[1]>"));
 }
 
-TEST_F(GatewayLink, samples_travel_within_a_process) {
+TEST_F(GatewayLink, SamplesTravelWithinAProcess) {
   Running receiver("gateway::Receiver", properties(kDomain, topic, name_of<Text>(), "buffer", 100));
   Sink<Text> sink(receiver, kPlenty);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Text>(), "buffer", 100));
@@ -60,14 +60,14 @@ void expect_samples_between_shared_memories(const std::string& topic) {
   EXPECT_EQ(to_reader.output->counters().read, 60U);
 }
 
-TEST_F(GatewayLink, samples_travel_from_shared_memory_to_shared_memory) {
+TEST_F(GatewayLink, SamplesTravelFromSharedMemoryToSharedMemory) {
   expect_samples_between_shared_memories<Cloud>(topic + "_cloud");
   expect_samples_between_shared_memories<Text>(topic + "_text");
   expect_samples_between_shared_memories<Image>(topic + "_image");
   expect_samples_between_shared_memories<Pose>(topic + "_pose");
 }
 
-TEST_F(GatewayLink, nested_vectors_travel_between_processes) {
+TEST_F(GatewayLink, NestedVectorsTravelBetweenProcesses) {
   Peer peer = receiving<Cloud>(topic, "buffer", 1000);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Cloud>(), "buffer", 1000));
   Source<Cloud> source(sender, kPlenty);
@@ -78,7 +78,7 @@ TEST_F(GatewayLink, nested_vectors_travel_between_processes) {
   EXPECT_EQ(peer.ask("samples"), "200 whole, 0 broken, in order, last 200");
 }
 
-TEST_F(GatewayLink, samples_without_a_value_travel) {
+TEST_F(GatewayLink, SamplesWithoutAValueTravel) {
   Running receiver("gateway::Receiver", properties(kDomain, topic, "", "buffer", 100));
   Running sender("gateway::Sender", properties(kDomain, topic, "", "buffer", 100));
   Source<Pose> source(sender, kPlenty);
@@ -88,7 +88,7 @@ TEST_F(GatewayLink, samples_without_a_value_travel) {
   EXPECT_EQ(sender.count("bytes"), 5U);
 }
 
-TEST_F(GatewayLink, samples_travel_between_processes_whole_and_in_order) {
+TEST_F(GatewayLink, SamplesTravelBetweenProcessesWholeAndInOrder) {
   for (const char* policy : {"buffer", "circular_buffer"}) {
     const std::string own = topic + policy;
     Peer peer = receiving<Text>(own, policy, 1000);
@@ -103,7 +103,7 @@ TEST_F(GatewayLink, samples_travel_between_processes_whole_and_in_order) {
   }
 }
 
-TEST_F(GatewayLink, the_newest_value_arrives_however_fast_it_changes) {
+TEST_F(GatewayLink, TheNewestValueArrivesHoweverFastItChanges) {
   Peer peer = receiving<Pose>(topic);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>()));
   Source<Pose> source(sender, policy(BufferKind::Data));
@@ -119,7 +119,7 @@ TEST_F(GatewayLink, the_newest_value_arrives_however_fast_it_changes) {
   EXPECT_EQ(peer.count("received") + peer.count("lost"), sender.count("sent"));
 }
 
-TEST_F(GatewayLink, a_reader_that_comes_later_gets_the_last_value_if_it_wants) {
+TEST_F(GatewayLink, AReaderThatComesLaterGetsTheLastValueIfItWants) {
   for (const bool init : {true, false}) {
     const std::string own = topic + (init ? "_init" : "_plain");
     Running sender("gateway::Sender", properties(kDomain, own, name_of<Pose>(), "data", 1, init));
@@ -137,7 +137,7 @@ TEST_F(GatewayLink, a_reader_that_comes_later_gets_the_last_value_if_it_wants) {
   }
 }
 
-TEST_F(GatewayLink, large_samples_arrive_whole) {
+TEST_F(GatewayLink, LargeSamplesArriveWhole) {
   Peer peer = receiving<Image>(topic, "buffer", 4);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Image>(), "buffer", 4));
   Source<Image> source(sender, policy(BufferKind::Buffer, 4));
@@ -151,7 +151,7 @@ TEST_F(GatewayLink, large_samples_arrive_whole) {
   EXPECT_EQ(peer.count("corrupt"), 0U);
 }
 
-TEST_F(GatewayLink, a_sender_of_a_buffer_stops_soon_after_its_samples_have_arrived) {
+TEST_F(GatewayLink, ASenderOfABufferStopsSoonAfterItsSamplesHaveArrived) {
   Peer peer = receiving<Pose>(topic, "buffer", 100);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>(), "buffer", 100));
   Source<Pose> source(sender, kPlenty);
@@ -170,7 +170,7 @@ TEST_F(GatewayLink, a_sender_of_a_buffer_stops_soon_after_its_samples_have_arriv
   EXPECT_LT(stops.at(stops.size() / 2), std::chrono::milliseconds(100));
 }
 
-TEST_F(GatewayLink, what_outruns_a_buffer_is_refused_and_counted) {
+TEST_F(GatewayLink, WhatOutrunsABufferIsRefusedAndCounted) {
   Peer peer = receiving<Image>(topic, "buffer", 2);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Image>(), "buffer", 2));
   Source<Image> source(sender, policy(BufferKind::Buffer, 2));
@@ -187,7 +187,7 @@ TEST_F(GatewayLink, what_outruns_a_buffer_is_refused_and_counted) {
   EXPECT_THAT(peer.ask("samples"), HasSubstr(" 0 broken, in order"));
 }
 
-TEST_F(GatewayLink, what_a_reader_that_stands_still_keeps_from_being_sent_is_refused_and_counted) {
+TEST_F(GatewayLink, WhatAReaderThatStandsStillKeepsFromBeingSentIsRefusedAndCounted) {
   Peer peer = receiving<Image>(topic, "buffer", 2);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Image>(), "buffer", 2));
   Source<Image> source(sender, policy(BufferKind::Buffer, 2));
@@ -211,7 +211,7 @@ TEST_F(GatewayLink, what_a_reader_that_stands_still_keeps_from_being_sent_is_ref
   EXPECT_THAT(peer.ask("samples"), HasSubstr(" 0 broken, in order"));
 }
 
-TEST_F(GatewayLink, fifty_idle_tasks_do_not_poll) {
+TEST_F(GatewayLink, FiftyIdleTasksDoNotPoll) {
   std::vector<std::unique_ptr<Running>> tasks;
   for (int i = 0; i < 25; ++i) {
     const auto values = properties(kDomain, topic + "_" + std::to_string(i), name_of<Pose>(), "buffer", 10);
@@ -226,7 +226,7 @@ TEST_F(GatewayLink, fifty_idle_tasks_do_not_poll) {
   EXPECT_LT(used, 0.1);
 }
 
-TEST_F(GatewayLink, what_a_reader_that_dies_has_not_acknowledged_is_counted_as_lost) {
+TEST_F(GatewayLink, WhatAReaderThatDiesHasNotAcknowledgedIsCountedAsLost) {
   Peer peer = receiving<Text>(topic, "buffer", 1000);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Text>(), "buffer", 1000));
   Source<Text> source(sender, kPlenty);
@@ -242,7 +242,7 @@ TEST_F(GatewayLink, what_a_reader_that_dies_has_not_acknowledged_is_counted_as_l
   EXPECT_EQ(sender.count("unacknowledged"), 0U);
 }
 
-TEST_F(GatewayLink, a_sender_feeds_several_processes) {
+TEST_F(GatewayLink, ASenderFeedsSeveralProcesses) {
   Peer one = receiving<Pose>(topic, "buffer", 100);
   Peer other = receiving<Pose>(topic, "buffer", 100);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>(), "buffer", 100));
@@ -256,7 +256,7 @@ TEST_F(GatewayLink, a_sender_feeds_several_processes) {
   }
 }
 
-TEST_F(GatewayLink, samples_that_come_before_the_start_wait_by_policy) {
+TEST_F(GatewayLink, SamplesThatComeBeforeTheStartWaitByPolicy) {
   Running receiver("gateway::Receiver");
   ASSERT_TRUE(receiver.configure(properties(kDomain, topic, name_of<Pose>(), "circular_buffer", 3)));
   Sink<Pose> sink(receiver, kPlenty);
@@ -270,7 +270,7 @@ TEST_F(GatewayLink, samples_that_come_before_the_start_wait_by_policy) {
   EXPECT_EQ(sink.read(3), numbers(3, 5));
 }
 
-TEST_F(GatewayLink, tasks_are_stopped_and_configured_again) {
+TEST_F(GatewayLink, TasksAreStoppedAndConfiguredAgain) {
   Running receiver("gateway::Receiver", properties(kDomain, topic, name_of<Pose>(), "buffer", 100));
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>(), "buffer", 100));
   for (int i = 0; i < 3; ++i) {

@@ -172,7 +172,7 @@ PlanRequest across_the_table(ArmScene& scene) {
   return move(above(-0.33), above(0.33));
 }
 
-TEST_F(MotionPlan, goes_straight_where_nothing_is_in_the_way) {
+TEST_F(MotionPlan, GoesStraightWhereNothingIsInTheWay) {
   const Positions up = {0.5, -1.2, 1.2, 0, 0.5, 0};
   const auto result = planned(move(kHome, up));
   EXPECT_EQ(result.path.points, (std::vector<Positions>{kHome, up}));
@@ -181,7 +181,7 @@ TEST_F(MotionPlan, goes_straight_where_nothing_is_in_the_way) {
   EXPECT_EQ(result.goal, 0);
 }
 
-TEST_F(MotionPlan, goes_around_what_is_in_the_way) {
+TEST_F(MotionPlan, GoesAroundWhatIsInTheWay) {
   const Blocks blocks(at_table());
   auto request = across_the_table(*scene_);
   request.budget = 300;
@@ -196,7 +196,7 @@ TEST_F(MotionPlan, goes_around_what_is_in_the_way) {
   EXPECT_NEAR(result.cost, cost_of(result.path.points), 1e-9);
 }
 
-TEST_F(MotionPlan, never_touches_anything_between_random_configurations) {
+TEST_F(MotionPlan, NeverTouchesAnythingBetweenRandomConfigurations) {
   const Blocks blocks(at_table());
   std::mt19937_64 random(7);
   const auto limits = ArmScene::limits();
@@ -222,7 +222,7 @@ TEST_F(MotionPlan, never_touches_anything_between_random_configurations) {
   EXPECT_GT(paths, 5) << "others end inside of something";
 }
 
-TEST_F(MotionPlan, brings_all_boxes_to_the_deck_one_plan_after_the_other) {
+TEST_F(MotionPlan, BringsAllBoxesToTheDeckOnePlanAfterTheOther) {
   const std::vector<Eigen::Vector3d> places = {
       {0.05, -0.27, 0.34}, {-0.1, -0.27, 0.34}, {-0.02, -0.12, 0.34}};
   Situation situation = at_table();
@@ -240,7 +240,7 @@ TEST_F(MotionPlan, brings_all_boxes_to_the_deck_one_plan_after_the_other) {
   }
 }
 
-TEST_F(MotionPlan, says_why_there_is_no_path) {
+TEST_F(MotionPlan, SaysWhyThereIsNoPath) {
   PlanRequest request = move(kHome, kHome);
   request.goals[0].positions.clear();
   request.goals[0].pose.position = {0.9, 0, 0.15};  // inside of the table
@@ -259,7 +259,7 @@ TEST_F(MotionPlan, says_why_there_is_no_path) {
   EXPECT_THAT(touching.error().message, HasSubstr("at its beginning there is contact between"));
 }
 
-TEST_F(MotionPlan, gives_up_when_its_budget_is_used_up) {
+TEST_F(MotionPlan, GivesUpWhenItsBudgetIsUsedUp) {
   PlanRequest request = across_the_table(*scene_);
   request.budget = 1;
   const auto result = plan_motion(*scene_, request);
@@ -267,7 +267,7 @@ TEST_F(MotionPlan, gives_up_when_its_budget_is_used_up) {
   EXPECT_THAT(result.error().message, HasSubstr("within 1 steps"));
 }
 
-TEST_F(MotionPlan, of_the_same_request_is_the_same) {
+TEST_F(MotionPlan, OfTheSameRequestIsTheSame) {
   PlanRequest request = across_the_table(*scene_);
   request.budget = 150;
   const auto first = planned(request);
@@ -281,7 +281,7 @@ TEST_F(MotionPlan, of_the_same_request_is_the_same) {
   EXPECT_NE(planned(request).path.points, first.path.points);
 }
 
-TEST_F(MotionPlan, leads_to_the_best_of_several_goals_or_to_the_first_that_it_finds) {
+TEST_F(MotionPlan, LeadsToTheBestOfSeveralGoalsOrToTheFirstThatItFinds) {
   PlanRequest request = move(kHome, {2.5, -1.2, 1.2, 0, 0.5, 0});
   request.goals.push_back({});
   request.goals[1].positions = {0.5, -1.2, 1.2, 0, 0.5, 0};
@@ -290,7 +290,7 @@ TEST_F(MotionPlan, leads_to_the_best_of_several_goals_or_to_the_first_that_it_fi
   EXPECT_EQ(planned(request).goal, 1) << "the nearest is tried first";
 }
 
-TEST_F(MotionPlan, refuses_requests_that_make_no_sense) {
+TEST_F(MotionPlan, RefusesRequestsThatMakeNoSense) {
   const double no_number = std::nan("");
   const auto with = [](auto change) {
     PlanRequest request = take(at_table(), 1);
@@ -335,7 +335,7 @@ SearchSpace room(bool open, int& checks) {
   return space;
 }
 
-TEST(PathSearch, finds_the_gap_and_gives_up_where_there_is_none) {
+TEST(PathSearch, FindsTheGapAndGivesUpWhereThereIsNone) {
   int checks = 0;
   const auto path = find_path(room(true, checks), {-0.5, 0}, {0.5, 0}, {.steps = 3000});
   ASSERT_TRUE(path);
@@ -344,7 +344,7 @@ TEST(PathSearch, finds_the_gap_and_gives_up_where_there_is_none) {
   EXPECT_FALSE(find_path(room(true, checks), {-0.5, 0}, {0.25, 0}, {})) << "into the wall";
 }
 
-TEST(PathSearch, keeps_to_its_budget) {
+TEST(PathSearch, KeepsToItsBudget) {
   int few = 0;
   EXPECT_FALSE(find_path(room(false, few), {-0.5, 0}, {0.5, 0}, {.steps = 50}));
   int many = 0;
@@ -352,7 +352,7 @@ TEST(PathSearch, keeps_to_its_budget) {
   EXPECT_LT(few * 20, many);
 }
 
-TEST(BoxEstimate, stands_upright_whichever_side_was_seen) {
+TEST(BoxEstimate, StandsUprightWhicheverSideWasSeen) {
   const Eigen::Quaterniond yaw(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()));
   for (int axis = 0; axis < 3; ++axis) {
     for (int quarter = 0; quarter < 4; ++quarter) {
@@ -363,7 +363,7 @@ TEST(BoxEstimate, stands_upright_whichever_side_was_seen) {
   }
 }
 
-TEST(BoxEstimate, needs_enough_images_and_leaves_out_what_is_wrong) {
+TEST(BoxEstimate, NeedsEnoughImagesAndLeavesOutWhatIsWrong) {
   BoxEstimate estimate(5);
   const auto seen_at = [](double x, double turn) {
     return messages::Pose{{x, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()))};

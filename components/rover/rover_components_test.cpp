@@ -44,7 +44,7 @@ void add_script(SteppedRover& rover, const Value& legs) {
   rover.wire("script", "command", "wheels", "command");
 }
 
-TEST(RoverDrive, follows_a_script_and_knows_where_it_is) {
+TEST(RoverDrive, FollowsAScriptAndKnowsWhereItIs) {
   SteppedRover rover(starting_at(0, 0, 0));
   add_script(rover, Value::list({leg(2, 0.4, 0), leg(2, 0.2, 0.5), leg(2, 0.0, -0.8)}));
   rover.start();
@@ -63,7 +63,7 @@ TEST(RoverDrive, follows_a_script_and_knows_where_it_is) {
   EXPECT_NEAR(odometry.pose.theta, pose.pose.theta, 0.1);
 }
 
-TEST(RoverDrive, stops_when_no_command_comes) {
+TEST(RoverDrive, StopsWhenNoCommandComes) {
   SteppedRover rover(starting_at(0, 0, 0));
   add_script(rover, Value::list({leg(100, 0.2, 0)}));
   rover.start();
@@ -74,7 +74,7 @@ TEST(RoverDrive, stops_when_no_command_comes) {
   EXPECT_NEAR(rover.next<messages::Odometry>("rover", "pose").twist.linear, 0, 1e-3);
 }
 
-TEST(RoverDrive, stops_at_once_when_nobody_is_connected_that_could_tell_it_to) {
+TEST(RoverDrive, StopsAtOnceWhenNobodyIsConnectedThatCouldTellItTo) {
   SteppedRover rover(starting_at(0, 0, 0));
   add_script(rover, Value::list({leg(100, 0.2, 0)}));
   rover.start();
@@ -84,7 +84,7 @@ TEST(RoverDrive, stops_at_once_when_nobody_is_connected_that_could_tell_it_to) {
   EXPECT_EQ(rover.task("wheels").state_name(), "idle") << "before its timeout";
 }
 
-TEST(RoverDrive, stops_at_a_command_that_is_no_number) {
+TEST(RoverDrive, StopsAtACommandThatIsNoNumber) {
   SteppedRover rover(starting_at(0, 0, 0));
   segue::task::Component commander;
   segue::task::OutputPort<messages::Twist2D> port(commander, "port");
@@ -97,7 +97,7 @@ TEST(RoverDrive, stops_at_a_command_that_is_no_number) {
   EXPECT_EQ(rover.task("wheels").state_name(), "idle");
 }
 
-TEST(SimulatedWheels, stop_when_their_driver_is_gone) {
+TEST(SimulatedWheels, StopWhenTheirDriverIsGone) {
   SteppedRover rover(starting_at(0, 0, 0));
   add_script(rover, Value::list({leg(100, 0.2, 0)}));
   rover.start();
@@ -109,7 +109,7 @@ TEST(SimulatedWheels, stop_when_their_driver_is_gone) {
   EXPECT_NEAR(rover.next<messages::Odometry>("rover", "pose").twist.linear, 0, 1e-3);
 }
 
-TEST(Components, give_the_same_result_each_time) {
+TEST(Components, GiveTheSameResultEachTime) {
   const auto run = [] {
     SteppedRover rover(starting_at(0, 0, 0));
     add_script(rover, Value::list({leg(1, 0.4, 0.3)}));
@@ -121,7 +121,7 @@ TEST(Components, give_the_same_result_each_time) {
   EXPECT_EQ(run(), run()) << "to the last bit";
 }
 
-TEST(ArmDriver, refuses_what_its_arm_cannot_reach) {
+TEST(ArmDriver, RefusesWhatItsArmCannotReach) {
   SteppedRover rover(starting_at(0, 0, 0));
   rover.start();
   rover.advance(100ms);
@@ -134,7 +134,7 @@ TEST(ArmDriver, refuses_what_its_arm_cannot_reach) {
   EXPECT_THAT(few.error().message, HasSubstr("6 joints, not 2"));
 }
 
-TEST(ArmDriver, moves_no_faster_than_it_may) {
+TEST(ArmDriver, MovesNoFasterThanItMay) {
   SteppedRover rover(starting_at(0, 0, 0));
   rover.start();
   rover.advance(100ms);
@@ -161,7 +161,7 @@ Value flat_hand_at(double distance, double height) {
   return Value::list({Value::list({0.0, shoulder, elbow, 0.0, -shoulder - elbow, 0.0})});
 }
 
-TEST(Gripper, takes_a_box_from_the_table) {
+TEST(Gripper, TakesABoxFromTheTable) {
   constexpr double kX = 0.85;
   SteppedRover rover(starting_at(kX, 0, 0));
   rover.start();
@@ -208,7 +208,7 @@ double charge_after_driving(double speed) {
   return rover.next<BatteryStatus>("battery", "status").charge;
 }
 
-TEST(Battery, is_used_up_by_time_and_by_motion) {
+TEST(Battery, IsUsedUpByTimeAndByMotion) {
   const double standing = charge_after_driving(0);
   const double driving = charge_after_driving(0.4);
   EXPECT_NEAR(standing, 1 - 4 * 15 / 360.0, 0.01) << "15 W for 4 s, of 360 J";
@@ -216,7 +216,7 @@ TEST(Battery, is_used_up_by_time_and_by_motion) {
   EXPECT_GT(driving, standing - 0.5);
 }
 
-TEST(Battery, tells_when_it_is_low_and_when_it_is_empty) {
+TEST(Battery, TellsWhenItIsLowAndWhenItIsEmpty) {
   SteppedRover rover(starting_at(0, 0, 0));
   rover.add("battery", "rover::Battery", Value::map({{"capacity", 0.01}, {"charge", 0.5}}));  // 18 J
   rover.wire("rover", "arm_state", "battery", "arm");
@@ -236,7 +236,7 @@ TEST(Battery, tells_when_it_is_low_and_when_it_is_empty) {
   EXPECT_THAT(too_much.error().message, HasSubstr("charge must be from 0 to 1"));
 }
 
-TEST(StopButton, stays_pressed_until_it_is_released) {
+TEST(StopButton, StaysPressedUntilItIsReleased) {
   SteppedRover rover(starting_at(0, 0, 0));
   rover.add("button", "rover::StopButton");
   rover.start();
@@ -251,7 +251,7 @@ TEST(StopButton, stays_pressed_until_it_is_released) {
   EXPECT_EQ(rover.task("button").state_name(), "released");
 }
 
-TEST(Simulation, ends_when_a_set_point_is_no_number) {
+TEST(Simulation, EndsWhenASetPointIsNoNumber) {
   SteppedRover rover(starting_at(0, 0, 0));
   rover.start();
   rover.advance(100ms);
@@ -328,7 +328,7 @@ std::map<std::string, std::uint64_t> cycles_of_shared_tasks(segue::runtime::Embe
   return cycles;
 }
 
-TEST_F(RoverExampleWherePossible, makes_all_transitions_between_four_controllers_while_it_moves) {
+TEST_F(RoverExampleWherePossible, MakesAllTransitionsBetweenFourControllersWhileItMoves) {
   // Every transition once, each beginning where the last one ended.
   constexpr std::array kWalk = {"explore", "go_to", "explore", "reach", "explore", "teleop", "go_to",
                                 "reach",   "go_to", "teleop",  "reach", "teleop",  "explore"};
@@ -351,7 +351,7 @@ TEST_F(RoverExampleWherePossible, makes_all_transitions_between_four_controllers
   EXPECT_EQ(robot->shut_down().outcome, segue::runtime::Outcome::Done);
 }
 
-TEST_F(RoverExampleWherePossible, moves_its_arm_while_it_drives) {
+TEST_F(RoverExampleWherePossible, MovesItsArmWhileItDrives) {
   ASSERT_EQ(robot->switch_to("explore+move_arm").outcome, segue::runtime::Outcome::Done);
   const auto told = robot->host().call(segue::model::TaskId("waypoints"), "go_to",
                                        Value::map({{"name", "raised"}}), soon());
@@ -365,7 +365,7 @@ TEST_F(RoverExampleWherePossible, moves_its_arm_while_it_drives) {
   EXPECT_EQ(robot->shut_down().outcome, segue::runtime::Outcome::Done);
 }
 
-TEST_F(RoverExampleWherePossible, drives_to_the_table_and_sees_the_boxes) {
+TEST_F(RoverExampleWherePossible, DrivesToTheTableAndSeesTheBoxes) {
   ASSERT_EQ(robot->switch_to("drive").outcome, segue::runtime::Outcome::Done);
   const auto odometry = wait_for(*robot, "wheels.odometry",
                                  [](const Value& sample) { return number(*sample.find("pose"), "x") > 0.7; });

@@ -11,7 +11,7 @@ namespace {
 using segue::type::Value;
 using namespace std::chrono_literals;
 
-TEST(RoverRealtime, no_update_of_simulation_and_drivers_allocates) {
+TEST(RoverRealtime, NoUpdateOfSimulationAndDriversAllocates) {
   testing::SteppedRover rover(Value::map({{"seed", 3}}));
   rover.add("script", "rover::VelocityScript",
             Value::map({{"legs", Value::list({testing::leg(0.5, 0.4, 0), testing::leg(5, 0.2, 0.5)})}}));

@@ -64,7 +64,7 @@ class DrivenRover : public ::testing::Test {
   messages::Pose2D odometry_;
 };
 
-TEST_F(DrivenRover, drives_a_metre_straight_ahead) {
+TEST_F(DrivenRover, DrivesAMetreStraightAhead) {
   drive({0.4, 0}, 2.5);
   drive({}, 1);
   const auto pose = rover_->pose();
@@ -76,7 +76,7 @@ TEST_F(DrivenRover, drives_a_metre_straight_ahead) {
   EXPECT_FALSE(rover_->failed());
 }
 
-TEST_F(DrivenRover, turns_where_it_stands) {
+TEST_F(DrivenRover, TurnsWhereItStands) {
   drive({0, 0.8}, 2.5);
   drive({}, 1);
   const auto pose = rover_->pose();
@@ -85,7 +85,7 @@ TEST_F(DrivenRover, turns_where_it_stands) {
   EXPECT_NEAR(pose.pose.y, 0, 0.02);
 }
 
-TEST_F(DrivenRover, knows_by_its_wheels_where_it_is) {
+TEST_F(DrivenRover, KnowsByItsWheelsWhereItIs) {
   drive({0.3, 0.6}, 3.0);
   drive({0.3, -0.9}, 2.0);
   drive({0, 0}, 0.5);
@@ -96,14 +96,14 @@ TEST_F(DrivenRover, knows_by_its_wheels_where_it_is) {
   EXPECT_NEAR(odometry_.theta, pose.theta, 0.05);
 }
 
-TEST_F(DrivenRover, is_stopped_by_a_wall) {
+TEST_F(DrivenRover, IsStoppedByAWall) {
   rover_ = make(without_noise({-1.5, 0, M_PI}));
   drive({0.5, 0}, 5.0);
   EXPECT_GT(rover_->pose().pose.x, -kWallDistance + 0.42 - 0.005);
   EXPECT_FALSE(rover_->failed());
 }
 
-TEST_F(DrivenRover, feels_how_it_turns) {
+TEST_F(DrivenRover, FeelsHowItTurns) {
   rover_ = make(without_noise());
   drive({0, 0.8}, 1.5);
   messages::Imu imu;
@@ -112,7 +112,7 @@ TEST_F(DrivenRover, feels_how_it_turns) {
   EXPECT_NEAR(imu.angular_velocity.z(), rover_->pose().twist.angular, 0.05);
 }
 
-TEST(SimulatedImu, feels_gravity_where_it_stands) {
+TEST(SimulatedImu, FeelsGravityWhereItStands) {
   const auto rover = make(without_noise({0, 0, 0.5}));
   messages::Imu imu;
   rover->read_imu(imu);
@@ -123,7 +123,7 @@ TEST(SimulatedImu, feels_gravity_where_it_stands) {
       0, 0.01);
 }
 
-TEST(DriveKinematics, every_velocity_has_steering_with_which_the_wheels_move_as_wanted) {
+TEST(DriveKinematics, EveryVelocityHasSteeringWithWhichTheWheelsMoveAsWanted) {
   for (const messages::Twist2D twist :
        {messages::Twist2D{0.5, 0}, {-0.5, 0.1}, {0, 1}, {0.3, 1.0}, {0.3, -1.0}, {-0.2, 0.6}}) {
     const PerWheel steering = steering_for(twist, {});
@@ -139,7 +139,7 @@ TEST(DriveKinematics, every_velocity_has_steering_with_which_the_wheels_move_as_
   }
 }
 
-TEST(SimulatedBoxes, lie_scattered_about_as_their_seed_says) {
+TEST(SimulatedBoxes, LieScatteredAboutAsTheirSeedSays) {
   const auto boxes = [](std::uint64_t seed, const messages::Pose2D& scatter) {
     SimulationOptions options = without_noise();
     options.seed = seed;
@@ -173,7 +173,7 @@ double largest_error(const messages::JointState& state, std::span<const double> 
   return largest;
 }
 
-TEST(SimulatedArm, reaches_its_targets_and_holds_them_against_gravity) {
+TEST(SimulatedArm, ReachesItsTargetsAndHoldsThemAgainstGravity) {
   const auto rover = make();
   const std::array<double, kArmJoints> stretched = {0.5, -0.4, 0.3, 0.2, 0.4, -0.5};
   rover->command_arm(stretched);
@@ -188,7 +188,7 @@ TEST(SimulatedArm, reaches_its_targets_and_holds_them_against_gravity) {
   EXPECT_THAT(state.velocities, Each(Lt(0.001)));
 }
 
-TEST(SimulatedArm, stays_within_its_limits) {
+TEST(SimulatedArm, StaysWithinItsLimits) {
   const auto rover = make();
   const std::array<double, kArmJoints> beyond = {10, 10, 10, 10, 10, 10};
   rover->command_arm(beyond);
@@ -202,7 +202,7 @@ TEST(SimulatedArm, stays_within_its_limits) {
   }
 }
 
-TEST(SimulatedArm, is_where_the_constants_of_its_joints_say) {
+TEST(SimulatedArm, IsWhereTheConstantsOfItsJointsSay) {
   const auto rover = make();
   const std::array<double, kArmJoints> angles = {0.5, -0.4, 0.3, 0.2, 0.4, -0.5};
   rover->command_arm(angles);
@@ -219,7 +219,7 @@ TEST(SimulatedArm, is_where_the_constants_of_its_joints_say) {
   EXPECT_LT((rover->tool().position - tool).norm(), 0.01) << "the rover yields by some millimetres";
 }
 
-TEST(SimulatedGripper, holds_a_box_while_the_arm_moves_and_lets_it_go) {
+TEST(SimulatedGripper, HoldsABoxWhileTheArmMovesAndLetsItGo) {
   const auto rover = make();
   const std::array<double, kArmJoints> ready = {0, -0.6, 0.8, 0, 0.3, 0};
   rover->command_arm(ready);
@@ -245,7 +245,7 @@ TEST(SimulatedGripper, holds_a_box_while_the_arm_moves_and_lets_it_go) {
   EXPECT_NEAR(rover->box(0).position.z(), kBoxSide / 2, 0.03) << "it lies on the floor";
 }
 
-TEST(SimulatedLidar, sees_the_walls_and_the_table_at_their_distances) {
+TEST(SimulatedLidar, SeesTheWallsAndTheTableAtTheirDistances) {
   const auto rover = make(without_noise());
   messages::LaserScan scan;
   const ScanPattern pattern{-M_PI / 2, M_PI / 180, 181, 0.05, 8};
@@ -256,14 +256,14 @@ TEST(SimulatedLidar, sees_the_walls_and_the_table_at_their_distances) {
   EXPECT_NEAR(scan.ranges[90], kTableEdge - kLidarPlace[0], 0.01);
 }
 
-TEST(SimulatedLidar, sees_nothing_beyond_its_range) {
+TEST(SimulatedLidar, SeesNothingBeyondItsRange) {
   const auto rover = make(without_noise());
   messages::LaserScan scan;
   rover->scan({0, 0.1, 3, 0.05, 0.9}, scan);
   EXPECT_THAT(scan.ranges, Each(std::numeric_limits<float>::infinity()));
 }
 
-TEST(SimulatedRover, same_seed_same_result) {
+TEST(SimulatedRover, SameSeedSameResult) {
   const auto run = [](std::uint64_t seed) {
     const auto rover = make({.seed = seed});
     WheelCommand command;
@@ -286,7 +286,7 @@ TEST(SimulatedRover, same_seed_same_result) {
   EXPECT_EQ(std::get<2>(first), std::get<2>(other)) << "which moves nothing";
 }
 
-TEST(SimulatedRover, tells_when_set_points_are_no_numbers) {
+TEST(SimulatedRover, TellsWhenSetPointsAreNoNumbers) {
   const auto rover = make();
   WheelCommand command;
   command.speeds.fill(std::nan(""));
@@ -313,7 +313,7 @@ messages::Markers seen_by(const char* camera, const SimulatedRover& rover) {
   return markers;
 }
 
-TEST(MastCamera, sees_all_markers_where_the_boxes_are) {
+TEST(MastCamera, SeesAllMarkersWhereTheBoxesAre) {
   const auto rover = make(without_noise({0.7, 0, 0}));
   const auto markers = seen_by("mast", *rover);
   ASSERT_EQ(markers.markers.size(), kBoxes);
@@ -323,7 +323,7 @@ TEST(MastCamera, sees_all_markers_where_the_boxes_are) {
   }
 }
 
-TEST(DeckCamera, sees_all_markers_of_a_rover_that_is_loaded) {
+TEST(DeckCamera, SeesAllMarkersOfARoverThatIsLoaded) {
   auto options = without_noise({0.85, 0.3, 0.4});
   options.loaded = true;
   const auto rover = make(options);
@@ -340,7 +340,7 @@ TEST(DeckCamera, sees_all_markers_of_a_rover_that_is_loaded) {
   }
 }
 
-TEST(GripperCamera, sees_the_box_that_it_points_to) {
+TEST(GripperCamera, SeesTheBoxThatItPointsTo) {
   const auto rover = make(without_noise({0.7, 0, 0}));
   const std::array<double, kArmJoints> above = {0, -1.2, 1.4, 0, 1.0, 0};
   rover->command_arm(above);
@@ -353,7 +353,7 @@ TEST(GripperCamera, sees_the_box_that_it_points_to) {
   }
 }
 
-TEST(RoomCamera, follows_the_rover_and_writes_a_caption_into_its_corner) {
+TEST(RoomCamera, FollowsTheRoverAndWritesACaptionIntoItsCorner) {
   auto renderer = Renderer::create("room", 160, 120);
   ASSERT_TRUE(renderer) << to_string(renderer.error());
   SceneState scene;
@@ -372,7 +372,7 @@ TEST(RoomCamera, follows_the_rover_and_writes_a_caption_into_its_corner) {
   }
 }
 
-TEST(Renderer, says_what_it_cannot_draw) {
+TEST(Renderer, SaysWhatItCannotDraw) {
   const auto unknown = Renderer::create("stern", 320, 240);
   ASSERT_FALSE(unknown);
   EXPECT_THAT(unknown.error().message, HasSubstr("no camera 'stern'"));
@@ -386,7 +386,7 @@ TEST(Renderer, says_what_it_cannot_draw) {
   EXPECT_EQ(image.width, 0U);
 }
 
-TEST(MarkerPose, is_found_from_exact_corners) {
+TEST(MarkerPose, IsFoundFromExactCorners) {
   const Projection projection{500, 320, 240};
   const messages::Pose pose{
       {0.1, -0.05, 0.8},
@@ -407,7 +407,7 @@ TEST(MarkerPose, is_found_from_exact_corners) {
   EXPECT_LT(found.orientation.angularDistance(pose.orientation), 1e-6);
 }
 
-TEST(MarkerFinder, finds_nothing_in_an_image_that_is_cut_off) {
+TEST(MarkerFinder, FindsNothingInAnImageThatIsCutOff) {
   messages::Markers markers;
   markers.markers.resize(2);
   MarkerFinder(kMarkerSide, kFieldOfView).find({1.5, 640, 480, std::vector<std::uint8_t>(100)}, markers);

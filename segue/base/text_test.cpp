@@ -112,19 +112,19 @@ TEST(FormatDuration, PicksAUnitThatReadsWell) {
   EXPECT_EQ(format_duration(std::chrono::seconds(9'000'000'000)), "9000000000s");
 }
 
-TEST(SizeTest, readsNumberAndUnit) {
+TEST(SizeTest, ReadsNumberAndUnit) {
   EXPECT_EQ(parse_size("512MB").value(), 512'000'000U);
   EXPECT_EQ(parse_size("64 MiB").value(), 64U << 20);
   EXPECT_EQ(parse_size("7B").value(), 7U);
   EXPECT_EQ(parse_size("0").value(), 0U);
 }
 
-TEST(SizeTest, refusesWhatIsNoSize) {
+TEST(SizeTest, RefusesWhatIsNoSize) {
   for (const auto* wrong : {"", "MB", "10", "-1MB", "1.5MB", "1mb", "20000000TB", "18446744073709551616B"})
     EXPECT_FALSE(parse_size(wrong)) << wrong;
 }
 
-RC_GTEST_PROP(SizeTest, whatIsWrittenReadsTheSame, (std::uint64_t size, std::uint8_t zeros)) {
+RC_GTEST_PROP(SizeTest, WhatIsWrittenReadsTheSame, (std::uint64_t size, std::uint8_t zeros)) {
   const std::uint64_t bytes = size << (zeros % 50);
   RC_ASSERT(parse_size(format_size(bytes)).value() == bytes);
 }
@@ -164,7 +164,7 @@ TEST(IsoTime, IsInUtcWithMilliseconds) {
             "2026-11-18T11:06:40.007Z");
 }
 
-TEST(RoundedText, is_three_digits_with_a_unit) {
+TEST(RoundedText, IsThreeDigitsWithAUnit) {
   using namespace std::chrono_literals;
   EXPECT_EQ(format_seconds(79749ns), "79.7 us");
   EXPECT_EQ(format_seconds(4109974658ns), "4.11 s");

@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(Notifier, passes_events_on_in_their_order_on_a_thread_of_its_own) {
+TEST(Notifier, PassesEventsOnInTheirOrderOnAThreadOfItsOwn) {
   Notifier<int> notifier;
   std::vector<int> got;
   std::thread::id thread;
@@ -32,7 +32,7 @@ TEST(Notifier, passes_events_on_in_their_order_on_a_thread_of_its_own) {
   EXPECT_NE(thread, std::this_thread::get_id());
 }
 
-TEST(Notifier, keeps_the_last_events_for_the_next_listener) {
+TEST(Notifier, KeepsTheLastEventsForTheNextListener) {
   Notifier<int> notifier(2);
   for (int i = 0; i < 5; ++i) {
     notifier.post(i);
@@ -44,7 +44,7 @@ TEST(Notifier, keeps_the_last_events_for_the_next_listener) {
   EXPECT_THAT(got, ElementsAre(3, 4));
 }
 
-TEST(Notifier, drops_events_without_a_listener_and_does_not_wait_for_them) {
+TEST(Notifier, DropsEventsWithoutAListenerAndDoesNotWaitForThem) {
   Notifier<int> notifier;
   notifier.post(1);
   notifier.drain();
@@ -56,7 +56,7 @@ TEST(Notifier, drops_events_without_a_listener_and_does_not_wait_for_them) {
   EXPECT_THAT(got, ElementsAre(2));
 }
 
-TEST(Notifier, waits_for_the_previous_listener_before_it_is_replaced) {
+TEST(Notifier, WaitsForThePreviousListenerBeforeItIsReplaced) {
   Notifier<int> notifier;
   std::promise<void> entered;
   std::promise<void> go_on;
@@ -76,7 +76,7 @@ TEST(Notifier, waits_for_the_previous_listener_before_it_is_replaced) {
   go_on.set_value();
 }
 
-TEST(Notifier, a_listener_that_throws_gets_the_next_event) {
+TEST(Notifier, AListenerThatThrowsGetsTheNextEvent) {
   Notifier<int> notifier;
   std::vector<int> got;
   notifier.set_listener([&](int event) {

@@ -19,7 +19,7 @@ TimePoint in(Duration time) {
 
 constexpr auto kLong = 30s;
 
-TEST(ThreadPool, runs_every_job_and_waits_for_them_at_its_end) {
+TEST(ThreadPool, RunsEveryJobAndWaitsForThemAtItsEnd) {
   std::atomic<int> sum{0};
   ThreadPool pool("test", {2, 1});
   for (int i = 0; i < 100; ++i) {
@@ -31,7 +31,7 @@ TEST(ThreadPool, runs_every_job_and_waits_for_them_at_its_end) {
   EXPECT_EQ(sum, 100);
 }
 
-TEST(ThreadPool, jobs_wait_beyond_the_limit_unless_they_must_begin_at_once) {
+TEST(ThreadPool, JobsWaitBeyondTheLimitUnlessTheyMustBeginAtOnce) {
   ThreadPool pool("test", {1, 1});
   std::promise<void> release;
   std::atomic<bool> waited{false};
@@ -44,14 +44,14 @@ TEST(ThreadPool, jobs_wait_beyond_the_limit_unless_they_must_begin_at_once) {
   EXPECT_TRUE(waited);
 }
 
-TEST(ThreadPool, runs_all_at_the_same_time) {
+TEST(ThreadPool, RunsAllAtTheSameTime) {
   ThreadPool pool("test", {8, 1});
   std::latch all(4);
   pool.run_all({4, [&] { all.arrive_and_wait(); }});
   EXPECT_TRUE(all.try_wait());
 }
 
-TEST(ThreadPool, runs_all_inside_a_job_and_after_its_end) {
+TEST(ThreadPool, RunsAllInsideAJobAndAfterItsEnd) {
   ThreadPool pool("test", {1, 1});
   std::atomic<int> sum{0};
   const auto add = [&] { ++sum; };
@@ -63,7 +63,7 @@ TEST(ThreadPool, runs_all_inside_a_job_and_after_its_end) {
   EXPECT_EQ(pool.run(add, in(kLong)).error().code, ErrorCode::Unavailable);
 }
 
-TEST(ThreadPool, an_overdue_job_keeps_its_thread_which_another_one_replaces) {
+TEST(ThreadPool, AnOverdueJobKeepsItsThreadWhichAnotherOneReplaces) {
   ThreadPool pool("test", {1, 1});
   std::promise<void> release;
   const auto overdue = pool.run([waits = release.get_future().share()] { waits.wait(); }, in(10ms));
@@ -74,7 +74,7 @@ TEST(ThreadPool, an_overdue_job_keeps_its_thread_which_another_one_replaces) {
   pool.close();
 }
 
-TEST(ThreadPool, signals_are_blocked_in_its_threads) {
+TEST(ThreadPool, SignalsAreBlockedInItsThreads) {
   ThreadPool pool("test", {1, 1});
   sigset_t blocked{};
   ASSERT_TRUE(pool.run([&] { ::pthread_sigmask(SIG_BLOCK, nullptr, &blocked); }, in(kLong)));
@@ -95,7 +95,7 @@ class Counter final : public DeadlineWatch::Entry {
   std::promise<void> done;
 };
 
-TEST(DeadlineWatch, calls_an_entry_whenever_it_is_due) {
+TEST(DeadlineWatch, CallsAnEntryWheneverItIsDue) {
   DeadlineWatch watch;
   const auto often = std::make_shared<Counter>();
   const auto removed = std::make_shared<Counter>();

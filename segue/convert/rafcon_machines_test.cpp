@@ -66,13 +66,13 @@ class RafconMachine : public ::testing::TestWithParam<How> {
   }
 };
 
-TEST_P(RafconMachine, countsDown) {
+TEST_P(RafconMachine, CountsDown) {
   const Ran ran = run("count_down");
   EXPECT_EQ(ran.result.outcome_name, "finished") << ran.result.error;
   EXPECT_EQ(ran.output("left"), "0");
 }
 
-TEST_P(RafconMachine, goesRoundWithVariablesAndALibraryWhoseDefaultIsOverridden) {
+TEST_P(RafconMachine, GoesRoundWithVariablesAndALibraryWhoseDefaultIsOverridden) {
   const Ran ran = run("rounds");
   EXPECT_EQ(ran.result.outcome_name, "done") << ran.result.error;
   EXPECT_EQ(ran.output("total"), "7") << "1, and twice 3";
@@ -80,7 +80,7 @@ TEST_P(RafconMachine, goesRoundWithVariablesAndALibraryWhoseDefaultIsOverridden)
   EXPECT_EQ(type::to_json(ran.globals, -1), R"({"limit":7,"rounds":2})");
 }
 
-TEST_P(RafconMachine, letsADeciderAskForTheOthersByNameAndId) {
+TEST_P(RafconMachine, LetsADeciderAskForTheOthersByNameAndId) {
   const Ran ran = run("judges");
   EXPECT_EQ(ran.result.outcome_name, "one") << ran.result.error;
   EXPECT_EQ(
@@ -89,7 +89,7 @@ TEST_P(RafconMachine, letsADeciderAskForTheOthersByNameAndId) {
       R"("by_name":"right","me":"unique_decider_state_id","nobody":null,"no_error":null})");
 }
 
-TEST_P(RafconMachine, preemptsWhoeverIsSlowerAndHandlesThat) {
+TEST_P(RafconMachine, PreemptsWhoeverIsSlowerAndHandlesThat) {
   const Ran ran = run("race");
   EXPECT_EQ(ran.result.outcome_name, "won") << ran.result.error;
   EXPECT_EQ(ran.output("who"), "\"quick\"");
@@ -97,27 +97,27 @@ TEST_P(RafconMachine, preemptsWhoeverIsSlowerAndHandlesThat) {
   EXPECT_EQ(type::to_json(ran.globals, -1), R"({"handled":true})");
 }
 
-TEST_P(RafconMachine, runsAsFarAsItIsFinished) {
+TEST_P(RafconMachine, RunsAsFarAsItIsFinished) {
   const Ran ran = run("unfinished");
   EXPECT_EQ(ran.result.outcome_name, "success") << ran.result.error;
   EXPECT_EQ(ran.output("told"), "\"good\"");
 }
 
-TEST_P(RafconMachine, abortsWhereAnOutcomeWithoutTransitionIsReached) {
+TEST_P(RafconMachine, AbortsWhereAnOutcomeWithoutTransitionIsReached) {
   const Ran ran = run("unfinished", "bad");
   EXPECT_EQ(ran.result.outcome, mission::kAborted);
   EXPECT_EQ(ran.result.error, "state 'asks' ended with 'bad', whose transition aborts");
   EXPECT_EQ(ran.output("told"), "\"bad\"");
 }
 
-TEST_P(RafconMachine, givesUpWithTheErrorOfAnAbortThatNobodyHandles) {
+TEST_P(RafconMachine, GivesUpWithTheErrorOfAnAbortThatNobodyHandles) {
   const Ran ran = run("gives_up");
   EXPECT_EQ(ran.result.outcome, mission::kAborted);
   EXPECT_THAT(ran.result.error, HasSubstr("no such outcome"));
   EXPECT_EQ(type::to_json(ran.globals, -1), R"({"began":true})");
 }
 
-TEST_P(RafconMachine, givesScriptsAllOfRafconsInterface) {
+TEST_P(RafconMachine, GivesScriptsAllOfRafconsInterface) {
   const Ran ran = run("interface");
   EXPECT_EQ(ran.result.outcome_name, "all") << ran.result.error;
   EXPECT_EQ(
@@ -129,7 +129,7 @@ TEST_P(RafconMachine, givesScriptsAllOfRafconsInterface) {
       R"("all":{"other":[1,{"x":null}],"text":"b"},"there":[true,false],"reference":"b","deleted":false})");
 }
 
-TEST_P(RafconMachine, passesLiveObjectsByReferenceThroughGlobalVariables) {
+TEST_P(RafconMachine, PassesLiveObjectsByReferenceThroughGlobalVariables) {
   const Ran ran = run("live_objects");
   EXPECT_EQ(ran.result.outcome_name, "success") << ran.result.error;
   EXPECT_EQ(type::to_json(ran.globals, -1), R"({"poses":[1,2,3],"published":["pose"]})");

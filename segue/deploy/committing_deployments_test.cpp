@@ -53,7 +53,7 @@ class CommittingDeployments : public ConnectedDeployments {
   }();
 };
 
-TEST_F(CommittingDeployments, exchange_a_connection_between_two_samples_again_and_again) {
+TEST_F(CommittingDeployments, ExchangeAConnectionBetweenTwoSamplesAgainAndAgain) {
   const auto page = *sample_link::CommitPage::create();
   for (int i = 0; i < 200; ++i) {
     const auto& old = i % 2 == 0 ? flow_ : other_;
@@ -70,7 +70,7 @@ TEST_F(CommittingDeployments, exchange_a_connection_between_two_samples_again_an
   EXPECT_EQ(pair::backwards, 0);
 }
 
-TEST_F(CommittingDeployments, go_on_as_before_where_the_runtime_dies_before_the_store) {
+TEST_F(CommittingDeployments, GoOnAsBeforeWhereTheRuntimeDiesBeforeTheStore) {
   prepare(other_);
   {
     const auto page = *sample_link::CommitPage::create();
@@ -91,7 +91,7 @@ TEST_F(CommittingDeployments, go_on_as_before_where_the_runtime_dies_before_the_
   EXPECT_EQ(pair::backwards, 0);
 }
 
-TEST_F(CommittingDeployments, have_switched_where_the_runtime_dies_right_after_the_store) {
+TEST_F(CommittingDeployments, HaveSwitchedWhereTheRuntimeDiesRightAfterTheStore) {
   prepare(other_);
   {
     const auto page = *sample_link::CommitPage::create();
@@ -106,7 +106,7 @@ TEST_F(CommittingDeployments, have_switched_where_the_runtime_dies_right_after_t
   EXPECT_EQ(pair::backwards, 0);
 }
 
-TEST_F(CommittingDeployments, are_not_disturbed_by_the_page_of_a_runtime_that_was_replaced) {
+TEST_F(CommittingDeployments, AreNotDisturbedByThePageOfARuntimeThatWasReplaced) {
   const auto old_page = *sample_link::CommitPage::create();
   const auto page = *sample_link::CommitPage::create();
   prepare(other_);

@@ -4,7 +4,7 @@
 namespace segue::deploy {
 namespace {
 
-TEST_F(ConnectedDeployments, carry_samples_between_them) {
+TEST_F(ConnectedDeployments, CarrySamplesBetweenThem) {
   run_both();
   const auto connected = connect(flow_);
   ASSERT_TRUE(connected) << to_string(connected.error());
@@ -28,7 +28,7 @@ TEST_F(ConnectedDeployments, carry_samples_between_them) {
   EXPECT_EQ(p_.deployment->snapshot()->memory.connections, 1U);
 }
 
-TEST_F(ConnectedDeployments, refuse_a_connection_that_exists) {
+TEST_F(ConnectedDeployments, RefuseAConnectionThatExists) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   expect_refused(connect(flow_), ErrorCode::AlreadyExists, "source.out -> sink.in");
@@ -38,7 +38,7 @@ TEST_F(ConnectedDeployments, refuse_a_connection_that_exists) {
   EXPECT_TRUE(arrives_after(10));
 }
 
-TEST_F(ConnectedDeployments, leave_nothing_behind_when_connections_are_closed) {
+TEST_F(ConnectedDeployments, LeaveNothingBehindWhenConnectionsAreClosed) {
   const auto idle = q_.memory->usage().control_used;
   run_both();
   ASSERT_TRUE(connect(flow_));
@@ -57,7 +57,7 @@ TEST_F(ConnectedDeployments, leave_nothing_behind_when_connections_are_closed) {
   EXPECT_EQ(p_.memory->usage().connections, 0U);
 }
 
-TEST_F(ConnectedDeployments, keep_a_place_until_its_writer_is_known_to_be_gone) {
+TEST_F(ConnectedDeployments, KeepAPlaceUntilItsWriterIsKnownToBeGone) {
   const auto idle = q_.memory->usage().control_used;
   run_both();
   ASSERT_TRUE(connect(flow_));
@@ -71,7 +71,7 @@ TEST_F(ConnectedDeployments, keep_a_place_until_its_writer_is_known_to_be_gone) 
   EXPECT_EQ(q_.memory->usage().control_used, idle);
 }
 
-TEST_F(ConnectedDeployments, give_stand_ins_the_ports_that_they_lack) {
+TEST_F(ConnectedDeployments, GiveStandInsThePortsThatTheyLack) {
   q_.bring_to_running(task_of("b", "any::Thing"));
   p_.bring_to_running(task_of("a", "any::Thing"));
   const auto connection = wire("a", "scans", "b", "clouds");
@@ -80,7 +80,7 @@ TEST_F(ConnectedDeployments, give_stand_ins_the_ports_that_they_lack) {
   EXPECT_EQ(p_.endpoints().size(), 1U);
 }
 
-TEST_F(ConnectedDeployments, explain_what_is_missing) {
+TEST_F(ConnectedDeployments, ExplainWhatIsMissing) {
   run_both();
   expect_refused(connect(wire("sauce", "out", "sink", "in")), ErrorCode::NotFound, "did you mean 'source'");
   expect_refused(connect(wire("source", "ot", "sink", "in")), ErrorCode::NotFound, "did you mean 'out'");
@@ -90,7 +90,7 @@ TEST_F(ConnectedDeployments, explain_what_is_missing) {
   EXPECT_THAT(q_.endpoints(), IsEmpty());
 }
 
-TEST_F(ConnectedDeployments, refuse_types_that_do_not_fit) {
+TEST_F(ConnectedDeployments, RefuseTypesThatDoNotFit) {
   run_both();
   const auto connection = wire("source", "words", "sink", "in");
   expect_refused(connect(connection), ErrorCode::TypeMismatch, "string");
@@ -98,7 +98,7 @@ TEST_F(ConnectedDeployments, refuse_types_that_do_not_fit) {
   EXPECT_EQ(q_.memory->usage().connections, 0U);
 }
 
-TEST_F(ConnectedDeployments, refuse_peers_that_are_not_mapped) {
+TEST_F(ConnectedDeployments, RefusePeersThatAreNotMapped) {
   run_both();
   auto origin = describe(flow_);
   ASSERT_TRUE(origin);
@@ -111,14 +111,14 @@ TEST_F(ConnectedDeployments, refuse_peers_that_are_not_mapped) {
   expect_refused(attach(flow_, place), ErrorCode::InvalidState, "admitted");
 }
 
-TEST_F(ConnectedDeployments, obey_stand_ins_that_refuse_to_be_connected) {
+TEST_F(ConnectedDeployments, ObeyStandInsThatRefuseToBeConnected) {
   q_.bring_to_running(task_of("b", "any::Thing"));
   const type::Value behaviour = type::Value::map({{"fail", "connect"}});
   p_.bring_to_running(task_of("a", "any::Thing", type::Value::map({{"stand_in", behaviour}})));
   expect_refused(connect(wire("a", "out", "b", "in")), ErrorCode::HookFailed, "connect");
 }
 
-TEST_F(ConnectedDeployments, endpoints_at_dynamic_ports_end_with_them) {
+TEST_F(ConnectedDeployments, EndpointsAtDynamicPortsEndWithThem) {
   run_both();
   const auto input = wire("source", "out", "sink", "extra");
   const auto output = wire("source", "extra", "sink", "in");
@@ -132,7 +132,7 @@ TEST_F(ConnectedDeployments, endpoints_at_dynamic_ports_end_with_them) {
   EXPECT_EQ(p_.endpoints().front().connection, input);
 }
 
-TEST_F(ConnectedDeployments, reconnect_where_the_readers_port_was_gone) {
+TEST_F(ConnectedDeployments, ReconnectWhereTheReadersPortWasGone) {
   run_both();
   const auto connection = wire("source", "out", "sink", "extra");
   ASSERT_TRUE(connect(connection));
@@ -147,7 +147,7 @@ TEST_F(ConnectedDeployments, reconnect_where_the_readers_port_was_gone) {
   EXPECT_EQ(q_.memory->usage().connections, 0U);
 }
 
-TEST_F(ConnectedDeployments, keep_endpoints_when_a_task_gets_another_activity) {
+TEST_F(ConnectedDeployments, KeepEndpointsWhenATaskGetsAnotherActivity) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   ASSERT_TRUE(arrives_after(10));
@@ -160,7 +160,7 @@ TEST_F(ConnectedDeployments, keep_endpoints_when_a_task_gets_another_activity) {
   EXPECT_EQ(pair::backwards, 0);
 }
 
-TEST_F(ConnectedDeployments, end_what_they_had_with_a_peer_that_is_gone) {
+TEST_F(ConnectedDeployments, EndWhatTheyHadWithAPeerThatIsGone) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   EXPECT_TRUE(q_.deployment->forget(p_.memory->incarnation()));
@@ -172,7 +172,7 @@ TEST_F(ConnectedDeployments, end_what_they_had_with_a_peer_that_is_gone) {
   EXPECT_FALSE(open(flow_, *origin)) << "it is a stranger now";
 }
 
-TEST_F(ConnectedDeployments, lead_to_two_incarnations_of_a_task_at_once) {
+TEST_F(ConnectedDeployments, LeadToTwoIncarnationsOfATaskAtOnce) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   Process other("r");
@@ -194,7 +194,7 @@ TEST_F(ConnectedDeployments, lead_to_two_incarnations_of_a_task_at_once) {
   EXPECT_TRUE(arrives_after(pair::last + 10)) << "what is written arrives there";
 }
 
-TEST_F(ConnectedDeployments, wait_for_hooks_until_the_deadline_only) {
+TEST_F(ConnectedDeployments, WaitForHooksUntilTheDeadlineOnly) {
   p_.bring_to_running(task_of("source", "pair::Source"));
   const auto origin = describe(flow_);
   ASSERT_TRUE(origin);
@@ -209,7 +209,7 @@ TEST_F(ConnectedDeployments, wait_for_hooks_until_the_deadline_only) {
   caller.join();
 }
 
-TEST_F(ConnectedDeployments, close_their_endpoints_when_they_go_down) {
+TEST_F(ConnectedDeployments, CloseTheirEndpointsWhenTheyGoDown) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   EXPECT_TRUE(p_.deployment->shut_down(soon()));
@@ -220,7 +220,7 @@ TEST_F(ConnectedDeployments, close_their_endpoints_when_they_go_down) {
 }
 
 /// Connections are made and closed while samples flow and other threads observe.
-TEST_F(ConnectedDeployments, stand_a_storm_of_connections) {
+TEST_F(ConnectedDeployments, StandAStormOfConnections) {
   run_both();
   std::atomic<bool> over = false;
   std::thread looker([&] {

@@ -44,7 +44,7 @@ Endpoint endpoint_of(const model::Connection& connection, Side side, sample_link
   return endpoint;
 }
 
-TEST(EndpointTable, keeps_one_endpoint_of_each_connection_and_side) {
+TEST(EndpointTable, KeepsOneEndpointOfEachConnectionAndSide) {
   const auto connection = wire("a", "out", "b", "in");
   auto other = connection;
   other.policy = {BufferKind::Buffer, 3, Transport::Automatic, false};
@@ -58,7 +58,7 @@ TEST(EndpointTable, keeps_one_endpoint_of_each_connection_and_side) {
   EXPECT_EQ(table.connected().size(), 3U);
 }
 
-TEST(EndpointTable, a_connection_may_lead_to_two_peers) {
+TEST(EndpointTable, AConnectionMayLeadToTwoPeers) {
   const auto connection = wire("a", "out", "b", "in");
   EndpointTable table;
   EXPECT_TRUE(table.add(endpoint_of(connection, Side::Output, 1)));
@@ -69,7 +69,7 @@ TEST(EndpointTable, a_connection_may_lead_to_two_peers) {
   EXPECT_TRUE(table.find(connection, Side::Output, 2));
 }
 
-TEST(EndpointTable, endpoints_that_ended_by_themselves_count_as_absent) {
+TEST(EndpointTable, EndpointsThatEndedByThemselvesCountAsAbsent) {
   const auto connection = wire("a", "out", "b", "in");
   EndpointTable table;
   const Endpoint output = endpoint_of(connection, Side::Output);
@@ -85,7 +85,7 @@ TEST(EndpointTable, endpoints_that_ended_by_themselves_count_as_absent) {
   EXPECT_TRUE(table.add(endpoint_of(connection, Side::Input)));
 }
 
-TEST(EndpointTable, remembers_the_places_of_inputs_that_ended_until_they_are_taken) {
+TEST(EndpointTable, RemembersThePlacesOfInputsThatEndedUntilTheyAreTaken) {
   const auto connection = wire("a", "out", "b", "in");
   EndpointTable table;
   for (const std::uint64_t offset : {64U, 128U}) {
@@ -100,7 +100,7 @@ TEST(EndpointTable, remembers_the_places_of_inputs_that_ended_until_they_are_tak
   EXPECT_THAT(table.take(connection, Side::Input, 1), IsEmpty());
 }
 
-TEST(EndpointTable, gives_out_the_endpoints_of_a_peer) {
+TEST(EndpointTable, GivesOutTheEndpointsOfAPeer) {
   EndpointTable table;
   ASSERT_TRUE(table.add(endpoint_of(wire("a", "out", "b", "in"), Side::Output, 1)));
   ASSERT_TRUE(table.add(endpoint_of(wire("a", "out", "c", "in"), Side::Output, 2)));
@@ -119,7 +119,7 @@ std::vector<std::string> names(const std::vector<model::TaskId>& ids) {
   return names;
 }
 
-TEST(ProducersFirst, puts_each_task_after_those_it_reads_from) {
+TEST(ProducersFirst, PutsEachTaskAfterThoseItReadsFrom) {
   model::Network network;
   for (const char* id : {"c", "x", "b", "a"}) {
     network.tasks.push_back(task_host::testing::task_of(id, "any::Thing"));
@@ -129,7 +129,7 @@ TEST(ProducersFirst, puts_each_task_after_those_it_reads_from) {
   EXPECT_THAT(names(producers_first(network)), ElementsAre("x", "a", "b", "c"));
 }
 
-TEST(ProducersFirst, cuts_cycles_at_their_first_task) {
+TEST(ProducersFirst, CutsCyclesAtTheirFirstTask) {
   model::Network network;
   for (const char* id : {"b", "a", "c"}) {
     network.tasks.push_back(task_host::testing::task_of(id, "any::Thing"));

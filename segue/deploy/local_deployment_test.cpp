@@ -98,7 +98,7 @@ class LocalDeploymentTest : public ::testing::Test {
   LocalDeployment deployment_{info_of("p"), host_, nullptr};
 };
 
-TEST_F(LocalDeploymentTest, is_there_from_the_beginning_and_holds_its_tasks) {
+TEST_F(LocalDeploymentTest, IsThereFromTheBeginningAndHoldsItsTasks) {
   bring_to_running(task_of("a", "any::Thing"));
   const auto snapshot = deployment_.snapshot();
   ASSERT_TRUE(snapshot);
@@ -113,7 +113,7 @@ TEST_F(LocalDeploymentTest, is_there_from_the_beginning_and_holds_its_tasks) {
   EXPECT_EQ(deployment_.info()->pid, 7);
 }
 
-TEST_F(LocalDeploymentTest, holds_tasks_of_the_runtime_without_a_deployment_where_it_is_the_runtimes_own) {
+TEST_F(LocalDeploymentTest, HoldsTasksOfTheRuntimeWithoutADeploymentWhereItIsTheRuntimesOwn) {
   task_host::LocalTaskHost host{
       libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   LocalDeployment own(info_of(""), host, nullptr);
@@ -124,7 +124,7 @@ TEST_F(LocalDeploymentTest, holds_tasks_of_the_runtime_without_a_deployment_wher
   EXPECT_FALSE(own.perform_all(std::vector{apply(task_of("b", "any::Thing"), "p")}, soon()).front());
 }
 
-TEST(LocalDeploymentDefaults, tasks_run_as_their_process_says) {
+TEST(LocalDeploymentDefaults, TasksRunAsTheirProcessSays) {
   const model::ComponentCatalog catalog;
   const task_host::LibrarySet libraries;
   task_host::LocalTaskHost host{
@@ -137,7 +137,7 @@ TEST(LocalDeploymentDefaults, tasks_run_as_their_process_says) {
   EXPECT_EQ(deployment.snapshot()->tasks.front().activity.cpus, std::vector{0});
 }
 
-TEST_F(LocalDeploymentTest, carries_out_the_others_where_one_fails) {
+TEST_F(LocalDeploymentTest, CarriesOutTheOthersWhereOneFails) {
   expect_done({apply(task_of("a", "any::Thing"), "p"), apply(task_of("b", "any::Thing"), "p")});
   const auto outcomes = perform({apply(task_of("c", "any::Thing"), "p"), on_task(ActionKind::Start, "a"),
                                  on_task(ActionKind::Configure, "b")});
@@ -150,7 +150,7 @@ TEST_F(LocalDeploymentTest, carries_out_the_others_where_one_fails) {
   EXPECT_EQ(state_of("b"), TaskState::Stopped);
 }
 
-TEST_F(LocalDeploymentTest, refuses_what_is_not_for_it) {
+TEST_F(LocalDeploymentTest, RefusesWhatIsNotForIt) {
   expect_refused(on_process(ActionKind::Deploy, "q"), ErrorCode::InvalidArgument, "process server");
   expect_refused(on_process(ActionKind::Undeploy, "p"), ErrorCode::InvalidArgument, "process server");
   expect_refused(apply(task_of("a", "any::Thing"), "q"), ErrorCode::InvalidArgument, "'localhost/q'");
@@ -158,7 +158,7 @@ TEST_F(LocalDeploymentTest, refuses_what_is_not_for_it) {
   EXPECT_THAT(deployment_.snapshot()->network.tasks, IsEmpty());
 }
 
-TEST_F(LocalDeploymentTest, connects_tasks_inside) {
+TEST_F(LocalDeploymentTest, ConnectsTasksInside) {
   bring_to_running(task_of("a", "any::Thing"));
   bring_to_running(task_of("b", "any::Thing"));
   const auto connection = wire("a", "out", "b", "in");
@@ -167,7 +167,7 @@ TEST_F(LocalDeploymentTest, connects_tasks_inside) {
   EXPECT_EQ(deployment_.snapshot()->connections.size(), 1U);
 }
 
-TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
+TEST_F(LocalDeploymentTest, SaysThatItSharesNoMemory) {
   bring_to_running(task_of("a", "any::Thing"));
   const auto connection = wire("a", "out", "b", "in");
   EXPECT_EQ(deployment_.memory(soon()).error().code, ErrorCode::Unsupported);
@@ -186,7 +186,7 @@ TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
   }
 }
 
-TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_a_hook_while_others_go_on) {
+TEST_F(LocalDeploymentTest, TellsWhichTaskHangsInAHookWhileOthersGoOn) {
   expect_done({apply(stuck_in("s", "configure"), "p")});
   const std::vector actions{on_task(ActionKind::Configure, "s")};
   // Long enough for the hook to begin.
@@ -200,7 +200,7 @@ TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_a_hook_while_others_go_on)
   EXPECT_EQ(state_of("s"), TaskState::Stopped);
 }
 
-TEST_F(LocalDeploymentTest, tells_what_has_ended_while_another_hook_is_at_work) {
+TEST_F(LocalDeploymentTest, TellsWhatHasEndedWhileAnotherHookIsAtWork) {
   expect_done({apply(stuck_in("s", "configure"), "p"), apply(task_of("a", "any::Thing"), "p"),
                apply(task_of("b", "any::Thing"), "p")});
   Mutex mutex;
@@ -223,7 +223,7 @@ TEST_F(LocalDeploymentTest, tells_what_has_ended_while_another_hook_is_at_work) 
   ASSERT_TRUE(changed.wait_until(mutex, soon(), [&] { return reported.size() == 3; }));
 }
 
-TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
+TEST_F(LocalDeploymentTest, TellsWhichTaskHangsInItsUpdate) {
   bring_to_running(stuck_in("s", "update"));
   ASSERT_TRUE(hooks::wait_until_inside("s"));
   EXPECT_TRUE(hang_now({})) << "nobody wants anything of it yet";
@@ -237,7 +237,7 @@ TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
   expect_done({on_task(ActionKind::Stop, "s")});
 }
 
-TEST_F(LocalDeploymentTest, reports_a_task_as_fatal_whose_update_exceeds_its_deadline) {
+TEST_F(LocalDeploymentTest, ReportsATaskAsFatalWhoseUpdateExceedsItsDeadline) {
   bring_to_running(overdue_in("s", "update"));
   ASSERT_TRUE(hooks::wait_until_inside("s"));
   EXPECT_TRUE(hang_now({model::TaskId("s")}));
@@ -253,7 +253,7 @@ TEST_F(LocalDeploymentTest, reports_a_task_as_fatal_whose_update_exceeds_its_dea
   EXPECT_EQ(state_of("s"), TaskState::Running);
 }
 
-TEST(LocalHostOfOverdueTasks, removes_a_process_whose_task_hangs_and_destroys_the_task_when_it_returns) {
+TEST(LocalHostOfOverdueTasks, RemovesAProcessWhoseTaskHangsAndDestroysTheTaskWhenItReturns) {
   hooks::reset();
   const model::ComponentCatalog catalog;
   const task_host::LibrarySet libraries;
@@ -272,7 +272,7 @@ TEST(LocalHostOfOverdueTasks, removes_a_process_whose_task_hangs_and_destroys_th
   EXPECT_TRUE(eventually([&] { return host.at_rest(); }));
 }
 
-TEST_F(LocalDeploymentTest, tells_of_a_task_that_fails_by_itself) {
+TEST_F(LocalDeploymentTest, TellsOfATaskThatFailsByItself) {
   Mutex mutex;
   ConditionVariable reported;
   std::vector<task_host::TaskEvent> events;
@@ -290,7 +290,7 @@ TEST_F(LocalDeploymentTest, tells_of_a_task_that_fails_by_itself) {
   deployment_.set_listener({});
 }
 
-TEST_F(LocalDeploymentTest, goes_down_in_order) {
+TEST_F(LocalDeploymentTest, GoesDownInOrder) {
   bring_to_running(stuck_in("c", ""));
   bring_to_running(stuck_in("b", ""));
   bring_to_running(stuck_in("a", ""));
@@ -307,7 +307,7 @@ TEST_F(LocalDeploymentTest, goes_down_in_order) {
   EXPECT_TRUE(deployment_.shut_down(soon())) << "again is free";
 }
 
-TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
+TEST(LocalDeploymentGoing, GivesUpWhatHangsAndStopsTheRest) {
   hooks::reset();
   // Nothing is destroyed that the hanging thread needs, like in a process that ends by std::_Exit.
   static const model::ComponentCatalog& catalog = *new model::ComponentCatalog;
@@ -328,7 +328,7 @@ TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
   hooks::release_all();
 }
 
-TEST_F(LocalDeploymentTest, waits_for_actions_under_way_when_it_goes_down) {
+TEST_F(LocalDeploymentTest, WaitsForActionsUnderWayWhenItGoesDown) {
   expect_done({apply(stuck_in("s", "configure"), "p")});
   std::thread caller([&] { expect_done({on_task(ActionKind::Configure, "s")}); });
   ASSERT_TRUE(hooks::wait_until_inside("s"));

@@ -374,7 +374,7 @@ model::Network random_spread(segue::testing::Random& random) {
   return network;
 }
 
-RC_GTEST_PROP(GatewaysOfAnyNetwork, comeAndGo, (std::uint64_t seed)) {
+RC_GTEST_PROP(GatewaysOfAnyNetwork, ComeAndGo, (std::uint64_t seed)) {
   segue::testing::Random random(seed);
   const auto network = random_spread(random);
   auto settings = gateways_of();
@@ -397,7 +397,7 @@ RC_GTEST_PROP(GatewaysOfAnyNetwork, comeAndGo, (std::uint64_t seed)) {
   }
 }
 
-RC_GTEST_PROP(GatewaysOfAnyNetwork, areOneForEachPortPolicyAndHost, (std::uint64_t seed)) {
+RC_GTEST_PROP(GatewaysOfAnyNetwork, AreOneForEachPortPolicyAndHost, (std::uint64_t seed)) {
   segue::testing::Random random(seed);
   const auto whole = expand(random_spread(random));
   std::set<TaskId> ids;

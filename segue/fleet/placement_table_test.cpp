@@ -48,7 +48,7 @@ void move(PlacementTable& table) {
   table.put({kTask, process("q")});
 }
 
-TEST(FullId, comes_apart_as_it_was_put_together) {
+TEST(FullId, ComesApartAsItWasPutTogether) {
   const auto split = task_host::split_id(at("q"));
   EXPECT_EQ(at("q").str(), "b@localhost/q");
   EXPECT_EQ(split.task, kTask);
@@ -61,7 +61,7 @@ TEST(FullId, comes_apart_as_it_was_put_together) {
   EXPECT_TRUE(own.process->is_runtime());
 }
 
-TEST(PlacementTable, a_task_in_one_process_is_what_its_plain_id_and_its_full_id_mean) {
+TEST(PlacementTable, ATaskInOneProcessIsWhatItsPlainIdAndItsFullIdMean) {
   PlacementTable table;
   table.put({kTask, process("p")});
   for (const Which which : {Which::Current, Which::Next}) {
@@ -72,7 +72,7 @@ TEST(PlacementTable, a_task_in_one_process_is_what_its_plain_id_and_its_full_id_
   EXPECT_EQ(table.name(kTask, process("p")), kTask);
 }
 
-TEST(PlacementTable, while_it_moves_the_current_one_has_the_plain_id) {
+TEST(PlacementTable, WhileItMovesTheCurrentOneHasThePlainId) {
   PlacementTable table;
   move(table);
   EXPECT_EQ(where(table, kTask, Which::Current), "p");
@@ -83,7 +83,7 @@ TEST(PlacementTable, while_it_moves_the_current_one_has_the_plain_id) {
   EXPECT_EQ(table.name(kTask, process("q")), at("q"));
 }
 
-TEST(PlacementTable, when_it_has_moved_the_new_one_has_the_plain_id) {
+TEST(PlacementTable, WhenItHasMovedTheNewOneHasThePlainId) {
   PlacementTable table;
   move(table);
   EXPECT_THAT(table.conclude(), ElementsAre(PlacementTable::Place{kTask, process("p")}));
@@ -94,7 +94,7 @@ TEST(PlacementTable, when_it_has_moved_the_new_one_has_the_plain_id) {
   EXPECT_THAT(table.conclude(), IsEmpty());
 }
 
-TEST(PlacementTable, given_up_the_new_one_keeps_its_full_id) {
+TEST(PlacementTable, GivenUpTheNewOneKeepsItsFullId) {
   PlacementTable table;
   move(table);
   table.withdraw();
@@ -107,7 +107,7 @@ TEST(PlacementTable, given_up_the_new_one_keeps_its_full_id) {
   EXPECT_TRUE(table.free_place(kTask, process("q")));
 }
 
-TEST(PlacementTable, a_leftover_is_the_next_one_of_a_transition_that_wants_it_where_it_is) {
+TEST(PlacementTable, ALeftoverIsTheNextOneOfATransitionThatWantsItWhereItIs) {
   PlacementTable table;
   move(table);
   table.withdraw();
@@ -119,7 +119,7 @@ TEST(PlacementTable, a_leftover_is_the_next_one_of_a_transition_that_wants_it_wh
   EXPECT_EQ(where(table, kTask, Which::Current), "q");
 }
 
-TEST(PlacementTable, a_transition_knows_where_its_tasks_will_live) {
+TEST(PlacementTable, ATransitionKnowsWhereItsTasksWillLive) {
   PlacementTable table;
   EXPECT_EQ(table.wanted(kTask), std::nullopt);
   table.begin_transition(in("p"), in("q"));
@@ -129,7 +129,7 @@ TEST(PlacementTable, a_transition_knows_where_its_tasks_will_live) {
   EXPECT_EQ(table.wanted(kTask), std::nullopt);
 }
 
-TEST(PlacementTable, a_leftover_elsewhere_stays_one) {
+TEST(PlacementTable, ALeftoverElsewhereStaysOne) {
   PlacementTable table;
   move(table);
   table.withdraw();
@@ -138,7 +138,7 @@ TEST(PlacementTable, a_leftover_elsewhere_stays_one) {
   EXPECT_THAT(table.conclude(), IsEmpty());
 }
 
-TEST(PlacementTable, what_was_to_be_taken_down_and_has_ended_is_not_what_comes_in_its_place) {
+TEST(PlacementTable, WhatWasToBeTakenDownAndHasEndedIsNotWhatComesInItsPlace) {
   PlacementTable table;
   table.put({kTask, process("p")});
   table.drop(process("p"));  // after the transition was planned
@@ -150,7 +150,7 @@ TEST(PlacementTable, what_was_to_be_taken_down_and_has_ended_is_not_what_comes_i
   EXPECT_EQ(where(table, kTask, Which::Current), "q");
 }
 
-TEST(PlacementTable, a_leftover_is_not_taken_for_one_that_ends_in_a_transition) {
+TEST(PlacementTable, ALeftoverIsNotTakenForOneThatEndsInATransition) {
   PlacementTable table;
   move(table);
   table.withdraw();
@@ -161,7 +161,7 @@ TEST(PlacementTable, a_leftover_is_not_taken_for_one_that_ends_in_a_transition) 
   EXPECT_EQ(where(table, kTask, Which::Current), "q");
 }
 
-TEST(PlacementTable, nothing_takes_the_place_of_one_that_dies_while_it_moves) {
+TEST(PlacementTable, NothingTakesThePlaceOfOneThatDiesWhileItMoves) {
   PlacementTable table;
   move(table);
   EXPECT_THAT(table.drop(process("p")), ElementsAre(kTask));
@@ -172,7 +172,7 @@ TEST(PlacementTable, nothing_takes_the_place_of_one_that_dies_while_it_moves) {
   EXPECT_EQ(where(table, kTask, Which::Current), "q") << "the only one there is";
 }
 
-TEST(PlacementTable, a_new_one_that_dies_leaves_the_old_one) {
+TEST(PlacementTable, ANewOneThatDiesLeavesTheOldOne) {
   PlacementTable table;
   move(table);
   EXPECT_THAT(table.drop(process("q")), ElementsAre(at("q")));
@@ -180,7 +180,7 @@ TEST(PlacementTable, a_new_one_that_dies_leaves_the_old_one) {
   EXPECT_THAT(table.conclude(), IsEmpty());
 }
 
-TEST(PlacementTable, is_updated_with_what_a_process_holds_and_holds_no_more) {
+TEST(PlacementTable, IsUpdatedWithWhatAProcessHoldsAndHoldsNoMore) {
   PlacementTable table;
   table.update(process("p"), {TaskId("a"), kTask}, table.begin_poll());
   table.update(process("q"), {kTask}, table.begin_poll());
@@ -193,7 +193,7 @@ TEST(PlacementTable, is_updated_with_what_a_process_holds_and_holds_no_more) {
   EXPECT_EQ(where(table, kTask, Which::Next), "");
 }
 
-TEST(PlacementTable, a_poll_is_older_than_what_was_done_since_it_began) {
+TEST(PlacementTable, APollIsOlderThanWhatWasDoneSinceItBegan) {
   PlacementTable table;
   table.put({TaskId("a"), process("p")});
   auto poll = table.begin_poll();
@@ -211,7 +211,7 @@ TEST(PlacementTable, a_poll_is_older_than_what_was_done_since_it_began) {
   EXPECT_EQ(where(table, TaskId("a"), Which::Current), "") << "that process is gone";
 }
 
-TEST(PlacementTable, one_that_a_poll_saw_before_it_was_put_is_next_all_the_same) {
+TEST(PlacementTable, OneThatAPollSawBeforeItWasPutIsNextAllTheSame) {
   PlacementTable table;
   table.put({kTask, process("p")});
   table.update(process("q"), {kTask}, table.begin_poll());
@@ -219,7 +219,7 @@ TEST(PlacementTable, one_that_a_poll_saw_before_it_was_put_is_next_all_the_same)
   EXPECT_EQ(where(table, kTask, Which::Next), "q");
 }
 
-TEST(PlacementTable, the_runtimes_own_process_is_one_whatever_its_host_is_called) {
+TEST(PlacementTable, TheRuntimesOwnProcessIsOneWhateverItsHostIsCalled) {
   PlacementTable table;
   table.put({kTask, process("p")});
   const DeploymentKey own{model::kLocalHost, {}};

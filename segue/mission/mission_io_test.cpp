@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 /// One of everything that a mission file can hold.
 const std::filesystem::path kEverything = segue::paths::in_sources("/tests/cases/mission/everything.yaml");
 
-TEST(MissionFile, isWrittenBackEqual) {
+TEST(MissionFile, IsWrittenBackEqual) {
   Diagnostics loading;
   const auto mission = load_mission(kEverything, {}, loading);
   ASSERT_TRUE(mission) << to_string(loading);
@@ -32,7 +32,7 @@ TEST(MissionFile, isWrittenBackEqual) {
   EXPECT_TRUE(diagnostics.empty()) << to_string(diagnostics);
 }
 
-TEST(MissionFile, keepsThePlaceOfEveryPart) {
+TEST(MissionFile, KeepsThePlaceOfEveryPart) {
   Diagnostics diagnostics;
   const auto mission = read_mission(
       "mission: m\nstart: a\nstates:\n  a:\n    on: {success: return success}\n", "m.yaml", diagnostics);
@@ -58,7 +58,7 @@ class LibraryFiles : public ::testing::Test {
   Diagnostics diagnostics_;
 };
 
-TEST_F(LibraryFiles, areFoundBesideTheFileThatNamesThem) {
+TEST_F(LibraryFiles, AreFoundBesideTheFileThatNamesThem) {
   write("main.yaml",
         "mission: main\nstart: a\nstates: {a: {library: tools/outer, on: {success: return success}}}\n");
   write("tools/outer.yaml",
@@ -70,7 +70,7 @@ TEST_F(LibraryFiles, areFoundBesideTheFileThatNamesThem) {
   EXPECT_EQ(mission->states.size(), 5U);
 }
 
-TEST_F(LibraryFiles, areFoundInTheFoldersGiven) {
+TEST_F(LibraryFiles, AreFoundInTheFoldersGiven) {
   write("main.yaml", "mission: main\nlibrary: rest\n");
   write("tools/rest.yaml", "mission: rest\nactions: {rest: }\n");
   EXPECT_FALSE(load_mission(folder_ / "main.yaml", {}, diagnostics_));
@@ -79,7 +79,7 @@ TEST_F(LibraryFiles, areFoundInTheFoldersGiven) {
   EXPECT_TRUE(load_mission(folder_ / "main.yaml", {folder_ / "tools"}, none)) << to_string(none);
 }
 
-TEST_F(LibraryFiles, thatUseEachOtherInACircleAreRefused) {
+TEST_F(LibraryFiles, ThatUseEachOtherInACircleAreRefused) {
   write("main.yaml", "mission: main\nlibrary: tools/a\n");
   write("tools/a.yaml", "mission: a\nlibrary: b\n");
   write("tools/b.yaml", "mission: b\nlibrary: a\n");
@@ -87,7 +87,7 @@ TEST_F(LibraryFiles, thatUseEachOtherInACircleAreRefused) {
   EXPECT_THAT(to_string(diagnostics_), HasSubstr("library-recursion"));
 }
 
-TEST_F(LibraryFiles, keepTheirActionsApart) {
+TEST_F(LibraryFiles, KeepTheirActionsApart) {
   write("main.yaml",
         "mission: main\nactions: {rest: {pure: true}}\nstart: rest\n"
         "states: {rest: {on: {success: other}}, other: {library: tools/nap, on: {success: return "
@@ -98,7 +98,7 @@ TEST_F(LibraryFiles, keepTheirActionsApart) {
   EXPECT_EQ(mission->states.back().action.str(), "tools:nap:rest");
 }
 
-TEST_F(LibraryFiles, keepScriptsOfOneNameInTwoFoldersApart) {
+TEST_F(LibraryFiles, KeepScriptsOfOneNameInTwoFoldersApart) {
   const std::string actions = "actions: {rest: {run: {python: rest.py}}}\n";
   write("main.yaml", "mission: main\n" + actions +
                          "start: rest\nstates:\n  rest: {on: {success: same}}\n"

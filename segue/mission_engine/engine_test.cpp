@@ -73,13 +73,13 @@ class UntilPreempted final : public ActionRunner {
 
 constexpr std::string_view kLeaf = "mission: m\nactions: {a: {run: {callback: a}}}\naction: a\n";
 
-TEST(MissionEngine, refusesAMissionWhoseActionsItCannotRun) {
+TEST(MissionEngine, RefusesAMissionWhoseActionsItCannotRun) {
   const auto engine = Engine::create(compiled(parsed(kLeaf)), Runners());
   ASSERT_FALSE(engine);
   EXPECT_EQ(engine.error().code, ErrorCode::NotFound);
 }
 
-TEST(MissionEngine, simulatesWhatItIsToldTo) {
+TEST(MissionEngine, SimulatesWhatItIsToldTo) {
   VirtualClock clock;
   EngineOptions options;
   options.clock = &clock;
@@ -93,7 +93,7 @@ TEST(MissionEngine, simulatesWhatItIsToldTo) {
   EXPECT_EQ(clock.now().time_since_epoch(), 4s);
 }
 
-TEST(MissionEngine, refusesInputsThatAreNone) {
+TEST(MissionEngine, RefusesInputsThatAreNone) {
   const auto engine = engine_for(
       parsed("mission: m\nactions: {a: {inputs: {x: int}, run: {simulated: {}}}}\naction: a\n"), Runners());
   EXPECT_EQ(engine->set_input("y", 1).error().code, ErrorCode::NotFound);
@@ -102,7 +102,7 @@ TEST(MissionEngine, refusesInputsThatAreNone) {
   EXPECT_EQ(engine->start_at("nowhere").error().code, ErrorCode::NotFound);
 }
 
-TEST(MissionEngine, needsNoStackForDepth) {
+TEST(MissionEngine, NeedsNoStackForDepth) {
   constexpr int kDepth = 100'000;
   Mission mission;
   mission.name = "deep";
@@ -131,7 +131,7 @@ TEST(MissionEngine, needsNoStackForDepth) {
   EXPECT_EQ(engine->executions(), kDepth + 1U);
 }
 
-TEST(MissionEngine, runsLibrariesWithoutExpandingThem) {
+TEST(MissionEngine, RunsLibrariesWithoutExpandingThem) {
   // Each uses the one before twice: 2^16 executions of the innermost, 17 machines.
   std::string text =
       "mission: m\nlibrary: l16\nactions: {a: {run: {simulated: {}}}}\nlibraries:\n  l0: {action: a}\n";
@@ -147,7 +147,7 @@ TEST(MissionEngine, runsLibrariesWithoutExpandingThem) {
   EXPECT_GT(engine->executions(), 65'536U);
 }
 
-TEST(MissionEngine, isEndedFromOtherThreads) {
+TEST(MissionEngine, IsEndedFromOtherThreads) {
   const auto runner = std::make_shared<Threads>();
   Runners runners;
   runners.add("a", runner);
@@ -163,7 +163,7 @@ TEST(MissionEngine, isEndedFromOtherThreads) {
   EXPECT_EQ(engine->result().outcome_name, "success");
 }
 
-TEST(MissionEngine, isStoppedFromAnotherThread) {
+TEST(MissionEngine, IsStoppedFromAnotherThread) {
   const auto runner = std::make_shared<UntilPreempted>();
   Runners runners;
   runners.add("a", runner);
@@ -176,7 +176,7 @@ TEST(MissionEngine, isStoppedFromAnotherThread) {
   EXPECT_EQ(engine->result().outcome_name, "preempted");
 }
 
-TEST(MissionEngine, isPausedFromAnotherThread) {
+TEST(MissionEngine, IsPausedFromAnotherThread) {
   Runners runners;
   std::latch looping(1);
   std::atomic<bool> first = true;
@@ -202,7 +202,7 @@ constexpr std::string_view kTwoInALoop =
     "states: {x: {action: a, on: {again: y, done: return done}}, y: {action: a, on: {again: x, done: return "
     "done}}}\n";
 
-TEST(MissionEngine, isSteeredFromAnotherThreadWhileItIsHeld) {
+TEST(MissionEngine, IsSteeredFromAnotherThreadWhileItIsHeld) {
   Runners runners;
   int executions = 0;
   runners.add("a", [&](ActionCall&) { return Ending{++executions < 4 ? 0 : 1, {}}; });
@@ -228,7 +228,7 @@ TEST(MissionEngine, isSteeredFromAnotherThreadWhileItIsHeld) {
   EXPECT_EQ(held, (std::vector<std::string>{"y", "x"}));
 }
 
-TEST(MissionEngine, goesOnElsewhereWhileAnActionRuns) {
+TEST(MissionEngine, GoesOnElsewhereWhileAnActionRuns) {
   Runners runners;
   const auto runner = std::make_shared<UntilPreempted>();
   runners.add("a", runner);
@@ -249,7 +249,7 @@ TEST(MissionEngine, goesOnElsewhereWhileAnActionRuns) {
   EXPECT_EQ(engine->result().outcome_name, "success");
 }
 
-TEST(MissionEngine, passesBreakpointsThatAnEarlierRunHasPassed) {
+TEST(MissionEngine, PassesBreakpointsThatAnEarlierRunHasPassed) {
   const auto file = std::filesystem::path(::testing::TempDir()) /
                     ("segue_breakpoints_" + std::to_string(::getpid()) + ".journal");
   std::filesystem::remove(file);
@@ -282,7 +282,7 @@ TEST(MissionEngine, passesBreakpointsThatAnEarlierRunHasPassed) {
   std::filesystem::remove(file);
 }
 
-TEST(MissionEngine, outlivedByACompleter) {
+TEST(MissionEngine, OutlivedByACompleter) {
   std::optional<Completer> late;
   class Keeps final : public ActionRunner {
    public:
@@ -308,7 +308,7 @@ TEST(MissionEngine, outlivedByACompleter) {
   if (late) (*late)({0, {}}, {});
 }
 
-TEST(MissionHistory, forgetsTheEffectsOfWhatIsUndone) {
+TEST(MissionHistory, ForgetsTheEffectsOfWhatIsUndone) {
   Runners runners;
   VirtualClock clock;
   EngineOptions options;
@@ -343,7 +343,7 @@ TEST(MissionWorld, TellsTheNameOfAFactFromItsArguments) {
   EXPECT_EQ(parts_of("up").predicate, "up");
 }
 
-TEST(MissionGlobals, areLockedByOneAtATime) {
+TEST(MissionGlobals, AreLockedByOneAtATime) {
   Globals globals;
   ASSERT_TRUE(globals.set("x", 1));
   const auto key = globals.lock("x", 0ms);
@@ -362,7 +362,7 @@ TEST(MissionGlobals, areLockedByOneAtATime) {
   EXPECT_EQ(globals.get("x"), std::nullopt);
 }
 
-TEST(MissionGlobals, keepTheirType) {
+TEST(MissionGlobals, KeepTheirType) {
   Globals globals({{"x", "float", 1.0, {}}});
   EXPECT_TRUE(globals.set("x", 2));
   EXPECT_EQ(globals.set("x", "two").error().code, ErrorCode::TypeMismatch);

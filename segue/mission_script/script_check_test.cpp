@@ -46,14 +46,14 @@ class CompiledScripts : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(CompiledScripts, areFoundWhereTheyAreNoPythonWithTheirFileLineAndColumn) {
+TEST_F(CompiledScripts, AreFoundWhereTheyAreNoPythonWithTheirFileLineAndColumn) {
   EXPECT_TRUE(write_file(folder_ / "a.py", "def execute(self, inputs, outputs, gvm):\n    return = 0\n"));
   EXPECT_THAT(problems_of("mission: m\nactions: {a: {run: {python: a.py}}}\naction: a\n"),
               AllOf(StartsWith("a.py:2:12: error: action 'a': SyntaxError: invalid syntax"),
                     EndsWith("[bad-script]\n")));
 }
 
-TEST_F(CompiledScripts, areFoundInABlockOfTheMissionFile) {
+TEST_F(CompiledScripts, AreFoundInABlockOfTheMissionFile) {
   EXPECT_THAT(
       problems_of(
           "mission: m\nactions:\n  a:\n    run:\n      python:\n        text: |\n\n"
@@ -61,20 +61,20 @@ TEST_F(CompiledScripts, areFoundInABlockOfTheMissionFile) {
       StartsWith("m.yaml:9:22: error: action 'a': line 3 of its script: SyntaxError: invalid syntax"));
 }
 
-TEST_F(CompiledScripts, areFoundInAQuotedText) {
+TEST_F(CompiledScripts, AreFoundInAQuotedText) {
   EXPECT_THAT(
       problems_of("mission: m\nactions: {a: {run: {python: {text: \"x = 1\\ny = = 2\"}}}}\naction: a\n"),
       StartsWith("m.yaml:2:36: error: action 'a': line 2 of its script: SyntaxError: invalid syntax"));
 }
 
-TEST_F(CompiledScripts, ofDataOfTheWorldAreCompiledToo) {
+TEST_F(CompiledScripts, OfDataOfTheWorldAreCompiledToo) {
   EXPECT_THAT(problems_of("mission: m\nworld_data:\n  tally: {initial: 0, python: {text: \"def add(:\"}, "
                           "effects: {'+done': add}}\n"
                           "actions: {a: {effects: [+done], run: {simulated: {}}}}\naction: a\n"),
               HasSubstr("error: the world data 'tally': line 1 of its script: SyntaxError"));
 }
 
-TEST_F(CompiledScripts, ofARafconMachineAreFoundInItsFolder) {
+TEST_F(CompiledScripts, OfARafconMachineAreFoundInItsFolder) {
   const auto machine = folder_ / "machine";
   std::filesystem::copy(segue::paths::in_sources("/tests/rafcon/live_objects"), machine,
                         std::filesystem::copy_options::recursive);
@@ -86,18 +86,18 @@ TEST_F(CompiledScripts, ofARafconMachineAreFoundInItsFolder) {
   EXPECT_THAT(to_string(diagnostics), HasSubstr((machine / "uses_USESAA/script.py").string() + ":2:"));
 }
 
-TEST_F(CompiledScripts, areNotExecuted) {
+TEST_F(CompiledScripts, AreNotExecuted) {
   EXPECT_EQ(problems_of(
                 "mission: m\nactions: {a: {run: {python: {text: \"import os; os._exit(3)\"}}}}\naction: a\n"),
             "");
 }
 
-TEST_F(CompiledScripts, thatCannotBeReadAreNoNews) {
+TEST_F(CompiledScripts, ThatCannotBeReadAreNoNews) {
   EXPECT_THAT(problems_of("mission: m\nactions: {a: {run: {python: gone.py}}}\naction: a\n"),
               AllOf(HasSubstr("[missing-script]"), Not(HasSubstr("bad-script"))));
 }
 
-TEST_F(CompiledScripts, areAWarningWithoutAnInterpreter) {
+TEST_F(CompiledScripts, AreAWarningWithoutAnInterpreter) {
   ScriptOptions options;
   options.python = "no-such-python";
   EXPECT_THAT(

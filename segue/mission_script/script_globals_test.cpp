@@ -4,7 +4,7 @@
 namespace segue::mission {
 namespace {
 
-TEST_F(Scripts, runSideBySide) {
+TEST_F(Scripts, RunSideBySide) {
   const auto meet = [](const std::string& mine, const std::string& other) {
     return execute("gvm.set_variable('" + mine + "', True)\nwhile not gvm.get_variable('" + other +
                    "', default=False):\n  if self.preemptive_wait(0.001): break\nreturn 0");
@@ -13,7 +13,7 @@ TEST_F(Scripts, runSideBySide) {
   EXPECT_EQ(result.outcome, 0) << result.error;
 }
 
-TEST_F(Scripts, ofDecidersKnowHowTheOthersEnded) {
+TEST_F(Scripts, OfDecidersKnowHowTheOthersEnded) {
   const auto& result =
       run(side_by_side(action("left", execute("return 'odd'"), "outcomes: [success, odd]") +
                            action("right", execute("raise RuntimeError('right fails')")),
@@ -30,7 +30,7 @@ TEST_F(Scripts, ofDecidersKnowHowTheOthersEnded) {
 
 // gvm
 
-TEST_F(Scripts, useGlobalVariables) {
+TEST_F(Scripts, UseGlobalVariables) {
   run_body(
       "gvm.set_variable('a', {'x': [1, 2.5]})\nassert gvm.get_variable('a') == {'x': [1, 2.5]}\n"
       "assert gvm.get_variable('none') is None and gvm.get_variable('none', default=3) == 3\n"
@@ -56,7 +56,7 @@ std::string one_after_the_other(const std::string& first, const std::string& sec
          "  second: {on: {success: return success}}\n";
 }
 
-TEST_F(Scripts, passLiveObjectsByReferenceToEachOther) {
+TEST_F(Scripts, PassLiveObjectsByReferenceToEachOther) {
   const auto& result = run(one_after_the_other(
       "import threading\nclass Node: pass\nnode = Node()\nnode.lock = threading.Lock()\nnode.topic = 'scan'\n"
       "gvm.set_variable('node', node, per_reference=True)",
@@ -71,7 +71,7 @@ TEST_F(Scripts, passLiveObjectsByReferenceToEachOther) {
             Value::map({{"node", "an object of type Node"}, {"topic", "scan"}}));
 }
 
-TEST_F(Scripts, changeAListThatAVariableHoldsByReference) {
+TEST_F(Scripts, ChangeAListThatAVariableHoldsByReference) {
   const auto& result = run(one_after_the_other(
       "l = [1]\ngvm.set_variable('l', l, per_reference=True)\nl.append(2)",
       "gvm.get_variable('l', per_reference=True).append(3)\ngvm.get_variable('l').append(4)\n"
@@ -80,7 +80,7 @@ TEST_F(Scripts, changeAListThatAVariableHoldsByReference) {
   EXPECT_EQ(engine_->globals().get("l"), Value::list({1, 2, 3, 4}));
 }
 
-TEST_F(Scripts, getCopiesOfWhatWasSetByValue) {
+TEST_F(Scripts, GetCopiesOfWhatWasSetByValue) {
   const auto& result = run(one_after_the_other(
       "l = [1]\ngvm.set_variable('l', l)\nl.append(2)\nt = ({1: 2}, float('inf'), {3})\n"
       "gvm.set_variable('t', t)\nt[0][1] = 'changed'",
@@ -92,7 +92,7 @@ TEST_F(Scripts, getCopiesOfWhatWasSetByValue) {
   EXPECT_EQ(result.outcome, 0) << result.error;
 }
 
-TEST_F(Scripts, putNoObjectOfAnotherTypeIntoAVariable) {
+TEST_F(Scripts, PutNoObjectOfAnotherTypeIntoAVariable) {
   const auto& result = run_body(
       "gvm.set_variable('i', 1, data_type=int)\n"
       "for wrong in (object(), [1], (1,)):\n"
@@ -103,7 +103,7 @@ TEST_F(Scripts, putNoObjectOfAnotherTypeIntoAVariable) {
   EXPECT_EQ(result.outcome, 0) << result.error;
 }
 
-TEST_F(Scripts, loseNoObjectThatAVariableHoldsAndKeepNoOther) {
+TEST_F(Scripts, LoseNoObjectThatAVariableHoldsAndKeepNoOther) {
   const auto& result = run_body(
       "import gc, weakref\nclass Thing: pass\nseen = []\n"
       "for i in range(5):\n  thing = Thing()\n  seen.append(weakref.ref(thing))\n"
@@ -113,7 +113,7 @@ TEST_F(Scripts, loseNoObjectThatAVariableHoldsAndKeepNoOther) {
   EXPECT_EQ(result.outcome, 0) << result.error;
 }
 
-TEST_F(Scripts, areToldWhereAnObjectHasGoneWithItsProcess) {
+TEST_F(Scripts, AreToldWhereAnObjectHasGoneWithItsProcess) {
   const auto& result =
       run("mission: m\nactions:\n" +
           action("first", execute("gvm.set_variable('l', [1], per_reference=True)\nreturn 0")) +
@@ -127,7 +127,7 @@ TEST_F(Scripts, areToldWhereAnObjectHasGoneWithItsProcess) {
               HasSubstr("'l' holds an object of another Python process, or of one that has ended"));
 }
 
-TEST_F(Scripts, haveAnInterpreterOfTheirOwnWhereTheyAreIsolated) {
+TEST_F(Scripts, HaveAnInterpreterOfTheirOwnWhereTheyAreIsolated) {
   const std::string count = execute(
       "import builtins\nbuiltins.count = getattr(builtins, 'count', 0) + 1\noutputs['n'] = builtins.count\n"
       "return 0");
@@ -144,7 +144,7 @@ TEST_F(Scripts, haveAnInterpreterOfTheirOwnWhereTheyAreIsolated) {
   EXPECT_EQ(result.outputs, (std::vector<Value>{3, 1}));
 }
 
-TEST_F(Scripts, nameGlobalVariablesByTheTextOfTheirKeys) {
+TEST_F(Scripts, NameGlobalVariablesByTheTextOfTheirKeys) {
   run_body(
       "gvm.set_variable(5, 1); gvm.set_variable(6, 2)\nassert gvm.get_variable('5') == 1\n"
       "key = gvm.lock_variable(6)\nassert gvm.is_locked('6')\ngvm.unlock_variable(6, key)\n"
@@ -153,12 +153,12 @@ TEST_F(Scripts, nameGlobalVariablesByTheTextOfTheirKeys) {
   EXPECT_EQ(engine_->globals().snapshot(), Value::map({{"5", 1}}));
 }
 
-TEST_F(Scripts, abortWhereTheyDeleteAVariableThatDoesNotExist) {
+TEST_F(Scripts, AbortWhereTheyDeleteAVariableThatDoesNotExist) {
   EXPECT_EQ(error_of("gvm.delete_variable('nope')\nreturn 0"),
             "m:2: AttributeError: there is no global variable 'nope'");
 }
 
-TEST_F(Scripts, lockGlobalVariables) {
+TEST_F(Scripts, LockGlobalVariables) {
   run_body(
       "gvm.set_variable('v', 1)\nkey = gvm.lock_variable('v')\nassert key and gvm.is_locked('v')\n"
       "assert gvm.lock_variable('v') is False\n"
@@ -174,7 +174,7 @@ TEST_F(Scripts, lockGlobalVariables) {
   EXPECT_EQ(engine_->result().outcome, 0) << engine_->result().error;
 }
 
-TEST_F(Scripts, countTogetherUnderALock) {
+TEST_F(Scripts, CountTogetherUnderALock) {
   const std::string count = execute(
       "for i in range(50):\n  key = gvm.lock_variable('n', block=True)\n"
       "  n = gvm.get_variable('n', access_key=key)\n  gvm.set_variable('n', n + 1, access_key=key)\n"
@@ -185,7 +185,7 @@ TEST_F(Scripts, countTogetherUnderALock) {
   EXPECT_EQ(engine_->globals().get("n"), Value(100));
 }
 
-TEST_F(Scripts, thatWaitForALockArePreempted) {
+TEST_F(Scripts, ThatWaitForALockArePreempted) {
   const auto& result = run(
       "mission: m\nactions:\n" +
       action("holder", execute("key = gvm.lock_variable('v')\nself.logger.info('holds')\n"
@@ -198,7 +198,7 @@ TEST_F(Scripts, thatWaitForALockArePreempted) {
   EXPECT_EQ(result.outcome, 0) << result.error;
 }
 
-TEST_F(Scripts, cannotUseGlobalVariablesOnceTheyHaveEnded) {
+TEST_F(Scripts, CannotUseGlobalVariablesOnceTheyHaveEnded) {
   const auto& result = run(
       "mission: m\nactions:\n" +
       action(

@@ -11,7 +11,7 @@ using type::Value;
 
 constexpr std::size_t kLargest = 0xffff;
 
-RC_GTEST_PROP(ScriptMessages, arriveWholeInWhateverPieces, (const std::vector<std::vector<int>>& lists)) {
+RC_GTEST_PROP(ScriptMessages, ArriveWholeInWhateverPieces, (const std::vector<std::vector<int>>& lists)) {
   std::string stream;
   std::vector<Value> messages;
   for (const std::vector<int>& numbers : lists) {
@@ -30,7 +30,7 @@ RC_GTEST_PROP(ScriptMessages, arriveWholeInWhateverPieces, (const std::vector<st
   RC_ASSERT(received == messages);
 }
 
-RC_GTEST_PROP(ScriptMessages, areNeverReadBeyondWhatArrived, (const std::string& noise)) {
+RC_GTEST_PROP(ScriptMessages, AreNeverReadBeyondWhatArrived, (const std::string& noise)) {
   MessageReader reader(kLargest);
   reader.append(noise);
   for (std::size_t i = 0; i <= noise.size(); ++i) {
@@ -40,23 +40,23 @@ RC_GTEST_PROP(ScriptMessages, areNeverReadBeyondWhatArrived, (const std::string&
   RC_FAIL("more messages than bytes");
 }
 
-TEST(ScriptMessages, thatAreTooLargeAreNotSent) {
+TEST(ScriptMessages, ThatAreTooLargeAreNotSent) {
   EXPECT_EQ(framed(std::string(kLargest, 'x'), kLargest).error().code, ErrorCode::ResourceExhausted);
 }
 
-TEST(ScriptMessages, thatAreTooLargeAreRefusedBeforeTheyHaveArrived) {
+TEST(ScriptMessages, ThatAreTooLargeAreRefusedBeforeTheyHaveArrived) {
   MessageReader reader(kLargest);
   reader.append(std::string_view("\0\0\x01\0", 4));
   EXPECT_EQ(reader.next().error().code, ErrorCode::ResourceExhausted);
 }
 
-TEST(ScriptMessages, thatAreNoJsonAreRefused) {
+TEST(ScriptMessages, ThatAreNoJsonAreRefused) {
   MessageReader reader(kLargest);
   reader.append(std::string_view("\x02\0\0\0{]", 6));
   EXPECT_EQ(reader.next().error().code, ErrorCode::ParseError);
 }
 
-TEST(ScriptLines, arriveWholeOrCut) {
+TEST(ScriptLines, ArriveWholeOrCut) {
   LineReader reader;
   reader.append("one\ntw");
   EXPECT_EQ(reader.next(), "one");
@@ -70,14 +70,14 @@ TEST(ScriptLines, arriveWholeOrCut) {
   EXPECT_EQ(reader.rest(), "");
 }
 
-TEST(ScriptAnswers, areErrorsWhereTheQuestionIsNone) {
+TEST(ScriptAnswers, AreErrorsWhereTheQuestionIsNone) {
   Globals globals;
   for (const Value& request : {Value(), Value::map({{"call", 3}}), Value::map({{"call", "fly"}})})
     EXPECT_NE(answer_about_globals(globals, std::make_shared<ScriptObjects>(), request).find("error"),
               nullptr);
 }
 
-TEST(ScriptAnswers, tellALockedVariableFromOneThatIsNotThere) {
+TEST(ScriptAnswers, TellALockedVariableFromOneThatIsNotThere) {
   Globals globals;
   const auto objects = std::make_shared<ScriptObjects>();
   const auto get = [&](const std::string& name, Globals::Key key) {
@@ -91,7 +91,7 @@ TEST(ScriptAnswers, tellALockedVariableFromOneThatIsNotThere) {
   EXPECT_NE(get("locked", key + 1).find("error"), nullptr);
 }
 
-TEST(ScriptAnswers, tellTheProcessWhichObjectsNoVariableHoldsAnyMore) {
+TEST(ScriptAnswers, TellTheProcessWhichObjectsNoVariableHoldsAnyMore) {
   Globals globals;
   const auto objects = std::make_shared<ScriptObjects>();
   const auto ask = [&](const char* call, std::uint64_t number) {
@@ -107,7 +107,7 @@ TEST(ScriptAnswers, tellTheProcessWhichObjectsNoVariableHoldsAnyMore) {
   EXPECT_EQ(objects->take_released(), std::vector<std::uint64_t>{2});
 }
 
-TEST(ScriptAnswers, passNoObjectOfAnotherProcess) {
+TEST(ScriptAnswers, PassNoObjectOfAnotherProcess) {
   Globals globals;
   const auto first = std::make_shared<ScriptObjects>();
   const auto second = std::make_shared<ScriptObjects>();

@@ -4,7 +4,7 @@
 namespace segue::mission {
 namespace {
 
-TEST_F(Scripts, shareAProcessThatEndsWithTheRunner) {
+TEST_F(Scripts, ShareAProcessThatEndsWithTheRunner) {
   EXPECT_EQ(run_body("return 0").outcome, 0);
   const auto process = runner_->process();
   ASSERT_TRUE(process);
@@ -16,7 +16,7 @@ TEST_F(Scripts, shareAProcessThatEndsWithTheRunner) {
   EXPECT_THAT(lines_.text(), HasSubstr("bye"));
 }
 
-TEST_F(Scripts, abortWhereTheirProcessEnds) {
+TEST_F(Scripts, AbortWhereTheirProcessEnds) {
   EXPECT_EQ(error_of("import os\nos._exit(3)"), "the Python process ended with exit status 3");
   EXPECT_EQ(error_of("import os\nos.kill(os.getpid(), 9)\nself.preemptive_wait(600)"),
             "the Python process was killed by signal 9 (Killed)");
@@ -27,7 +27,7 @@ TEST_F(Scripts, abortWhereTheirProcessEnds) {
   EXPECT_EQ(run_body("return 0").outcome, 0);
 }
 
-TEST_F(Scripts, allAbortWhereTheirProcessEnds) {
+TEST_F(Scripts, AllAbortWhereTheirProcessEnds) {
   load(side_by_side(action("left", execute("gvm.lock_variable('v')\nself.logger.info('left works')\n"
                                            "self.preemptive_wait(600)\nreturn 0")) +
                         action("right", execute("self.logger.info('right works')\nself.preemptive_wait(600)\n"
@@ -44,7 +44,7 @@ TEST_F(Scripts, allAbortWhereTheirProcessEnds) {
   EXPECT_EQ(engine_->result().outcome, 0) << engine_->result().error;
 }
 
-TEST_F(Scripts, abortWhereTheirProcessTalksNonsense) {
+TEST_F(Scripts, AbortWhereTheirProcessTalksNonsense) {
   EXPECT_THAT(error_of("import os, time\nos.write(3, b'hello, engine')\nwhile True: time.sleep(1)"),
               StartsWith("the Python process was killed, since it sent an invalid message: a message of "));
   EXPECT_THAT(error_of("import os, time\nos.write(3, b'\\x02\\0\\0\\0{]')\nwhile True: time.sleep(1)"),
@@ -57,19 +57,19 @@ TEST_F(Scripts, abortWhereTheirProcessTalksNonsense) {
   EXPECT_EQ(run_body("return 0").outcome, 0);
 }
 
-TEST_F(Scripts, abortWhereTheirProcessClosesItsConnection) {
+TEST_F(Scripts, AbortWhereTheirProcessClosesItsConnection) {
   EXPECT_EQ(error_of("import os, socket\nsocket.socket(fileno=os.dup(3)).shutdown(socket.SHUT_WR)\n"
                      "self.preemptive_wait(600)"),
             "the Python process ended with exit status 0");
 }
 
-TEST_F(Scripts, abortWhereTheirProcessClosesItsConnectionAndGoesOn) {
+TEST_F(Scripts, AbortWhereTheirProcessClosesItsConnectionAndGoesOn) {
   write("worker.py", "import os, time\nos.close(3)\ntime.sleep(600)\n");
   options_.worker = folder_ / "worker.py";
   EXPECT_EQ(error_of("return 0"), "the Python process was killed, since it had closed its connection");
 }
 
-TEST_F(Scripts, mayForkProcessesThatOnlyCompute) {
+TEST_F(Scripts, MayForkProcessesThatOnlyCompute) {
   const auto& result = run_body(
       "import os\nreader, writer = os.pipe()\npid = os.fork()\nif pid == 0:\n"
       "  try: gvm.set_variable('v', 1)\n  except RuntimeError: os.write(writer, b'refused')\n  os._exit(0)\n"
@@ -84,7 +84,7 @@ std::string starting_session(const std::string& options, const std::string& rest
          options + ")\ngvm.set_variable('p', child.pid)\n" + rest;
 }
 
-TEST_F(Scripts, leaveNoProcessBehind) {
+TEST_F(Scripts, LeaveNoProcessBehind) {
   const std::string plain =
       "import subprocess\ngvm.set_variable('p', subprocess.Popen(['sleep', '600']).pid)\nreturn 0";
   for (const std::string& body :
@@ -105,7 +105,7 @@ TEST_F(Scripts, leaveNoProcessBehind) {
   }
 }
 
-TEST_F(Scripts, leaveNoProcessBehindWhenTheyAreKilled) {
+TEST_F(Scripts, LeaveNoProcessBehindWhenTheyAreKilled) {
   engine_options_.preemption_grace = 1ms;
   load("mission: m\nactions:\n" +
        action("a", execute(starting_session(", env={}", "self.logger.info('works')\nwhile True: pass"))) +
@@ -122,14 +122,14 @@ TEST_F(Scripts, leaveNoProcessBehindWhenTheyAreKilled) {
   EXPECT_TRUE(eventually([&] { return is_gone(child); }));
 }
 
-TEST_F(Scripts, abortWhereTheyCloseTheConnection) {
+TEST_F(Scripts, AbortWhereTheyCloseTheConnection) {
   for (const std::string body : {"os.close(3)\nreturn 0", "os.closerange(3, 1000)\nreturn 0",
                                  "os.dup2(os.open('/dev/null', os.O_RDWR), 3)\nprint('x')\nreturn 0"})
     EXPECT_THAT(error_of("import os\n" + body), StartsWith("the Python process ")) << body;
   EXPECT_EQ(run_body("return 0").outcome, 0);
 }
 
-TEST_F(Scripts, sayWhereThereIsNoInterpreter) {
+TEST_F(Scripts, SayWhereThereIsNoInterpreter) {
   for (const std::string python : {"/nowhere/python3", "no_such_python3"}) {
     options_.python = python;
     EXPECT_EQ(refusal(), "cannot find the Python interpreter '" + python +
@@ -137,17 +137,17 @@ TEST_F(Scripts, sayWhereThereIsNoInterpreter) {
   }
 }
 
-TEST_F(Scripts, sayWhereTheInterpreterIsNone) {
+TEST_F(Scripts, SayWhereTheInterpreterIsNone) {
   options_.python = "false";
   EXPECT_EQ(error_of("return 0"), "the Python process ended with exit status 1");
 }
 
-TEST_F(Scripts, sayWhereTheWorkerIsNotThere) {
+TEST_F(Scripts, SayWhereTheWorkerIsNotThere) {
   options_.worker = "/nowhere/worker.py";
   EXPECT_EQ(refusal(), "the script worker '/nowhere/worker.py' is missing");
 }
 
-TEST_F(Scripts, mayOutliveTheirEngine) {
+TEST_F(Scripts, MayOutliveTheirEngine) {
   engine_options_.preemption_grace = 1ms;
   load("mission: m\nactions:\n" +
        action("a", execute("self.logger.info('works')\n"

@@ -4,14 +4,14 @@
 namespace segue::mission {
 namespace {
 
-TEST_F(Scripts, endWithTheNumberOrTheNameOfAnOutcome) {
+TEST_F(Scripts, EndWithTheNumberOrTheNameOfAnOutcome) {
   EXPECT_EQ(run_body("return 1", "outcomes: [a, b]").outcome_name, "b");
   EXPECT_EQ(run_body("return 'b'", "outcomes: [a, b]").outcome_name, "b");
   EXPECT_EQ(run_body("return -2").outcome, kPreempted);
   EXPECT_THAT(error_of("return 'aborted'"), HasSubstr("returned 'aborted'"));
 }
 
-TEST_F(Scripts, abortWhereTheyReturnNoOutcome) {
+TEST_F(Scripts, AbortWhereTheyReturnNoOutcome) {
   EXPECT_EQ(error_of("pass"),
             "m: execute() returned None, which is none of its outcomes: 'success', 'aborted', "
             "'preempted'");
@@ -20,7 +20,7 @@ TEST_F(Scripts, abortWhereTheyReturnNoOutcome) {
   EXPECT_THAT(error_of("return [0]"), HasSubstr("returned [0],"));
 }
 
-TEST_F(Scripts, thatRaiseAbortWithTheErrorAndItsPlace) {
+TEST_F(Scripts, ThatRaiseAbortWithTheErrorAndItsPlace) {
   const auto& result = run_one("def helper():\n  raise ValueError('no box')\n" + execute("helper()"));
   EXPECT_EQ(result.outcome, kAborted);
   EXPECT_EQ(result.error, "m:2: ValueError: no box");
@@ -29,17 +29,17 @@ TEST_F(Scripts, thatRaiseAbortWithTheErrorAndItsPlace) {
   EXPECT_EQ(error_of("import json; json.loads('{')").substr(0, 22), "m:2: json.decoder.JSON");
 }
 
-TEST_F(Scripts, thatCannotBeCompiledSayWhere) {
+TEST_F(Scripts, ThatCannotBeCompiledSayWhere) {
   EXPECT_THAT(run_one("def execute(self, inputs, outputs, gvm):\n  return 0\n  x = = 1\n").error,
               StartsWith("m:3: SyntaxError: "));
   EXPECT_THAT(run_one("x = 1 / 0\n").error, StartsWith("m:1: ZeroDivisionError"));
 }
 
-TEST_F(Scripts, withoutExecuteAbort) {
+TEST_F(Scripts, WithoutExecuteAbort) {
   EXPECT_EQ(run_one("def exec(self): pass\n").error, "m: it has no execute(self, inputs, outputs, gvm)");
 }
 
-TEST_F(Scripts, seeTheErrorOfTheStateBefore) {
+TEST_F(Scripts, SeeTheErrorOfTheStateBefore) {
   const auto& result =
       run("mission: m\noutputs: {told: any}\nactions:\n" + action("a", execute("raise KeyError('k')")) +
           action("b",
@@ -52,7 +52,7 @@ TEST_F(Scripts, seeTheErrorOfTheStateBefore) {
   EXPECT_EQ(result.outputs.front(), Value("KeyError: 'k'"));
 }
 
-TEST_F(Scripts, seeAnEmptyErrorWhereTheStateBeforeReturnedAborted) {
+TEST_F(Scripts, SeeAnEmptyErrorWhereTheStateBeforeReturnedAborted) {
   const auto& result =
       run("mission: m\noutputs: {told: any}\nactions:\n" + action("a", execute("return -1")) +
           action("b", execute("outputs['told'] = inputs['error']\nreturn 0"), "outputs: {told: any}") +
@@ -64,7 +64,7 @@ TEST_F(Scripts, seeAnEmptyErrorWhereTheStateBeforeReturnedAborted) {
 
 // Values
 
-TEST_F(Scripts, takeAndGiveValuesAsTheyAre) {
+TEST_F(Scripts, TakeAndGiveValuesAsTheyAre) {
   const auto& result = run_body(
       "assert inputs == {'i': 3, 'f': 3.0, 'b': True, 't': 'ä', 'n': None, 'l': [1, [2.5]], 'm': {'a': {'b': "
       "[]}}}\n"
@@ -84,7 +84,7 @@ TEST_F(Scripts, takeAndGiveValuesAsTheyAre) {
   EXPECT_EQ(result.outputs[6], Value::map({{"a", Value::map({{"b", Value::List{}}})}}));
 }
 
-TEST_F(Scripts, giveTheNearestThatOtherTypesHave) {
+TEST_F(Scripts, GiveTheNearestThatOtherTypesHave) {
   EXPECT_EQ(output_of("outputs['x'] = (1, 2)\nreturn 0"), Value::list({1, 2}));
   EXPECT_EQ(output_of("import enum\nclass E(enum.IntEnum):\n  A = 4\noutputs['x'] = E.A\nreturn 0"),
             Value(4));
@@ -96,7 +96,7 @@ TEST_F(Scripts, giveTheNearestThatOtherTypesHave) {
   EXPECT_EQ(output_of("outputs['x'] = 2**64 - 1\nreturn 0"), Value(~std::uint64_t{0}));
 }
 
-TEST_F(Scripts, abortWithWhatCannotBePassedOn) {
+TEST_F(Scripts, AbortWithWhatCannotBePassedOn) {
   const auto error = [&](const std::string& value) {
     return error_of("outputs['x'] = " + value + "\nreturn 0", "outputs: {x: any}");
   };
@@ -111,7 +111,7 @@ TEST_F(Scripts, abortWithWhatCannotBePassedOn) {
               HasSubstr("nested deeper"));
 }
 
-TEST_F(Scripts, haveDefaultsInOutputsAndMayOnlyWriteDeclaredOnes) {
+TEST_F(Scripts, HaveDefaultsInOutputsAndMayOnlyWriteDeclaredOnes) {
   const auto& result = run_body("assert outputs == {'x': 5}\noutputs['y'] = 1\nreturn 0",
                                 "outputs: {x: {type: int, default: 5}}");
   EXPECT_EQ(result.outcome, 0) << result.error;
@@ -119,13 +119,13 @@ TEST_F(Scripts, haveDefaultsInOutputsAndMayOnlyWriteDeclaredOnes) {
   EXPECT_THAT(lines_.text(), HasSubstr("warning m: outputs['y'] is not one of its outputs; ignored"));
 }
 
-TEST_F(Scripts, passOnMuch) {
+TEST_F(Scripts, PassOnMuch) {
   const Value text = output_of("outputs['x'] = 'ab' * 4_000_000\nreturn 0");
   ASSERT_TRUE(text.is_string());
   EXPECT_EQ(text.as_string().size(), 8'000'000U);
 }
 
-TEST_F(Scripts, abortWithMoreThanIsPossible) {
+TEST_F(Scripts, AbortWithMoreThanIsPossible) {
   options_.largest_message = 10'000;
   EXPECT_THAT(error_of("outputs['x'] = 'ab' * 10_000\nreturn 0", "outputs: {x: any}"),
               AllOf(HasSubstr("its outputs: "), HasSubstr("more than the 10000")));
@@ -134,14 +134,14 @@ TEST_F(Scripts, abortWithMoreThanIsPossible) {
   EXPECT_EQ(run_body("return 0").outcome, 0);
 }
 
-TEST_F(Scripts, abortWithInputsThatJsonLacks) {
+TEST_F(Scripts, AbortWithInputsThatJsonLacks) {
   EXPECT_THAT(error_of("return 0", "inputs: {x: {type: list, default: [1.0, .nan]}}"),
               HasSubstr("input 'x[1]' is infinite or not a number"));
 }
 
 // self
 
-TEST_F(Scripts, knowTheirState) {
+TEST_F(Scripts, KnowTheirState) {
   const auto& result =
       run("mission: m\nactions:\n" +
           action("a",
@@ -155,13 +155,13 @@ TEST_F(Scripts, knowTheirState) {
   EXPECT_EQ(result.outcome, 0) << result.error;
 }
 
-TEST_F(Scripts, areToldByNameWhatTheirStateDoesNotHave) {
+TEST_F(Scripts, AreToldByNameWhatTheirStateDoesNotHave) {
   EXPECT_THAT(error_of("self.scoped_data\nreturn 0"),
               HasSubstr("AttributeError: scripts have no self.scoped_data"));
   EXPECT_THAT(error_of("self.preempted = True\nreturn 0"), HasSubstr("AttributeError"));
 }
 
-TEST_F(Scripts, seeWhatTheirStateIsGiven) {
+TEST_F(Scripts, SeeWhatTheirStateIsGiven) {
   const auto& result = run_body(
       "assert self.input_data is inputs and self.output_data is outputs\n"
       "assert self.description == '' and self.semantic_data == {} and not self.backward_execution\n"
@@ -170,7 +170,7 @@ TEST_F(Scripts, seeWhatTheirStateIsGiven) {
   EXPECT_EQ(result.outcome, 0) << result.error;
 }
 
-TEST_F(Scripts, printAndLogLinesThatNameTheState) {
+TEST_F(Scripts, PrintAndLogLinesThatNameTheState) {
   run_body(
       "import logging, os, sys\nself.logger.info('to %s', 'log')\nself.logger.verbose('much')\n"
       "print('one'); print('two', end='')\nsys.stderr.write('three\\n')\nlogging.error('four')\n"
@@ -181,13 +181,13 @@ TEST_F(Scripts, printAndLogLinesThatNameTheState) {
     EXPECT_TRUE(lines_.wait_for(line)) << line << lines_.text();
 }
 
-TEST_F(Scripts, mayPrintWithoutEnd) {
+TEST_F(Scripts, MayPrintWithoutEnd) {
   run_body("import os\nfor i in range(20000): print('x' * 50)\nos.write(2, b'y' * 1000000)\nreturn 0");
   EXPECT_EQ(engine_->result().outcome, 0) << engine_->result().error;
   EXPECT_TRUE(lines_.wait_for("python: " + std::string(4096, 'y')));
 }
 
-TEST_F(Scripts, keepPersistentVariablesAndNothingElse) {
+TEST_F(Scripts, KeepPersistentVariablesAndNothingElse) {
   const auto& result =
       run("mission: m\noutputs: {n: any, fresh: any}\nactions:\n" +
           action("a",
@@ -202,7 +202,7 @@ TEST_F(Scripts, keepPersistentVariablesAndNothingElse) {
   EXPECT_EQ(result.outputs[1], Value(1));
 }
 
-TEST_F(Scripts, ofFilesAreReadAgainWhenTheyChange) {
+TEST_F(Scripts, OfFilesAreReadAgainWhenTheyChange) {
   write("helper.py", "NAME = 'helper'\n");
   write("a.py", "import helper\n" + execute("outputs['x'] = helper.NAME\nreturn 0"));
   const std::string mission =
@@ -216,7 +216,7 @@ TEST_F(Scripts, ofFilesAreReadAgainWhenTheyChange) {
   EXPECT_THAT(run(mission).error, AllOf(HasSubstr("a.py"), HasSubstr("FileNotFoundError")));
 }
 
-TEST_F(Scripts, areUndoneByBackwardExecute) {
+TEST_F(Scripts, AreUndoneByBackwardExecute) {
   engine_options_.backward = true;
   load("mission: m\nactions:\n" +
        action(
@@ -237,7 +237,7 @@ TEST_F(Scripts, areUndoneByBackwardExecute) {
 
 // Preemption and pausing
 
-TEST_F(Scripts, thatWaitArePreempted) {
+TEST_F(Scripts, ThatWaitArePreempted) {
   const auto& result =
       run("mission: m\nactions:\n" +
           action("quick",
@@ -253,7 +253,7 @@ TEST_F(Scripts, thatWaitArePreempted) {
   EXPECT_EQ(engine_->globals().get("slow"), Value("ended"));
 }
 
-TEST_F(Scripts, seeThatTheyArePaused) {
+TEST_F(Scripts, SeeThatTheyArePaused) {
   load("mission: m\nactions:\n" +
        action("a", execute("self.logger.info('waits')\nassert self.wait_for_interruption(600)\n"
                            "assert self.paused and not self.started\nself.logger.info('paused')\n"
@@ -271,7 +271,7 @@ TEST_F(Scripts, seeThatTheyArePaused) {
   EXPECT_EQ(engine_->result().outcome, 0) << engine_->result().error;
 }
 
-TEST_F(Scripts, thatIgnorePreemptionAreKilled) {
+TEST_F(Scripts, ThatIgnorePreemptionAreKilled) {
   options_.preemption_grace = 50ms;
   load("mission: m\nactions:\n" +
        action("a", execute("import time\nself.logger.info('works')\nwhile True: time.sleep(0.01)")) +
@@ -293,7 +293,7 @@ TEST_F(Scripts, thatIgnorePreemptionAreKilled) {
   EXPECT_EQ(run_body("return 0").outcome, 0);
 }
 
-TEST_F(Scripts, thatKeepTheInterpreterToThemselvesAreKilledInTheEnd) {
+TEST_F(Scripts, ThatKeepTheInterpreterToThemselvesAreKilledInTheEnd) {
   engine_options_.preemption_grace = 50ms;
   load("mission: m\nactions:\n" + action("a", execute("import re\nself.logger.info('works')\n" + kHold)) +
        "action: a\n");
@@ -310,7 +310,7 @@ TEST_F(Scripts, thatKeepTheInterpreterToThemselvesAreKilledInTheEnd) {
   EXPECT_TRUE(is_gone(process));
 }
 
-TEST_F(Scripts, thatIgnorePreemptionGetNoCompany) {
+TEST_F(Scripts, ThatIgnorePreemptionGetNoCompany) {
   options_.preemption_grace = 1ms;
   engine_options_.preemption_grace = 1s;
   const std::string tell = "import os\ngvm.set_variable(self.name, os.getpid())\n";
@@ -337,7 +337,7 @@ TEST_F(Scripts, thatIgnorePreemptionGetNoCompany) {
   EXPECT_FALSE(is_gone(process("after")));
 }
 
-TEST_F(Scripts, thatPrintWithoutEndArePreempted) {
+TEST_F(Scripts, ThatPrintWithoutEndArePreempted) {
   load("mission: m\nactions:\n" +
        action("a", execute("while not self.preempted: print('x' * 3000)\nreturn 0")) + "action: a\n");
   std::thread other([&] {
@@ -352,7 +352,7 @@ TEST_F(Scripts, thatPrintWithoutEndArePreempted) {
 
 // Side by side
 
-TEST_F(Scripts, getDataThatFollowFactsAlsoAfterTheirProcessHasDied) {
+TEST_F(Scripts, GetDataThatFollowFactsAlsoAfterTheirProcessHasDied) {
   const auto& result = run(counting("def add(tally, what):\n  tally['count'] += 1\n  tally[what] = True",
                                     "  first: {action: look, on: {success: die}}\n"
                                     "  die: {on: {success: more, aborted: more}}\n"
@@ -361,7 +361,7 @@ TEST_F(Scripts, getDataThatFollowFactsAlsoAfterTheirProcessHasDied) {
   EXPECT_EQ(result.outputs.front(), Value::map({{"count", 2}, {"a", true}, {"b", true}}));
 }
 
-TEST_F(Scripts, areToldWhyDataCannotBeComputed) {
+TEST_F(Scripts, AreToldWhyDataCannotBeComputed) {
   const std::string impatient = "import sys\nsys.modules['__main__'].EffectCalls.LONGEST = 0.2\n";
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"def add(tally, what):\n  print('adds')\n  tally['nothing']",
@@ -388,7 +388,7 @@ TEST_F(Scripts, areToldWhyDataCannotBeComputed) {
   EXPECT_THAT(lines_.text(), HasSubstr("info look: adds"));
 }
 
-TEST_F(Scripts, arePreemptedWhileTheyWaitForData) {
+TEST_F(Scripts, ArePreemptedWhileTheyWaitForData) {
   load(
       counting("import time\ndef add(tally, what):\n  print('begins')\n  while True:\n    time.sleep(0.01)"));
   std::jthread running([this] { engine_->run(); });

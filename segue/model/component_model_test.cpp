@@ -49,7 +49,7 @@ ComponentCatalog read_all(std::string_view text, Diagnostics& diagnostics) {
   return catalog;
 }
 
-TEST(ComponentFileTest, readsAllFields) {
+TEST(ComponentFileTest, ReadsAllFields) {
   Diagnostics diagnostics;
   const ComponentCatalog catalog = read_all(kFilter, diagnostics);
   ASSERT_THAT(diagnostics.items(), IsEmpty()) << to_string(diagnostics);
@@ -73,7 +73,7 @@ TEST(ComponentFileTest, readsAllFields) {
   EXPECT_NE(catalog.types().find("/std/vector</demo/Cloud>"), nullptr);
 }
 
-TEST(ComponentFileTest, oneComponentNeedsNoMap) {
+TEST(ComponentFileTest, OneComponentNeedsNoMap) {
   Diagnostics diagnostics;
   const ComponentCatalog catalog =
       read_all("component: demo::Relay\nports: [{name: in, direction: input, type: double}]\n", diagnostics);
@@ -101,12 +101,12 @@ void expect_round_trip(const ComponentCatalog& catalog) {
   EXPECT_EQ(write_components(again, names), text);
 }
 
-TEST(ComponentFileTest, writingIsTheInverse) {
+TEST(ComponentFileTest, WritingIsTheInverse) {
   Diagnostics diagnostics;
   expect_round_trip(read_all(kFilter, diagnostics));
 }
 
-TEST(ComponentFileTest, recursiveTypesSurvive) {
+TEST(ComponentFileTest, RecursiveTypesSurvive) {
   Diagnostics diagnostics;
   const ComponentCatalog catalog = read_all(R"(components:
   demo::Tree: {ports: [{name: out, direction: output, type: /demo/Node}]}
@@ -118,7 +118,7 @@ types:
   expect_round_trip(catalog);
 }
 
-TEST(ComponentFileTest, contradictionsAreErrors) {
+TEST(ComponentFileTest, ContradictionsAreErrors) {
   Diagnostics diagnostics;
   ComponentCatalog catalog = read_all(kFilter, diagnostics);
   EXPECT_FALSE(read_components("types: {/demo/Point: {kind: enum, symbols: {A: 0}}}", "other.yaml", catalog,
@@ -126,13 +126,13 @@ TEST(ComponentFileTest, contradictionsAreErrors) {
   EXPECT_THAT(to_string(diagnostics), HasSubstr("type-conflict"));
 }
 
-TEST(ComponentFileTest, unknownPartsOfTypesAreErrors) {
+TEST(ComponentFileTest, UnknownPartsOfTypesAreErrors) {
   Diagnostics diagnostics;
   read_all("types: {/demo/A: {kind: compound, fields: [{name: x, type: /demo/B}]}}", diagnostics);
   EXPECT_THAT(to_string(diagnostics), HasSubstr("unknown-type"));
 }
 
-TEST(PortPatternTest, hostileExpressionsAreRefusedOrQuick) {
+TEST(PortPatternTest, HostileExpressionsAreRefusedOrQuick) {
   EXPECT_FALSE(check_port_pattern("("));
   EXPECT_FALSE(check_port_pattern(std::string(300, 'a')));
   EXPECT_FALSE(check_port_pattern("((a{99}){99}){99}"));
@@ -142,7 +142,7 @@ TEST(PortPatternTest, hostileExpressionsAreRefusedOrQuick) {
   EXPECT_FALSE(matches_port_pattern("(", "("));
 }
 
-TEST(PortPatternTest, rocksExpressionsAreSearchedForAnywhere) {
+TEST(PortPatternTest, RocksExpressionsAreSearchedForAnywhere) {
   EXPECT_EQ(whole_match_pattern(".*"), ".*");
   EXPECT_TRUE(matches_port_pattern(whole_match_pattern("^debug_ugv"), "debug_ugv_nav4d"));
   EXPECT_FALSE(matches_port_pattern(whole_match_pattern("^debug_ugv"), "x_debug_ugv"));
@@ -153,7 +153,7 @@ TEST(PortPatternTest, rocksExpressionsAreSearchedForAnywhere) {
   EXPECT_TRUE(matches_port_pattern(whole_match_pattern("^a|b$"), "xb"));
 }
 
-TEST(InheritanceTest, childrenInheritFromTheirParents) {
+TEST(InheritanceTest, ChildrenInheritFromTheirParents) {
   Diagnostics diagnostics;
   ComponentCatalog catalog;
   EXPECT_TRUE(read_components(R"(tasks:
@@ -180,7 +180,7 @@ TEST(InheritanceTest, childrenInheritFromTheirParents) {
   EXPECT_EQ(std::ranges::count(usb->ports, "state", &PortModel::name), 1);
 }
 
-TEST(InheritanceTest, aMissingParentIsAWarning) {
+TEST(InheritanceTest, AMissingParentIsAWarning) {
   Diagnostics diagnostics;
   ComponentCatalog catalog;
   read_components("tasks: {a::T: {subclasses: b::Gone}}", "a.yaml", catalog, diagnostics);
@@ -190,7 +190,7 @@ TEST(InheritanceTest, aMissingParentIsAWarning) {
   EXPECT_TRUE(catalog.find(ComponentName("a::T"))->incomplete);
 }
 
-TEST(InheritanceTest, aCycleIsAnError) {
+TEST(InheritanceTest, ACycleIsAnError) {
   Diagnostics diagnostics;
   ComponentCatalog catalog;
   read_components("tasks: {a::A: {subclasses: B}, a::B: {subclasses: C}, a::C: {subclasses: A}}", "a.yaml",
@@ -199,7 +199,7 @@ TEST(InheritanceTest, aCycleIsAnError) {
   EXPECT_EQ(diagnostics.error_count(), 1U) << to_string(diagnostics);
 }
 
-TEST(RockModelTest, exportedModelsRead) {
+TEST(RockModelTest, ExportedModelsRead) {
   Diagnostics diagnostics;
   const ComponentCatalog catalog = read_all(R"(---
 gps:
@@ -225,7 +225,7 @@ gps:
   EXPECT_EQ(model->operations.at(0).arguments.at(0).type, "/std/vector</gps/X>");
 }
 
-TEST(RockModelTest, guessesAndReferencesAreWarnings) {
+TEST(RockModelTest, GuessesAndReferencesAreWarnings) {
   Diagnostics diagnostics;
   const ComponentCatalog catalog = read_all(R"(tasks:
   a::T: {input_ports: [{name: x, type: '?/base/Pose'}, {name: y, type: '?some thing'}], output_ports: []}
@@ -244,7 +244,7 @@ TEST(RockModelTest, guessesAndReferencesAreWarnings) {
   EXPECT_THAT(to_string(diagnostics), HasSubstr("is read as '/std/vector</c/X>'"));
 }
 
-TEST(RockModelTest, theTransformerAddsPortsAndProperties) {
+TEST(RockModelTest, TheTransformerAddsPortsAndProperties) {
   Diagnostics diagnostics;
   const ComponentCatalog catalog = read_all(R"(tasks:
   odometry::Skid:
@@ -264,7 +264,7 @@ TEST(RockModelTest, theTransformerAddsPortsAndProperties) {
   EXPECT_EQ(model->find_property("samples_period")->default_value, Value(0.01));
 }
 
-TEST(RealModelsSharedData, everyInterfaceAndExportedModelReads) {
+TEST(RealModelsSharedData, EveryInterfaceAndExportedModelReads) {
   if (const auto missing = missing_shared_data("rock"); !missing.empty()) GTEST_SKIP() << missing;
   ComponentCatalog catalog;
   Diagnostics diagnostics;
@@ -292,7 +292,7 @@ TEST(RealModelsSharedData, everyInterfaceAndExportedModelReads) {
   expect_round_trip(catalog);
 }
 
-TEST(RealModelsSharedData, everyTypelibRegistryReads) {
+TEST(RealModelsSharedData, EveryTypelibRegistryReads) {
   if (const auto missing = missing_shared_data("rock/typelib"); !missing.empty()) GTEST_SKIP() << missing;
   for (const auto& entry : fs::directory_iterator(shared_data("rock/typelib"))) {
     ComponentCatalog catalog;

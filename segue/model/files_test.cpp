@@ -29,7 +29,7 @@ Read read(std::string_view text, const std::string& file = "net.yaml") {
   return result;
 }
 
-TEST(NetworkFileTest, theExampleOfTheManual) {
+TEST(NetworkFileTest, TheExampleOfTheManual) {
   const Read result = read(R"(network: goal_navigation
 tasks:
   velodyne:
@@ -67,12 +67,12 @@ connections:
   EXPECT_EQ(network.connections[1].policy, (Policy{BufferKind::Buffer, 10, Transport::SharedMemory, false}));
 }
 
-TEST(NetworkFileTest, aNetworkWithoutANameIsNamedAfterItsFile) {
+TEST(NetworkFileTest, ANetworkWithoutANameIsNamedAfterItsFile) {
   EXPECT_EQ(read("tasks: {}", "controllers/safe_stop.yaml").network->name, NetworkName("safe_stop"));
   EXPECT_EQ(read("tasks:\n", "shutdown.cnd.yml").network->name, NetworkName("shutdown"));
 }
 
-TEST(NetworkFileTest, emptyMapsAndNullsAreTheEmptyNetwork) {
+TEST(NetworkFileTest, EmptyMapsAndNullsAreTheEmptyNetwork) {
   for (const char* text : {"tasks:\ndeployments:\nconnections:\n",
                            "{tasks: {}, deployments: {}, connections: {}}", "network: empty"}) {
     const Read result = read(text);
@@ -81,7 +81,7 @@ TEST(NetworkFileTest, emptyMapsAndNullsAreTheEmptyNetwork) {
   }
 }
 
-TEST(NetworkFileTest, aFileThatSaysNothingOfANetworkIsNone) {
+TEST(NetworkFileTest, AFileThatSaysNothingOfANetworkIsNone) {
   for (const char* text : {"", "\n", "# network: go\n", "---\n", "null", "~", "{}", "speed: 3\n"}) {
     for (const char* file : {"go.yaml", "go.cnd"}) {
       const Read result = read(text, file);
@@ -91,14 +91,14 @@ TEST(NetworkFileTest, aFileThatSaysNothingOfANetworkIsNone) {
   }
 }
 
-TEST(NetworkFileTest, thePortFollowsTheLastDot) {
+TEST(NetworkFileTest, ThePortFollowsTheLastDot) {
   const Read result = read("network: n\nconnections: [arm.left.out -> b-1.in_2]\n");
   ASSERT_TRUE(result.network) << to_string(result.diagnostics);
   EXPECT_EQ(result.network->connections[0].from, (PortRef{TaskId("arm.left"), "out"}));
   EXPECT_EQ(result.network->connections[0].to, (PortRef{TaskId("b-1"), "in_2"}));
 }
 
-TEST(NetworkFileTest, aPortWithADotIsWrittenAsAMap) {
+TEST(NetworkFileTest, APortWithADotIsWrittenAsAMap) {
   const Read result =
       read("network: n\nconnections: [{from: camera.frame, to: {task: logger, port: camera.frame}}]\n");
   ASSERT_TRUE(result.network) << to_string(result.diagnostics);
@@ -107,20 +107,20 @@ TEST(NetworkFileTest, aPortWithADotIsWrittenAsAMap) {
   EXPECT_EQ(again.network, result.network);
 }
 
-TEST(NetworkFileTest, reportsEveryProblemAtOnce) {
+TEST(NetworkFileTest, ReportsEveryProblemAtOnce) {
   const Read result =
       read("network: n\ntasks:\n  a: {component: x, state: flying}\n  b: {activity: often}\n");
   EXPECT_FALSE(result.network);
   EXPECT_EQ(result.diagnostics.error_count(), 3U) << to_string(result.diagnostics);
 }
 
-TEST(NetworkFileTest, aMissingFileIsADiagnostic) {
+TEST(NetworkFileTest, AMissingFileIsADiagnostic) {
   Diagnostics diagnostics;
   EXPECT_FALSE(load_network("/does/not/exist.yaml", diagnostics));
   EXPECT_TRUE(diagnostics.has_errors());
 }
 
-TEST(CndTest, configurationSectionsAreKeptAndReportedAsNotRead) {
+TEST(CndTest, ConfigurationSectionsAreKeptAndReportedAsNotRead) {
   for (const auto& [text, file] : {std::pair("tasks:\n  a: {type: x::T, config_names: [default, outdoor]}\n  "
                                              "b: {type: x::T, config_names: c}\n",
                                              "x.cnd"),
@@ -139,7 +139,7 @@ TEST(CndTest, configurationSectionsAreKeptAndReportedAsNotRead) {
   }
 }
 
-TEST(CndTest, aNetworkThatIncludesOthersIsRefused) {
+TEST(CndTest, ANetworkThatIncludesOthersIsRefused) {
   for (const auto& [text, file] : {std::pair("include: [b.cnd]\ntasks:\n  a: {type: x::T}\n", "x.cnd"),
                                    std::pair("network: n\ninclude: b.yaml\n", "x.yaml")}) {
     const Read result = read(text, file);
@@ -149,7 +149,7 @@ TEST(CndTest, aNetworkThatIncludesOthersIsRefused) {
   }
 }
 
-TEST(CndTest, readsTasksDeploymentsAndConnections) {
+TEST(CndTest, ReadsTasksDeploymentsAndConnections) {
   const Read result = read(R"(tasks:
   camera-1:
     type: camera::Task
@@ -185,7 +185,7 @@ connections:
             (Policy{BufferKind::Buffer, 5, Transport::Automatic, false}));
 }
 
-TEST(TransitionFileTest, handWrittenListsRead) {
+TEST(TransitionFileTest, HandWrittenListsRead) {
   Diagnostics diagnostics;
   const auto transition = read_transition(R"(transition:
   from: search_explore
@@ -206,7 +206,7 @@ TEST(TransitionFileTest, handWrittenListsRead) {
   EXPECT_EQ(transition->counts().total(), 3);
 }
 
-TEST(TransitionFileTest, applyConfigWithoutDefinitionSaysSo) {
+TEST(TransitionFileTest, ApplyConfigWithoutDefinitionSaysSo) {
   Diagnostics diagnostics;
   const auto transition =
       read_transition("transition: {actions: [{kind: apply_config, task: a}]}", "t.yaml", diagnostics);
@@ -214,7 +214,7 @@ TEST(TransitionFileTest, applyConfigWithoutDefinitionSaysSo) {
   EXPECT_THAT(to_string(diagnostics), HasSubstr("'definition'"));
 }
 
-TEST(TransitionFileTest, afterMustNameEarlierActions) {
+TEST(TransitionFileTest, AfterMustNameEarlierActions) {
   Diagnostics diagnostics;
   const auto transition = read_transition(
       "transition: {actions: [{id: 1, kind: stop, task: a, after: [2]}, {id: 2, kind: stop, task: b}]}",
@@ -242,7 +242,7 @@ TEST(HostConfigTest, LibrariesAreNamesAndKeysAreKnown) {
   EXPECT_THAT(to_string(diagnostics), HasSubstr("did you mean 'listen'"));
 }
 
-TEST(RobotFileTest, theExampleOfTheManual) {
+TEST(RobotFileTest, TheExampleOfTheManual) {
   Diagnostics diagnostics;
   const auto robot = read_robot(R"(robot: artemis
 hosts:
@@ -269,7 +269,7 @@ look_ahead: {processes: 3, memory: 512MB}
   EXPECT_EQ(robot->fallback, NetworkName("safe_stop"));
 }
 
-TEST(RobotFileTest, defaultsAreModest) {
+TEST(RobotFileTest, DefaultsAreModest) {
   Diagnostics diagnostics;
   const auto robot = read_robot("robot: r\npolicies: {}\nlook_ahead: {}\n", "r.yaml", diagnostics);
   ASSERT_TRUE(robot) << to_string(diagnostics);
@@ -278,13 +278,13 @@ TEST(RobotFileTest, defaultsAreModest) {
   EXPECT_EQ(robot->look_ahead, LookAhead{});
 }
 
-TEST(RobotFileTest, librariesAreNamesNeverPaths) {
+TEST(RobotFileTest, LibrariesAreNamesNeverPaths) {
   Diagnostics diagnostics;
   EXPECT_FALSE(read_robot("robot: r\nlibraries: [../evil.so]\n", "r.yaml", diagnostics));
   EXPECT_THAT(to_string(diagnostics), HasSubstr("never paths"));
 }
 
-TEST(KindOfFileTest, byContentThenByName) {
+TEST(KindOfFileTest, ByContentThenByName) {
   EXPECT_EQ(kind_of_file("a.yaml", "network: n"), FileKind::Network);
   EXPECT_EQ(kind_of_file("a.yaml", "tasks: {a: {component: x}}"), FileKind::Network);
   EXPECT_EQ(kind_of_file("a.yaml", "tasks: {a: {type: x}}"), FileKind::Cnd);
@@ -331,16 +331,16 @@ void expect_cnd_files_to_read(const fs::path& folder, int expected) {
   EXPECT_EQ(files, expected);
 }
 
-TEST(RealFilesSharedData, everyCndFileReads) {
+TEST(RealFilesSharedData, EveryCndFileReads) {
   if (const auto missing = missing_shared_data("rock/cnd"); !missing.empty()) GTEST_SKIP() << missing;
   expect_cnd_files_to_read(shared_data("rock/cnd"), 3);
 }
 
-TEST(RealFilesTest, everyArtemisControllerReads) {
+TEST(RealFilesTest, EveryArtemisControllerReads) {
   expect_cnd_files_to_read(kArtemis, 4);
 }
 
-TEST(RealFilesTest, theArtemisControllersHaveThePapersSizes) {
+TEST(RealFilesTest, TheArtemisControllersHaveThePapersSizes) {
   Diagnostics diagnostics;
   const auto network = load_network(kArtemis / "goal_navigation.cnd", diagnostics);
   ASSERT_TRUE(network) << to_string(diagnostics);
@@ -350,7 +350,7 @@ TEST(RealFilesTest, theArtemisControllersHaveThePapersSizes) {
   EXPECT_EQ(network->connections.size(), 58U);
 }
 
-TEST(TransitionFileTest, aTransitionWithoutNamesIsReadBack) {
+TEST(TransitionFileTest, ATransitionWithoutNamesIsReadBack) {
   Diagnostics diagnostics;
   const auto transition =
       read_transition("transition: {actions: [{id: 1, kind: stop, task: a}]}", "t.yaml", diagnostics);

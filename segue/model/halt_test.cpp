@@ -45,7 +45,7 @@ std::vector<std::string> problems_together(const std::string& halt, const Compon
   return messages;
 }
 
-TEST(Halt, saysWhatRestIs) {
+TEST(Halt, SaysWhatRestIs) {
   Diagnostics diagnostics;
   const auto robot = robot_with(
       "{controller: hold+guard, at_rest: [{task: arm, state: holding}, {port: arm.speed, where: value < "
@@ -62,12 +62,12 @@ TEST(Halt, saysWhatRestIs) {
   EXPECT_EQ(sentence(robot->halt->when.at(0).condition), "button.is_pressed answered true");
 }
 
-TEST(Halt, defaultsToTwoSeconds) {
+TEST(Halt, DefaultsToTwoSeconds) {
   Diagnostics diagnostics;
   EXPECT_EQ(robot_with("{controller: hold}", diagnostics)->halt->within, std::chrono::seconds(2));
 }
 
-TEST(Halt, mistakesInItAreFound) {
+TEST(Halt, MistakesInItAreFound) {
   EXPECT_THAT(problem_of("{within: 1s}"), HasSubstr("controller"));
   EXPECT_THAT(problem_of("{controller: hold, within: 0s}"), HasSubstr("longer than nothing"));
   EXPECT_THAT(problem_of("{controller: hold, at_rest: [{task: arm}]}"), HasSubstr("state"));
@@ -77,7 +77,7 @@ TEST(Halt, mistakesInItAreFound) {
   EXPECT_THAT(problem_of("{controller: ../hold}"), HasSubstr("hold"));
 }
 
-TEST(Halt, namesControllersAndTasksThatThereAre) {
+TEST(Halt, NamesControllersAndTasksThatThereAre) {
   EXPECT_THAT(problems_together("{controller: hold+guard, at_rest: [{task: button, state: released}]}"),
               IsEmpty());
   EXPECT_THAT(problems_together("{controller: hlod}").at(0), HasSubstr("did you mean 'hold'"));
@@ -87,7 +87,7 @@ TEST(Halt, namesControllersAndTasksThatThereAre) {
               HasSubstr("no controller has a task 'buton', did you mean 'button'?"));
 }
 
-TEST(Halt, asksComponentsForWhatTheyHave) {
+TEST(Halt, AsksComponentsForWhatTheyHave) {
   ComponentCatalog catalog;
   ComponentModel arm;
   arm.name = ComponentName("x::Arm");

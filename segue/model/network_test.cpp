@@ -33,7 +33,7 @@ Network two_tasks() {
   return network;
 }
 
-TEST(NetworkTest, placeInTheFileDoesNotCount) {
+TEST(NetworkTest, PlaceInTheFileDoesNotCount) {
   const Network one = two_tasks();
   Network other = one;
   other.tasks[0].where = {"x.yaml", 3, 1};
@@ -41,7 +41,7 @@ TEST(NetworkTest, placeInTheFileDoesNotCount) {
   EXPECT_EQ(one, other);
 }
 
-TEST(NetworkTest, takesOverIsNoConfiguration) {
+TEST(NetworkTest, TakesOverIsNoConfiguration) {
   Task task = two_tasks().tasks[0];
   Task heir = task;
   heir.takes_over = TaskId("old");
@@ -51,7 +51,7 @@ TEST(NetworkTest, takesOverIsNoConfiguration) {
   EXPECT_FALSE(task.same_configuration(heir));
 }
 
-TEST(NetworkTest, listOfTasksIsNotPartOfTheProcess) {
+TEST(NetworkTest, ListOfTasksIsNotPartOfTheProcess) {
   Deployment one;
   one.process = ProcessName("drivers");
   Deployment other = one;
@@ -66,7 +66,7 @@ TEST(NetworkTest, listOfTasksIsNotPartOfTheProcess) {
   EXPECT_FALSE(one.same_process(other));
 }
 
-TEST(NetworkTest, limitsAndLeniencyArePartOfTheProcess) {
+TEST(NetworkTest, LimitsAndLeniencyArePartOfTheProcess) {
   Deployment one;
   one.process = ProcessName("drivers");
   Deployment other = one;
@@ -77,14 +77,14 @@ TEST(NetworkTest, limitsAndLeniencyArePartOfTheProcess) {
   EXPECT_FALSE(one.same_process(other));
 }
 
-TEST(NetworkTest, connectionTextOmitsDefaults) {
+TEST(NetworkTest, ConnectionTextOmitsDefaults) {
   Connection connection = two_tasks().connections[0];
   EXPECT_EQ(to_string(connection), "a.out -> b.in");
   connection.policy = {BufferKind::Buffer, 10, Transport::SharedMemory, false};
   EXPECT_EQ(to_string(connection), "a.out -> b.in (buffer of 10, shm)");
 }
 
-TEST(EquivalenceTest, placementOfATaskThatTheNetworkLacksDoesNotCount) {
+TEST(EquivalenceTest, PlacementOfATaskThatTheNetworkLacksDoesNotCount) {
   Network one = two_tasks();
   one.deployments.resize(1);
   one.deployments[0].process = ProcessName("p");
@@ -95,7 +95,7 @@ TEST(EquivalenceTest, placementOfATaskThatTheNetworkLacksDoesNotCount) {
   EXPECT_FALSE(equivalent(one, other));
 }
 
-TEST(EquivalenceTest, differencesAreSentences) {
+TEST(EquivalenceTest, DifferencesAreSentences) {
   const Network one = two_tasks();
   Network other = one;
   other.tasks[0].state = TaskState::Stopped;
@@ -105,7 +105,7 @@ TEST(EquivalenceTest, differencesAreSentences) {
   EXPECT_EQ(differences(one, other, 1).size(), 1U);
 }
 
-TEST(EquivalenceTest, aMissingConnectionHasItsReason) {
+TEST(EquivalenceTest, AMissingConnectionHasItsReason) {
   const Network one = two_tasks();
   Network other = one;
   other.connections.clear();
@@ -114,7 +114,7 @@ TEST(EquivalenceTest, aMissingConnectionHasItsReason) {
                                                            " is missing: nobody reads a.out"));
 }
 
-TEST(EquivalenceTest, aSecondConnectionCounts) {
+TEST(EquivalenceTest, ASecondConnectionCounts) {
   const Network one = two_tasks();
   Network other = one;
   other.connections.push_back(other.connections[0]);
@@ -122,14 +122,14 @@ TEST(EquivalenceTest, aSecondConnectionCounts) {
   EXPECT_FALSE(equivalent(other, one));
 }
 
-TEST(EquivalenceTest, aTaskTwiceCounts) {
+TEST(EquivalenceTest, ATaskTwiceCounts) {
   const Network one = two_tasks();
   Network other = one;
   other.tasks.push_back(other.tasks[0]);
   EXPECT_FALSE(equivalent(one, other));
 }
 
-TEST(EquivalenceTest, whatDiffersIsNamedWithBothValues) {
+TEST(EquivalenceTest, WhatDiffersIsNamedWithBothValues) {
   Network one = two_tasks();
   one.deployments = {Deployment{}};
   one.deployments[0].process = ProcessName("p");
@@ -152,7 +152,7 @@ TEST(EquivalenceTest, whatDiffersIsNamedWithBothValues) {
                           AllOf(HasSubstr("attribute 'cpu' is "), HasSubstr("expected not set"))));
 }
 
-TEST(EquivalenceTest, changesAreToldAsAnEdit) {
+TEST(EquivalenceTest, ChangesAreToldAsAnEdit) {
   const auto read = [](const char* text) {
     Diagnostics diagnostics;
     auto network = read_network(text, "test.yaml", diagnostics);
@@ -172,7 +172,7 @@ TEST(EquivalenceTest, changesAreToldAsAnEdit) {
   EXPECT_THAT(changes(after, after), IsEmpty());
 }
 
-TEST(NetworkTest, itsVersionNamesTheTextThatItWasReadFrom) {
+TEST(NetworkTest, ItsVersionNamesTheTextThatItWasReadFrom) {
   const auto version = [](const char* text) {
     Diagnostics diagnostics;
     const auto network = read_network(text, "test.yaml", diagnostics);
@@ -182,7 +182,7 @@ TEST(NetworkTest, itsVersionNamesTheTextThatItWasReadFrom) {
   EXPECT_NE(version("tasks: {a: {component: x::A}}"), version("tasks: {a: {component: x::A}}\n"));
 }
 
-RC_GTEST_PROP(EquivalenceTest, orderOfListsDoesNotCount, (std::uint64_t seed)) {
+RC_GTEST_PROP(EquivalenceTest, OrderOfListsDoesNotCount, (std::uint64_t seed)) {
   testing::Random random(seed);
   const Network one = testing::random_network(random);
   Network other = one;
@@ -194,7 +194,7 @@ RC_GTEST_PROP(EquivalenceTest, orderOfListsDoesNotCount, (std::uint64_t seed)) {
   RC_ASSERT(equivalent(other, one));
 }
 
-RC_GTEST_PROP(EquivalenceTest, whatVariesIsSeen, (std::uint64_t seed)) {
+RC_GTEST_PROP(EquivalenceTest, WhatVariesIsSeen, (std::uint64_t seed)) {
   testing::Random random(seed);
   const Network one = testing::random_network(random);
   Network other = testing::random_variation(random, one);

@@ -14,7 +14,7 @@ using testing::everything;
 using testing::Random;
 using testing::random_transition;
 
-RC_GTEST_PROP(RoundTripTest, networkFile, (std::uint64_t seed)) {
+RC_GTEST_PROP(RoundTripTest, NetworkFile, (std::uint64_t seed)) {
   Random random(seed);
   const Network network = testing::random_network(random, everything());
   const std::string text = write_network(network);
@@ -27,7 +27,7 @@ RC_GTEST_PROP(RoundTripTest, networkFile, (std::uint64_t seed)) {
   RC_ASSERT(*read == network);
 }
 
-RC_GTEST_PROP(RoundTripTest, transitionFile, (std::uint64_t seed)) {
+RC_GTEST_PROP(RoundTripTest, TransitionFile, (std::uint64_t seed)) {
   Random random(seed);
   const Transition transition = random_transition(random);
   const std::string text = write_transition(transition);
@@ -39,7 +39,7 @@ RC_GTEST_PROP(RoundTripTest, transitionFile, (std::uint64_t seed)) {
   RC_ASSERT(*read == transition);
 }
 
-RC_GTEST_PROP(RoundTripTest, jsonOfATransition, (std::uint64_t seed)) {
+RC_GTEST_PROP(RoundTripTest, JsonOfATransition, (std::uint64_t seed)) {
   Random random(seed);
   const Transition transition = random_transition(random);
   // Numbers that JSON lacks become null, so only the frame is compared.

@@ -36,7 +36,7 @@ Launch random_launch(std::uint64_t seed) {
   return launch;
 }
 
-RC_GTEST_PROP(LaunchTest, whatIsWrittenReadsTheSame, (std::uint64_t seed)) {
+RC_GTEST_PROP(LaunchTest, WhatIsWrittenReadsTheSame, (std::uint64_t seed)) {
   const Launch launch = random_launch(seed);
   const auto text = type::to_json(to_value(launch));
   const auto read = launch_from(type::parse_json(text).value());
@@ -44,7 +44,7 @@ RC_GTEST_PROP(LaunchTest, whatIsWrittenReadsTheSame, (std::uint64_t seed)) {
   RC_ASSERT(*read == launch);
 }
 
-RC_GTEST_PROP(AssignmentTest, whatIsHandedOverArrives, (std::uint64_t seed)) {
+RC_GTEST_PROP(AssignmentTest, WhatIsHandedOverArrives, (std::uint64_t seed)) {
   const Assignment assignment{random_launch(seed), "/run/a.sock", "/run/a.log", seed % 5000, 4};
   const auto file = write_assignment(assignment);
   RC_ASSERT(file.has_value());
@@ -62,7 +62,7 @@ std::string problem_with(const std::string& json) {
   return read ? "" : read.error().message;
 }
 
-TEST(LaunchTest, wrongEntriesAreNamed) {
+TEST(LaunchTest, WrongEntriesAreNamed) {
   const std::string good = R"("robot": "r", "deployment": {"process": "p"})";
   EXPECT_EQ(problem_with('{' + good + '}'), "");
   EXPECT_THAT(problem_with("[]"), HasSubstr("must be a map"));
@@ -80,7 +80,7 @@ TEST(LaunchTest, wrongEntriesAreNamed) {
   EXPECT_THAT(problem_with('{' + good + R"(, "stand_in": "yes"})"), HasSubstr("'stand_in'"));
 }
 
-TEST(LaunchTest, aProcessOfAnotherHostNameHasAFileOfItsOwn) {
+TEST(LaunchTest, AProcessOfAnotherHostNameHasAFileOfItsOwn) {
   const model::DeploymentKey key{model::HostName("onboard"), model::ProcessName("a.b")};
   EXPECT_EQ(key_of_socket("/run/a.b@onboard.sock"), key);
   const model::DeploymentKey local{model::kLocalHost, model::ProcessName("a.b")};

@@ -60,7 +60,7 @@ Launch with(Scheduler scheduler, int priority, bool optional) {
   return launch;
 }
 
-TEST(ProcessLimits, theProcessKnowsTheAddressesOfTheHosts) {
+TEST(ProcessLimits, TheProcessKnowsTheAddressesOfTheHosts) {
   Launch launch;
   launch.peers = {"10.0.0.1", "arm.local"};
   EXPECT_TRUE(apply_to_this_process(launch));
@@ -68,7 +68,7 @@ TEST(ProcessLimits, theProcessKnowsTheAddressesOfTheHosts) {
   ::unsetenv("SEGUE_PEERS");
 }
 
-TEST(ProcessLimits, aSchedulerThatIsNotPermittedIsRefusedWithWhatToDo) {
+TEST(ProcessLimits, ASchedulerThatIsNotPermittedIsRefusedWithWhatToDo) {
   in_a_thread_without_rights([] {
     for (const Scheduler scheduler : {Scheduler::Fifo, Scheduler::RoundRobin}) {
       const auto applied = apply_to_this_process(with(scheduler, 5, false));
@@ -82,21 +82,21 @@ TEST(ProcessLimits, aSchedulerThatIsNotPermittedIsRefusedWithWhatToDo) {
   });
 }
 
-TEST(ProcessLimits, anOptionalSchedulerThatIsNotPermittedLeavesTheNormalOne) {
+TEST(ProcessLimits, AnOptionalSchedulerThatIsNotPermittedLeavesTheNormalOne) {
   in_a_thread_without_rights([] {
     EXPECT_TRUE(apply_to_this_process(with(Scheduler::Fifo, 5, true)));
     EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
   });
 }
 
-TEST(ProcessLimits, aPriorityThatDoesNotExistIsRefusedEvenIfItIsOptional) {
+TEST(ProcessLimits, APriorityThatDoesNotExistIsRefusedEvenIfItIsOptional) {
   in_a_thread_without_rights([] {
     EXPECT_FALSE(apply_to_this_process(with(Scheduler::Fifo, 1000, true)));
     EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
   });
 }
 
-TEST(ProcessLimitsWherePossible, aSchedulerThatIsPermittedIsChosen) {
+TEST(ProcessLimitsWherePossible, ASchedulerThatIsPermittedIsChosen) {
   std::jthread([] {
     const sched_param parameters{3};
     if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)

@@ -6,7 +6,7 @@ namespace {
 
 using ProcessServerWherePossible = ProcessServerTest;
 
-TEST_F(ProcessServerWherePossible, aControlGroupTakesAlongWhatLeftTheProcessGroup) {
+TEST_F(ProcessServerWherePossible, AControlGroupTakesAlongWhatLeftTheProcessGroup) {
   fs::path parent;
   for (const fs::path place : {"/sys/fs/cgroup", "/sys/fs/cgroup/unified"}) {
     if (fs::exists(place / "cgroup.procs") && ::access(place.c_str(), W_OK) == 0) parent = place;
@@ -24,7 +24,7 @@ TEST_F(ProcessServerWherePossible, aControlGroupTakesAlongWhatLeftTheProcessGrou
   ::rmdir(chosen.cgroup.c_str());
 }
 
-TEST_F(ProcessServerWherePossible, onAFullDiskAProcessRunsOn) {
+TEST_F(ProcessServerWherePossible, OnAFullDiskAProcessRunsOn) {
   const fs::path disk = folder_ / "segue";
   fs::create_directory(disk);
   ::chmod(disk.c_str(), 0700);
@@ -44,7 +44,7 @@ TEST_F(ProcessServerWherePossible, onAFullDiskAProcessRunsOn) {
   EXPECT_EQ(::umount2(disk.c_str(), MNT_DETACH), 0);
 }
 
-TEST_F(ProcessServerTest, outputIsRotated) {
+TEST_F(ProcessServerTest, OutputIsRotated) {
   ProcessServerOptions chosen = options();
   chosen.log_size = 1000;
   chosen.log_files = 2;
@@ -61,7 +61,7 @@ TEST_F(ProcessServerTest, outputIsRotated) {
   EXPECT_TRUE(tail->text.ends_with("going\n"));
 }
 
-TEST_F(ProcessServerTest, aLogIsFollowedAcrossItsRotation) {
+TEST_F(ProcessServerTest, ALogIsFollowedAcrossItsRotation) {
   const fs::path log = folder_ / "p.log";
   const auto newer = [&](LogPosition& at) {
     auto part = log_after(log, at);
@@ -85,7 +85,7 @@ TEST_F(ProcessServerTest, aLogIsFollowedAcrossItsRotation) {
   EXPECT_EQ(newer(at), "five\n") << "of a file that is gone";
 }
 
-TEST_F(ProcessServerTest, outputIsRotatedWhenThereIsTooMuchNotOnlyNowAndThen) {
+TEST_F(ProcessServerTest, OutputIsRotatedWhenThereIsTooMuchNotOnlyNowAndThen) {
   ProcessServerOptions chosen = options();
   chosen.log_size = 1000;
   chosen.log_files = 1;

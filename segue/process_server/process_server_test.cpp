@@ -4,7 +4,7 @@
 namespace segue::process_server {
 namespace {
 
-TEST_F(ProcessServerTest, aProcessStartsAndStopsAndLeavesOnlyItsLog) {
+TEST_F(ProcessServerTest, AProcessStartsAndStopsAndLeavesOnlyItsLog) {
   const auto processes = server();
   const auto process = ready(*processes, launch("drivers"));
   EXPECT_TRUE(lives(process.pid));
@@ -18,7 +18,7 @@ TEST_F(ProcessServerTest, aProcessStartsAndStopsAndLeavesOnlyItsLog) {
   EXPECT_EQ(files(), std::set<std::string>{"drivers.log"});
 }
 
-TEST_F(ProcessServerTest, theLogBeginsWithWhoStartsAndHoldsWhatIsPrinted) {
+TEST_F(ProcessServerTest, TheLogBeginsWithWhoStartsAndHoldsWhatIsPrinted) {
   const auto processes = server();
   const auto process = ready(*processes, launch("drivers"));
   const std::string text = text_of(process.log);
@@ -28,7 +28,7 @@ TEST_F(ProcessServerTest, theLogBeginsWithWhoStartsAndHoldsWhatIsPrinted) {
   EXPECT_THAT(text_of(process.log), HasSubstr("going\n"));
 }
 
-TEST_F(ProcessServerTest, psShowsRobotAndProcess) {
+TEST_F(ProcessServerTest, PsShowsRobotAndProcess) {
   const auto processes = server();
   const auto process = ready(*processes, launch("drivers"));
   std::string command = text_of("/proc/" + std::to_string(process.pid) + "/cmdline");
@@ -36,7 +36,7 @@ TEST_F(ProcessServerTest, psShowsRobotAndProcess) {
   EXPECT_EQ(command, "segue-deployment rover/drivers ");
 }
 
-TEST_F(ProcessServerTest, aProcessThatDoesNotGoIsKilledAtTheDeadline) {
+TEST_F(ProcessServerTest, AProcessThatDoesNotGoIsKilledAtTheDeadline) {
   const auto processes = server();
   const auto process = ready(*processes, launch("stubborn", "stay"));
   const auto reason = processes->stop("rover", key("stubborn"), soon(milliseconds(50)));
@@ -46,7 +46,7 @@ TEST_F(ProcessServerTest, aProcessThatDoesNotGoIsKilledAtTheDeadline) {
   EXPECT_FALSE(lives(process.pid));
 }
 
-TEST_F(ProcessServerTest, aHaltedProcessIsKilledToo) {
+TEST_F(ProcessServerTest, AHaltedProcessIsKilledToo) {
   const auto processes = server();
   const auto process = ready(*processes, launch("halted"));
   ASSERT_EQ(::kill(process.pid, SIGSTOP), 0);
@@ -56,7 +56,7 @@ TEST_F(ProcessServerTest, aHaltedProcessIsKilledToo) {
   EXPECT_FALSE(lives(process.pid));
 }
 
-TEST_F(ProcessServerTest, exitReasonsAreTold) {
+TEST_F(ProcessServerTest, ExitReasonsAreTold) {
   const auto processes = server();
   Heard heard;
   processes->set_listener([&](const ProcessInfo& process) { heard.hear(process); });
@@ -71,7 +71,7 @@ TEST_F(ProcessServerTest, exitReasonsAreTold) {
   EXPECT_TRUE(processes->processes("rover").value().empty());
 }
 
-TEST_F(ProcessServerTest, aCrashedProcessTakesItsChildrenAlong) {
+TEST_F(ProcessServerTest, ACrashedProcessTakesItsChildrenAlong) {
   const auto processes = server();
   const auto process = ready(*processes, launch("parent", "child"));
   const std::string text = text_of(process.log);
@@ -81,7 +81,7 @@ TEST_F(ProcessServerTest, aCrashedProcessTakesItsChildrenAlong) {
   EXPECT_TRUE(eventually([&] { return !lives(child); }));
 }
 
-TEST_F(ProcessServerTest, aKilledProcessTakesItsChildrenAlong) {
+TEST_F(ProcessServerTest, AKilledProcessTakesItsChildrenAlong) {
   const auto processes = server();
   const auto process = ready(*processes, launch("parent", "child"));
   const std::string text = text_of(process.log);
@@ -92,7 +92,7 @@ TEST_F(ProcessServerTest, aKilledProcessTakesItsChildrenAlong) {
   EXPECT_TRUE(eventually([&] { return !lives(child); }));
 }
 
-TEST_F(ProcessServerTest, processesGoOnWithoutTheirServerAndAreAdoptedByTheNext) {
+TEST_F(ProcessServerTest, ProcessesGoOnWithoutTheirServerAndAreAdoptedByTheNext) {
   auto first = server();
   const auto process = ready(*first, launch("drivers"));
   first.reset();
@@ -112,7 +112,7 @@ TEST_F(ProcessServerTest, processesGoOnWithoutTheirServerAndAreAdoptedByTheNext)
 }
 
 /// The process has another parent, so the server under test cannot learn why it ended.
-TEST_F(ProcessServerTest, ofAnAdoptedProcessTheReasonIsNotKnown) {
+TEST_F(ProcessServerTest, OfAnAdoptedProcessTheReasonIsNotKnown) {
   int pipe[2];
   ASSERT_EQ(::pipe(pipe), 0);
   const pid_t other = ::fork();
@@ -141,7 +141,7 @@ TEST_F(ProcessServerTest, ofAnAdoptedProcessTheReasonIsNotKnown) {
   EXPECT_FALSE(files().contains("drivers.sock"));
 }
 
-TEST_F(ProcessServerTest, ofTwoWithOneNameTheSecondIsRefused) {
+TEST_F(ProcessServerTest, OfTwoWithOneNameTheSecondIsRefused) {
   const auto processes = server();
   const auto process = ready(*processes, launch("drivers"));
   const auto second = processes->start(launch("drivers"), soon());
@@ -155,7 +155,7 @@ TEST_F(ProcessServerTest, ofTwoWithOneNameTheSecondIsRefused) {
   EXPECT_TRUE(lives(process.pid));
 }
 
-TEST_F(ProcessServerTest, aProcessOfAnotherVersionIsReplaced) {
+TEST_F(ProcessServerTest, AProcessOfAnotherVersionIsReplaced) {
   auto first = server();
   Launch old = launch("drivers");
   old.deployment.environment.emplace_back("TEST_SOFTWARE", "0.0.7");
@@ -168,7 +168,7 @@ TEST_F(ProcessServerTest, aProcessOfAnotherVersionIsReplaced) {
   EXPECT_TRUE(lives(after.pid));
 }
 
-TEST_F(ProcessServerTest, aProcessThatIsEndingIsWaitedFor) {
+TEST_F(ProcessServerTest, AProcessThatIsEndingIsWaitedFor) {
   auto first = server();
   const auto ending = ready(*first, launch("drivers", "end slowly"));
   EXPECT_TRUE(eventually([&] { return !lives(ending.pid); }));
@@ -181,7 +181,7 @@ TEST_F(ProcessServerTest, aProcessThatIsEndingIsWaitedFor) {
   EXPECT_TRUE(lives(process.pid));
 }
 
-TEST_F(ProcessServerTest, whatADeadProcessLeftIsReplaced) {
+TEST_F(ProcessServerTest, WhatADeadProcessLeftIsReplaced) {
   const auto processes = server();
   ASSERT_TRUE(process_folder("rover").has_value());
   const fs::path socket = process_socket("rover", key("drivers")).value();
@@ -193,7 +193,7 @@ TEST_F(ProcessServerTest, whatADeadProcessLeftIsReplaced) {
   started(*processes, launch("drivers"));
 }
 
-TEST_F(ProcessServerTest, manyServersOfOneNameStartItOnce) {
+TEST_F(ProcessServerTest, ManyServersOfOneNameStartItOnce) {
   std::vector<std::unique_ptr<ProcessServer>> servers;
   for (int i = 0; i < 4; ++i)
     servers.push_back(server());
@@ -214,7 +214,7 @@ TEST_F(ProcessServerTest, manyServersOfOneNameStartItOnce) {
   EXPECT_EQ(started, 1);
 }
 
-TEST_F(ProcessServerTest, startAndStopFromManyThreadsLeaveNothing) {
+TEST_F(ProcessServerTest, StartAndStopFromManyThreadsLeaveNothing) {
   const auto processes = server();
   Mutex mutex;
   {
@@ -240,7 +240,7 @@ TEST_F(ProcessServerTest, startAndStopFromManyThreadsLeaveNothing) {
   EXPECT_EQ(files(), (std::set<std::string>{"a.log", "b.log"}));
 }
 
-TEST_F(ProcessServerTest, aProcessInheritsNothingButWhatItNeeds) {
+TEST_F(ProcessServerTest, AProcessInheritsNothingButWhatItNeeds) {
   const int leak = ::open("/dev/zero", O_RDONLY);  // not close-on-exec
   const auto processes = server();
   const auto process = ready(*processes, launch("drivers"));
@@ -256,7 +256,7 @@ TEST_F(ProcessServerTest, aProcessInheritsNothingButWhatItNeeds) {
                                             process.socket.string() + ".lock"}));
 }
 
-TEST_F(ProcessServerTest, aProcessBeginsWithCleanSignals) {
+TEST_F(ProcessServerTest, AProcessBeginsWithCleanSignals) {
   sigset_t blocked;
   sigemptyset(&blocked);
   sigaddset(&blocked, SIGUSR1);
@@ -275,7 +275,7 @@ TEST_F(ProcessServerTest, aProcessBeginsWithCleanSignals) {
 /// Sanitizers reserve terabytes of address space, which no limit of memory permits.
 constexpr std::uint64_t kMemoryLimit = kSanitized ? std::uint64_t{1} << 50 : std::uint64_t{512} << 20;
 
-TEST_F(ProcessServerTest, limitsAndVariablesReachTheProcess) {
+TEST_F(ProcessServerTest, LimitsAndVariablesReachTheProcess) {
   const auto processes = server();
   Launch limited = launch("drivers");
   limited.deployment.limits = {kMemoryLimit, 100, seconds(60), 0};
@@ -291,7 +291,7 @@ TEST_F(ProcessServerTest, limitsAndVariablesReachTheProcess) {
   EXPECT_THAT(text_of(proc + "/environ"), HasSubstr("PLACE=the moon"));
 }
 
-TEST_F(ProcessServerTest, aProgramThatCannotRunIsRefusedAndLeavesNothing) {
+TEST_F(ProcessServerTest, AProgramThatCannotRunIsRefusedAndLeavesNothing) {
   const fs::path broken = folder_ / "broken";
   ASSERT_TRUE(write_file(broken, "no program").has_value());
   ::chmod(broken.c_str(), 0755);
@@ -306,7 +306,7 @@ TEST_F(ProcessServerTest, aProgramThatCannotRunIsRefusedAndLeavesNothing) {
   EXPECT_EQ(processes->start(launch("drivers"), soon()).error().code, process.error().code);
 }
 
-TEST_F(ProcessServerTest, aProgramThatIsMissingIsNamed) {
+TEST_F(ProcessServerTest, AProgramThatIsMissingIsNamed) {
   ProcessServerOptions chosen;
   chosen.program = "/nowhere/segue-deployment";
   const auto made = ProcessServer::create(chosen);
@@ -315,7 +315,7 @@ TEST_F(ProcessServerTest, aProgramThatIsMissingIsNamed) {
   EXPECT_THAT(made.error().message, HasSubstr("/nowhere"));
 }
 
-TEST_F(ProcessServerTest, withoutDescriptorsNothingStartsAndNothingStays) {
+TEST_F(ProcessServerTest, WithoutDescriptorsNothingStartsAndNothingStays) {
   const auto processes = server();
   rlimit before{};
   ::getrlimit(RLIMIT_NOFILE, &before);
@@ -338,7 +338,7 @@ TEST_F(ProcessServerTest, withoutDescriptorsNothingStartsAndNothingStays) {
   pids_.push_back(process->pid);
 }
 
-TEST_F(ProcessServerTest, aProcessRunsWhereItsLogCannotBeWritten) {
+TEST_F(ProcessServerTest, AProcessRunsWhereItsLogCannotBeWritten) {
   const auto processes = server();
   const fs::path socket = process_socket("rover", key("drivers")).value();
   fs::create_directory(process_log(socket));
@@ -348,7 +348,7 @@ TEST_F(ProcessServerTest, aProcessRunsWhereItsLogCannotBeWritten) {
   EXPECT_FALSE(lives(process.pid));
 }
 
-TEST_F(ProcessServerTest, namesThatArePathsAreRefused) {
+TEST_F(ProcessServerTest, NamesThatArePathsAreRefused) {
   const auto processes = server();
   Launch wrong = launch("../drivers");
   EXPECT_EQ(processes->start(wrong, soon()).error().code, ErrorCode::InvalidArgument);
@@ -359,7 +359,7 @@ TEST_F(ProcessServerTest, namesThatArePathsAreRefused) {
   EXPECT_FALSE(processes->processes("/").has_value());
 }
 
-TEST_F(ProcessServerTest, whatIsKilledIsNotAskedFirst) {
+TEST_F(ProcessServerTest, WhatIsKilledIsNotAskedFirst) {
   const auto processes = server();
   const auto process = ready(*processes, launch("stubborn", "stay"));
   const auto reason = processes->kill("rover", key("stubborn"), soon());
@@ -371,12 +371,12 @@ TEST_F(ProcessServerTest, whatIsKilledIsNotAskedFirst) {
   EXPECT_EQ(processes->kill("rover", key("stubborn"), soon()).error().code, ErrorCode::NotFound);
 }
 
-TEST_F(ProcessServerTest, whatDoesNotRunCannotBeStopped) {
+TEST_F(ProcessServerTest, WhatDoesNotRunCannotBeStopped) {
   const auto processes = server();
   EXPECT_EQ(processes->stop("rover", key("drivers"), soon()).error().code, ErrorCode::NotFound);
 }
 
-TEST_F(ProcessServerTest, aFolderOfSomebodyElseIsRefused) {
+TEST_F(ProcessServerTest, AFolderOfSomebodyElseIsRefused) {
   fs::create_directory(folder_ / "segue");
   fs::create_symlink("/tmp", folder_ / "segue" / "rover");
   const auto processes = server();

@@ -15,7 +15,7 @@ int parent_of(int pid) {
   return at == std::string::npos ? 0 : std::atoi(status.c_str() + at + 6);
 }
 
-TEST_F(ProcessServerTest, aZygoteMakesProcessesThatAreLikeOthers) {
+TEST_F(ProcessServerTest, AZygoteMakesProcessesThatAreLikeOthers) {
   const auto processes = server(with_zygote(options()));
   Launch what = launch("drivers");
   what.deployment.environment.emplace_back("PLACE", "the moon");
@@ -40,7 +40,7 @@ TEST_F(ProcessServerTest, aZygoteMakesProcessesThatAreLikeOthers) {
   EXPECT_EQ(files(), std::set<std::string>{"drivers.log"});
 }
 
-TEST_F(ProcessServerTest, whyAChildOfTheZygoteEndedIsTold) {
+TEST_F(ProcessServerTest, WhyAChildOfTheZygoteEndedIsTold) {
   const auto processes = server(with_zygote(options()));
   Heard heard;
   processes->set_listener([&](const ProcessInfo& process) { heard.hear(process); });
@@ -50,7 +50,7 @@ TEST_F(ProcessServerTest, whyAChildOfTheZygoteEndedIsTold) {
   EXPECT_EQ(heard.end_of("leaves").value().exit.value().status, 3);
 }
 
-TEST_F(ProcessServerTest, aZygoteThatDoesNotAnswerHoldsUpNoOtherRequest) {
+TEST_F(ProcessServerTest, AZygoteThatDoesNotAnswerHoldsUpNoOtherRequest) {
   const auto processes = server(with_zygote(options()));
   Heard heard;
   processes->set_listener([&](const ProcessInfo& process) { heard.hear(process); });
@@ -69,7 +69,7 @@ TEST_F(ProcessServerTest, aZygoteThatDoesNotAnswerHoldsUpNoOtherRequest) {
   EXPECT_TRUE(lives(other.pid));
 }
 
-TEST_F(ProcessServerTest, withoutItsZygoteProcessesGoOnAndOthersStart) {
+TEST_F(ProcessServerTest, WithoutItsZygoteProcessesGoOnAndOthersStart) {
   const auto processes = server(with_zygote(options()));
   const auto before = ready(*processes, launch("before"));
   const int zygote = parent_of(before.pid);
@@ -82,7 +82,7 @@ TEST_F(ProcessServerTest, withoutItsZygoteProcessesGoOnAndOthersStart) {
   EXPECT_FALSE(lives(before.pid));
 }
 
-TEST_F(ProcessServerTest, aZygoteGoesWithItsServerAndItsChildrenStay) {
+TEST_F(ProcessServerTest, AZygoteGoesWithItsServerAndItsChildrenStay) {
   auto first = server(with_zygote(options()));
   const auto process = ready(*first, launch("drivers"));
   const int zygote = parent_of(process.pid);
@@ -106,7 +106,7 @@ int spare_of(int zygote) {
   return 0;
 }
 
-TEST_F(ProcessServerTest, aZygoteKeepsOneChildReadyWhichBecomesTheNextProcess) {
+TEST_F(ProcessServerTest, AZygoteKeepsOneChildReadyWhichBecomesTheNextProcess) {
   const auto processes = server(with_zygote(options()));
   const int zygote = parent_of(ready(*processes, launch("first")).pid);
   int spare = 0;
@@ -126,7 +126,7 @@ bool has_ended(int pid) {
   return !lives(pid) && (failed || std::distance(begin(threads), end(threads)) <= 1);
 }
 
-TEST_F(ProcessServerTest, aSpareThatWasKilledKeepsNoProcessFromStarting) {
+TEST_F(ProcessServerTest, ASpareThatWasKilledKeepsNoProcessFromStarting) {
   const auto processes = server(with_zygote(options()));
   const int zygote = parent_of(ready(*processes, launch("first")).pid);
   for (const char* name : {"second", "third"}) {
@@ -139,7 +139,7 @@ TEST_F(ProcessServerTest, aSpareThatWasKilledKeepsNoProcessFromStarting) {
   EXPECT_TRUE(lives(zygote));
 }
 
-TEST_F(ProcessServerTest, aSpareGoesWithItsZygote) {
+TEST_F(ProcessServerTest, ASpareGoesWithItsZygote) {
   auto processes = server(with_zygote(options()));
   const int zygote = parent_of(ready(*processes, launch("drivers")).pid);
   int spare = 0;
@@ -148,7 +148,7 @@ TEST_F(ProcessServerTest, aSpareGoesWithItsZygote) {
   EXPECT_TRUE(eventually([&] { return !lives(spare); }));
 }
 
-TEST_F(ProcessServerTest, manyProcessesStartAndEndAtOnceThroughAZygote) {
+TEST_F(ProcessServerTest, ManyProcessesStartAndEndAtOnceThroughAZygote) {
   constexpr int kThreads = 8;
   constexpr int kRounds = 5;
   const auto processes = server(with_zygote(options()));

@@ -72,7 +72,7 @@ std::string told(const RafconCounts& counts) {
          std::to_string(counts.data_flows) + " data flows";
 }
 
-TEST(RafconMachinesSharedData, loadAsRafconLoadsThem) {
+TEST(RafconMachinesSharedData, LoadAsRafconLoadsThem) {
   if (const auto missing = missing_shared_data(kReal); !missing.empty()) GTEST_SKIP() << missing;
   const auto rows = oracle();
   ASSERT_GT(rows.size(), 100U);
@@ -103,7 +103,7 @@ class OwnMachine : public ::testing::Test {
   Diagnostics diagnostics_;
 };
 
-TEST_F(OwnMachine, ofTheNewFormatIsRead) {
+TEST_F(OwnMachine, OfTheNewFormatIsRead) {
   const auto machine = import("count_down");
   ASSERT_TRUE(machine) << to_string(diagnostics_);
   EXPECT_EQ(told(machine->counts), told({4, 1, 4, 4}));
@@ -114,7 +114,7 @@ TEST_F(OwnMachine, ofTheNewFormatIsRead) {
   EXPECT_TRUE(validate(mission).empty()) << to_string(validate(mission));
 }
 
-TEST_F(OwnMachine, keepsScriptsNotesAndValues) {
+TEST_F(OwnMachine, KeepsScriptsNotesAndValues) {
   const auto machine = import("count_down");
   ASSERT_TRUE(machine) << to_string(diagnostics_);
   const auto find = [&](std::string_view title) {
@@ -129,7 +129,7 @@ TEST_F(OwnMachine, keepsScriptsNotesAndValues) {
   EXPECT_EQ(find("show").input_values, (std::vector<PortValue>{{"text", "left: ", {}}}));
 }
 
-TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
+TEST_F(OwnMachine, DeclaresForSegueWhatAMissionFileWould) {
   const auto folder =
       std::filesystem::path(::testing::TempDir()) / ("segue_declares_" + std::to_string(::getpid()));
   std::filesystem::remove_all(folder);
@@ -188,7 +188,7 @@ class ChangedMachine : public ::testing::Test {
   Diagnostics diagnostics_;
 };
 
-TEST_F(ChangedMachine, withTitlesInOtherAlphabetsHasIdentifiersThatTell) {
+TEST_F(ChangedMachine, WithTitlesInOtherAlphabetsHasIdentifiersThatTell) {
   copy("live_objects");
   replace("opens_OPENAA/core_data.json", "\"opens\"", "\"\u958b\u304f\"");
   replace("uses_USESAA/core_data.json", "\"uses\"", "\"Gr\u00f6\u00dfe\"");
@@ -201,7 +201,7 @@ TEST_F(ChangedMachine, withTitlesInOtherAlphabetsHasIdentifiersThatTell) {
                                               "Gr__e = Gr\u00f6\u00dfe"}));
 }
 
-TEST_F(ChangedMachine, declaresThatALibraryIsStrictAndRefusesByNameWhatLibrariesCannotDeclare) {
+TEST_F(ChangedMachine, DeclaresThatALibraryIsStrictAndRefusesByNameWhatLibrariesCannotDeclare) {
   copy("count_down");
   write("show_SHOWAA/semantic_data.json", R"j({"segue": {"strict": "true"}})j");
   const auto machine = import();
@@ -214,7 +214,7 @@ TEST_F(ChangedMachine, declaresThatALibraryIsStrictAndRefusesByNameWhatLibraries
                                              HasSubstr("a library cannot declare preconditions")));
 }
 
-TEST_F(ChangedMachine, hasPortsOfTypeTuple) {
+TEST_F(ChangedMachine, HasPortsOfTypeTuple) {
   copy("interface");
   replace("asks_ASKSAA/core_data.json", "__builtin__.list", "__builtin__.tuple");
   const auto machine = import();
@@ -223,12 +223,12 @@ TEST_F(ChangedMachine, hasPortsOfTypeTuple) {
                                   [](const Port& port) { return port.type == "tuple"; }));
 }
 
-TEST_F(OwnMachine, librariesOfAnyNameAreFoundInAFolderWithoutOne) {
+TEST_F(OwnMachine, LibrariesOfAnyNameAreFoundInAFolderWithoutOne) {
   EXPECT_TRUE(import_rafcon(kOurs / "count_down", {{"", kOurs / "libraries"}}, diagnostics_))
       << to_string(diagnostics_);
 }
 
-TEST_F(OwnMachine, allFilesAreReadByWhoImports) {
+TEST_F(OwnMachine, AllFilesAreReadByWhoImports) {
   std::size_t files = 0;
   const auto count = [&](const std::filesystem::path& file) {
     ++files;
@@ -244,7 +244,7 @@ TEST_F(OwnMachine, allFilesAreReadByWhoImports) {
   EXPECT_TRUE(diagnostics_.has_errors());
 }
 
-TEST_F(OwnMachine, hasScriptsThatCommandARobotWhereTheySaySo) {
+TEST_F(OwnMachine, HasScriptsThatCommandARobotWhereTheySaySo) {
   const auto folder =
       std::filesystem::path(::testing::TempDir()) / ("segue_scripts_" + std::to_string(::getpid()));
   std::filesystem::remove_all(folder);
@@ -262,7 +262,7 @@ TEST_F(OwnMachine, hasScriptsThatCommandARobotWhereTheySaySo) {
   std::filesystem::remove_all(folder);
 }
 
-TEST_F(OwnMachine, usesAControllerWhereALibraryStateSaysSo) {
+TEST_F(OwnMachine, UsesAControllerWhereALibraryStateSaysSo) {
   const auto folder =
       std::filesystem::path(::testing::TempDir()) / ("segue_controls_" + std::to_string(::getpid()));
   std::filesystem::remove_all(folder);
@@ -288,7 +288,7 @@ TEST_F(OwnMachine, usesAControllerWhereALibraryStateSaysSo) {
   std::filesystem::remove_all(folder);
 }
 
-TEST_F(OwnMachine, declaresWhatAContainerNeeds) {
+TEST_F(OwnMachine, DeclaresWhatAContainerNeeds) {
   const auto folder =
       std::filesystem::path(::testing::TempDir()) / ("segue_contains_" + std::to_string(::getpid()));
   std::filesystem::remove_all(folder);
@@ -306,21 +306,21 @@ TEST_F(OwnMachine, declaresWhatAContainerNeeds) {
   std::filesystem::remove_all(folder);
 }
 
-TEST_F(OwnMachine, ofTheOldFormatIsRead) {
+TEST_F(OwnMachine, OfTheOldFormatIsRead) {
   const auto machine = import("side_by_side");
   ASSERT_TRUE(machine) << to_string(diagnostics_);
   EXPECT_EQ(told(machine->counts), told({8, 0, 10, 0}));
   EXPECT_TRUE(validate(machine->mission).empty()) << to_string(validate(machine->mission));
 }
 
-TEST_F(OwnMachine, withGapsInItsOutcomesSaysWhatThatMeansForTheScript) {
+TEST_F(OwnMachine, WithGapsInItsOutcomesSaysWhatThatMeansForTheScript) {
   const auto machine = import("renumbered");
   ASSERT_TRUE(machine) << to_string(diagnostics_);
   EXPECT_THAT(to_string(diagnostics_), HasSubstr("its script must return them by name [outcome-numbers]"));
   EXPECT_EQ(machine->mission.actions.front().outcomes, (std::vector<std::string>{"gone", "there"}));
 }
 
-TEST_F(OwnMachine, withUnconnectedOutcomesAndWrongTypesRunsAndSaysSo) {
+TEST_F(OwnMachine, WithUnconnectedOutcomesAndWrongTypesRunsAndSaysSo) {
   const auto machine = import("unfinished");
   ASSERT_TRUE(machine) << to_string(diagnostics_);
   EXPECT_THAT(
@@ -333,12 +333,12 @@ TEST_F(OwnMachine, withUnconnectedOutcomesAndWrongTypesRunsAndSaysSo) {
   EXPECT_EQ(machine->mission.actions.front().inputs.front().type, "any");
 }
 
-TEST_F(OwnMachine, withAMissingLibraryIsRefused) {
+TEST_F(OwnMachine, WithAMissingLibraryIsRefused) {
   EXPECT_FALSE(import_rafcon(kOurs / "count_down", {}, diagnostics_));
   EXPECT_THAT(to_string(diagnostics_), HasSubstr("there is no library 'own/tools/show value'"));
 }
 
-TEST_F(OwnMachine, thatIsNotThereIsRefused) {
+TEST_F(OwnMachine, ThatIsNotThereIsRefused) {
   EXPECT_FALSE(import("nothing"));
   EXPECT_THAT(to_string(diagnostics_), HasSubstr("unreadable-file"));
 }

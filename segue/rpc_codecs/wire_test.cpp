@@ -25,13 +25,13 @@ Thing travel(const Thing& thing) {
   return decode(reader.getRoot<Wire>());
 }
 
-RC_GTEST_PROP(WireTest, networksTravelUnchanged, (std::uint64_t seed)) {
+RC_GTEST_PROP(WireTest, NetworksTravelUnchanged, (std::uint64_t seed)) {
   Random random(seed);
   const auto network = segue::testing::random_network(random, everything());
   RC_ASSERT(travel<wire::Network>(network) == network);
 }
 
-RC_GTEST_PROP(WireTest, actionsAndTransitionsTravelUnchanged, (std::uint64_t seed)) {
+RC_GTEST_PROP(WireTest, ActionsAndTransitionsTravelUnchanged, (std::uint64_t seed)) {
   Random random(seed);
   const auto transition = segue::testing::random_transition(random);
   RC_ASSERT(travel<wire::Transition>(transition) == transition);
@@ -62,7 +62,7 @@ model::ComponentModel random_component(Random& random) {
   return model;
 }
 
-RC_GTEST_PROP(WireTest, componentModelsTravelUnchanged, (std::uint64_t seed)) {
+RC_GTEST_PROP(WireTest, ComponentModelsTravelUnchanged, (std::uint64_t seed)) {
   Random random(seed);
   const auto model = random_component(random);
   RC_ASSERT(travel<wire::Component>(model) == model);

@@ -84,7 +84,7 @@ class ApplyTest : public ::testing::Test {
   Runtime& runtime_ = robot_.runtime;
 };
 
-TEST_F(ApplyTest, the_running_controller_goes_to_its_new_version) {
+TEST_F(ApplyTest, TheRunningControllerGoesToItsNewVersion) {
   ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
   expect_runs(work(1));
   const auto result = apply({work(2), rest()});
@@ -104,7 +104,7 @@ TEST_F(ApplyTest, the_running_controller_goes_to_its_new_version) {
   EXPECT_EQ(runtime_.history().back().cause, Cause::Apply);
 }
 
-TEST_F(ApplyTest, what_does_not_run_is_replaced_without_an_action) {
+TEST_F(ApplyTest, WhatDoesNotRunIsReplacedWithoutAnAction) {
   ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
   const auto extra = network_of("network: extra\ntasks: {eye: {component: a::Eye}}\n");
   const auto result = apply({extra, rest()});
@@ -115,7 +115,7 @@ TEST_F(ApplyTest, what_does_not_run_is_replaced_without_an_action) {
   expect_runs(rest());
 }
 
-TEST_F(ApplyTest, a_network_that_cannot_run_here_leaves_everything_as_it_was) {
+TEST_F(ApplyTest, ANetworkThatCannotRunHereLeavesEverythingAsItWas) {
   ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
   const auto broken =
       network_of("network: rest\ntasks: {eye: {component: a::Eye}}\nconnections: [eye.out -> ear.in]\n");
@@ -126,7 +126,7 @@ TEST_F(ApplyTest, a_network_that_cannot_run_here_leaves_everything_as_it_was) {
   expect_runs(work(1));
 }
 
-TEST_F(ApplyTest, among_stand_ins_a_wrong_value_of_an_installed_component_is_refused_before_any_action) {
+TEST_F(ApplyTest, AmongStandInsAWrongValueOfAnInstalledComponentIsRefusedBeforeAnyAction) {
   auto models = robot_.libraries.export_models("", robot_.catalog.types());
   ASSERT_TRUE(models);
   for (auto& model : *models)
@@ -150,7 +150,7 @@ TEST_F(ApplyTest, among_stand_ins_a_wrong_value_of_an_installed_component_is_ref
             Outcome::Done);
 }
 
-TEST_F(ApplyTest, among_stand_ins_a_value_that_the_model_excludes_is_refused_before_any_action) {
+TEST_F(ApplyTest, AmongStandInsAValueThatTheModelExcludesIsRefusedBeforeAnyAction) {
   Diagnostics diagnostics;
   model::read_components(
       "components: {a::Arm: {ports: [{name: in, direction: input, type: /double}], "
@@ -165,7 +165,7 @@ TEST_F(ApplyTest, among_stand_ins_a_value_that_the_model_excludes_is_refused_bef
   expect_runs(work(1));
 }
 
-TEST_F(ApplyTest, a_controller_that_runs_outlives_its_file) {
+TEST_F(ApplyTest, AControllerThatRunsOutlivesItsFile) {
   ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
   const auto result = apply({rest()});
   EXPECT_EQ(result.outcome, Outcome::Done);
@@ -176,14 +176,14 @@ TEST_F(ApplyTest, a_controller_that_runs_outlives_its_file) {
   EXPECT_FALSE(runtime_.controller(kWork));
 }
 
-TEST_F(ApplyTest, a_controller_that_the_program_added_stays) {
+TEST_F(ApplyTest, AControllerThatTheProgramAddedStays) {
   const auto own = network_of("network: own\ntasks: {eye: {component: a::Eye}}\n");
   ASSERT_FALSE(runtime_.add_controller(own).has_errors());
   ASSERT_EQ(apply({rest()}).outcome, Outcome::Done);
   EXPECT_THAT(runtime_.controllers(), ElementsAre(own.name, kRest));
 }
 
-TEST_F(ApplyTest, a_transition_that_fails_brings_the_old_controllers_back) {
+TEST_F(ApplyTest, ATransitionThatFailsBringsTheOldControllersBack) {
   ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
   const auto broken = work(2, ", stand_in: {fail: configure}");
   const auto result = apply({broken});
@@ -199,7 +199,7 @@ TEST_F(ApplyTest, a_transition_that_fails_brings_the_old_controllers_back) {
   expect_runs(work(3));
 }
 
-TEST_F(ApplyTest, a_transition_that_fails_brings_the_old_halt_back) {
+TEST_F(ApplyTest, ATransitionThatFailsBringsTheOldHaltBack) {
   auto before = set_of({work(1), rest()});
   before.halt = model::Halt();
   before.halt->controller = kRest;
@@ -212,7 +212,7 @@ TEST_F(ApplyTest, a_transition_that_fails_brings_the_old_halt_back) {
   expect_runs(rest());
 }
 
-TEST_F(ApplyTest, it_waits_for_a_switch_in_progress_and_supersedes_nothing) {
+TEST_F(ApplyTest, ItWaitsForASwitchInProgressAndSupersedesNothing) {
   ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
   hold();
   auto switched = runtime_.request(kWork);
@@ -228,7 +228,7 @@ TEST_F(ApplyTest, it_waits_for_a_switch_in_progress_and_supersedes_nothing) {
   expect_runs(work(2));
 }
 
-TEST_F(ApplyTest, a_switch_overtakes_its_transition_and_the_files_stay_applied) {
+TEST_F(ApplyTest, ASwitchOvertakesItsTransitionAndTheFilesStayApplied) {
   ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
   hold();
   auto added = network_of("network: work\ntasks: {arm: {component: a::Arm}, ear: {component: a::Ear}}\n");
@@ -243,7 +243,7 @@ TEST_F(ApplyTest, a_switch_overtakes_its_transition_and_the_files_stay_applied) 
   EXPECT_EQ(runtime_.controller(kWork)->version, added.version);
 }
 
-TEST_F(ApplyTest, controllers_on_standby_are_prepared_anew) {
+TEST_F(ApplyTest, ControllersOnStandbyArePreparedAnew) {
   ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
   ASSERT_TRUE(runtime_.prepare({kWork}).get().at(0).ready);
   const std::uint64_t before = runtime_.events().back().number;
@@ -262,7 +262,7 @@ TEST_F(ApplyTest, controllers_on_standby_are_prepared_anew) {
   expect_runs(work(2));
 }
 
-TEST_F(ApplyTest, a_preparation_in_progress_makes_way) {
+TEST_F(ApplyTest, APreparationInProgressMakesWay) {
   ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
   hold();
   auto prepared = runtime_.prepare({kWork});
@@ -279,7 +279,7 @@ TEST_F(ApplyTest, a_preparation_in_progress_makes_way) {
   expect_runs(work(2));
 }
 
-TEST_F(ApplyTest, newer_files_take_the_place_of_those_that_wait) {
+TEST_F(ApplyTest, NewerFilesTakeThePlaceOfThoseThatWait) {
   ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
   hold();
   auto switched = runtime_.request(kWork);
@@ -295,7 +295,7 @@ TEST_F(ApplyTest, newer_files_take_the_place_of_those_that_wait) {
       << "the controllers are those before the first of the two";
 }
 
-TEST_F(ApplyTest, a_runtime_that_ends_answers_files_that_wait) {
+TEST_F(ApplyTest, ARuntimeThatEndsAnswersFilesThatWait) {
   auto robot = std::make_unique<testing::StandInRobot>();
   ASSERT_FALSE(robot->runtime.load(set_of({work(1)})).has_errors());
   std::future<ApplyResult> applied;

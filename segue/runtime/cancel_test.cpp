@@ -76,7 +76,7 @@ bool is_same(const model::Action& one, const model::Action& other) {
   return one.phase == other.phase && one.label() == other.label();
 }
 
-TEST(Cancel, before_each_action_until_the_point_of_commit_undoes_all_of_it) {
+TEST(Cancel, BeforeEachActionUntilThePointOfCommitUndoesAllOfIt) {
   Robot robot;
   int undone = 0;
   for (const auto& at : robot.planned()) {
@@ -112,7 +112,7 @@ TEST(Cancel, before_each_action_until_the_point_of_commit_undoes_all_of_it) {
   EXPECT_GT(undone, 4);
 }
 
-TEST(Cancel, after_each_action_leaves_the_old_network_or_the_new_one) {
+TEST(Cancel, AfterEachActionLeavesTheOldNetworkOrTheNewOne) {
   Robot robot;
   for (const auto& at : robot.planned()) {
     SCOPED_TRACE(at.label());
@@ -133,7 +133,7 @@ TEST(Cancel, after_each_action_leaves_the_old_network_or_the_new_one) {
   }
 }
 
-TEST(Cancel, of_nothing_and_of_other_requests_is_refused) {
+TEST(Cancel, OfNothingAndOfOtherRequestsIsRefused) {
   Robot robot;
   const auto nothing = robot.runtime.cancel(0, "ann");
   ASSERT_FALSE(nothing);
@@ -170,7 +170,7 @@ struct Held : Robot {
   std::future<SwitchResult> result;
 };
 
-TEST(Cancel, is_answered_when_the_action_that_hangs_has_returned) {
+TEST(Cancel, IsAnsweredWhenTheActionThatHangsHasReturned) {
   Held robot;
   const auto open = robot.runtime.open_requests();
   ASSERT_EQ(open.size(), 1U);
@@ -187,7 +187,7 @@ TEST(Cancel, is_answered_when_the_action_that_hangs_has_returned) {
   robot.expect_restored();
 }
 
-TEST(Cancel, comes_with_the_end_of_the_lease_of_whoever_requested) {
+TEST(Cancel, ComesWithTheEndOfTheLeaseOfWhoeverRequested) {
   Held robot("ann");
   robot.runtime.end_lease(robot.lease);
   robot.gate->released.set_value();
@@ -197,14 +197,14 @@ TEST(Cancel, comes_with_the_end_of_the_lease_of_whoever_requested) {
   robot.expect_restored();
 }
 
-TEST(Cancel, does_not_come_with_the_end_of_the_lease_of_somebody_else) {
+TEST(Cancel, DoesNotComeWithTheEndOfTheLeaseOfSomebodyElse) {
   Held robot;
   robot.runtime.end_lease(robot.runtime.take_lease("ann").value());
   robot.gate->released.set_value();
   EXPECT_EQ(robot.result.get().outcome, Outcome::Done);
 }
 
-TEST(Cancel, follows_whoever_waits_for_a_request_no_longer) {
+TEST(Cancel, FollowsWhoeverWaitsForARequestNoLonger) {
   Held robot;
   EXPECT_FALSE(robot.runtime.add_controller(robot.before).has_errors());
   RuntimeService service(robot.runtime, nullptr, [] {});
@@ -220,7 +220,7 @@ TEST(Cancel, follows_whoever_waits_for_a_request_no_longer) {
   EXPECT_EQ(robot.result.get().outcome, Outcome::Superseded) << "as it was when the newer one came";
 }
 
-TEST(Cancel, of_a_request_that_waits_leaves_the_one_in_progress) {
+TEST(Cancel, OfARequestThatWaitsLeavesTheOneInProgress) {
   Robot robot;
   std::promise<void> reached;
   std::promise<void> release;
@@ -245,7 +245,7 @@ TEST(Cancel, of_a_request_that_waits_leaves_the_one_in_progress) {
   EXPECT_EQ(result.get().outcome, Outcome::Done);
 }
 
-TEST(Cancel, while_a_failure_is_undone_is_refused) {
+TEST(Cancel, WhileAFailureIsUndoneIsRefused) {
   Robot robot;
   std::optional<Error> refusal;
   std::atomic<int> commits = 0;
@@ -269,7 +269,7 @@ TEST(Cancel, while_a_failure_is_undone_is_refused) {
   robot.expect_restored();
 }
 
-TEST(Cancel, while_it_is_undone_after_a_cancel_is_answered_with_the_same_result) {
+TEST(Cancel, WhileItIsUndoneAfterACancelIsAnsweredWithTheSameResult) {
   Robot robot;
   std::vector<Result<std::future<SwitchResult>>> answers;
   robot.asking.ask([&](const model::Action& action) -> Result<void> {
@@ -289,7 +289,7 @@ TEST(Cancel, while_it_is_undone_after_a_cancel_is_answered_with_the_same_result)
   robot.expect_restored();
 }
 
-TEST(Cancel, lets_a_newer_request_follow_the_undoing) {
+TEST(Cancel, LetsANewerRequestFollowTheUndoing) {
   Held robot;
   auto cancelled = robot.runtime.cancel(0, "ann");
   auto newer = robot.runtime.request(robot.target);
@@ -299,7 +299,7 @@ TEST(Cancel, lets_a_newer_request_follow_the_undoing) {
   EXPECT_EQ(robot.runtime.belief().name, robot.target.name);
 }
 
-TEST(Cancel, of_a_superseded_request_is_refused) {
+TEST(Cancel, OfASupersededRequestIsRefused) {
   Held robot;
   const auto number = robot.runtime.open_requests()[0].request;
   auto newer = robot.runtime.request(robot.target);
@@ -312,7 +312,7 @@ TEST(Cancel, of_a_superseded_request_is_refused) {
 }
 
 /// The next transition takes the rest away.
-TEST(Retire, ends_with_the_action_in_progress_when_something_newer_is_requested) {
+TEST(Retire, EndsWithTheActionInProgressWhenSomethingNewerIsRequested) {
   Robot robot;
   std::promise<std::future<SwitchResult>> newer;
   std::atomic<bool> done = false;
@@ -329,7 +329,7 @@ TEST(Retire, ends_with_the_action_in_progress_when_something_newer_is_requested)
   robot.expect_restored();
 }
 
-TEST(Cancel, ends_with_the_runtime) {
+TEST(Cancel, EndsWithTheRuntime) {
   auto robot = std::make_unique<Held>();
   auto cancelled = robot->runtime.cancel(0, "ann");
   ASSERT_TRUE(cancelled);
@@ -340,7 +340,7 @@ TEST(Cancel, ends_with_the_runtime) {
 
 /// Each fault at each action, where somebody cancels as that action begins: the old network runs, or what
 /// runs is known.
-TEST(Cancel, together_with_a_fault_ends_in_the_old_network_or_says_what_runs) {
+TEST(Cancel, TogetherWithAFaultEndsInTheOldNetworkOrSaysWhatRuns) {
   model::ComponentCatalog catalog;
   task_host::LibrarySet libraries;
   task_host::LocalTaskHost tasks{
@@ -386,7 +386,7 @@ TEST(Cancel, together_with_a_fault_ends_in_the_old_network_or_says_what_runs) {
 }
 
 /// Many at once, for the thread sanitizer.
-TEST(Cancel, from_several_threads_ends_each_request_in_one_network) {
+TEST(Cancel, FromSeveralThreadsEndsEachRequestInOneNetwork) {
   Robot robot;
   std::atomic<int> round = 0;
   std::atomic<bool> ends = false;

@@ -46,7 +46,7 @@ class ControllerFilesTest : public ::testing::Test {
   RobotFiles started_;
 };
 
-TEST_F(ControllerFilesTest, changes_are_seen_by_content) {
+TEST_F(ControllerFilesTest, ChangesAreSeenByContent) {
   EXPECT_THAT(changes(), IsEmpty());
   write("controllers/go.yaml", "tasks: {drive: {component: x::Drive}}\n");
   EXPECT_THAT(changes(), IsEmpty()) << "it was written anew with the same content";
@@ -63,7 +63,7 @@ TEST_F(ControllerFilesTest, changes_are_seen_by_content) {
   EXPECT_THAT(files().changes(now->files), IsEmpty());
 }
 
-TEST_F(ControllerFilesTest, a_file_that_changes_while_the_files_are_read_is_an_error) {
+TEST_F(ControllerFilesTest, AFileThatChangesWhileTheFilesAreReadIsAnError) {
   Diagnostics diagnostics;
   const auto read = [&](const fs::path& path) {
     auto text = read_file(path);
@@ -76,7 +76,7 @@ TEST_F(ControllerFilesTest, a_file_that_changes_while_the_files_are_read_is_an_e
   EXPECT_THAT(to_string(diagnostics), HasSubstr("[file-changed]"));
 }
 
-TEST_F(ControllerFilesTest, all_problems_of_all_files_are_reported) {
+TEST_F(ControllerFilesTest, AllProblemsOfAllFilesAreReported) {
   write("controllers/go.yaml", "tasks: 3\n");
   write("controllers/stay.yaml", "tasks: {brake: {}}\n");
   write("robot.yaml", "robot: rover\ncontrollers: [controllers/*.yaml, missing.yaml]\n");
@@ -85,14 +85,14 @@ TEST_F(ControllerFilesTest, all_problems_of_all_files_are_reported) {
     EXPECT_THAT(found, HasSubstr(part));
 }
 
-TEST_F(ControllerFilesTest, a_file_without_content_is_no_controller) {
+TEST_F(ControllerFilesTest, AFileWithoutContentIsNoController) {
   for (const char* text : {"", "# saved in part\n"}) {
     write("controllers/go.yaml", text);
     EXPECT_THAT(problems(), HasSubstr("go.yaml: error: this file is empty"));
   }
 }
 
-TEST_F(ControllerFilesTest, what_needs_a_restart_is_said) {
+TEST_F(ControllerFilesTest, WhatNeedsARestartIsSaid) {
   write("robot.yaml", "robot: rover\ncontrollers: [controllers/*.yaml]\npolicies: {watch: 2s}\n");
   EXPECT_THAT(problems(),
               HasSubstr("warning: 'policies' has changed, which takes effect when the robot is started"));

@@ -65,7 +65,7 @@ class DaemonProcessesTest : public ::testing::Test {
   Computer computer_;
 };
 
-TEST_F(DaemonProcessesTest, reconnects_to_a_restarted_process_server) {
+TEST_F(DaemonProcessesTest, ReconnectsToARestartedProcessServer) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
   int reported = 0;
@@ -81,7 +81,7 @@ TEST_F(DaemonProcessesTest, reconnects_to_a_restarted_process_server) {
   EXPECT_EQ(computer_.opened, 2);
 }
 
-TEST_F(DaemonProcessesTest, fails_while_there_is_none) {
+TEST_F(DaemonProcessesTest, FailsWhileThereIsNone) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
   computer_.one_runs = false;
@@ -92,7 +92,7 @@ TEST_F(DaemonProcessesTest, fails_while_there_is_none) {
   EXPECT_TRUE((*daemon)->stop("rover", {}, {}));
 }
 
-TEST_F(DaemonProcessesTest, does_not_repeat_a_refused_call) {
+TEST_F(DaemonProcessesTest, DoesNotRepeatARefusedCall) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
   computer_.start_fails = ErrorCode::Unavailable;

@@ -33,7 +33,7 @@ using testing::network_of;
 using testing::with;
 using Robot = testing::HaltingRobot;
 
-TEST(Halt, is_prepared_beside_whatever_runs_without_a_request) {
+TEST(Halt, IsPreparedBesideWhateverRunsWithoutARequest) {
   Robot robot;
   EXPECT_TRUE(segue::testing::eventually([&] {
     const auto observed = robot.host.observe();
@@ -43,7 +43,7 @@ TEST(Halt, is_prepared_beside_whatever_runs_without_a_request) {
   EXPECT_THAT(robot.runtime.readiness(), IsEmpty()) << "nobody has asked for it";
 }
 
-TEST(Halt, brings_the_robot_to_rest_and_keeps_it_there_until_it_is_released) {
+TEST(Halt, BringsTheRobotToRestAndKeepsItThereUntilItIsReleased) {
   Robot robot;
   const auto rest = robot.runtime.halt({.who = "ann", .latch = true}).get();
   EXPECT_TRUE(rest.at_rest) << rest.trouble;
@@ -65,7 +65,7 @@ TEST(Halt, brings_the_robot_to_rest_and_keeps_it_there_until_it_is_released) {
   EXPECT_FALSE(robot.runtime.halted()) << "it has been commanded since";
 }
 
-TEST(Halt, follows_a_lease_that_ends_unless_what_runs_shall_be_kept) {
+TEST(Halt, FollowsALeaseThatEndsUnlessWhatRunsShallBeKept) {
   Robot robot;
   const auto kept = robot.runtime.take_lease("mission a").value();
   EXPECT_FALSE(robot.runtime.end_lease(kept, true).valid());
@@ -83,7 +83,7 @@ type::Value doing(const char* state, const char* at_stop) {
   return type::Value::map({{"mission", "patrol"}, {"state", state}, {"at_stop", at_stop}});
 }
 
-TEST(Halt, follows_at_once_where_a_mission_is_stopped_that_then_commands_nothing_any_more) {
+TEST(Halt, FollowsAtOnceWhereAMissionIsStoppedThatThenCommandsNothingAnyMore) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   ASSERT_TRUE(robot.runtime.report(lease, doing("running", "halt")));
@@ -104,7 +104,7 @@ TEST(Halt, follows_at_once_where_a_mission_is_stopped_that_then_commands_nothing
   EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done) << "nothing holds the robot afterwards";
 }
 
-TEST(Halt, follows_at_once_where_a_mission_says_that_it_is_stopping) {
+TEST(Halt, FollowsAtOnceWhereAMissionSaysThatItIsStopping) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   ASSERT_TRUE(robot.runtime.report(lease, doing("stopping", "halt")));
@@ -112,7 +112,7 @@ TEST(Halt, follows_at_once_where_a_mission_says_that_it_is_stopping) {
   EXPECT_EQ(robot.running(), "hold");
 }
 
-TEST(Halt, does_not_follow_before_a_mission_has_done_what_it_does_when_it_is_stopped) {
+TEST(Halt, DoesNotFollowBeforeAMissionHasDoneWhatItDoesWhenItIsStopped) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   ASSERT_TRUE(robot.runtime.report(lease, doing("running", "go_on")));
@@ -126,7 +126,7 @@ TEST(Halt, does_not_follow_before_a_mission_has_done_what_it_does_when_it_is_sto
   EXPECT_EQ(robot.running(), "hold");
 }
 
-TEST(Halt, takes_the_robot_from_a_mission_that_is_stopped_and_does_not_end) {
+TEST(Halt, TakesTheRobotFromAMissionThatIsStoppedAndDoesNotEnd) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   ASSERT_TRUE(robot.runtime.report(lease, doing("running", "halt")));
@@ -139,7 +139,7 @@ TEST(Halt, takes_the_robot_from_a_mission_that_is_stopped_and_does_not_end) {
   EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done);
 }
 
-TEST(Halt, does_not_follow_a_lease_that_was_taken_over) {
+TEST(Halt, DoesNotFollowALeaseThatWasTakenOver) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   RequestOptions options;
@@ -149,7 +149,7 @@ TEST(Halt, does_not_follow_a_lease_that_was_taken_over) {
   EXPECT_EQ(robot.running(), "work");
 }
 
-TEST(Halt, takes_the_robot_from_whoever_commands_it) {
+TEST(Halt, TakesTheRobotFromWhoeverCommandsIt) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);
@@ -160,7 +160,7 @@ TEST(Halt, takes_the_robot_from_whoever_commands_it) {
   EXPECT_EQ(robot.running(), "hold");
 }
 
-TEST(Halt, that_is_under_way_when_somebody_stops_the_robot_leaves_it_stopped) {
+TEST(Halt, ThatIsUnderWayWhenSomebodyStopsTheRobotLeavesItStopped) {
   Robot robot;
   std::atomic<bool> stopped = false;
   robot.asking.ask([&](const model::Action&) -> Result<void> {
@@ -174,7 +174,7 @@ TEST(Halt, that_is_under_way_when_somebody_stops_the_robot_leaves_it_stopped) {
   EXPECT_TRUE(robot.runtime.release("ann"));
 }
 
-TEST(Halt, of_a_robot_that_does_not_say_what_rest_is_stops_its_devices) {
+TEST(Halt, OfARobotThatDoesNotSayWhatRestIsStopsItsDevices) {
   Robot robot{RuntimeOptions{}};
   const auto rest = robot.runtime.halt({.who = "ann"}).get();
   EXPECT_TRUE(rest.at_rest) << rest.trouble;
@@ -183,7 +183,7 @@ TEST(Halt, of_a_robot_that_does_not_say_what_rest_is_stops_its_devices) {
   EXPECT_EQ(robot.host.observe().find_task(model::TaskId("planner"))->state, TaskState::Running);
 }
 
-TEST(Halt, that_does_not_lead_to_rest_in_time_stops_devices_and_says_what_is_missing) {
+TEST(Halt, ThatDoesNotLeadToRestInTimeStopsDevicesAndSaysWhatIsMissing) {
   auto halt = hold({{TaskReaches{"wheels", "idle"}, {}}});
   halt.within = std::chrono::milliseconds(300);
   Robot robot(with(std::move(halt)));
@@ -194,7 +194,7 @@ TEST(Halt, that_does_not_lead_to_rest_in_time_stops_devices_and_says_what_is_mis
   EXPECT_EQ(robot.host.observe().find_task(model::TaskId("wheels"))->state, TaskState::Stopped);
 }
 
-TEST(Halt, names_no_device_as_stopped_that_could_not_be) {
+TEST(Halt, NamesNoDeviceAsStoppedThatCouldNotBe) {
   auto halt = hold({{TaskReaches{"wheels", "idle"}, {}}});
   halt.within = std::chrono::milliseconds(300);
   Robot robot(with(std::move(halt)));
@@ -210,7 +210,7 @@ TEST(Halt, names_no_device_as_stopped_that_could_not_be) {
   robot.asking.ask({});
 }
 
-TEST(Halt, comes_when_its_condition_holds_and_holds_the_robot_as_long) {
+TEST(Halt, ComesWhenItsConditionHoldsAndHoldsTheRobotAsLong) {
   auto halt = hold();
   halt.when = {{TaskReaches{"planner", "stopped"}, {}}};
   Robot robot(with(std::move(halt)));
@@ -229,7 +229,7 @@ TEST(Halt, comes_when_its_condition_holds_and_holds_the_robot_as_long) {
 }
 
 /// The steps at which the tool is stopped last until a watch has seen that.
-TEST(Halt, does_not_come_for_a_task_that_is_only_prepared_or_is_stopped_by_a_transition) {
+TEST(Halt, DoesNotComeForATaskThatIsOnlyPreparedOrIsStoppedByATransition) {
   const TaskReaches is_stopped{"tool", "stopped"};
   auto halt = hold();
   halt.when = {{is_stopped, {}}};
@@ -258,7 +258,7 @@ bool is_same(const model::Action& one, const model::Action& other) {
 
 /// Whatever a transition is doing when the robot is halted: what waits for the action that is just begun is
 /// not begun any more, unless the commit needs it, and the robot comes to rest.
-TEST(Halt, at_each_action_of_a_transition_gives_way_to_nothing_but_its_commit) {
+TEST(Halt, AtEachActionOfATransitionGivesWayToNothingButItsCommit) {
   const auto actions_to_work = [](Robot& robot) {
     const auto transition = robot.runtime.plan(NetworkName("work"));
     EXPECT_TRUE(transition);
@@ -295,7 +295,7 @@ TEST(Halt, at_each_action_of_a_transition_gives_way_to_nothing_but_its_commit) {
 }
 
 /// An action of a task that neither runs nor is needed at rest may take as long as it likes, and ends late.
-TEST(Halt, waits_for_no_action_that_concerns_nothing_of_what_runs_or_brings_it_to_rest) {
+TEST(Halt, WaitsForNoActionThatConcernsNothingOfWhatRunsOrBringsItToRest) {
   Robot planned;
   const auto transition = planned.runtime.plan(NetworkName("work")).value();
   int tried = 0;
@@ -329,7 +329,7 @@ TEST(Halt, waits_for_no_action_that_concerns_nothing_of_what_runs_or_brings_it_t
   EXPECT_GE(tried, 2);
 }
 
-TEST(Halt, has_brought_the_robot_to_rest_before_what_ran_is_retired) {
+TEST(Halt, HasBroughtTheRobotToRestBeforeWhatRanIsRetired) {
   std::promise<std::shared_future<HaltResult>> begun;
   const auto halt = begun.get_future().share();
   std::atomic<int> retired = 0;
@@ -351,7 +351,7 @@ TEST(Halt, has_brought_the_robot_to_rest_before_what_ran_is_retired) {
   EXPECT_TRUE(came_to_rest);
 }
 
-TEST(Halt, takes_the_place_of_what_is_undone) {
+TEST(Halt, TakesThePlaceOfWhatIsUndone) {
   Robot robot;
   std::atomic<bool> failed = false;
   std::atomic<bool> halted = false;
@@ -396,7 +396,7 @@ class ToolBeingConfigured {
   const std::shared_future<void> may_end_ = end_.get_future().share();
 };
 
-TEST(Request, waits_for_no_action_in_progress_but_of_tasks_that_it_needs) {
+TEST(Request, WaitsForNoActionInProgressButOfTasksThatItNeeds) {
   ToolBeingConfigured tool;
   Robot robot(RuntimeOptions{});
   const auto prepared = tool.begin(robot);
@@ -411,7 +411,7 @@ TEST(Request, waits_for_no_action_in_progress_but_of_tasks_that_it_needs) {
   EXPECT_THAT(robot.runtime.observed_differences(), IsEmpty());
 }
 
-TEST(Request, that_waits_for_an_action_in_progress_can_be_cancelled_and_superseded) {
+TEST(Request, ThatWaitsForAnActionInProgressCanBeCancelledAndSuperseded) {
   ToolBeingConfigured tool;
   Robot robot(RuntimeOptions{});
   const auto prepared = tool.begin(robot);
@@ -426,7 +426,7 @@ TEST(Request, that_waits_for_an_action_in_progress_can_be_cancelled_and_supersed
   robot.asking.ask_after({});
 }
 
-TEST(Halt, does_not_wait_for_what_a_request_waits_for) {
+TEST(Halt, DoesNotWaitForWhatARequestWaitsFor) {
   ToolBeingConfigured tool;
   Robot robot;
   const auto prepared = tool.begin(robot);

@@ -79,11 +79,11 @@ detail::DetectedFault task_fault(model::FailurePolicy policy) {
   return {model::TaskId("slam"), policy, "is exception"};
 }
 
-TEST(HealthOf, a_robot_that_has_all_it_needs_is_healthy) {
+TEST(HealthOf, ARobotThatHasAllItNeedsIsHealthy) {
   EXPECT_EQ(detail::health_of(Everything().view()).state, State::Healthy);
 }
 
-TEST(HealthOf, a_process_that_crashed_is_named_with_how_it_ended) {
+TEST(HealthOf, AProcessThatCrashedIsNamedWithHowItEnded) {
   Everything all;
   all.faults.push_back({kProcess, model::FailurePolicy::Restart, "is gone", true});
   all.ended.emplace(kProcess, "was killed by signal 9; its log ends with:\n  its last line");
@@ -94,7 +94,7 @@ TEST(HealthOf, a_process_that_crashed_is_named_with_how_it_ended) {
   EXPECT_FALSE(trouble.on_request);
 }
 
-TEST(HealthOf, a_process_that_does_not_answer_is_not_explained_by_itself) {
+TEST(HealthOf, AProcessThatDoesNotAnswerIsNotExplainedByItself) {
   Everything all;
   all.faults.push_back({kProcess, model::FailurePolicy::Restart, "does not answer", true});
   task_host::TaskReport report;
@@ -104,7 +104,7 @@ TEST(HealthOf, a_process_that_does_not_answer_is_not_explained_by_itself) {
   EXPECT_EQ(all.only().why, "");
 }
 
-TEST(HealthOf, what_was_given_up_says_what_tries_again) {
+TEST(HealthOf, WhatWasGivenUpSaysWhatTriesAgain) {
   Everything all;
   all.faults.push_back(task_fault(model::FailurePolicy::Recover));
   all.handled.emplace("task 'slam'", detail::Handling{3, true});
@@ -113,14 +113,14 @@ TEST(HealthOf, what_was_given_up_says_what_tries_again) {
   EXPECT_TRUE(trouble.on_request);
 }
 
-TEST(HealthOf, what_is_left_so_says_what_repairs_it) {
+TEST(HealthOf, WhatIsLeftSoSaysWhatRepairsIt) {
   Everything all;
   all.faults.push_back(task_fault(model::FailurePolicy::Report));
   EXPECT_THAT(all.only().repair, HasSubstr("`segue repair` repairs it"));
   EXPECT_TRUE(all.only().on_request);
 }
 
-TEST(HealthOf, a_lost_connection_is_one) {
+TEST(HealthOf, ALostConnectionIsOne) {
   Everything all;
   auto fault = task_fault(model::FailurePolicy::Report);
   fault.lacks_connection = true;
@@ -128,7 +128,7 @@ TEST(HealthOf, a_lost_connection_is_one) {
   EXPECT_EQ(all.only().kind, Trouble::Kind::Connection);
 }
 
-TEST(HealthOf, only_hosts_that_are_required_count) {
+TEST(HealthOf, OnlyHostsThatAreRequiredCount) {
   Everything all;
   all.computers = {{.name = model::HostName("arm"),
                     .reachable = false,
@@ -149,7 +149,7 @@ TEST(HealthOf, only_hosts_that_are_required_count) {
   EXPECT_GE(trouble.since, begin - 3s);
 }
 
-TEST(HealthOf, a_pool_that_is_short_says_by_how_much) {
+TEST(HealthOf, APoolThatIsShortSaysByHowMuch) {
   Everything all;
   all.pools = {{"planner",
                 {{.task = model::TaskId("planner_1"), .ready = true, .reason = {}},
@@ -160,7 +160,7 @@ TEST(HealthOf, a_pool_that_is_short_says_by_how_much) {
   EXPECT_TRUE(trouble.on_request);
 }
 
-TEST(HealthOf, what_is_missing_during_a_transition_may_be_about_to_come) {
+TEST(HealthOf, WhatIsMissingDuringATransitionMayBeAboutToCome) {
   Everything all;
   all.faults.push_back(task_fault(model::FailurePolicy::Report));
   auto view = all.view();
@@ -168,7 +168,7 @@ TEST(HealthOf, what_is_missing_during_a_transition_may_be_about_to_come) {
   EXPECT_EQ(detail::health_of(view).state, State::InTransition);
 }
 
-TEST(TroubleTimesTest, remember_the_first_time_for_as_long_as_it_lasts) {
+TEST(TroubleTimesTest, RememberTheFirstTimeForAsLongAsItLasts) {
   detail::TroubleTimes times;
   const std::chrono::system_clock::time_point begin{1h};
   std::vector<Trouble> troubles{{.kind = Trouble::Kind::Task, .name = "slam", .what = {}}};
@@ -200,7 +200,7 @@ class HealthTest : public ::testing::Test {
   static bool is(const Runtime& runtime, State state) { return runtime.snapshot().health.state == state; }
 };
 
-TEST_F(HealthTest, a_broken_task_is_trouble_until_it_is_repaired_on_request) {
+TEST_F(HealthTest, ABrokenTaskIsTroubleUntilItIsRepairedOnRequest) {
   testing::StandInRobot robot(often(3, model::FailurePolicy::Report));
   ASSERT_EQ(robot.runtime.switch_to(drive()).outcome, Outcome::Done);
   EXPECT_TRUE(is(robot.runtime, State::Healthy));
@@ -218,7 +218,7 @@ TEST_F(HealthTest, a_broken_task_is_trouble_until_it_is_repaired_on_request) {
   EXPECT_TRUE(eventually([&] { return is(robot.runtime, State::Healthy); }));
 }
 
-TEST_F(HealthTest, what_was_given_up_is_tried_again_on_request) {
+TEST_F(HealthTest, WhatWasGivenUpIsTriedAgainOnRequest) {
   testing::StandInRobot robot(often(2, model::FailurePolicy::Recover));
   ASSERT_EQ(robot.runtime.switch_to(drive()).outcome, Outcome::Done);
   Motor::hot = true;
@@ -232,7 +232,7 @@ TEST_F(HealthTest, what_was_given_up_is_tried_again_on_request) {
   EXPECT_TRUE(eventually([&] { return is(robot.runtime, State::Healthy); }));
 }
 
-TEST_F(HealthTest, a_crash_is_trouble_among_the_events) {
+TEST_F(HealthTest, ACrashIsTroubleAmongTheEvents) {
   testing::StandInRobot robot(often(3, model::FailurePolicy::Report));
   ASSERT_EQ(robot.runtime.switch_to(drive()).outcome, Outcome::Done);
   Motor::hot = true;
@@ -244,7 +244,7 @@ TEST_F(HealthTest, a_crash_is_trouble_among_the_events) {
   }));
 }
 
-TEST_F(HealthTest, a_pool_that_is_short_begins_again_on_request) {
+TEST_F(HealthTest, APoolThatIsShortBeginsAgainOnRequest) {
   Diagnostics diagnostics;
   const auto file = model::read_robot(
       "robot: r\npools: {pump: {component: \"runtime_health_test::Motor\", on_failure: report}}\n",
@@ -265,7 +265,7 @@ TEST_F(HealthTest, a_pool_that_is_short_begins_again_on_request) {
   EXPECT_TRUE(eventually([&] { return is(robot.runtime, State::Healthy); }));
 }
 
-TEST_F(HealthTest, during_a_transition_a_robot_is_in_transition) {
+TEST_F(HealthTest, DuringATransitionARobotIsInTransition) {
   testing::StandInRobot robot;
   std::promise<void> entered;
   std::promise<void> go;
@@ -284,7 +284,7 @@ TEST_F(HealthTest, during_a_transition_a_robot_is_in_transition) {
   EXPECT_EQ(done.get().outcome, Outcome::Done);
 }
 
-TEST_F(HealthTest, what_was_never_requested_is_not_repaired) {
+TEST_F(HealthTest, WhatWasNeverRequestedIsNotRepaired) {
   testing::StandInRobot robot;
   ASSERT_EQ(robot.runtime.switch_to(network_of("tasks: {a: {component: x::A}}", "")).outcome, Outcome::Done);
   robot.runtime.reset_belief();
@@ -312,7 +312,7 @@ class CountingHost final : public segue::testing::ForwardingHost {
   mutable std::atomic<int> others{0};
 };
 
-TEST_F(HealthTest, a_status_asks_each_process_once) {
+TEST_F(HealthTest, AStatusAsksEachProcessOnce) {
   testing::StandInRobot robot;
   CountingHost host(robot.host);
   RuntimeOptions options;

@@ -18,7 +18,7 @@ using ::testing::Contains;
 using testing::network_of;
 using Robot = testing::HaltingRobot;
 
-TEST(Lease, keeps_others_from_setting_calling_and_writing_unless_they_mean_it) {
+TEST(Lease, KeepsOthersFromSettingCallingAndWritingUnlessTheyMeanIt) {
   Robot robot;
   EXPECT_TRUE(robot.runtime.allow({"ann"}, "sets x")) << "nobody commands the robot";
   const auto lease = robot.runtime.take_lease("mission a").value();
@@ -31,7 +31,7 @@ TEST(Lease, keeps_others_from_setting_calling_and_writing_unless_they_mean_it) {
   EXPECT_THAT(events, Contains("ann sets x, beside what mission a does"));
 }
 
-TEST(Lease, that_is_lost_permits_nothing_although_another_is_held) {
+TEST(Lease, ThatIsLostPermitsNothingAlthoughAnotherIsHeld) {
   Robot robot;
   const auto lost = robot.runtime.take_lease("mission a").value();
   robot.runtime.end_lease(lost, true);
@@ -39,7 +39,7 @@ TEST(Lease, that_is_lost_permits_nothing_although_another_is_held) {
   EXPECT_EQ(robot.runtime.allow({"mission a", lost, true}, "sets x").error().code, ErrorCode::InvalidState);
 }
 
-TEST(Lease, that_ends_takes_with_it_what_was_prepared_meanwhile) {
+TEST(Lease, ThatEndsTakesWithItWhatWasPreparedMeanwhile) {
   for (const bool is_taken_over : {false, true}) {
     Robot robot{RuntimeOptions{}};
     const auto plain = robot.host.observe();
@@ -56,14 +56,14 @@ TEST(Lease, that_ends_takes_with_it_what_was_prepared_meanwhile) {
   }
 }
 
-TEST(Lease, that_was_lost_allows_nothing_any_more) {
+TEST(Lease, ThatWasLostAllowsNothingAnyMore) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   (void)robot.runtime.halt({.who = "ann"}).get();
   EXPECT_EQ(robot.runtime.allow({"mission a", lease, true}, "sets x").error().code, ErrorCode::InvalidState);
 }
 
-TEST(TakeOver, by_a_request_that_cannot_be_carried_out_takes_the_robot_from_nobody) {
+TEST(TakeOver, ByARequestThatCannotBeCarriedOutTakesTheRobotFromNobody) {
   Robot robot;
   const auto lease = robot.runtime.take_lease("mission a").value();
   RequestOptions options;

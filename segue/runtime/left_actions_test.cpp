@@ -25,7 +25,7 @@ Action on_process(ActionKind kind, const model::Network& network, std::size_t wh
   return {1, kind, model::DeploymentAction{network.deployments.at(which), false}, model::Phase::Prepare, {}};
 }
 
-TEST(NetworkParts, are_independent_of_what_concerns_other_tasks_and_processes) {
+TEST(NetworkParts, AreIndependentOfWhatConcernsOtherTasksAndProcesses) {
   const auto drive = network_of(kDrive);
   NetworkParts parts;
   parts.add(drive);
@@ -43,7 +43,7 @@ TEST(NetworkParts, are_independent_of_what_concerns_other_tasks_and_processes) {
   EXPECT_TRUE(NetworkParts().are_independent_of(on_process(ActionKind::Undeploy, drive, 0)));
 }
 
-TEST(LeftActions, are_known_until_they_have_ended) {
+TEST(LeftActions, AreKnownUntilTheyHaveEnded) {
   int changes = 0;
   LeftActions left([&] { ++changes; });
   NetworkParts parts;
@@ -62,7 +62,7 @@ TEST(LeftActions, are_known_until_they_have_ended) {
   EXPECT_EQ(changes, 1);
 }
 
-TEST(LeftActions, hide_processes_that_begin_or_end) {
+TEST(LeftActions, HideProcessesThatBeginOrEnd) {
   LeftActions left([] {});
   const auto drive = network_of(kDrive);
   left.add(on_task(ActionKind::Configure, "camera"));

@@ -278,11 +278,11 @@ class Overtaking : public ::testing::Test {
   std::array<std::atomic<int>, 4> ended_{};
 };
 
-TEST_F(Overtaking, requests_end_done_or_superseded) {
+TEST_F(Overtaking, RequestsEndDoneOrSuperseded) {
   run(false);
 }
 
-TEST_F(Overtaking, processes_may_die_meanwhile) {
+TEST_F(Overtaking, ProcessesMayDieMeanwhile) {
   run(true);
 }
 

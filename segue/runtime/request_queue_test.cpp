@@ -35,7 +35,7 @@ class RequestQueueTest : public ::testing::Test {
   RequestQueue queue_{log_};
 };
 
-TEST_F(RequestQueueTest, a_newer_request_takes_the_place_of_an_older_one) {
+TEST_F(RequestQueueTest, ANewerRequestTakesThePlaceOfAnOlderOne) {
   EXPECT_EQ(put("a"), 1U);
   auto newer = request("b");
   const auto place = queue_.put(newer, kAccept);
@@ -48,7 +48,7 @@ TEST_F(RequestQueueTest, a_newer_request_takes_the_place_of_an_older_one) {
   EXPECT_EQ(queue_.state(), RuntimeState::Executing);
 }
 
-TEST_F(RequestQueueTest, one_that_is_not_admitted_has_a_number_and_changes_nothing) {
+TEST_F(RequestQueueTest, OneThatIsNotAdmittedHasANumberAndChangesNothing) {
   put("a");
   auto refused = request("b");
   EXPECT_EQ(queue_.put(refused, [] { return false; }).number, 2U);
@@ -56,7 +56,7 @@ TEST_F(RequestQueueTest, one_that_is_not_admitted_has_a_number_and_changes_nothi
   EXPECT_EQ(next()->job.request->number, 1U);
 }
 
-TEST_F(RequestQueueTest, requests_come_before_files_and_files_before_supervision) {
+TEST_F(RequestQueueTest, RequestsComeBeforeFilesAndFilesBeforeSupervision) {
   PendingApply files;
   EXPECT_FALSE(queue_.put(files, [](PendingApply* older) { return older == nullptr; }));
   put("a");
@@ -68,7 +68,7 @@ TEST_F(RequestQueueTest, requests_come_before_files_and_files_before_supervision
   EXPECT_FALSE(turn->job.request || turn->job.files);
 }
 
-TEST_F(RequestQueueTest, what_goes_before_all_drops_what_waits) {
+TEST_F(RequestQueueTest, WhatGoesBeforeAllDropsWhatWaits) {
   put("a");
   PendingApply files;
   queue_.put(files, [](PendingApply*) { return true; });
@@ -82,7 +82,7 @@ TEST_F(RequestQueueTest, what_goes_before_all_drops_what_waits) {
   EXPECT_FALSE(next()->job.files);
 }
 
-TEST_F(RequestQueueTest, a_request_that_waits_is_withdrawn_and_one_that_is_served_is_cancelled) {
+TEST_F(RequestQueueTest, ARequestThatWaitsIsWithdrawnAndOneThatIsServedIsCancelled) {
   EXPECT_EQ(queue_.cancel(0, "bob").error().code, ErrorCode::NotFound);
   put("a");
   ASSERT_TRUE(next());
@@ -101,7 +101,7 @@ TEST_F(RequestQueueTest, a_request_that_waits_is_withdrawn_and_one_that_is_serve
   EXPECT_THAT(queue_.open(), ::testing::IsEmpty());
 }
 
-TEST_F(RequestQueueTest, it_knows_the_open_requests_of_a_lease) {
+TEST_F(RequestQueueTest, ItKnowsTheOpenRequestsOfALease) {
   put("a", 7);
   ASSERT_TRUE(next());
   put("b", 7);
@@ -109,7 +109,7 @@ TEST_F(RequestQueueTest, it_knows_the_open_requests_of_a_lease) {
   EXPECT_THAT(queue_.open_with(8), ::testing::IsEmpty());
 }
 
-TEST_F(RequestQueueTest, a_reset_waits_until_what_is_executed_has_ended) {
+TEST_F(RequestQueueTest, AResetWaitsUntilWhatIsExecutedHasEnded) {
   std::optional<model::Network> network = model::Network();
   network->name = model::NetworkName("given");
   EXPECT_FALSE(queue_.postpone_reset(network));
@@ -123,7 +123,7 @@ TEST_F(RequestQueueTest, a_reset_waits_until_what_is_executed_has_ended) {
   EXPECT_FALSE(queue_.settle(RuntimeState::Idle));
 }
 
-TEST_F(RequestQueueTest, files_go_back_to_what_was_before_the_first_that_wait) {
+TEST_F(RequestQueueTest, FilesGoBackToWhatWasBeforeTheFirstThatWait) {
   PendingApply first;
   first.before.fallback = model::NetworkName("old");
   queue_.put(first, [](PendingApply*) { return true; });
@@ -136,7 +136,7 @@ TEST_F(RequestQueueTest, files_go_back_to_what_was_before_the_first_that_wait) {
   EXPECT_EQ(next()->job.files->before.fallback, model::NetworkName("old"));
 }
 
-TEST_F(RequestQueueTest, the_end_wakes_the_worker_and_leaves_what_waits) {
+TEST_F(RequestQueueTest, TheEndWakesTheWorkerAndLeavesWhatWaits) {
   put("a");
   ASSERT_TRUE(next());
   auto worker = std::async(std::launch::async, [&] { return queue_.next(TimePoint::max()).has_value(); });

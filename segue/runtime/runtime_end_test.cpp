@@ -30,7 +30,7 @@ void hold_first_action(testing::StandInRobot& robot, std::promise<void>& entered
   });
 }
 
-TEST(RuntimeEnd, a_preparation_that_waits_is_answered) {
+TEST(RuntimeEnd, APreparationThatWaitsIsAnswered) {
   std::future<std::vector<Readiness>> prepared;
   std::promise<void> entered;
   std::promise<void> go;
@@ -49,7 +49,7 @@ TEST(RuntimeEnd, a_preparation_that_waits_is_answered) {
   EXPECT_FALSE(answer.front().ready);
 }
 
-TEST(RuntimeEnd, requests_that_wait_are_answered) {
+TEST(RuntimeEnd, RequestsThatWaitAreAnswered) {
   std::future<SwitchResult> running;
   std::future<SwitchResult> waiting;
   std::promise<void> entered;

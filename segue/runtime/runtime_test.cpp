@@ -88,7 +88,7 @@ class RuntimeTest : public ::testing::Test {
   Runtime& runtime_ = robot_.runtime;
 };
 
-TEST_F(RuntimeTest, switches_between_controllers_and_to_nothing) {
+TEST_F(RuntimeTest, SwitchesBetweenControllersAndToNothing) {
   for (const auto* target : {&first_, &second_, &first_}) {
     const auto result = runtime_.switch_to(target->name);
     ASSERT_EQ(result.outcome, Outcome::Done) << result.why();
@@ -107,7 +107,7 @@ TEST_F(RuntimeTest, switches_between_controllers_and_to_nothing) {
   EXPECT_EQ(runtime_.history().size(), 5U);
 }
 
-TEST_F(RuntimeTest, keeps_tasks_that_the_transition_does_not_name_running) {
+TEST_F(RuntimeTest, KeepsTasksThatTheTransitionDoesNotNameRunning) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   const auto result = switch_to("second");
   for (const auto& record : result.actions) {
@@ -116,7 +116,7 @@ TEST_F(RuntimeTest, keeps_tasks_that_the_transition_does_not_name_running) {
   }
 }
 
-TEST_F(RuntimeTest, lets_the_host_get_ready_between_prepare_and_commit) {
+TEST_F(RuntimeTest, LetsTheHostGetReadyBetweenPrepareAndCommit) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   Mutex mutex;
   std::vector<model::Phase> phases;
@@ -138,7 +138,7 @@ TEST_F(RuntimeTest, lets_the_host_get_ready_between_prepare_and_commit) {
   EXPECT_THAT(phases, ::testing::Contains(model::Phase::Commit));
 }
 
-TEST_F(RuntimeTest, refuses_unknown_names_before_any_action) {
+TEST_F(RuntimeTest, RefusesUnknownNamesBeforeAnyAction) {
   const auto unknown = switch_to("frist");
   EXPECT_EQ(unknown.outcome, Outcome::Refused);
   EXPECT_THAT(unknown.why(), HasSubstr("did you mean 'first'"));
@@ -156,7 +156,7 @@ TEST_F(RuntimeTest, refuses_unknown_names_before_any_action) {
   EXPECT_EQ(runtime_.state(), RuntimeState::Idle);
 }
 
-TEST_F(RuntimeTest, executes_a_given_transition_and_refuses_one_that_does_not_fit) {
+TEST_F(RuntimeTest, ExecutesAGivenTransitionAndRefusesOneThatDoesNotFit) {
   auto there = runtime_.plan(model::NetworkName("first"));
   ASSERT_TRUE(there) << to_string(there.error());
   const auto done = runtime_.switch_to(*there);
@@ -213,7 +213,7 @@ void fail_each_action(const model::Network& from, const model::Network& to, mode
   }
 }
 
-TEST_F(RuntimeTest, a_fault_at_any_action_leaves_the_old_controller_or_the_new_one) {
+TEST_F(RuntimeTest, AFaultAtAnyActionLeavesTheOldControllerOrTheNewOne) {
   for (const auto order : {model::Order::Seamless, model::Order::Paper}) {
     fail_each_action(first_, second_, order);
     fail_each_action(model::Network{}, first_, order);
@@ -221,7 +221,7 @@ TEST_F(RuntimeTest, a_fault_at_any_action_leaves_the_old_controller_or_the_new_o
   }
 }
 
-TEST_F(RuntimeTest, hooks_that_fail_leave_the_old_controller_running) {
+TEST_F(RuntimeTest, HooksThatFailLeaveTheOldControllerRunning) {
   for (const char* what : {"configure", "start", "connect"}) {
     auto broken = second_;
     broken.find_task(model::TaskId("added"))
@@ -239,7 +239,7 @@ TEST_F(RuntimeTest, hooks_that_fail_leave_the_old_controller_running) {
   }
 }
 
-TEST_F(RuntimeTest, a_task_that_fails_to_stop_does_not_block_the_switch) {
+TEST_F(RuntimeTest, ATaskThatFailsToStopDoesNotBlockTheSwitch) {
   auto stubborn = first_;
   stubborn.find_task(model::TaskId("gone"))
       ->properties.as_map()
@@ -250,7 +250,7 @@ TEST_F(RuntimeTest, a_task_that_fails_to_stop_does_not_block_the_switch) {
   expect_truth(second_);
 }
 
-TEST_F(RuntimeTest, a_failure_that_cannot_be_undone_is_reported_and_the_fallback_runs) {
+TEST_F(RuntimeTest, AFailureThatCannotBeUndoneIsReportedAndTheFallbackRuns) {
   testing::StandInRobot robot{
       {.fallback = model::NetworkName("safe"), .policies = {}, .look_ahead = {}, .journal = {}}};
   Runtime& runtime = robot.runtime;
@@ -271,7 +271,7 @@ TEST_F(RuntimeTest, a_failure_that_cannot_be_undone_is_reported_and_the_fallback
   EXPECT_THAT(differences(safe, robot.host.observe()), ::testing::IsEmpty());
 }
 
-TEST_F(RuntimeTest, without_a_fallback_it_reports_what_runs) {
+TEST_F(RuntimeTest, WithoutAFallbackItReportsWhatRuns) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   robot_.asking.ask([&](const model::Action& action) -> Result<void> {
     const bool fails = action.kind == model::ActionKind::Start;
@@ -315,7 +315,7 @@ class HeldUp {
   std::future<SwitchResult> result_;
 };
 
-TEST_F(RuntimeTest, a_waiting_request_is_superseded_by_a_newer_one) {
+TEST_F(RuntimeTest, AWaitingRequestIsSupersededByANewerOne) {
   HeldUp held(robot_, "first", model::Phase::Commit);
   EXPECT_EQ(runtime_.state(), RuntimeState::Executing);
   auto superseded = runtime_.request(model::NetworkName("first"));
@@ -329,7 +329,7 @@ TEST_F(RuntimeTest, a_waiting_request_is_superseded_by_a_newer_one) {
   expect_truth(second_);
 }
 
-TEST_F(RuntimeTest, a_request_supersedes_one_that_is_being_prepared) {
+TEST_F(RuntimeTest, ARequestSupersedesOneThatIsBeingPrepared) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   HeldUp held(robot_, "second", model::Phase::Prepare);
   auto back = runtime_.request(model::NetworkName("first"));
@@ -339,7 +339,7 @@ TEST_F(RuntimeTest, a_request_supersedes_one_that_is_being_prepared) {
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, a_request_waits_for_the_end_of_a_commit) {
+TEST_F(RuntimeTest, ARequestWaitsForTheEndOfACommit) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   HeldUp held(robot_, "second", model::Phase::Commit);
   auto back = runtime_.request(model::NetworkName("first"));
@@ -351,7 +351,7 @@ TEST_F(RuntimeTest, a_request_waits_for_the_end_of_a_commit) {
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, queries_are_answered_while_a_component_hangs) {
+TEST_F(RuntimeTest, QueriesAreAnsweredWhileAComponentHangs) {
   std::promise<void> go;
   runtime_test::Hanging::gate = go.get_future().share();
   const auto network = network_of("network: hanging\ntasks: {stuck: {component: runtime_test::Hanging}}\n");
@@ -374,7 +374,7 @@ TEST_F(RuntimeTest, queries_are_answered_while_a_component_hangs) {
   expect_truth(network);
 }
 
-TEST_F(RuntimeTest, a_task_that_fails_causes_an_event_and_changes_the_belief) {
+TEST_F(RuntimeTest, ATaskThatFailsCausesAnEventAndChangesTheBelief) {
   auto failing = first_;
   failing.find_task(model::TaskId("kept"))
       ->properties.as_map()
@@ -396,7 +396,7 @@ TEST_F(RuntimeTest, a_task_that_fails_causes_an_event_and_changes_the_belief) {
   expect_truth(first_);
 }
 
-TEST(BeliefTest, an_event_during_a_snapshot_is_not_lost) {
+TEST(BeliefTest, AnEventDuringASnapshotIsNotLost) {
   const model::ComponentCatalog catalog;
   const task_host::LibrarySet libraries;
   task_host::LocalTaskHost tasks(libraries, catalog,
@@ -428,7 +428,7 @@ TEST(BeliefTest, an_event_during_a_snapshot_is_not_lost) {
   host.set_listener({});
 }
 
-TEST_F(RuntimeTest, belief_can_be_given_and_reset) {
+TEST_F(RuntimeTest, BeliefCanBeGivenAndReset) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   runtime_.reset_belief(second_);
   EXPECT_FALSE(runtime_.observed_differences().empty());
@@ -439,7 +439,7 @@ TEST_F(RuntimeTest, belief_can_be_given_and_reset) {
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, a_property_changed_from_outside_is_drift_and_undone_by_the_next_request) {
+TEST_F(RuntimeTest, APropertyChangedFromOutsideIsDriftAndUndoneByTheNextRequest) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
   ASSERT_TRUE(robot_.host.set_property(model::TaskId("changed"), "gain", 7, deadline));
@@ -450,7 +450,7 @@ TEST_F(RuntimeTest, a_property_changed_from_outside_is_drift_and_undone_by_the_n
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, nothing_differs_after_a_reset_however_much_of_it_was_noticed_before) {
+TEST_F(RuntimeTest, NothingDiffersAfterAResetHoweverMuchOfItWasNoticedBefore) {
   for (const bool noticed : {false, true}) {
     ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
     const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
@@ -464,7 +464,7 @@ TEST_F(RuntimeTest, nothing_differs_after_a_reset_however_much_of_it_was_noticed
   }
 }
 
-TEST_F(RuntimeTest, events_are_numbered_without_gaps) {
+TEST_F(RuntimeTest, EventsAreNumberedWithoutGaps) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   const auto events = runtime_.events();
   ASSERT_FALSE(events.empty());

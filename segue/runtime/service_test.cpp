@@ -41,7 +41,7 @@ class Service : public ::testing::Test {
   RuntimeService service_{robot_.runtime, nullptr, [this] { ++shut_downs_; }};
 };
 
-TEST_F(Service, reports_the_status_that_tools_rely_on) {
+TEST_F(Service, ReportsTheStatusThatToolsRelyOn) {
   ASSERT_TRUE(service_.switch_to("only", {}, soon()));
   const auto status = service_.status();
   ASSERT_TRUE(status);
@@ -58,7 +58,7 @@ TEST_F(Service, reports_the_status_that_tools_rely_on) {
   EXPECT_TRUE(status->find("differences")->as_list().empty());
 }
 
-TEST_F(Service, tells_the_holder_of_a_lease_whether_it_commands_what_runs) {
+TEST_F(Service, TellsTheHolderOfALeaseWhetherItCommandsWhatRuns) {
   EXPECT_EQ(service_.running(0, soon())->find("lost_to"), nullptr);
   const auto lease = service_.lease("mission patrol");
   ASSERT_TRUE(lease) << to_string(lease.error());
@@ -75,7 +75,7 @@ TEST_F(Service, tells_the_holder_of_a_lease_whether_it_commands_what_runs) {
   EXPECT_EQ(*after->find("lost_to"), type::Value("ann"));
 }
 
-TEST_F(Service, counts_whatever_changes_what_runs_or_who_commands_it) {
+TEST_F(Service, CountsWhateverChangesWhatRunsOrWhoCommandsIt) {
   const auto count = [this](std::uint64_t seen) {
     const auto answer = answer_to<std::uint64_t>(soon(), [&](const Wait& wait, control::ChangesAnswer then) {
       service_.changes(seen, wait, std::move(then));
@@ -101,7 +101,7 @@ TEST_F(Service, counts_whatever_changes_what_runs_or_who_commands_it) {
     seen = count(seen);
 }
 
-TEST_F(Service, answers_a_switch_with_its_outcome) {
+TEST_F(Service, AnswersASwitchWithItsOutcome) {
   const auto planned = service_.diff("only", {}, soon());
   ASSERT_TRUE(planned);
   EXPECT_NE(planned->find("counts"), nullptr);
@@ -118,7 +118,7 @@ TEST_F(Service, answers_a_switch_with_its_outcome) {
   EXPECT_FALSE(service_.events(0, {})->as_list().empty());
 }
 
-TEST_F(Service, without_files_there_is_nothing_to_plan_or_apply) {
+TEST_F(Service, WithoutFilesThereIsNothingToPlanOrApply) {
   const auto planned = service_.plan("", {}, soon());
   ASSERT_FALSE(planned);
   EXPECT_EQ(planned.error().code, ErrorCode::Unsupported);
@@ -126,7 +126,7 @@ TEST_F(Service, without_files_there_is_nothing_to_plan_or_apply) {
   EXPECT_TRUE(service_.status()->find("changed_files")->as_list().empty());
 }
 
-TEST_F(Service, gives_access_to_single_tasks) {
+TEST_F(Service, GivesAccessToSingleTasks) {
   ASSERT_TRUE(service_.switch_to("only", {}, soon()));
   const auto task = service_.task("a");
   ASSERT_TRUE(task) << to_string(task.error());
@@ -196,7 +196,7 @@ class ForgetfulHost final : public segue::testing::ForwardingHost {
   }
 };
 
-TEST(StatusReport, says_why_a_connection_is_missing) {
+TEST(StatusReport, SaysWhyAConnectionIsMissing) {
   model::ComponentCatalog catalog;
   task_host::LibrarySet libraries;
   task_host::LocalTaskHost host{
@@ -215,20 +215,20 @@ TEST(StatusReport, says_why_a_connection_is_missing) {
   forgetful.forgets = false;
 }
 
-TEST_F(Service, cancels_nothing_where_nothing_is_requested) {
+TEST_F(Service, CancelsNothingWhereNothingIsRequested) {
   const auto nothing = service_.cancel(0, "ann", soon());
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().code, ErrorCode::NotFound);
 }
 
-TEST_F(Service, has_a_past_only_with_a_journal) {
+TEST_F(Service, HasAPastOnlyWithAJournal) {
   const auto past = service_.past(type::Value::map({{"ask", "span"}}));
   ASSERT_FALSE(past);
   EXPECT_EQ(past.error().code, ErrorCode::Unsupported);
   EXPECT_THAT(past.error().message, HasSubstr("keeps no journal"));
 }
 
-TEST(ServiceWithJournal, tells_at_once_what_has_happened) {
+TEST(ServiceWithJournal, TellsAtOnceWhatHasHappened) {
   std::string pattern = ::testing::TempDir() + "segue-service-XXXXXX";
   ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
   RuntimeOptions options;
@@ -265,7 +265,7 @@ void collect_numbers(const type::Value& value, std::set<std::uint64_t>& all) {
   }
 }
 
-TEST_F(Service, obeys_nobody_who_guesses_a_lease_or_names_what_he_can_read) {
+TEST_F(Service, ObeysNobodyWhoGuessesALeaseOrNamesWhatHeCanRead) {
   const auto socket = std::filesystem::path(::testing::TempDir()) / ("lease-" + std::to_string(::getpid()));
   const auto server = control::Server::listen(socket, &service_);
   ASSERT_TRUE(server) << to_string(server.error());

@@ -26,7 +26,7 @@ DetectedFault fault(const char* task, FailurePolicy policy, bool needs_process =
   return {model::TaskId(task), policy, "is faulty", needs_process};
 }
 
-TEST(RepairSchedulerTest, waits_longer_each_time_and_gives_up) {
+TEST(RepairSchedulerTest, WaitsLongerEachTimeAndGivesUp) {
   RepairScheduler repairs({.max = 3, .backoff = 100ms}, AfterLimit::GiveUp);
   const TimePoint start = RealClock::instance().now();
   const std::vector faults{fault("a", FailurePolicy::Restart)};
@@ -45,7 +45,7 @@ TEST(RepairSchedulerTest, waits_longer_each_time_and_gives_up) {
   EXPECT_EQ(repairs.next(), std::nullopt);
 }
 
-TEST(RepairSchedulerTest, forgets_attempts_after_a_long_time_without_fault) {
+TEST(RepairSchedulerTest, ForgetsAttemptsAfterALongTimeWithoutFault) {
   RepairScheduler repairs({.max = 1, .backoff = 1ms}, AfterLimit::GiveUp);
   const TimePoint start = RealClock::instance().now();
   const std::vector faults{fault("a", FailurePolicy::Restart)};
@@ -59,7 +59,7 @@ TEST(RepairSchedulerTest, forgets_attempts_after_a_long_time_without_fault) {
   EXPECT_EQ(repairs.decide(faults, start + 32s).repair.size(), 1U);
 }
 
-TEST(RepairSchedulerTest, may_go_on_for_ever) {
+TEST(RepairSchedulerTest, MayGoOnForEver) {
   RepairScheduler repairs({.max = 2, .backoff = 1s}, AfterLimit::GoOn);
   const std::vector faults{fault("a", FailurePolicy::Restart)};
   TimePoint now = RealClock::instance().now();
@@ -77,7 +77,7 @@ TEST(RepairSchedulerTest, may_go_on_for_ever) {
   EXPECT_THAT(repairs.exhausted({}), ::testing::IsEmpty());
 }
 
-TEST(RepairSchedulerTest, follows_the_failure_policy) {
+TEST(RepairSchedulerTest, FollowsTheFailurePolicy) {
   RepairScheduler repairs({.max = 3, .backoff = 0ms}, AfterLimit::GiveUp);
   const TimePoint start = RealClock::instance().now();
   EXPECT_TRUE(repairs.decide({fault("a", FailurePolicy::Report)}, start).empty());
@@ -100,7 +100,7 @@ connections:
   - b.out -> c.in
 )";
 
-TEST(Faults, are_tasks_processes_and_lost_connections) {
+TEST(Faults, AreTasksProcessesAndLostConnections) {
   const auto wanted = network_of(kWatched);
   EXPECT_THAT(detail::find_faults(wanted, wanted, FailurePolicy::Report), ::testing::IsEmpty());
   auto ill = wanted;
@@ -123,7 +123,7 @@ TEST(Faults, are_tasks_processes_and_lost_connections) {
   EXPECT_EQ(found[0].policy, FailurePolicy::Recover);
 }
 
-TEST(Faults, of_a_process_follow_the_strongest_policy_of_its_tasks) {
+TEST(Faults, OfAProcessFollowTheStrongestPolicyOfItsTasks) {
   const auto wanted = network_of(
       "network: watched\n"
       "tasks: {a: {component: \"x::A\", on_failure: restart}, b: {component: \"x::B\"}}\n"
@@ -157,7 +157,7 @@ model::Network failing(const char* policy) {
                     policy + ", properties: {stand_in: {rate: 1000, fail: [update]}}}\n");
 }
 
-TEST(Supervision, repairs_a_task_as_often_as_its_policy_permits) {
+TEST(Supervision, RepairsATaskAsOftenAsItsPolicyPermits) {
   testing::StandInRobot robot(quick(3));
   ASSERT_EQ(robot.runtime.switch_to(failing("recover")).outcome, Outcome::Done);
   EXPECT_TRUE(eventually([&] { return count(robot.runtime, EventKind::GivenUp) == 1; }));
@@ -167,7 +167,7 @@ TEST(Supervision, repairs_a_task_as_often_as_its_policy_permits) {
   EXPECT_FALSE(robot.runtime.observed_differences().empty()) << "and the drift is reported";
 }
 
-TEST(Supervision, says_what_it_mends_for_as_long_as_it_may_try_again) {
+TEST(Supervision, SaysWhatItMendsForAsLongAsItMayTryAgain) {
   RuntimeOptions slow = quick(3);
   slow.policies.restart.backoff = 1h;
   testing::StandInRobot waits(std::move(slow));
@@ -185,7 +185,7 @@ TEST(Supervision, says_what_it_mends_for_as_long_as_it_may_try_again) {
 }
 
 /// A leftover that cannot be removed is an event, stands in the status, and is removed as soon as that works.
-TEST(Supervision, pursues_leftovers_for_ever) {
+TEST(Supervision, PursuesLeftoversForEver) {
   testing::StandInRobot robot(quick(2));
   std::atomic<bool> stuck{true};
   std::atomic<int> attempts{0};
@@ -211,7 +211,7 @@ TEST(Supervision, pursues_leftovers_for_ever) {
   EXPECT_TRUE(eventually([&] { return robot.runtime.unresolved().empty(); }));
 }
 
-TEST(Supervision, knows_which_of_several_controllers_a_fault_concerns) {
+TEST(Supervision, KnowsWhichOfSeveralControllersAFaultConcerns) {
   testing::StandInRobot robot(quick(1));
   const auto add = [&](const char* name, const char* task, const char* rest) {
     const std::string text = std::string("network: ") + name +
@@ -228,7 +228,7 @@ TEST(Supervision, knows_which_of_several_controllers_a_fault_concerns) {
 }
 
 /// A task that was created but never configured leaves without any action.
-TEST(Supervision, removes_leftovers_that_need_no_action) {
+TEST(Supervision, RemovesLeftoversThatNeedNoAction) {
   testing::StandInRobot robot(quick(2));
   const auto one = network_of("network: one\ntasks: {a: {component: \"x::A\"}}\n");
   ASSERT_EQ(robot.runtime.switch_to(one).outcome, Outcome::Done);
@@ -242,7 +242,7 @@ TEST(Supervision, removes_leftovers_that_need_no_action) {
   EXPECT_TRUE(eventually([&] { return robot.runtime.unresolved().empty(); }));
 }
 
-TEST(Supervision, only_reports_with_policy_report) {
+TEST(Supervision, OnlyReportsWithPolicyReport) {
   testing::StandInRobot robot(quick(3));
   ASSERT_EQ(robot.runtime.switch_to(failing("report")).outcome, Outcome::Done);
   EXPECT_TRUE(eventually([&] { return count(robot.runtime, EventKind::Difference) > 0; }));
@@ -254,7 +254,7 @@ TEST(Supervision, only_reports_with_policy_report) {
   EXPECT_TRUE(robot.runtime.unresolved().front().task);
 }
 
-TEST(Supervision, falls_back) {
+TEST(Supervision, FallsBack) {
   testing::StandInRobot robot(quick(3));
   const auto safe = network_of("network: safe\ntasks: {brake: {component: a::Brake}}\n");
   ASSERT_FALSE(robot.runtime.add_controller(safe).has_errors());
@@ -308,7 +308,7 @@ class LookAheadTest : public ::testing::Test {
   Runtime& runtime_ = robot_.runtime;
 };
 
-TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one_stays_ready) {
+TEST_F(LookAheadTest, APreparedControllerBeginsAtItsCommitAndTheOldOneStaysReady) {
   ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
   const auto ready = prepare({dock_.name, drive_.name});
   ASSERT_EQ(ready.size(), 2U);
@@ -332,7 +332,7 @@ TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one
       << "standby has ended";
 }
 
-TEST_F(LookAheadTest, a_property_that_was_set_by_hand_neither_hinders_it_nor_is_undone) {
+TEST_F(LookAheadTest, APropertyThatWasSetByHandNeitherHindersItNorIsUndone) {
   model::Network slow = drive_;
   slow.name = model::NetworkName("slow");
   slow.tasks.front().properties = type::Value::map({{"gain", 1}});
@@ -347,7 +347,7 @@ TEST_F(LookAheadTest, a_property_that_was_set_by_hand_neither_hinders_it_nor_is_
               ::testing::ElementsAre("task 'base': property 'gain' is 7, expected 1"));
 }
 
-TEST_F(LookAheadTest, reports_an_exceeded_budget_and_unknown_names) {
+TEST_F(LookAheadTest, ReportsAnExceededBudgetAndUnknownNames) {
   testing::StandInRobot robot(
       RuntimeOptions{.fallback = {}, .policies = {}, .look_ahead = {.processes = 0}, .journal = {}});
   for (const auto& network : {drive_, dock_}) {
@@ -362,7 +362,7 @@ TEST_F(LookAheadTest, reports_an_exceeded_budget_and_unknown_names) {
   EXPECT_EQ(robot.host.observe().tasks.size(), 2U);
 }
 
-TEST_F(LookAheadTest, as_many_processes_of_a_controller_are_prepared_as_the_budget_permits) {
+TEST_F(LookAheadTest, AsManyProcessesOfAControllerArePreparedAsTheBudgetPermits) {
   testing::StandInRobot robot(
       RuntimeOptions{.fallback = {}, .policies = {}, .look_ahead = {.processes = 1}, .journal = {}});
   model::Network wide = dock_;
@@ -392,7 +392,7 @@ TEST_F(LookAheadTest, as_many_processes_of_a_controller_are_prepared_as_the_budg
   }
 }
 
-TEST_F(LookAheadTest, a_failed_preparation_leaves_the_running_controller_alone) {
+TEST_F(LookAheadTest, AFailedPreparationLeavesTheRunningControllerAlone) {
   ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
   robot_.asking.ask([](const model::Action& action) -> Result<void> {
     const bool fails = action.kind == model::ActionKind::Configure;
@@ -408,7 +408,7 @@ TEST_F(LookAheadTest, a_failed_preparation_leaves_the_running_controller_alone) 
   EXPECT_EQ(runtime_.switch_to(dock_.name).outcome, Outcome::Done);
 }
 
-TEST_F(LookAheadTest, removes_the_leftovers_of_a_superseded_request) {
+TEST_F(LookAheadTest, RemovesTheLeftoversOfASupersededRequest) {
   ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
   std::promise<void> entered;
   std::promise<void> go;

@@ -26,7 +26,7 @@ using testing::runnable;
 
 const std::string kArtemis = segue::paths::in_sources("/examples/04_artemis/robot.yaml");
 
-TEST(Artemis, all_twelve_transitions_reach_their_targets) {
+TEST(Artemis, AllTwelveTransitionsReachTheirTargets) {
   auto robot = EmbeddedRobot::open(kArtemis, {.stand_in = true});
   ASSERT_TRUE(robot) << to_string(diagnostics_of(robot.error()));
   Runtime& runtime = robot->runtime();
@@ -68,7 +68,7 @@ std::size_t settled_descriptors(std::size_t most) {
   return entries("/proc/self/fd");
 }
 
-TEST(RandomNetworks, hundreds_of_switches_reach_their_targets_and_leak_nothing) {
+TEST(RandomNetworks, HundredsOfSwitchesReachTheirTargetsAndLeakNothing) {
   segue::testing::NetworkShape shape;
   shape.attributes = false;
   testing::StandInRobot robot;
@@ -91,7 +91,7 @@ TEST(RandomNetworks, hundreds_of_switches_reach_their_targets_and_leak_nothing) 
   EXPECT_LE(settled_descriptors(descriptors), descriptors);
 }
 
-TEST(KeptResults, take_a_bounded_memory) {
+TEST(KeptResults, TakeABoundedMemory) {
   RuntimeOptions options;
   options.kept_bytes = std::size_t{64} << 10;
   testing::StandInRobot robot(options);
@@ -110,7 +110,7 @@ TEST(KeptResults, take_a_bounded_memory) {
   EXPECT_LT(actions * sizeof(ActionRecord), options.kept_bytes);
 }
 
-TEST(KeptResults, are_the_newest_one_at_least) {
+TEST(KeptResults, AreTheNewestOneAtLeast) {
   RuntimeOptions options;
   options.kept_bytes = 1;
   testing::StandInRobot robot(options);
@@ -121,7 +121,7 @@ TEST(KeptResults, are_the_newest_one_at_least) {
   EXPECT_THAT(robot.runtime.history(), ::testing::SizeIs(1));
 }
 
-TEST(EmbeddedRobotFile, reports_all_problems_of_all_files) {
+TEST(EmbeddedRobotFile, ReportsAllProblemsOfAllFiles) {
   EXPECT_FALSE(EmbeddedRobot::open("no_such_robot.yaml"));
   const auto refused = EmbeddedRobot::open(kArtemis);
   ASSERT_FALSE(refused) << "its components are not installed";

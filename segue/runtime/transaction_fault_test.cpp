@@ -222,7 +222,7 @@ void try_all_faults(const model::Network& before, const model::Network& target, 
 }
 
 /// The runtime's own process cannot be replaced; everything else is undone.
-TEST(TransactionFaults, of_tasks_in_the_process_of_the_runtime) {
+TEST(TransactionFaults, OfTasksInTheProcessOfTheRuntime) {
   const auto before = testing::network_of("network: before\ntasks: {a: {component: \"demo::A\"}}\n");
   const auto target = testing::network_of(
       "network: target\n"
@@ -234,7 +234,7 @@ TEST(TransactionFaults, of_tasks_in_the_process_of_the_runtime) {
 }
 
 /// Tasks that leave without an action still exist after a failed transition.
-TEST(TransactionFaults, where_tasks_that_were_never_configured_leave) {
+TEST(TransactionFaults, WhereTasksThatWereNeverConfiguredLeave) {
   const auto before = testing::network_of(
       "network: before\n"
       "tasks: {a: {component: \"demo::A\"}, b: {component: \"demo::A\"},"
@@ -250,7 +250,7 @@ TEST(TransactionFaults, where_tasks_that_were_never_configured_leave) {
   EXPECT_GT(ends.before, 10);
 }
 
-TEST(TransactionFaults, at_every_action_of_the_artemis_transitions) {
+TEST(TransactionFaults, AtEveryActionOfTheArtemisTransitions) {
   auto example = EmbeddedRobot::open(kArtemis, {.stand_in = true});
   ASSERT_TRUE(example) << to_string(diagnostics_of(example.error()));
   Ends ends;
@@ -280,7 +280,7 @@ TEST(TransactionFaults, at_every_action_of_the_artemis_transitions) {
   RecordProperty("cases", ends.all());
 }
 
-TEST(TransactionFaults, at_every_action_of_random_transitions) {
+TEST(TransactionFaults, AtEveryActionOfRandomTransitions) {
   segue::testing::NetworkShape shape;
   shape.attributes = false;
   segue::testing::Random random(20261122);

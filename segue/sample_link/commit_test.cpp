@@ -104,7 +104,7 @@ class CommitTest : public ::testing::TestWithParam<Kind> {
 INSTANTIATE_TEST_SUITE_P(Kinds, CommitTest, ::testing::Values(Kind::Local, Kind::Shared),
                          [](const auto& which) { return which.param == Kind::Local ? "local" : "shared"; });
 
-TEST_P(CommitTest, moves_a_writer_from_one_reader_to_another_between_two_samples) {
+TEST_P(CommitTest, MovesAWriterFromOneReaderToAnotherBetweenTwoSamples) {
   const auto old = ports_.connect(GetParam(), ports_.one.in, kBuffer);
   begin();
   const auto fresh = ports_.connect(GetParam(), ports_.two.in, kBuffer, gate_);
@@ -126,7 +126,7 @@ TEST_P(CommitTest, moves_a_writer_from_one_reader_to_another_between_two_samples
   EXPECT_THAT(all_of(ports_.two.in), ElementsAre(4));
 }
 
-TEST_P(CommitTest, reads_what_came_before_the_commit_first) {
+TEST_P(CommitTest, ReadsWhatCameBeforeTheCommitFirst) {
   const auto old = ports_.connect(GetParam(), ports_.one.in, kBuffer);
   begin();
   const auto fresh = ports_.connect(GetParam(), ports_.one.in, {BufferKind::Buffer, 3}, gate_);
@@ -141,7 +141,7 @@ TEST_P(CommitTest, reads_what_came_before_the_commit_first) {
   EXPECT_FALSE(old.back()->owes_samples());
 }
 
-TEST_P(CommitTest, shows_a_new_reader_the_last_sample_when_the_connection_has_begun) {
+TEST_P(CommitTest, ShowsANewReaderTheLastSampleWhenTheConnectionHasBegun) {
   ports_.source.out.write(5);
   begin();
   const auto fresh = ports_.connect(GetParam(), ports_.one.in, {BufferKind::Data, 1, {}, true}, gate_);
@@ -153,7 +153,7 @@ TEST_P(CommitTest, shows_a_new_reader_the_last_sample_when_the_connection_has_be
   EXPECT_THAT(all_of(ports_.one.in), ElementsAre(5));
 }
 
-TEST_P(CommitTest, changes_nothing_where_a_transition_is_given_up) {
+TEST_P(CommitTest, ChangesNothingWhereATransitionIsGivenUp) {
   const auto old = ports_.connect(GetParam(), ports_.one.in, kBuffer);
   begin();
   const auto fresh = ports_.connect(GetParam(), ports_.two.in, kBuffer, gate_);
@@ -172,7 +172,7 @@ TEST_P(CommitTest, changes_nothing_where_a_transition_is_given_up) {
   EXPECT_THAT(all_of(ports_.two.in), IsEmpty());
 }
 
-TEST_P(CommitTest, remembers_transitions_that_nobody_was_told_of) {
+TEST_P(CommitTest, RemembersTransitionsThatNobodyWasToldOf) {
   std::vector<Ports::Endpoints> all = {ports_.connect(GetParam(), ports_.one.in, kBuffer)};
   for (int i = 1; i <= 3; ++i) {  // two connections wait for, or end with, different transitions at a time
     begin();
@@ -187,7 +187,7 @@ TEST_P(CommitTest, remembers_transitions_that_nobody_was_told_of) {
   EXPECT_THAT(all_of(ports_.two.in), ElementsAre(1, 3));
 }
 
-TEST(CommitPage, is_the_same_in_another_process_which_cannot_write_to_it) {
+TEST(CommitPage, IsTheSameInAnotherProcessWhichCannotWriteToIt) {
   const auto page = *CommitPage::create();
   const auto mapped = CommitPage::map(page->descriptor());
   ASSERT_TRUE(mapped) << to_string(mapped.error());
@@ -201,7 +201,7 @@ TEST(CommitPage, is_the_same_in_another_process_which_cannot_write_to_it) {
   EXPECT_EQ(writable, MAP_FAILED);
 }
 
-TEST(CommitPage, remembers_a_transition_for_long_and_confuses_none) {
+TEST(CommitPage, RemembersATransitionForLongAndConfusesNone) {
   const auto page = *CommitPage::create();
   CommitGate committed;
   CommitGate given_up;
@@ -218,7 +218,7 @@ TEST(CommitPage, remembers_a_transition_for_long_and_confuses_none) {
   EXPECT_FALSE(given_up.open());
 }
 
-TEST(CommitPage, takes_no_file_that_could_change_under_it) {
+TEST(CommitPage, TakesNoFileThatCouldChangeUnderIt) {
   const Descriptor plain(memfd_create("plain", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   ASSERT_EQ(ftruncate(plain.get(), 4096), 0);
   EXPECT_EQ(CommitPage::map(plain.get()).error().code, ErrorCode::InvalidArgument);
@@ -271,7 +271,7 @@ struct Taking {
 
 /// The connection of a writer moves thousands of times, between two readers, among local and shared memory
 /// and among sizes, while all of them work at full speed; every tenth transition is given up.
-TEST(CommitStorm, loses_and_doubles_nothing_and_keeps_the_order) {
+TEST(CommitStorm, LosesAndDoublesNothingAndKeepsTheOrder) {
   const auto page = *CommitPage::create();
   Ports ports;
   std::minstd_rand random(20261123);

@@ -65,7 +65,7 @@ Text text_of(const SampleRef& sample) {
   return text;
 }
 
-TEST(FlatPort, is_one_only_where_objects_have_pointers) {
+TEST(FlatPort, IsOneOnlyWhereObjectsHavePointers) {
   Component owner;
   EXPECT_TRUE(FlatOutput(owner).is_flat());
   EXPECT_TRUE(FlatInput(owner).is_flat());
@@ -75,7 +75,7 @@ TEST(FlatPort, is_one_only_where_objects_have_pointers) {
   EXPECT_FALSE(InputPort<Text>(owner, "typed", PortOptions{.flat = true}).is_flat());
 }
 
-TEST(FlatPort, samples_are_written_and_read_in_the_shared_memory) {
+TEST(FlatPort, SamplesAreWrittenAndReadInTheSharedMemory) {
   Pair pair;
   FlatSource source;
   FlatSink one("one");
@@ -96,7 +96,7 @@ TEST(FlatPort, samples_are_written_and_read_in_the_shared_memory) {
   EXPECT_EQ(other->value, sample->value);
 }
 
-TEST(FlatPort, samples_of_objects_are_read_in_the_shared_memory) {
+TEST(FlatPort, SamplesOfObjectsAreReadInTheSharedMemory) {
   Pair pair;
   Source<Text> source;
   FlatSink sink;
@@ -169,7 +169,7 @@ std::function<std::optional<Text>()> reader_of(FlatSink& sink) {
   };
 }
 
-TEST(FlatPort, samples_and_counters_are_those_of_objects) {
+TEST(FlatPort, SamplesAndCountersAreThoseOfObjects) {
   for (const Way& way : kWays) {
     for (const Policy& policy : kPolicies) {
       Pair pair;
@@ -201,7 +201,7 @@ TEST(FlatPort, samples_and_counters_are_those_of_objects) {
   }
 }
 
-TEST(FlatPort, a_new_reader_gets_the_last_sample_if_it_asks_for_it) {
+TEST(FlatPort, ANewReaderGetsTheLastSampleIfItAsksForIt) {
   const Policy init{BufferKind::Data, 1, Transport::Automatic, true};
   for (const Way& way : kWays) {
     Pair pair;
@@ -222,7 +222,7 @@ TEST(FlatPort, a_new_reader_gets_the_last_sample_if_it_asks_for_it) {
   }
 }
 
-TEST(FlatPort, readers_of_all_kinds_share_a_sample) {
+TEST(FlatPort, ReadersOfAllKindsShareASample) {
   Pair pair;
   FlatSource source;
   FlatSink flat_here("flat_here");
@@ -242,7 +242,7 @@ TEST(FlatPort, readers_of_all_kinds_share_a_sample) {
   }
 }
 
-TEST(FlatPort, values_are_written_and_read) {
+TEST(FlatPort, ValuesAreWrittenAndRead) {
   FlatSource source;
   FlatSink sink;
   ASSERT_TRUE(connect(source.out, sink.in, {}));
@@ -258,7 +258,7 @@ TEST(FlatPort, values_are_written_and_read) {
   EXPECT_FALSE(source.out.write_value(type::Value(5)));
 }
 
-TEST(FlatPort, nothing_is_left_in_the_shared_memory) {
+TEST(FlatPort, NothingIsLeftInTheSharedMemory) {
   Pair pair;
   const std::size_t before = pair.writer->usage().payload_used;
   std::optional<FlatSource> source(std::in_place);
@@ -281,7 +281,7 @@ TEST(FlatPort, nothing_is_left_in_the_shared_memory) {
   EXPECT_EQ(pair.writer->usage().payload_used, before);
 }
 
-TEST(FlatPort, a_full_pool_refuses_what_others_within_the_process_can_have) {
+TEST(FlatPort, AFullPoolRefusesWhatOthersWithinTheProcessCanHave) {
   Pair pair({std::size_t{1} << 16, std::size_t{1} << 18, std::size_t{1} << 20});
   FlatSource source;
   FlatSink sink;
@@ -303,7 +303,7 @@ TEST(FlatPort, a_full_pool_refuses_what_others_within_the_process_can_have) {
   EXPECT_EQ(source.out.write(large), WriteResult::Written) << "room came back";
 }
 
-TEST(FlatPort, a_reader_that_keeps_samples_starves_only_itself) {
+TEST(FlatPort, AReaderThatKeepsSamplesStarvesOnlyItself) {
   for (const Way& way : kWays) {
     Pair pair;
     FlatSource source;
@@ -328,7 +328,7 @@ TEST(FlatPort, a_reader_that_keeps_samples_starves_only_itself) {
   }
 }
 
-TEST(FlatPort, bytes_that_lie_are_counted_and_dropped) {
+TEST(FlatPort, BytesThatLieAreCountedAndDropped) {
   Pair pair;
   Source<std::array<std::int64_t, 40>> source;  // raw bytes, which the reader takes for a text
   FlatSink sink;
@@ -371,7 +371,7 @@ struct Seen {
   }
 };
 
-TEST(FlatPortStorm, readers_come_and_go_while_samples_are_written) {
+TEST(FlatPortStorm, ReadersComeAndGoWhileSamplesAreWritten) {
   Pair pair({std::size_t{1} << 16, std::size_t{1} << 22, std::size_t{1} << 22});
   FlatSource source;
   FlatSink flat("flat");

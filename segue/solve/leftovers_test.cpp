@@ -77,7 +77,7 @@ connections:
   - producer.out -> consumer.in
 )";
 
-TEST(Prepared, incarnation_is_used_as_it_is) {
+TEST(Prepared, IncarnationIsUsedAsItIs) {
   const auto transition = solved(with_prepared_consumer(), network_of(kMoved), with_prepared());
   EXPECT_THAT(phases_and_labels(transition),
               ElementsAre("commit stop consumer", "commit start consumer",
@@ -87,7 +87,7 @@ TEST(Prepared, incarnation_is_used_as_it_is) {
   EXPECT_THAT(transition.removes, IsEmpty()) << "its incarnation in c is replaced";
 }
 
-TEST(Prepared, incarnation_with_another_configuration_is_configured_again_in_prepare) {
+TEST(Prepared, IncarnationWithAnotherConfigurationIsConfiguredAgainInPrepare) {
   auto current = with_prepared_consumer();
   current.find_task(TaskId("consumer@localhost/p"))->properties = type::Value::map({{"gain", 2}});
   const auto transition = solved(current, network_of(kMoved), with_prepared());
@@ -98,14 +98,14 @@ TEST(Prepared, incarnation_with_another_configuration_is_configured_again_in_pre
                           "retire undeploy localhost/c"));
 }
 
-TEST(Prepared, incarnation_takes_over_the_state_of_the_old_one) {
+TEST(Prepared, IncarnationTakesOverTheStateOfTheOldOne) {
   auto target = network_of(kMoved);
   target.find_task(TaskId("consumer"))->takes_over = TaskId("consumer");
   const auto transition = solved(with_prepared_consumer(), target, with_prepared());
   EXPECT_THAT(phases_and_labels(transition), Contains("commit hand_over consumer -> consumer"));
 }
 
-TEST(Prepared, incarnation_that_is_not_wanted_is_removed_in_retire) {
+TEST(Prepared, IncarnationThatIsNotWantedIsRemovedInRetire) {
   Options options = with_prepared();
   options.prepared.clear();
   auto target = network_of(kMoved);
@@ -128,7 +128,7 @@ tasks:
   spare: {component: x::B}
 )";
 
-TEST(Idle, tasks_are_configured_in_prepare) {
+TEST(Idle, TasksAreConfiguredInPrepare) {
   Options options;
   EXPECT_THAT(phases_and_labels(solved(network_of(kStandby), network_of(kBoth), options)),
               Contains("commit configure spare"))
@@ -149,7 +149,7 @@ tasks:
   claimer: {component: x::C, exclusive: [arm]}
 )";
 
-TEST(Idle, tasks_give_way_to_what_is_prepared) {
+TEST(Idle, TasksGiveWayToWhatIsPrepared) {
   Options options;
   options.idle = {TaskId("holder")};
   EXPECT_THAT(phases_and_labels(solved(network_of(kHolder), network_of(kClaimer), options)),
@@ -160,7 +160,7 @@ TEST(Idle, tasks_give_way_to_what_is_prepared) {
               Not(Contains("prepare cleanup holder")));
 }
 
-TEST(Idle, tasks_that_run_are_stopped_in_commit) {
+TEST(Idle, TasksThatRunAreStoppedInCommit) {
   auto current = network_of(kHolder);
   current.find_task(TaskId("holder"))->state = TaskState::Running;
   Options options;

@@ -355,7 +355,7 @@ class HandOverTest : public test::TaskTest {
   static inline const SavedState kState{"/probe/Count", 2, type::Value(7)};
 };
 
-TEST_F(HandOverTest, theStateOfAStoppedTaskIsSaved) {
+TEST_F(HandOverTest, TheStateOfAStoppedTaskIsSaved) {
   probe->saved = kState;
   bring_to(TaskState::Stopped);
   const auto state = task->save_state(soon());
@@ -365,14 +365,14 @@ TEST_F(HandOverTest, theStateOfAStoppedTaskIsSaved) {
   EXPECT_EQ(task->state(), TaskState::Stopped);
 }
 
-TEST_F(HandOverTest, whoeverRemembersNothingHandsNothingOver) {
+TEST_F(HandOverTest, WhoeverRemembersNothingHandsNothingOver) {
   bring_to(TaskState::Stopped);
   const auto state = task->save_state(soon());
   ASSERT_TRUE(state);
   EXPECT_FALSE(state->has_value());
 }
 
-TEST_F(HandOverTest, aTaskThatIsNotStoppedNeitherGivesNorTakes) {
+TEST_F(HandOverTest, ATaskThatIsNotStoppedNeitherGivesNorTakes) {
   for (const TaskState state : {TaskState::PreOperational, TaskState::Running}) {
     make({.trigger = Trigger::PortDriven});
     bring_to(state);
@@ -382,7 +382,7 @@ TEST_F(HandOverTest, aTaskThatIsNotStoppedNeitherGivesNorTakes) {
   }
 }
 
-TEST_F(HandOverTest, savingThatThrowsLeavesATaskThatCanGoOn) {
+TEST_F(HandOverTest, SavingThatThrowsLeavesATaskThatCanGoOn) {
   bring_to(TaskState::Stopped);
   probe->act = [](const std::string&) -> Result<void> { throw std::runtime_error("no memory of it"); };
   const auto state = task->save_state(soon());
@@ -394,7 +394,7 @@ TEST_F(HandOverTest, savingThatThrowsLeavesATaskThatCanGoOn) {
   EXPECT_TRUE(task->start(soon()));
 }
 
-TEST_F(HandOverTest, savingThatAsksForFatalGetsIt) {
+TEST_F(HandOverTest, SavingThatAsksForFatalGetsIt) {
   bring_to(TaskState::Stopped);
   probe->act = [this](const std::string&) -> Result<void> {
     probe->fatal("memory is corrupt");
@@ -404,7 +404,7 @@ TEST_F(HandOverTest, savingThatAsksForFatalGetsIt) {
   EXPECT_EQ(task->state(), TaskState::Fatal);
 }
 
-TEST_F(HandOverTest, aStateIsRestoredBeforeTheStart) {
+TEST_F(HandOverTest, AStateIsRestoredBeforeTheStart) {
   bring_to(TaskState::Stopped);
   ASSERT_TRUE(task->restore_state(kState, soon()));
   EXPECT_EQ(probe->restored, kState);
@@ -413,7 +413,7 @@ TEST_F(HandOverTest, aStateIsRestoredBeforeTheStart) {
   EXPECT_THAT(probe->hooks, ElementsAre("restore_state", "start"));
 }
 
-TEST_F(HandOverTest, aStateThatIsRefusedLeavesTheTaskStopped) {
+TEST_F(HandOverTest, AStateThatIsRefusedLeavesTheTaskStopped) {
   bring_to(TaskState::Stopped);
   probe->act = [](const std::string&) -> Result<void> {
     return fail(ErrorCode::TypeMismatch, "version 3 is needed");
@@ -425,7 +425,7 @@ TEST_F(HandOverTest, aStateThatIsRefusedLeavesTheTaskStopped) {
   EXPECT_EQ(task->state(), TaskState::Stopped);
 }
 
-TEST_F(HandOverTest, restoringThatThrowsCleansUp) {
+TEST_F(HandOverTest, RestoringThatThrowsCleansUp) {
   bring_to(TaskState::Stopped);
   probe->act = [](const std::string& hook) -> Result<void> {
     if (hook == "restore_state") throw std::runtime_error("half of it is missing");
@@ -436,7 +436,7 @@ TEST_F(HandOverTest, restoringThatThrowsCleansUp) {
   EXPECT_THAT(probe->hooks, ElementsAre("restore_state", "cleanup"));
 }
 
-TEST_F(HandOverTest, aComponentThatKnowsNoStateRefusesEveryOne) {
+TEST_F(HandOverTest, AComponentThatKnowsNoStateRefusesEveryOne) {
   class Plain final : public Component {};
   auto made = Task::create("plain", std::make_unique<Plain>(), Activity{}, executor);
   ASSERT_TRUE(made);
@@ -449,7 +449,7 @@ TEST_F(HandOverTest, aComponentThatKnowsNoStateRefusesEveryOne) {
   EXPECT_THAT(to_string(done.error()), HasSubstr("'/probe/Count' version 2"));
 }
 
-TEST(SavedState, ofATypeCarriesItsNameAndVersion) {
+TEST(SavedState, OfATypeCarriesItsNameAndVersion) {
   const SavedState state = make_state(std::vector<double>{1.5, 2.0}, 3);
   EXPECT_EQ(state.version, 3U);
   const auto read = read_state<std::vector<double>>(state, 3);
@@ -457,7 +457,7 @@ TEST(SavedState, ofATypeCarriesItsNameAndVersion) {
   EXPECT_THAT(*read, ElementsAre(1.5, 2.0));
 }
 
-TEST(SavedState, ofAnotherTypeOrVersionIsRefused) {
+TEST(SavedState, OfAnotherTypeOrVersionIsRefused) {
   const SavedState state = make_state(std::vector<double>{1.5}, 1);
   const auto newer = read_state<std::vector<double>>(state, 2);
   ASSERT_FALSE(newer);

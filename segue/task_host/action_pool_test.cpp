@@ -160,7 +160,7 @@ class ActionPoolTest : public ::testing::Test {
   ActionPool pool_{threads_, worker_.work()};
 };
 
-TEST_F(ActionPoolTest, tells_of_every_action_before_it_returns) {
+TEST_F(ActionPoolTest, TellsOfEveryActionBeforeItReturns) {
   run(pool_, stops({"a", "bad", "c"}), soon(), reported_.listener());
   ASSERT_EQ(reported_.count(), 3U);
   EXPECT_TRUE(reported_.at(0));
@@ -168,19 +168,19 @@ TEST_F(ActionPoolTest, tells_of_every_action_before_it_returns) {
   EXPECT_TRUE(reported_.at(2)) << "a failure in the middle keeps nobody from being done";
 }
 
-TEST_F(ActionPoolTest, has_nothing_to_tell_of_an_empty_batch) {
+TEST_F(ActionPoolTest, HasNothingToTellOfAnEmptyBatch) {
   pool_.begin_here({}, soon(), reported_.listener());
   pool_.begin({}, soon(), reported_.listener());
   EXPECT_EQ(reported_.calls(), 0U);
 }
 
-TEST_F(ActionPoolTest, carries_out_what_it_is_given_in_the_callers_thread_where_that_is_wanted) {
+TEST_F(ActionPoolTest, CarriesOutWhatItIsGivenInTheCallersThreadWhereThatIsWanted) {
   run(pool_, stops({"a", "b"}), soon(), reported_.listener(), true);
   EXPECT_EQ(reported_.count(), 2U);
   EXPECT_TRUE(worker_.threads().contains(std::this_thread::get_id()));
 }
 
-TEST_F(ActionPoolTest, a_slow_action_holds_up_no_other) {
+TEST_F(ActionPoolTest, ASlowActionHoldsUpNoOther) {
   pool_.begin(stops({"a", "slow", "b", "slow2", "c"}), soon(), reported_.listener());
   ASSERT_TRUE(reported_.wait_for(3)) << "reported while the slow ones are still at it";
   EXPECT_FALSE(reported_.has(1));
@@ -189,7 +189,7 @@ TEST_F(ActionPoolTest, a_slow_action_holds_up_no_other) {
   ASSERT_TRUE(reported_.wait_for(5));
 }
 
-TEST_F(ActionPoolTest, the_callers_thread_being_slow_holds_up_no_other) {
+TEST_F(ActionPoolTest, TheCallersThreadBeingSlowHoldsUpNoOther) {
   std::thread caller([&] { run(pool_, stops({"slow", "a", "b"}), soon(), reported_.listener(), true); });
   EXPECT_TRUE(reported_.wait_for(2));
   EXPECT_FALSE(reported_.has(0));
@@ -198,7 +198,7 @@ TEST_F(ActionPoolTest, the_callers_thread_being_slow_holds_up_no_other) {
   EXPECT_EQ(reported_.count(), 3U);
 }
 
-TEST_F(ActionPoolTest, gives_up_what_hangs_at_the_deadline) {
+TEST_F(ActionPoolTest, GivesUpWhatHangsAtTheDeadline) {
   run(pool_, stops({"a", "slow", "b"}), in(2s), reported_.listener());
   ASSERT_EQ(reported_.count(), 3U);
   EXPECT_TRUE(reported_.at(0));
@@ -212,24 +212,24 @@ TEST_F(ActionPoolTest, gives_up_what_hangs_at_the_deadline) {
   EXPECT_FALSE(reported_.at(1));
 }
 
-TEST_F(ActionPoolTest, gives_up_a_single_action_that_hangs) {
+TEST_F(ActionPoolTest, GivesUpASingleActionThatHangs) {
   run(pool_, stops({"slow"}), in(50ms), reported_.listener());
   EXPECT_EQ(reported_.at(0).error().code, ErrorCode::DeadlineExceeded);
 }
 
-TEST_F(ActionPoolTest, a_deadline_that_has_passed_is_reported_even_so) {
+TEST_F(ActionPoolTest, ADeadlineThatHasPassedIsReportedEvenSo) {
   run(pool_, stops({"slow", "slow2", "slow3"}), in(-1s), reported_.listener());
   EXPECT_EQ(reported_.count(), 3U);
 }
 
-TEST_F(ActionPoolTest, an_exception_is_a_failure_of_its_action_only) {
+TEST_F(ActionPoolTest, AnExceptionIsAFailureOfItsActionOnly) {
   run(pool_, stops({"throws", "a"}), soon(), reported_.listener());
   EXPECT_EQ(reported_.at(0).error().code, ErrorCode::Internal);
   EXPECT_THAT(reported_.at(0).error().message, HasSubstr("a defect"));
   EXPECT_TRUE(reported_.at(1));
 }
 
-TEST_F(ActionPoolTest, many_that_hang_leave_all_others_done) {
+TEST_F(ActionPoolTest, ManyThatHangLeaveAllOthersDone) {
   std::vector<std::string> tasks;
   for (int i = 0; i < 100; ++i) {
     tasks.push_back((i % 2 == 0 ? "slow" : "quick") + std::to_string(i));
@@ -240,7 +240,7 @@ TEST_F(ActionPoolTest, many_that_hang_leave_all_others_done) {
   EXPECT_TRUE(reported_.wait_for(100));
 }
 
-TEST_F(ActionPoolTest, batches_are_carried_out_side_by_side) {
+TEST_F(ActionPoolTest, BatchesAreCarriedOutSideBySide) {
   pool_.begin(stops({"slow"}), soon(), reported_.listener());
   Reports other;
   run(pool_, stops({"a", "b"}), soon(), other.listener());
@@ -250,7 +250,7 @@ TEST_F(ActionPoolTest, batches_are_carried_out_side_by_side) {
   EXPECT_TRUE(reported_.wait_for(1));
 }
 
-TEST_F(ActionPoolTest, many_callers_at_once_are_all_reported) {
+TEST_F(ActionPoolTest, ManyCallersAtOnceAreAllReported) {
   std::vector<std::thread> callers;
   std::atomic<std::size_t> sum{0};
   for (int i = 0; i < 8; ++i) {
@@ -268,7 +268,7 @@ TEST_F(ActionPoolTest, many_callers_at_once_are_all_reported) {
   EXPECT_EQ(sum, 8U * 50U * 4U);
 }
 
-TEST_F(ActionPoolTest, begins_nothing_after_its_end) {
+TEST_F(ActionPoolTest, BeginsNothingAfterItsEnd) {
   pool_.close();
   run(pool_, stops({"a", "b"}), soon(), reported_.listener());
   EXPECT_EQ(reported_.at(0).error().code, ErrorCode::Unavailable);
@@ -276,7 +276,7 @@ TEST_F(ActionPoolTest, begins_nothing_after_its_end) {
   EXPECT_THAT(worker_.begun(), IsEmpty());
 }
 
-TEST_F(ActionPoolTest, a_batch_that_a_report_begins_follows_on_the_same_thread) {
+TEST_F(ActionPoolTest, ABatchThatAReportBeginsFollowsOnTheSameThread) {
   Reports next;
   pool_.begin(stops({"a"}), soon(),
               [&](const std::vector<Completed>&) { pool_.begin(stops({"b"}), soon(), next.listener()); });
@@ -285,7 +285,7 @@ TEST_F(ActionPoolTest, a_batch_that_a_report_begins_follows_on_the_same_thread) 
   EXPECT_THAT(worker_.threads(), SizeIs(1));
 }
 
-TEST_F(ActionPoolTest, a_batch_that_follows_does_not_wait_for_a_report_that_blocks) {
+TEST_F(ActionPoolTest, ABatchThatFollowsDoesNotWaitForAReportThatBlocks) {
   pool_.begin(stops({"a"}), soon(), [&](const std::vector<Completed>&) {
     pool_.begin(stops({"b"}), soon(), reported_.listener());
     EXPECT_TRUE(reported_.wait_for(1)) << "another thread has taken it";
@@ -293,7 +293,7 @@ TEST_F(ActionPoolTest, a_batch_that_follows_does_not_wait_for_a_report_that_bloc
   EXPECT_TRUE(reported_.wait_for(1));
 }
 
-TEST_F(ActionPoolTest, threads_of_overdue_actions_are_replaced) {
+TEST_F(ActionPoolTest, ThreadsOfOverdueActionsAreReplaced) {
   concurrent::ThreadPool one("test", {1, 1});
   ActionPool pool(one, worker_.work());
   run(pool, stops({"slow"}), in(20ms), [](const auto&) {});
@@ -303,7 +303,7 @@ TEST_F(ActionPoolTest, threads_of_overdue_actions_are_replaced) {
   worker_.release();
 }
 
-TEST(BatchOutcomes, drops_what_is_known_already_and_what_was_never_asked) {
+TEST(BatchOutcomes, DropsWhatIsKnownAlreadyAndWhatWasNeverAsked) {
   Reports reported;
   BatchOutcomes outcomes(stops({"a", "b"}), reported.listener());
   outcomes.add({{7, {}}, {1, {}}, {1, fail(ErrorCode::Internal, "again")}});

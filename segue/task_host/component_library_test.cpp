@@ -57,7 +57,7 @@ class ComponentLibrary : public ::testing::Test {
   LibrarySet libraries_;
 };
 
-TEST_F(ComponentLibrary, a_path_is_no_name) {
+TEST_F(ComponentLibrary, APathIsNoName) {
   for (const char* name : {"../demo", "/lib/demo", "a/b", "", "..", ".", "demo\n", "-x"}) {
     const auto found = find_library(name);
     ASSERT_FALSE(found) << name;
@@ -66,7 +66,7 @@ TEST_F(ComponentLibrary, a_path_is_no_name) {
   }
 }
 
-TEST_F(ComponentLibrary, one_that_is_missing_is_named_with_where_it_was_looked_for) {
+TEST_F(ComponentLibrary, OneThatIsMissingIsNamedWithWhereItWasLookedFor) {
   const auto loaded = libraries_.load("segue_test_fist");
   ASSERT_FALSE(loaded);
   EXPECT_EQ(loaded.error().code, ErrorCode::NotFound);
@@ -74,7 +74,7 @@ TEST_F(ComponentLibrary, one_that_is_missing_is_named_with_where_it_was_looked_f
   EXPECT_THAT(loaded.error().message, HasSubstr("did you mean 'segue_test_first'"));
 }
 
-TEST_F(ComponentLibrary, a_text_file_is_refused_in_the_words_of_the_loader) {
+TEST_F(ComponentLibrary, ATextFileIsRefusedInTheWordsOfTheLoader) {
   ASSERT_TRUE(write_file(folder_ / "libtext.so", "not a library at all"));
   const auto loaded = libraries_.load("text");
   ASSERT_FALSE(loaded);
@@ -82,14 +82,14 @@ TEST_F(ComponentLibrary, a_text_file_is_refused_in_the_words_of_the_loader) {
   EXPECT_THAT(loaded.error().message, HasSubstr("file too short"));
 }
 
-TEST_F(ComponentLibrary, a_library_without_components_is_refused) {
+TEST_F(ComponentLibrary, ALibraryWithoutComponentsIsRefused) {
   fs::create_symlink(segue::paths::kEmptyLibrary, folder_ / "libempty.so");
   const auto loaded = libraries_.load("empty");
   ASSERT_FALSE(loaded);
   EXPECT_THAT(loaded.error().message, HasSubstr("offers no components"));
 }
 
-TEST_F(ComponentLibrary, one_built_against_another_segue_is_refused) {
+TEST_F(ComponentLibrary, OneBuiltAgainstAnotherSegueIsRefused) {
   const auto loaded = libraries_.load("segue_test_old_abi");
   ASSERT_FALSE(loaded);
   EXPECT_EQ(loaded.error().code, ErrorCode::Unsupported);
@@ -97,7 +97,7 @@ TEST_F(ComponentLibrary, one_built_against_another_segue_is_refused) {
   EXPECT_FALSE(libraries_.has(model::ComponentName("old::Component")));
 }
 
-TEST_F(ComponentLibrary, two_that_offer_the_same_component_cannot_both_be_loaded) {
+TEST_F(ComponentLibrary, TwoThatOfferTheSameComponentCannotBothBeLoaded) {
   ASSERT_TRUE(libraries_.load("segue_test_first"));
   ASSERT_TRUE(libraries_.load("segue_test_first")) << "again is free";
   const auto second = libraries_.load("segue_test_second");
@@ -109,7 +109,7 @@ TEST_F(ComponentLibrary, two_that_offer_the_same_component_cannot_both_be_loaded
   EXPECT_TRUE(libraries_.create(model::ComponentName("duplicate::Component")));
 }
 
-TEST_F(ComponentLibrary, its_exported_models_can_be_read_without_it) {
+TEST_F(ComponentLibrary, ItsExportedModelsCanBeReadWithoutIt) {
   ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
   model::ComponentCatalog catalog;
   const auto read = read_library_models("segue_components_demo", catalog);
@@ -127,7 +127,7 @@ TEST_F(ComponentLibrary, its_exported_models_can_be_read_without_it) {
   EXPECT_EQ(models->size(), 8U);
 }
 
-TEST_F(ComponentLibrary, declared_families_of_dynamic_ports_are_exported_and_checked) {
+TEST_F(ComponentLibrary, DeclaredFamiliesOfDynamicPortsAreExportedAndChecked) {
   const auto text = write_library_models(libraries_, "");
   ASSERT_TRUE(text) << to_string(text.error());
   model::ComponentCatalog catalog;
@@ -155,7 +155,7 @@ TEST_F(ComponentLibrary, declared_families_of_dynamic_ports_are_exported_and_che
   EXPECT_TRUE(validated("joint").has_errors()) << "the whole name must match";
 }
 
-TEST_F(ComponentLibrary, a_family_that_is_no_expression_is_refused_at_export) {
+TEST_F(ComponentLibrary, AFamilyThatIsNoExpressionIsRefusedAtExport) {
   ASSERT_TRUE(libraries_.load("segue_test_first"));
   const auto make = +[]() -> std::unique_ptr<task::Component> { return std::make_unique<family::Broken>(); };
   ASSERT_TRUE(task::register_component(
@@ -166,7 +166,7 @@ TEST_F(ComponentLibrary, a_family_that_is_no_expression_is_refused_at_export) {
   EXPECT_THAT(to_string(models.error()), HasSubstr("joint_("));
 }
 
-TEST_F(ComponentLibrary, a_component_that_nobody_offers_tells_what_to_do) {
+TEST_F(ComponentLibrary, AComponentThatNobodyOffersTellsWhatToDo) {
   const auto made = libraries_.create(model::ComponentName("unknown::Task"));
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().message, HasSubstr("'libraries' of the robot file"));

@@ -57,7 +57,7 @@ class LocalHost : public ::testing::Test {
   LocalTaskHost host_{libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
 };
 
-TEST_F(LocalHost, tells_the_timing_and_the_log_of_one_task) {
+TEST_F(LocalHost, TellsTheTimingAndTheLogOfOneTask) {
   bring_to_running("a");
   bring_to_running("b");
   ASSERT_TRUE(task::RealtimeLog::instance().push(LogLevel::Warning, "a", "too warm"));
@@ -75,14 +75,14 @@ TEST_F(LocalHost, tells_the_timing_and_the_log_of_one_task) {
   EXPECT_EQ(host_.details(model::TaskId("x")).error().code, ErrorCode::NotFound);
 }
 
-TEST_F(LocalHost, tells_the_log_of_a_task_with_a_long_name) {
+TEST_F(LocalHost, TellsTheLogOfATaskWithALongName) {
   const std::string name(task::RealtimeLog::kSourceBytes + 20, 'n');
   bring_to_running(name);
   ASSERT_TRUE(task::RealtimeLog::instance().push(LogLevel::Info, name, "here"));
   EXPECT_EQ(host_.details(model::TaskId(name))->log.size(), 1U);
 }
 
-TEST_F(LocalHost, refuses_verbs_that_the_state_does_not_allow) {
+TEST_F(LocalHost, RefusesVerbsThatTheStateDoesNotAllow) {
   expect_done(apply(task_of("a", "any::Thing")));
   for (const auto kind : {ActionKind::Start, ActionKind::Stop, ActionKind::Cleanup, ActionKind::Recover}) {
     expect_refused(on_task(kind, "a"), ErrorCode::InvalidState, "pre_operational");
@@ -91,7 +91,7 @@ TEST_F(LocalHost, refuses_verbs_that_the_state_does_not_allow) {
   expect_refused(on_task(ActionKind::Configure, "a"), ErrorCode::InvalidState, "stopped");
 }
 
-TEST_F(LocalHost, refuses_actions_on_tasks_and_processes_that_are_not_there) {
+TEST_F(LocalHost, RefusesActionsOnTasksAndProcessesThatAreNotThere) {
   bring_to_running("velodyne");
   for (const auto kind : {ActionKind::Recover, ActionKind::Stop, ActionKind::Cleanup, ActionKind::Configure,
                           ActionKind::Start}) {
@@ -105,7 +105,7 @@ TEST_F(LocalHost, refuses_actions_on_tasks_and_processes_that_are_not_there) {
   expect_refused(call, ErrorCode::NotFound, "go");
 }
 
-TEST_F(LocalHost, keeps_processes_and_the_tasks_in_them) {
+TEST_F(LocalHost, KeepsProcessesAndTheTasksInThem) {
   expect_done(on_process(ActionKind::Deploy, "p"));
   expect_refused(on_process(ActionKind::Deploy, "p"), ErrorCode::AlreadyExists, "already deployed");
   expect_refused(on_process(ActionKind::Deploy, ""), ErrorCode::InvalidArgument, "needs a name");
@@ -122,7 +122,7 @@ TEST_F(LocalHost, keeps_processes_and_the_tasks_in_them) {
   EXPECT_TRUE(host_.observe().empty());
 }
 
-TEST_F(LocalHost, connects_once_and_disconnects_what_is_connected) {
+TEST_F(LocalHost, ConnectsOnceAndDisconnectsWhatIsConnected) {
   bring_to_running("a");
   bring_to_running("b");
   const auto connection = wire("a", "out", "b", "in");
@@ -140,7 +140,7 @@ TEST_F(LocalHost, connects_once_and_disconnects_what_is_connected) {
 }
 
 /// Of a process that is killed while actions on its tasks are carried out, nothing remains.
-TEST_F(LocalHost, ends_no_connection_at_the_commit_of_a_transition_that_was_given_up) {
+TEST_F(LocalHost, EndsNoConnectionAtTheCommitOfATransitionThatWasGivenUp) {
   bring_to_running("a");
   bring_to_running("b");
   expect_done(on_connection(ActionKind::Connect, wire("a", "out", "b", "in")));
@@ -157,7 +157,7 @@ TEST_F(LocalHost, ends_no_connection_at_the_commit_of_a_transition_that_was_give
   EXPECT_EQ(host_.observe().connections.size(), 1U);
 }
 
-TEST_F(LocalHost, forgets_the_tasks_and_connections_of_a_process_that_dies_during_actions) {
+TEST_F(LocalHost, ForgetsTheTasksAndConnectionsOfAProcessThatDiesDuringActions) {
   auto kill = on_process(ActionKind::Undeploy, "p");
   std::get<model::DeploymentAction>(kill.what).kill = true;
   const auto connection = wire("a", "out", "b", "in");
@@ -188,7 +188,7 @@ TEST_F(LocalHost, forgets_the_tasks_and_connections_of_a_process_that_dies_durin
   }
 }
 
-TEST_F(LocalHost, observes_properties_that_were_changed_from_outside) {
+TEST_F(LocalHost, ObservesPropertiesThatWereChangedFromOutside) {
   expect_done(apply(
       task_of("a", "any::Thing", type::Value::map({{"range", type::Value::map({{"min", 1}, {"max", 2}})}}))));
   ASSERT_TRUE(host_.set_property(model::TaskId("a"), "range.max", 30, soon()));
@@ -202,7 +202,7 @@ TEST_F(LocalHost, observes_properties_that_were_changed_from_outside) {
   EXPECT_EQ(host_.observe().tasks.front().properties, type::Value(type::ValueMap{}));
 }
 
-TEST_F(LocalHost, entries_that_the_network_no_longer_has_are_gone_from_the_task) {
+TEST_F(LocalHost, EntriesThatTheNetworkNoLongerHasAreGoneFromTheTask) {
   const auto range = [](const type::Value& value) { return type::Value::map({{"range", value}}); };
   const auto both = range(type::Value::map({{"min", 1}, {"max", 2}}));
   const auto one = range(type::Value::map({{"min", 5}}));
@@ -218,7 +218,7 @@ TEST_F(LocalHost, entries_that_the_network_no_longer_has_are_gone_from_the_task)
   EXPECT_EQ(host_.observe().tasks.front().properties, range(type::Value::map({{"max", 7}})));
 }
 
-TEST_F(LocalHost, refuses_hostile_properties) {
+TEST_F(LocalHost, RefusesHostileProperties) {
   auto task = task_of("a", "any::Thing", type::Value::map({{"stand_in", 3}}));
   expect_refused(apply(task), ErrorCode::InvalidArgument, "stand_in");
   task.properties = type::Value::List{};
@@ -227,7 +227,7 @@ TEST_F(LocalHost, refuses_hostile_properties) {
   expect_refused(apply(task), ErrorCode::InvalidArgument, "expected a map");
 }
 
-TEST_F(LocalHost, keeps_connections_when_a_task_gets_another_activity_or_other_properties) {
+TEST_F(LocalHost, KeepsConnectionsWhenATaskGetsAnotherActivityOrOtherProperties) {
   bring_to_running("a");
   bring_to_running("b");
   expect_done(on_connection(ActionKind::Connect, wire("a", "out", "b", "in")));
@@ -248,7 +248,7 @@ TEST_F(LocalHost, keeps_connections_when_a_task_gets_another_activity_or_other_p
   expect_refused(apply(task_of("a", "any::Thing")), ErrorCode::InvalidState, "activity");
 }
 
-TEST_F(LocalHost, gives_a_device_to_one_configured_task_only) {
+TEST_F(LocalHost, GivesADeviceToOneConfiguredTaskOnly) {
   auto a = task_of("a", "any::Thing");
   auto b = task_of("b", "any::Thing");
   a.exclusive = b.exclusive = {"/dev/laser"};
@@ -260,7 +260,7 @@ TEST_F(LocalHost, gives_a_device_to_one_configured_task_only) {
   expect_done(on_task(ActionKind::Configure, "b"));
 }
 
-TEST_F(LocalHost, fails_where_a_stand_in_is_told_to) {
+TEST_F(LocalHost, FailsWhereAStandInIsToldTo) {
   const auto failing = [](const char* what) {
     return task_of("a", "any::Thing", type::Value::map({{"stand_in", type::Value::map({{"fail", what}})}}));
   };
@@ -311,7 +311,7 @@ class WaitsForSamples : public LocalHost {
   }
 };
 
-TEST_F(WaitsForSamples, until_one_comes) {
+TEST_F(WaitsForSamples, UntilOneComes) {
   const auto reader = this->reader();
   Asked asked(*reader, Wait(TimePoint::max()));
   EXPECT_FALSE(asked.is_answered());
@@ -321,14 +321,14 @@ TEST_F(WaitsForSamples, until_one_comes) {
   EXPECT_FALSE(samples->empty());
 }
 
-TEST_F(WaitsForSamples, until_its_wait_is_over) {
+TEST_F(WaitsForSamples, UntilItsWaitIsOver) {
   const auto reader = this->reader();
   const auto samples = Asked(*reader, Wait(RealClock::instance().now())).answer();
   ASSERT_TRUE(samples);
   EXPECT_TRUE(samples->empty());
 }
 
-TEST_F(WaitsForSamples, until_nobody_wants_them_any_more) {
+TEST_F(WaitsForSamples, UntilNobodyWantsThemAnyMore) {
   const auto reader = this->reader();
   std::stop_source stop;
   Asked asked(*reader, Wait(TimePoint::max(), stop.get_token()));
@@ -336,14 +336,14 @@ TEST_F(WaitsForSamples, until_nobody_wants_them_any_more) {
   EXPECT_EQ(asked.answer().error().code, ErrorCode::Cancelled);
 }
 
-TEST_F(WaitsForSamples, until_its_reader_ends) {
+TEST_F(WaitsForSamples, UntilItsReaderEnds) {
   auto reader = this->reader();
   Asked asked(*reader, Wait(TimePoint::max()));
   reader.reset();
   EXPECT_EQ(asked.answer().error().code, ErrorCode::Cancelled);
 }
 
-TEST_F(WaitsForSamples, until_its_task_is_gone) {
+TEST_F(WaitsForSamples, UntilItsTaskIsGone) {
   const auto reader = this->reader();
   expect_done(on_task(ActionKind::Cleanup, "a"));
   reader->read(10);  // that it was cleaned up
@@ -352,7 +352,7 @@ TEST_F(WaitsForSamples, until_its_task_is_gone) {
   EXPECT_EQ(asked.answer().error().code, ErrorCode::NotFound);
 }
 
-TEST_F(LocalHost, reads_the_samples_of_a_port) {
+TEST_F(LocalHost, ReadsTheSamplesOfAPort) {
   expect_done(apply(
       task_of("a", "any::Thing", type::Value::map({{"stand_in", type::Value::map({{"rate", 1000}})}}))));
   expect_done(on_task(ActionKind::Configure, "a"));
@@ -371,7 +371,7 @@ TEST_F(LocalHost, reads_the_samples_of_a_port) {
   EXPECT_TRUE(host_.connections().empty()) << "a reader is not a connection of the network";
 }
 
-TEST_F(LocalHost, tells_of_a_task_that_fails_by_itself_but_not_of_actions) {
+TEST_F(LocalHost, TellsOfATaskThatFailsByItselfButNotOfActions) {
   Mutex mutex;
   ConditionVariable told;
   std::vector<TaskEvent> events;
@@ -420,13 +420,13 @@ class Watched {
   Question<TaskLevel> question_{bell_};
 };
 
-TEST_F(LocalHost, tells_at_once_who_has_not_seen_a_task_how_it_is) {
+TEST_F(LocalHost, TellsAtOnceWhoHasNotSeenATaskHowItIs) {
   bring_to_running("a");
   Watched watched(host_, {model::TaskId("a")});
   EXPECT_EQ(watched.answer_so_far().value()->state, TaskState::Running);
 }
 
-TEST_F(LocalHost, tells_who_has_seen_a_task_once_it_is_in_another_state) {
+TEST_F(LocalHost, TellsWhoHasSeenATaskOnceItIsInAnotherState) {
   bring_to_running("a");
   const auto seen = Watched(host_, {model::TaskId("a")}).answer();
   Watched watched(host_, {model::TaskId("a"), *seen});
@@ -435,7 +435,7 @@ TEST_F(LocalHost, tells_who_has_seen_a_task_once_it_is_in_another_state) {
   EXPECT_EQ(watched.answer()->state, TaskState::Stopped);
 }
 
-TEST_F(LocalHost, tells_the_newest_state_of_a_task_that_has_changed_often) {
+TEST_F(LocalHost, TellsTheNewestStateOfATaskThatHasChangedOften) {
   bring_to_running("a");
   const auto seen = Watched(host_, {model::TaskId("a")}).answer();
   expect_done(on_task(ActionKind::Stop, "a"));
@@ -443,7 +443,7 @@ TEST_F(LocalHost, tells_the_newest_state_of_a_task_that_has_changed_often) {
   EXPECT_EQ(Watched(host_, {model::TaskId("a"), *seen}).answer()->state, TaskState::PreOperational);
 }
 
-TEST_F(LocalHost, tells_who_wants_each_update_of_the_next_one) {
+TEST_F(LocalHost, TellsWhoWantsEachUpdateOfTheNextOne) {
   model::Task periodic = task_of("a", "any::Thing");
   periodic.activity = Activity{Trigger::Periodic, std::chrono::milliseconds(1), {}, 0, {}, {}, false};
   expect_done(apply(periodic));
@@ -453,7 +453,7 @@ TEST_F(LocalHost, tells_who_wants_each_update_of_the_next_one) {
   EXPECT_GT(Watched(host_, {model::TaskId("a"), *seen, true}).answer()->updates, seen->updates);
 }
 
-TEST_F(LocalHost, tells_how_a_task_is_at_the_deadline_where_it_does_not_change) {
+TEST_F(LocalHost, TellsHowATaskIsAtTheDeadlineWhereItDoesNotChange) {
   bring_to_running("a");
   const auto seen = Watched(host_, {model::TaskId("a")}).answer();
   Watched watched(host_, {model::TaskId("a"), *seen},
@@ -461,7 +461,7 @@ TEST_F(LocalHost, tells_how_a_task_is_at_the_deadline_where_it_does_not_change) 
   EXPECT_EQ(watched.answer()->state, TaskState::Running);
 }
 
-TEST_F(LocalHost, tells_who_watches_a_task_that_it_is_gone) {
+TEST_F(LocalHost, TellsWhoWatchesATaskThatItIsGone) {
   expect_done(on_process(ActionKind::Deploy, "p"));
   expect_done(apply(task_of("a", "any::Thing"), "p"));
   const auto seen = Watched(host_, {model::TaskId("a")}).answer();
@@ -470,7 +470,7 @@ TEST_F(LocalHost, tells_who_watches_a_task_that_it_is_gone) {
   EXPECT_EQ(watched.answer().error().code, ErrorCode::NotFound);
 }
 
-TEST(LocalHostThatEnds, tells_who_watches_its_tasks) {
+TEST(LocalHostThatEnds, TellsWhoWatchesItsTasks) {
   const model::ComponentCatalog catalog;
   const LibrarySet libraries;
   auto host =
@@ -482,7 +482,7 @@ TEST(LocalHostThatEnds, tells_who_watches_its_tasks) {
   EXPECT_EQ(watched.answer().error().code, ErrorCode::Unavailable);
 }
 
-TEST(LocalHostWithoutStandIns, names_the_missing_component) {
+TEST(LocalHostWithoutStandIns, NamesTheMissingComponent) {
   const model::ComponentCatalog catalog;
   const LibrarySet libraries;
   LocalTaskHost host(libraries, catalog);

@@ -138,7 +138,7 @@ class PortStorm : public ::testing::Test {
   LocalTaskHost host_{libraries_, catalog_};
 };
 
-TEST_F(PortStorm, breaking_tasks_may_be_described_read_and_connected_meanwhile) {
+TEST_F(PortStorm, BreakingTasksMayBeDescribedReadAndConnectedMeanwhile) {
   std::thread looker([&] {
     while (!over_)
       check();

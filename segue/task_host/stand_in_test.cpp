@@ -43,7 +43,7 @@ void live_through(const model::ComponentCatalog& catalog, int& count) {
   }
 }
 
-TEST(StandInSharedData, every_rock_component_lives_through_its_life_cycle) {
+TEST(StandInSharedData, EveryRockComponentLivesThroughItsLifeCycle) {
   if (const auto missing = missing_shared_data("rock"); !missing.empty()) GTEST_SKIP() << missing;
   int count = 0;
   for (const char* folder : {"interfaces", "models"}) {
@@ -58,7 +58,7 @@ TEST(StandInSharedData, every_rock_component_lives_through_its_life_cycle) {
   EXPECT_GT(count, 60);
 }
 
-TEST(StandIn, behaviour_is_read_and_hostile_values_are_refused) {
+TEST(StandIn, BehaviourIsReadAndHostileValuesAreRefused) {
   const auto read = [](const char* text) {
     return read_behaviour(type::parse_yaml(text).value_or(type::Value()), {}, "stand_in");
   };
@@ -81,7 +81,7 @@ TEST(StandIn, behaviour_is_read_and_hostile_values_are_refused) {
   EXPECT_THAT(read("{fial: start}").error().message, HasSubstr("did you mean 'fail'"));
 }
 
-TEST(StandIn, the_task_wins_over_the_component_and_that_over_the_default) {
+TEST(StandIn, TheTaskWinsOverTheComponentAndThatOverTheDefault) {
   Diagnostics diagnostics;
   const auto document = type::parse_yaml(
       "stand_ins: {default: {configure: 1ms, start: 1ms, stop: 1ms}, a::A: {start: 2ms, stop: 2ms}, a: "
@@ -94,7 +94,7 @@ TEST(StandIn, the_task_wins_over_the_component_and_that_over_the_default) {
   EXPECT_EQ(behaviour.stop, std::chrono::milliseconds(3));
 }
 
-TEST(StandIn, a_file_reports_all_its_problems) {
+TEST(StandIn, AFileReportsAllItsProblems) {
   Diagnostics diagnostics;
   const auto document = type::parse_yaml("stand_ins:\n  a: {rate: x}\n  b: {stop: 3}\n");
   EXPECT_FALSE(StandInTable::read(*document, "x.yaml", diagnostics));
@@ -128,7 +128,7 @@ components:
   LocalTaskHost host_{libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
 };
 
-TEST_F(ModelledStandIn, makes_the_ports_of_a_family_when_it_is_configured) {
+TEST_F(ModelledStandIn, MakesThePortsOfAFamilyWhenItIsConfigured) {
   model::Network network;
   network.connections.push_back(testing::wire("mux", "out", "mux", "in_left"));
   host_.expect(network);
@@ -145,7 +145,7 @@ TEST_F(ModelledStandIn, makes_the_ports_of_a_family_when_it_is_configured) {
   EXPECT_TRUE(host_.connections().empty()) << "the port is gone, and its connection with it";
 }
 
-TEST_F(ModelledStandIn, refuses_a_port_that_its_model_lacks) {
+TEST_F(ModelledStandIn, RefusesAPortThatItsModelLacks) {
   ASSERT_TRUE(host_.perform(testing::apply(testing::task_of("mux", "demo::Mux")), testing::soon()));
   const auto wrong = testing::wire("mux", "output", "mux", "in_left");
   const auto done = host_.perform(testing::on_connection(ActionKind::Connect, wrong), testing::soon());
@@ -153,7 +153,7 @@ TEST_F(ModelledStandIn, refuses_a_port_that_its_model_lacks) {
   EXPECT_EQ(done.error().code, ErrorCode::NotFound);
 }
 
-TEST_F(ModelledStandIn, has_properties_and_operations_of_its_model) {
+TEST_F(ModelledStandIn, HasPropertiesAndOperationsOfItsModel) {
   const auto wrong = testing::task_of("mux", "demo::Mux", type::Value::map({{"gain", "far"}}));
   const auto refused = host_.perform(testing::apply(wrong), testing::soon());
   ASSERT_FALSE(refused);

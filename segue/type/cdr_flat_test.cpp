@@ -180,26 +180,26 @@ void check_all_changed() {
   (check_changed(random_object<T>()), ...);
 }
 
-RC_GTEST_PROP(CdrFlatProperty, numbers_texts_and_containers_are_as_by_way_of_objects, ()) {
+RC_GTEST_PROP(CdrFlatProperty, NumbersTextsAndContainersAreAsByWayOfObjects, ()) {
   check_all<double, bool, std::int8_t, std::uint64_t, coded::Gait, coded::Side, std::string,
             std::vector<bool>, std::vector<float>, std::vector<double>, std::vector<std::string>,
             std::optional<std::int16_t>, std::optional<std::vector<std::string>>, std::array<std::string, 3>,
             std::array<double, 2>, std::chrono::nanoseconds, std::chrono::steady_clock::time_point>();
 }
 
-RC_GTEST_PROP(CdrFlatProperty, structs_are_as_by_way_of_objects, ()) {
+RC_GTEST_PROP(CdrFlatProperty, StructsAreAsByWayOfObjects, ()) {
   check_all<coded::Contact, coded::Step, coded::Blank, coded::Image, std::vector<coded::Blank>,
             std::vector<coded::Contact>, std::vector<coded::Stamp>, std::vector<coded::Gap>,
             std::vector<coded::Step>, std::optional<coded::Step>, std::vector<std::array<coded::Contact, 2>>,
             std::vector<coded::Owner>>();
 }
 
-RC_GTEST_PROP(CdrFlatProperty, matrices_are_as_by_way_of_objects, ()) {
+RC_GTEST_PROP(CdrFlatProperty, MatricesAreAsByWayOfObjects, ()) {
   check(random_matrices());
   check_ends(random_matrices());
 }
 
-RC_GTEST_PROP(CdrFlatProperty, changed_bytes_are_accepted_where_objects_accept_them, ()) {
+RC_GTEST_PROP(CdrFlatProperty, ChangedBytesAreAcceptedWhereObjectsAcceptThem, ()) {
   check_all_changed<coded::Step, coded::Image, std::vector<coded::Gap>, std::vector<coded::Contact>,
                     std::vector<std::string>, std::vector<bool>, std::optional<coded::Contact>,
                     std::vector<coded::Blank>>();
@@ -207,7 +207,7 @@ RC_GTEST_PROP(CdrFlatProperty, changed_bytes_are_accepted_where_objects_accept_t
   check_changed(branch(*rc::gen::inRange(0, 5)));
 }
 
-RC_GTEST_PROP(CdrFlatProperty, any_bytes_are_accepted_where_objects_accept_them,
+RC_GTEST_PROP(CdrFlatProperty, AnyBytesAreAcceptedWhereObjectsAcceptThem,
               (const std::vector<std::uint8_t>& random)) {
   Bytes bytes;
   for (const std::uint8_t byte : random)
@@ -220,20 +220,20 @@ RC_GTEST_PROP(CdrFlatProperty, any_bytes_are_accepted_where_objects_accept_them,
   check_cdr_input<coded::Matrices>(bytes);
 }
 
-TEST(CdrFlat, reads_big_endian) {
+TEST(CdrFlat, ReadsBigEndian) {
   const auto flat =
       to_flat(type_info<std::vector<std::int16_t>>(), message({0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 1, 0}));
   ASSERT_TRUE(flat.has_value());
   EXPECT_EQ(*flat, message({2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 1}));
 }
 
-TEST(CdrFlat, gaps_between_members_become_zero) {
+TEST(CdrFlat, GapsBetweenMembersBecomeZero) {
   const auto flat = to_flat(type_info<coded::Gap>(), cdr_of(coded::Gap{1, 2, {3, 4, 0.0}}));
   ASSERT_TRUE(flat.has_value());
   EXPECT_EQ(*flat, message({1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST(CdrFlat, matrices_have_the_rows_and_columns_that_their_type_permits) {
+TEST(CdrFlat, MatricesHaveTheRowsAndColumnsThatTheirTypePermits) {
   const Eigen::MatrixXd two_rows = Eigen::MatrixXd::Ones(2, 3);
   using ThreeRows = Eigen::Matrix<double, 3, Eigen::Dynamic>;
   EXPECT_FALSE(to_flat(type_info<ThreeRows>(), cdr_of(two_rows)).has_value());
@@ -242,14 +242,14 @@ TEST(CdrFlat, matrices_have_the_rows_and_columns_that_their_type_permits) {
   EXPECT_TRUE(to_flat(type_info<Eigen::MatrixXd>(), cdr_of(two_rows)).has_value());
 }
 
-TEST(CdrFlat, a_matrix_without_numbers_is_converted_at_once_whatever_its_size) {
+TEST(CdrFlat, AMatrixWithoutNumbersIsConvertedAtOnceWhateverItsSize) {
   const Bytes cdr = message({0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   const auto flat = to_flat(type_info<Eigen::MatrixXd>(), cdr);
   ASSERT_TRUE(flat.has_value());
   EXPECT_EQ(to_cdr(type_info<Eigen::MatrixXd>(), *flat), cdr);
 }
 
-TEST(CdrFlat, booleans_and_enums_are_checked) {
+TEST(CdrFlat, BooleansAndEnumsAreChecked) {
   Bytes cdr = cdr_of(std::vector<coded::Contact>(3));
   cdr[4 + 8 + 8 + 1] = std::byte{2};
   EXPECT_FALSE(to_flat(type_info<std::vector<coded::Contact>>(), cdr).has_value());
@@ -261,7 +261,7 @@ TEST(CdrFlat, booleans_and_enums_are_checked) {
   EXPECT_FALSE(is_flat(type_info<std::vector<coded::Side>>(), flat));
 }
 
-TEST(CdrFlat, counts_beyond_the_input_are_refused) {
+TEST(CdrFlat, CountsBeyondTheInputAreRefused) {
   for (const int count : {3, 0x7f}) {
     const Bytes cdr = message({0, 1, 0, 0, count, 0, 0, count, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1});
     const Bytes flat = message({count, 0, 0, 0, 0, 0, 0, count, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1});
@@ -274,7 +274,7 @@ TEST(CdrFlat, counts_beyond_the_input_are_refused) {
   }
 }
 
-TEST(CdrFlat, types_that_contain_themselves_nest_a_hundred_levels) {
+TEST(CdrFlat, TypesThatContainThemselvesNestAHundredLevels) {
   const coded::Branch deep = branch(100);
   EXPECT_EQ(to_cdr(type_info<coded::Branch>(), flat_of(deep)), cdr_of(deep));
   EXPECT_EQ(to_flat(type_info<coded::Branch>(), cdr_of(deep)), flat_of(deep));
@@ -290,7 +290,7 @@ TEST(CdrFlat, types_that_contain_themselves_nest_a_hundred_levels) {
   EXPECT_FALSE(is_flat(type_info<coded::Branch>(), flat));
 }
 
-TEST(CdrFlat, lengths_that_change_between_the_passes_are_noticed) {
+TEST(CdrFlat, LengthsThatChangeBetweenThePassesAreNoticed) {
   const TypeInfo& info = type_info<std::vector<std::string>>();
   const Bytes before = flat_of(std::vector<std::string>{"one", "two"});
   Guarded cdr(cdr_size_of_flat(info, before));
@@ -301,7 +301,7 @@ TEST(CdrFlat, lengths_that_change_between_the_passes_are_noticed) {
   EXPECT_TRUE(flat_to_cdr(info, before, cdr.inside()));
 }
 
-TEST(CdrFlat, types_without_structure_are_refused) {
+TEST(CdrFlat, TypesWithoutStructureAreRefused) {
   const TypeInfo& info = type_info<coded::HasOpaque>();
   const Bytes bytes = message({0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   Bytes out(100);

@@ -77,25 +77,25 @@ void check_all() {
   (check(random_object<T>(), random_object<T>()), ...);
 }
 
-RC_GTEST_PROP(CdrObjectProperty, numbers_texts_and_containers_are_encoded_as_their_values, ()) {
+RC_GTEST_PROP(CdrObjectProperty, NumbersTextsAndContainersAreEncodedAsTheirValues, ()) {
   check_all<double, bool, std::int8_t, std::uint64_t, coded::Gait, coded::Side, std::string,
             std::vector<bool>, std::vector<float>, std::vector<double>, std::vector<std::string>,
             std::optional<std::int16_t>, std::optional<std::vector<std::string>>, std::array<std::string, 3>,
             std::array<double, 2>, std::chrono::nanoseconds, std::chrono::steady_clock::time_point>();
 }
 
-RC_GTEST_PROP(CdrObjectProperty, structs_are_encoded_as_their_values, ()) {
+RC_GTEST_PROP(CdrObjectProperty, StructsAreEncodedAsTheirValues, ()) {
   check_all<coded::Contact, coded::Step, coded::Blank, coded::Image, std::vector<coded::Blank>,
             std::vector<coded::Contact>, std::vector<coded::Stamp>, std::vector<coded::Gap>,
             std::vector<coded::Step>, std::optional<coded::Step>, std::vector<std::array<coded::Contact, 2>>,
             std::vector<coded::Owner>>();
 }
 
-RC_GTEST_PROP(CdrObjectProperty, matrices_are_encoded_as_their_values, ()) {
+RC_GTEST_PROP(CdrObjectProperty, MatricesAreEncodedAsTheirValues, ()) {
   check(random_matrices(), random_matrices());
 }
 
-RC_GTEST_PROP(CdrObjectProperty, changed_bytes_leave_something_valid, (std::vector<std::uint8_t> changes)) {
+RC_GTEST_PROP(CdrObjectProperty, ChangedBytesLeaveSomethingValid, (std::vector<std::uint8_t> changes)) {
   Bytes bytes = written(random_object<coded::Step>());
   for (const std::uint8_t change : changes)
     bytes[*rc::gen::inRange<std::size_t>(0, bytes.size())] = static_cast<std::byte>(change);
@@ -107,23 +107,23 @@ RC_GTEST_PROP(CdrObjectProperty, changed_bytes_leave_something_valid, (std::vect
   RC_ASSERT(value_of(copy) == value_of(object));
 }
 
-TEST(CdrObject, writes_numbers_at_multiples_of_their_size_and_zeros_between) {
+TEST(CdrObject, WritesNumbersAtMultiplesOfTheirSizeAndZerosBetween) {
   const coded::Gap gap{1, 2, {3, 4, 0.0}};
   EXPECT_EQ(written(gap), message({0, 1, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0,
                                    // the number at 16 is there already
                                    0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST(CdrObject, writes_texts_with_their_length_and_a_final_zero) {
+TEST(CdrObject, WritesTextsWithTheirLengthAndAFinalZero) {
   EXPECT_EQ(written(std::string("go")), message({0, 1, 0, 0, 3, 0, 0, 0, 'g', 'o', 0}));
   EXPECT_EQ(written(std::string()), message({0, 1, 0, 0, 1, 0, 0, 0, 0}));
 }
 
-TEST(CdrObject, writes_a_struct_without_members_as_one_byte) {
+TEST(CdrObject, WritesAStructWithoutMembersAsOneByte) {
   EXPECT_EQ(written(coded::Blank{}), message({0, 1, 0, 0, 0}));
 }
 
-TEST(CdrObject, an_image_is_its_header_and_its_bytes) {
+TEST(CdrObject, AnImageIsItsHeaderAndItsBytes) {
   coded::Image image;
   image.data.assign(1000, 7);
   const Bytes bytes = written(image);
@@ -132,7 +132,7 @@ TEST(CdrObject, an_image_is_its_header_and_its_bytes) {
       std::ranges::all_of(std::span(bytes).subspan(28), [](auto byte) { return byte == std::byte{7}; }));
 }
 
-TEST(CdrObject, reads_big_endian) {
+TEST(CdrObject, ReadsBigEndian) {
   coded::Late late;
   ASSERT_TRUE(read(late, message({0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 2, 0, 0x3f, 0xf0, 0, 0, 0, 0, 0, 0})));
   EXPECT_EQ(late.number, 1);
@@ -146,7 +146,7 @@ TEST(CdrObject, reads_big_endian) {
   EXPECT_EQ(bits, (std::vector<bool>{true, false}));
 }
 
-TEST(CdrObject, refuses_other_representations) {
+TEST(CdrObject, RefusesOtherRepresentations) {
   std::int32_t number = 0;
   EXPECT_TRUE(read(number, message({0, 1, 0, 0, 5, 0, 0, 0})));
   EXPECT_FALSE(read(number, message({0, 3, 0, 0, 5, 0, 0, 0}))) << "a parameter list";
@@ -156,7 +156,7 @@ TEST(CdrObject, refuses_other_representations) {
   EXPECT_FALSE(read(number, {}));
 }
 
-TEST(CdrObject, members_that_are_not_named_are_left_alone) {
+TEST(CdrObject, MembersThatAreNotNamedAreLeftAlone) {
   const char* text = "mine";
   coded::Secretive object{1, text, 2, 'g', 3};
   const coded::Secretive other{10, nullptr, 20, 'x', 30};
@@ -168,7 +168,7 @@ TEST(CdrObject, members_that_are_not_named_are_left_alone) {
   EXPECT_EQ(object.gap, 'g');
 }
 
-TEST(CdrObject, counts_beyond_the_input_are_refused_before_anything_grows) {
+TEST(CdrObject, CountsBeyondTheInputAreRefusedBeforeAnythingGrows) {
   for (const int count : {3, 0x7f}) {
     const Bytes bytes = message({0, 1, 0, 0, count, 0, 0, count, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1});
     std::vector<double> numbers;
@@ -186,7 +186,7 @@ TEST(CdrObject, counts_beyond_the_input_are_refused_before_anything_grows) {
   }
 }
 
-TEST(CdrObject, matrices_have_as_many_numbers_as_they_say) {
+TEST(CdrObject, MatricesHaveAsManyNumbersAsTheySay) {
   const Eigen::MatrixXd two_rows = Eigen::MatrixXd::Ones(2, 3);
   Bytes bytes = written(two_rows);
   Eigen::Matrix<double, 3, Eigen::Dynamic> three_rows;
@@ -197,7 +197,7 @@ TEST(CdrObject, matrices_have_as_many_numbers_as_they_say) {
   EXPECT_FALSE(read(matrix, bytes));
 }
 
-TEST(CdrObject, a_matrix_without_numbers_is_read_at_once_whatever_its_size) {
+TEST(CdrObject, AMatrixWithoutNumbersIsReadAtOnceWhateverItsSize) {
   Eigen::MatrixXd matrix;
   const Bytes rows = message({0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   ASSERT_TRUE(read(matrix, rows));
@@ -206,7 +206,7 @@ TEST(CdrObject, a_matrix_without_numbers_is_read_at_once_whatever_its_size) {
   EXPECT_EQ(value_of(matrix).find("data")->as_list().size(), 0U);
 }
 
-TEST(CdrObject, booleans_enums_and_optionals_are_checked) {
+TEST(CdrObject, BooleansEnumsAndOptionalsAreChecked) {
   bool boolean = false;
   EXPECT_FALSE(read(boolean, message({0, 1, 0, 0, 2})));
   std::vector<coded::Contact> contacts;
@@ -224,13 +224,13 @@ TEST(CdrObject, booleans_enums_and_optionals_are_checked) {
   EXPECT_FALSE(read(text, message({0, 1, 0, 0, 2, 0, 0, 0, 'g', 'o'})));
 }
 
-TEST(CdrObject, booleans_of_classes_with_a_destructor_are_checked) {
+TEST(CdrObject, BooleansOfClassesWithADestructorAreChecked) {
   std::vector<coded::Owner> owners;
   EXPECT_TRUE(read(owners, message({0, 1, 0, 0, 1, 0, 0, 0, 1, 1})));
   EXPECT_FALSE(read(owners, message({0, 1, 0, 0, 1, 0, 0, 0, 1, 2})));
 }
 
-TEST(CdrObject, types_that_contain_themselves_nest_a_hundred_levels) {
+TEST(CdrObject, TypesThatContainThemselvesNestAHundredLevels) {
   const coded::Branch deep = branch(100);
   coded::Branch copy;
   ASSERT_TRUE(read(copy, written(deep)));
@@ -245,7 +245,7 @@ TEST(CdrObject, types_that_contain_themselves_nest_a_hundred_levels) {
   EXPECT_FALSE(read(copy, endless));
 }
 
-TEST(CdrObject, an_object_that_holds_as_much_keeps_its_memory) {
+TEST(CdrObject, AnObjectThatHoldsAsMuchKeepsItsMemory) {
   coded::Image image;
   image.data.assign(1000, 7);
   const Bytes bytes = written(image);
@@ -256,7 +256,7 @@ TEST(CdrObject, an_object_that_holds_as_much_keeps_its_memory) {
   EXPECT_EQ(object.data.data(), data);
 }
 
-TEST(CdrObject, types_without_structure_cannot_be_encoded) {
+TEST(CdrObject, TypesWithoutStructureCannotBeEncoded) {
   EXPECT_FALSE(can_encode_cdr(type_info<coded::HasOpaque>()));
   coded::HasOpaque object;
   Bytes bytes(100);

@@ -136,7 +136,7 @@ std::string refusal(const Value& value, T object = {}) {
   return done ? "accepted" : done.error().message;
 }
 
-TEST(Describe, is_written_in_the_namespace_of_the_type_or_at_global_scope) {
+TEST(Describe, IsWrittenInTheNamespaceOfTheTypeOrAtGlobalScope) {
   EXPECT_EQ(type_info<demo::Within>().name(), "/demo/Within");
   EXPECT_EQ(type_info<demo::Within::Part>().name(), "/demo/Within/Part");
   EXPECT_EQ(type_info<demo::Sized<3>>().name(), "/demo/Sized<3>");
@@ -146,7 +146,7 @@ TEST(Describe, is_written_in_the_namespace_of_the_type_or_at_global_scope) {
   static_assert(detail::Described<demo::Pose> && !detail::Described<Derived>);
 }
 
-TEST(Describe, names_types_as_typelib_does) {
+TEST(Describe, NamesTypesAsTypelibDoes) {
   EXPECT_EQ(type_info<demo::Pose>().name(), "/demo/Pose");
   EXPECT_EQ(type_info<int>().name(), "/int32_t");
   EXPECT_EQ(type_info<long>().name(), "/int64_t");
@@ -167,7 +167,7 @@ TEST(Describe, names_types_as_typelib_does) {
             "/std/chrono/time_point</std/chrono/steady_clock,/std/chrono/nanoseconds>");
 }
 
-TEST(Describe, a_canonical_name_is_its_own_canonical_name) {
+TEST(Describe, ACanonicalNameIsItsOwnCanonicalName) {
   for (const TypeInfo* info : {&type_info<std::vector<demo::Mode>>(), &type_info<std::optional<double>>(),
                                &type_info<std::chrono::system_clock::time_point>(),
                                &type_info<std::array<std::array<char, 3>, 2>>()}) {
@@ -175,7 +175,7 @@ TEST(Describe, a_canonical_name_is_its_own_canonical_name) {
   }
 }
 
-TEST(Describe, lists_members_with_their_offsets) {
+TEST(Describe, ListsMembersWithTheirOffsets) {
   const Type& type = *type_info<demo::Pose>().type;
   ASSERT_EQ(type.kind, TypeKind::Compound);
   ASSERT_EQ(type.fields.size(), 3U);
@@ -186,14 +186,14 @@ TEST(Describe, lists_members_with_their_offsets) {
   EXPECT_EQ(type.size, sizeof(demo::Pose));
 }
 
-TEST(Describe, takes_sixty_four_members) {
+TEST(Describe, TakesSixtyFourMembers) {
   const Type& type = *type_info<demo::Sixty>().type;
   ASSERT_EQ(type.fields.size(), 64U);
   EXPECT_EQ(type.fields.back().name, "g3");
   EXPECT_EQ(type.fields.back().offset, 63 * sizeof(int));
 }
 
-TEST(Describe, lists_symbols_of_scoped_and_plain_enums) {
+TEST(Describe, ListsSymbolsOfScopedAndPlainEnums) {
   const Type& mode = *type_info<demo::Mode>().type;
   EXPECT_EQ(mode.kind, TypeKind::Enum);
   EXPECT_EQ(mode.symbols, (std::vector<EnumSymbol>{{"Slow", 0}, {"Medium", 3}, {"Fast", 7}}));
@@ -202,7 +202,7 @@ TEST(Describe, lists_symbols_of_scoped_and_plain_enums) {
   EXPECT_EQ(plain.size, 1U);
 }
 
-TEST(Describe, handles_types_that_contain_themselves) {
+TEST(Describe, HandlesTypesThatContainThemselves) {
   const Type& node = *type_info<demo::Node>().type;
   EXPECT_EQ(node.fields[1].type->element, &node);
   EXPECT_NE(type_info<demo::Node>().hash, 0U);
@@ -212,7 +212,7 @@ TEST(Describe, handles_types_that_contain_themselves) {
   EXPECT_TRUE(even.is_complete());
 }
 
-TEST(Describe, bytes_travel_only_where_every_byte_is_described) {
+TEST(Describe, BytesTravelOnlyWhereEveryByteIsDescribed) {
   EXPECT_TRUE(type_info<demo::Pose>().trivially_copyable);
   EXPECT_TRUE((type_info<std::array<demo::Pose, 4>>().trivially_copyable));
   EXPECT_TRUE(type_info<demo::Mode>().trivially_copyable);
@@ -223,7 +223,7 @@ TEST(Describe, bytes_travel_only_where_every_byte_is_described) {
   EXPECT_FALSE(type_info<std::vector<double>>().trivially_copyable);
 }
 
-TEST(Describe, finds_types_by_name_even_if_nothing_used_them) {
+TEST(Describe, FindsTypesByNameEvenIfNothingUsedThem) {
   const TypeInfo* found = find_type_info("/demo/NeverAsked");
   ASSERT_NE(found, nullptr);
   EXPECT_EQ(found, &type_info<demo::NeverAsked>());
@@ -232,7 +232,7 @@ TEST(Describe, finds_types_by_name_even_if_nothing_used_them) {
   EXPECT_EQ(find_type_info("/demo/<"), nullptr);
 }
 
-TEST(Describe, can_be_asked_from_many_threads) {
+TEST(Describe, CanBeAskedFromManyThreads) {
   std::vector<std::thread> threads;
   std::vector<const TypeInfo*> found(8);
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -247,7 +247,7 @@ TEST(Describe, can_be_asked_from_many_threads) {
     EXPECT_EQ(found[i], (&type_info<std::vector<std::array<demo::Everything, 2>>>()));
 }
 
-TEST(Describe, constructs_copies_and_destroys) {
+TEST(Describe, ConstructsCopiesAndDestroys) {
   const TypeInfo& info = type_info<demo::Everything>();
   alignas(demo::Everything) std::array<std::byte, sizeof(demo::Everything)> memory{};
   info.construct(memory.data());
@@ -262,7 +262,7 @@ TEST(Describe, constructs_copies_and_destroys) {
   info.destroy(memory.data());
 }
 
-TEST(Describe, copying_reuses_capacity) {
+TEST(Describe, CopyingReusesCapacity) {
   std::vector<double> to(1000);
   const std::vector<double> from(10, 1.5);
   const double* storage = to.data();
@@ -271,7 +271,7 @@ TEST(Describe, copying_reuses_capacity) {
   EXPECT_EQ(to.data(), storage);
 }
 
-TEST(Describe, reads_nested_values) {
+TEST(Describe, ReadsNestedValues) {
   demo::Everything object;
   const Value value = Value::map({{"id", 5},
                                   {"pose", Value::map({{"x", 1}, {"theta", 0.5}})},
@@ -298,7 +298,7 @@ TEST(Describe, reads_nested_values) {
   EXPECT_EQ(object.name, "none") << "what is absent stays";
 }
 
-TEST(Describe, an_object_stays_as_it_was_when_a_value_is_refused) {
+TEST(Describe, AnObjectStaysAsItWasWhenAValueIsRefused) {
   demo::Everything object;
   object.path.resize(3);
   const Value before = value_of(object);
@@ -306,7 +306,7 @@ TEST(Describe, an_object_stays_as_it_was_when_a_value_is_refused) {
   EXPECT_EQ(value_of(object), before);
 }
 
-TEST(Describe, says_what_was_expected_and_where) {
+TEST(Describe, SaysWhatWasExpectedAndWhere) {
   demo::Everything object;
   Value far = "far";
   far.set_mark({12, 14});
@@ -330,7 +330,7 @@ TEST(Describe, says_what_was_expected_and_where) {
             "properties[1]: expected true or false, got 2");
 }
 
-TEST(Describe, refuses_integers_out_of_range) {
+TEST(Describe, RefusesIntegersOutOfRange) {
   EXPECT_EQ(refusal<std::uint8_t>(300), "properties: expected an integer from 0 to 255, got 300");
   EXPECT_EQ(refusal<std::uint8_t>(-1), "properties: expected an integer from 0 to 255, got -1");
   EXPECT_EQ(refusal<std::int8_t>(-129), "properties: expected an integer from -128 to 127, got -129");
@@ -347,7 +347,7 @@ TEST(Describe, refuses_integers_out_of_range) {
   EXPECT_EQ(refusal<float>(std::numeric_limits<double>::infinity()), "accepted");
 }
 
-TEST(Describe, durations_take_text_with_a_unit_or_ticks) {
+TEST(Describe, DurationsTakeTextWithAUnitOrTicks) {
   std::chrono::milliseconds period{};
   ASSERT_TRUE(assign(period, 250));
   EXPECT_EQ(period, 250ms);
@@ -362,7 +362,7 @@ TEST(Describe, durations_take_text_with_a_unit_or_ticks) {
   EXPECT_EQ(type_info<std::chrono::milliseconds>().type->nanoseconds_per_tick, 1'000'000);
 }
 
-TEST(Describe, enums_take_symbols_as_rock_writes_them) {
+TEST(Describe, EnumsTakeSymbolsAsRockWritesThem) {
   demo::Mode mode{};
   ASSERT_TRUE(assign(mode, ":Medium"));
   EXPECT_EQ(mode, demo::Mode::Medium);
@@ -370,7 +370,7 @@ TEST(Describe, enums_take_symbols_as_rock_writes_them) {
   EXPECT_EQ(value_of(static_cast<demo::Mode>(5)), Value(5)) << "numbers without a symbol stay visible";
 }
 
-TEST(Describe, strings_take_scalars_as_they_were_written) {
+TEST(Describe, StringsTakeScalarsAsTheyWereWritten) {
   std::string text;
   Value version = 1.1;
   version.set_source_text("1.10");
@@ -383,7 +383,7 @@ TEST(Describe, strings_take_scalars_as_they_were_written) {
   EXPECT_THAT(refusal<std::string>(Value()), HasSubstr("expected text, got nothing"));
 }
 
-TEST(Describe, optional_members_are_nothing_or_a_value) {
+TEST(Describe, OptionalMembersAreNothingOrAValue) {
   demo::Everything object;
   EXPECT_TRUE(value_of(object).find("goal")->is_null());
   ASSERT_TRUE(assign(object, Value::map({{"goal", Value::map({{"x", 1}})}})));
@@ -393,20 +393,20 @@ TEST(Describe, optional_members_are_nothing_or_a_value) {
   EXPECT_FALSE(object.goal.has_value());
 }
 
-TEST(Describe, items_of_a_list_start_from_their_defaults) {
+TEST(Describe, ItemsOfAListStartFromTheirDefaults) {
   std::vector<demo::Range> ranges{{5, 6}};
   ASSERT_TRUE(assign(ranges, Value::list({Value::map({{"min", 1}})})));
   EXPECT_EQ(ranges.at(0).min, 1);
   EXPECT_EQ(ranges.at(0).max, 30);
 }
 
-TEST(Describe, lists_of_numbers_may_be_written_as_rock_does) {
+TEST(Describe, ListsOfNumbersMayBeWrittenAsRockDoes) {
   std::array<double, 3> axis{};
   ASSERT_TRUE(assign(axis, Value::map({{"data", Value::list({1, 2, 3})}})));
   EXPECT_EQ(axis[2], 3);
 }
 
-TEST(Describe, an_empty_struct_is_an_empty_map) {
+TEST(Describe, AnEmptyStructIsAnEmptyMap) {
   demo::Empty empty;
   EXPECT_EQ(value_of(empty), Value(ValueMap{}));
   EXPECT_TRUE(assign(empty, ValueMap{}));
@@ -420,14 +420,14 @@ demo::Node any_node(int depth) {
   return node;
 }
 
-RC_GTEST_PROP(DescribeProperty, values_and_objects_convert_back_and_forth, ()) {
+RC_GTEST_PROP(DescribeProperty, ValuesAndObjectsConvertBackAndForth, ()) {
   const demo::Node node = any_node(3);
   demo::Node copy;
   RC_ASSERT(assign(copy, value_of(node)).has_value());
   RC_ASSERT(copy == node);
 }
 
-RC_GTEST_PROP(DescribeProperty, numbers_of_every_size_convert_back_and_forth,
+RC_GTEST_PROP(DescribeProperty, NumbersOfEverySizeConvertBackAndForth,
               (std::int8_t small, std::uint64_t large, float narrow, double x, bool flag, std::string name)) {
   demo::Everything object;
   object.small = small;

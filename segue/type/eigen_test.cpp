@@ -49,7 +49,7 @@ Eigen::Matrix2d counted() {
   return matrix;
 }
 
-TEST(Eigen, types_go_by_eigens_names) {
+TEST(Eigen, TypesGoByEigensNames) {
   EXPECT_EQ(type_info<Eigen::Vector3d>().name(), "/Eigen/Vector3d");
   EXPECT_EQ(type_info<Eigen::Matrix3f>().name(), "/Eigen/Matrix3f");
   EXPECT_EQ(type_info<Eigen::VectorXd>().name(), "/Eigen/VectorXd");
@@ -62,7 +62,7 @@ TEST(Eigen, types_go_by_eigens_names) {
   EXPECT_EQ(type_info<Eigen::Vector3d>().type->count, 3U);
 }
 
-TEST(Eigen, fixed_matrices_travel_as_bytes) {
+TEST(Eigen, FixedMatricesTravelAsBytes) {
   EXPECT_TRUE(type_info<Eigen::Vector3d>().trivially_copyable);
   EXPECT_TRUE(type_info<Eigen::Matrix4d>().trivially_copyable);
   EXPECT_TRUE(type_info<Eigen::Quaterniond>().trivially_copyable);
@@ -71,7 +71,7 @@ TEST(Eigen, fixed_matrices_travel_as_bytes) {
   EXPECT_FALSE(type_info<Eigen::MatrixXd>().trivially_copyable);
 }
 
-TEST(Eigen, a_vector_is_a_list) {
+TEST(Eigen, AVectorIsAList) {
   Eigen::Vector3d vector(1, 2, 3);
   EXPECT_EQ(value_of(vector), Value::list({1, 2, 3}));
   ASSERT_TRUE(assign(vector, Value::map({{"data", Value::list({4, 5, 6})}}))) << "as Rock writes it";
@@ -81,7 +81,7 @@ TEST(Eigen, a_vector_is_a_list) {
   EXPECT_EQ(refused.error().message, "p: expected a list of 3, got a list of 2");
 }
 
-TEST(Eigen, a_matrix_is_a_list_of_rows_in_either_storage_order) {
+TEST(Eigen, AMatrixIsAListOfRowsInEitherStorageOrder) {
   const Value rows = Value::list({Value::list({1, 2}), Value::list({3, 4})});
   Eigen::Matrix2d columns_together = counted();
   Eigen::Matrix<double, 2, 2, Eigen::RowMajor> rows_together = counted();
@@ -100,7 +100,7 @@ TEST(Eigen, a_matrix_is_a_list_of_rows_in_either_storage_order) {
   EXPECT_FALSE(assign(columns_together, Value::list({Value::list({1, 2, 3, 4})})));
 }
 
-TEST(Eigen, dynamic_matrices_take_their_size_from_the_value) {
+TEST(Eigen, DynamicMatricesTakeTheirSizeFromTheValue) {
   Eigen::MatrixXd matrix;
   ASSERT_TRUE(assign(matrix, Value::list({Value::list({1, 2, 3}), Value::list({4, 5, 6})})));
   EXPECT_EQ(matrix.rows(), 2);
@@ -118,21 +118,21 @@ TEST(Eigen, dynamic_matrices_take_their_size_from_the_value) {
   EXPECT_EQ(copy.size(), 0);
 }
 
-TEST(Eigen, dynamic_vectors_take_their_size_from_the_value) {
+TEST(Eigen, DynamicVectorsTakeTheirSizeFromTheValue) {
   Eigen::VectorXd vector;
   ASSERT_TRUE(assign(vector, Value::list({1, 2})));
   EXPECT_EQ(vector, Eigen::Vector2d(1, 2));
   EXPECT_EQ(value_of(vector), Value::list({1, 2}));
 }
 
-TEST(Eigen, a_quaternion_is_w_x_y_z) {
+TEST(Eigen, AQuaternionIsWXYZ) {
   Eigen::Quaterniond rotation(1, 2, 3, 4);
   EXPECT_EQ(value_of(rotation), Value::map({{"w", 1}, {"x", 2}, {"y", 3}, {"z", 4}}));
   ASSERT_TRUE(assign(rotation, Value::map({{"w", 0}, {"z", 1}})));
   EXPECT_EQ(rotation.coeffs(), Eigen::Vector4d(2, 3, 1, 0));
 }
 
-TEST(Eigen, values_conform_to_their_types) {
+TEST(Eigen, ValuesConformToTheirTypes) {
   expect_conforming(demo::Motion{});
   demo::Samples samples;
   samples.values = Eigen::Vector2d(1, 2);

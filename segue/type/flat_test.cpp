@@ -200,25 +200,25 @@ demo::Branch branch(int levels) {
   return root;
 }
 
-RC_GTEST_PROP(FlatProperty, numbers_texts_and_containers_survive, ()) {
+RC_GTEST_PROP(FlatProperty, NumbersTextsAndContainersSurvive, ()) {
   check_all<double, bool, std::int8_t, demo::Gait, demo::Side, demo::Large, std::string, std::vector<bool>,
             std::vector<float>, std::vector<std::string>, std::optional<std::int16_t>,
             std::optional<std::vector<std::string>>, std::array<std::string, 3>, std::array<double, 2>,
             std::chrono::nanoseconds, std::chrono::steady_clock::time_point>();
 }
 
-RC_GTEST_PROP(FlatProperty, structs_survive, ()) {
+RC_GTEST_PROP(FlatProperty, StructsSurvive, ()) {
   check_all<demo::Contact, demo::Step, demo::Blank, std::vector<demo::Blank>, std::vector<demo::Contact>,
             std::vector<demo::Step>, std::optional<demo::Step>, std::vector<std::array<demo::Contact, 2>>>();
 }
 
-RC_GTEST_PROP(FlatProperty, matrices_survive, ()) {
+RC_GTEST_PROP(FlatProperty, MatricesSurvive, ()) {
   const demo::Matrices matrices = random_matrices();
   round_trip(matrices, random_matrices());
   cut_short(matrices, random_matrices());
 }
 
-RC_GTEST_PROP(FlatProperty, changed_bytes_leave_something_valid, (std::vector<std::uint8_t> changes)) {
+RC_GTEST_PROP(FlatProperty, ChangedBytesLeaveSomethingValid, (std::vector<std::uint8_t> changes)) {
   Bytes bytes = written(random_object<demo::Step>());
   for (const std::uint8_t change : changes)
     bytes[*rc::gen::inRange<std::size_t>(0, bytes.size())] = static_cast<std::byte>(change);
@@ -230,7 +230,7 @@ RC_GTEST_PROP(FlatProperty, changed_bytes_leave_something_valid, (std::vector<st
   RC_ASSERT(value_of(copy) == value_of(object));
 }
 
-TEST(Flat, lays_out_runs_counts_and_items) {
+TEST(Flat, LaysOutRunsCountsAndItems) {
   demo::Step step;
   step.number = 1;
   step.phase = 2;
@@ -245,14 +245,14 @@ TEST(Flat, lays_out_runs_counts_and_items) {
   EXPECT_EQ(bytes.size(), 8U + 10 + 16 + 8 + 1 + 8 + 16 + 8 + 1 + 8);
 }
 
-TEST(Flat, what_travels_as_bytes_is_its_bytes) {
+TEST(Flat, WhatTravelsAsBytesIsItsBytes) {
   const std::array<double, 3> axis{1, 2, 3};
   const Bytes bytes = written(axis);
   EXPECT_EQ(bytes.size(), sizeof axis);
   EXPECT_EQ(std::memcmp(bytes.data(), axis.data(), sizeof axis), 0);
 }
 
-TEST(Flat, members_that_are_not_named_are_left_alone) {
+TEST(Flat, MembersThatAreNotNamedAreLeftAlone) {
   const char* text = "mine";
   demo::Secretive object{1, text, 2, 'g', 3};
   const demo::Secretive other{10, nullptr, 20, 'x', 30};
@@ -264,7 +264,7 @@ TEST(Flat, members_that_are_not_named_are_left_alone) {
   EXPECT_EQ(object.gap, 'g');
 }
 
-TEST(Flat, an_object_shrinks_and_grows_to_what_is_read) {
+TEST(Flat, AnObjectShrinksAndGrowsToWhatIsRead) {
   const demo::Step small;
   demo::Step large;
   large.name = std::string(100, 'x');
@@ -280,7 +280,7 @@ TEST(Flat, an_object_shrinks_and_grows_to_what_is_read) {
 }
 
 #ifdef SEGUE_COUNTS_NEW
-TEST(Flat, an_object_that_holds_as_much_allocates_nothing) {
+TEST(Flat, AnObjectThatHoldsAsMuchAllocatesNothing) {
   demo::Step step;
   step.name = std::string(100, 'x');
   step.contacts.resize(50);
@@ -301,7 +301,7 @@ TEST(Flat, an_object_that_holds_as_much_allocates_nothing) {
 }
 #endif
 
-TEST(Flat, matrices_of_the_same_size_keep_their_memory) {
+TEST(Flat, MatricesOfTheSameSizeKeepTheirMemory) {
   demo::Matrices matrices;
   matrices.matrix = Eigen::MatrixXf::Ones(4, 5);
   matrices.vector = Eigen::VectorXd::Ones(7);
@@ -322,7 +322,7 @@ bool reads_after(T object, std::size_t offset, std::uint64_t count) {
   return read(object, bytes);
 }
 
-TEST(Flat, counts_beyond_the_input_are_refused_before_anything_grows) {
+TEST(Flat, CountsBeyondTheInputAreRefusedBeforeAnythingGrows) {
   constexpr auto kHuge = std::numeric_limits<std::uint64_t>::max();
   for (const std::uint64_t count :
        {kHuge, kHuge / 2, kHuge / 8 + 1, std::uint64_t{1} << 40, std::uint64_t{9}}) {
@@ -336,14 +336,14 @@ TEST(Flat, counts_beyond_the_input_are_refused_before_anything_grows) {
   }
 }
 
-TEST(Flat, a_matrix_of_another_fixed_size_is_refused) {
+TEST(Flat, AMatrixOfAnotherFixedSizeIsRefused) {
   const Eigen::MatrixXd two_rows = Eigen::MatrixXd::Ones(2, 3);
   Eigen::Matrix<double, 3, Eigen::Dynamic> three_rows;
   EXPECT_FALSE(read(three_rows, written(two_rows)));
   EXPECT_TRUE(read(three_rows, written(Eigen::MatrixXd(two_rows.transpose()))));
 }
 
-TEST(Flat, booleans_are_false_or_true) {
+TEST(Flat, BooleansAreFalseOrTrue) {
   demo::Contact contact;
   Bytes bytes = written(std::vector<demo::Contact>(3));
   bytes[8 + 2 * sizeof contact + offsetof(demo::Contact, firm)] = std::byte{2};
@@ -373,7 +373,7 @@ bool reads_number(std::int64_t number) {
   return done;
 }
 
-TEST(Flat, enums_are_what_the_bits_of_their_symbols_express) {
+TEST(Flat, EnumsAreWhatTheBitsOfTheirSymbolsExpress) {
   for (int number = 0; number < 8; ++number)
     EXPECT_TRUE(reads_number<demo::Gait>(number)) << number;
   for (const int number : {8, 16, 255})
@@ -386,7 +386,7 @@ TEST(Flat, enums_are_what_the_bits_of_their_symbols_express) {
   EXPECT_TRUE(reads_number<demo::Large>(-1)) << "all 64 bits";
 }
 
-TEST(Flat, types_that_contain_themselves_nest_a_hundred_levels) {
+TEST(Flat, TypesThatContainThemselvesNestAHundredLevels) {
   const demo::Branch deep = branch(100);
   demo::Branch copy;
   ASSERT_TRUE(read(copy, written(deep)));
@@ -397,7 +397,7 @@ TEST(Flat, types_that_contain_themselves_nest_a_hundred_levels) {
   EXPECT_FALSE(write_flat(type_info<demo::Branch>(), &deeper, bytes));
 }
 
-TEST(Flat, input_that_nests_without_end_is_refused) {
+TEST(Flat, InputThatNestsWithoutEndIsRefused) {
   const struct {
     std::int32_t value;
     std::uint64_t count;
@@ -411,7 +411,7 @@ TEST(Flat, input_that_nests_without_end_is_refused) {
   EXPECT_FALSE(read(object, bytes));
 }
 
-TEST(Flat, says_which_types_it_can_flatten) {
+TEST(Flat, SaysWhichTypesItCanFlatten) {
   EXPECT_TRUE(can_flatten(type_info<demo::Step>()));
   EXPECT_TRUE(can_flatten(type_info<demo::Branch>()));
   EXPECT_TRUE(can_flatten(type_info<demo::Matrices>()));
@@ -422,7 +422,7 @@ TEST(Flat, says_which_types_it_can_flatten) {
   EXPECT_FALSE(can_flatten(TypeInfo{}));
 }
 
-TEST(Flat, refuses_types_that_it_cannot_flatten) {
+TEST(Flat, RefusesTypesThatItCannotFlatten) {
   demo::HasOpaque object;
   Bytes bytes(100);
   EXPECT_EQ(flat_size(type_info<demo::HasOpaque>(), &object), 0U);

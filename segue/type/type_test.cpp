@@ -19,7 +19,7 @@ std::string canonical(std::string_view name) {
   return result ? *result : result.error().message;
 }
 
-TEST(TypeName, takes_every_spelling_in_use) {
+TEST(TypeName, TakesEverySpellingInUse) {
   const std::array<std::pair<std::string_view, std::string_view>, 26> spellings = {{
       {"double", "/double"},
       {"/int", "/int32_t"},
@@ -54,7 +54,7 @@ TEST(TypeName, takes_every_spelling_in_use) {
   }
 }
 
-TEST(TypeName, refuses_what_is_no_name) {
+TEST(TypeName, RefusesWhatIsNoName) {
   EXPECT_THAT(canonical("/std/vector</motion_controller/Actuator"), HasSubstr("'<' that is not closed"));
   EXPECT_THAT(canonical("/std/vector<"), HasSubstr("'<' that is not closed"));
   EXPECT_THAT(canonical("/a>"), HasSubstr("'>' without '<'"));
@@ -74,7 +74,7 @@ TEST(TypeName, refuses_what_is_no_name) {
   EXPECT_THAT(canonical(deep), HasSubstr("nested too deeply"));
 }
 
-RC_GTEST_PROP(TypeNameProperty, any_text_is_a_name_or_refused_and_names_are_stable, ()) {
+RC_GTEST_PROP(TypeNameProperty, AnyTextIsANameOrRefusedAndNamesAreStable, ()) {
   const auto pieces = *rc::gen::container<std::vector<std::string>>(
       rc::gen::element<std::string>("/", "::", "a", "int", "long", "std", "vector", "<", ">", ",", "[3]", "*",
                                     " ", "string", "array", "-1"));
@@ -86,7 +86,7 @@ RC_GTEST_PROP(TypeNameProperty, any_text_is_a_name_or_refused_and_names_are_stab
   if (once) RC_ASSERT(canonical_type_name(*once).value() == *once);
 }
 
-TEST(TypeRegistry, knows_numbers_and_text) {
+TEST(TypeRegistry, KnowsNumbersAndText) {
   TypeRegistry types;
   EXPECT_EQ(types.find("double")->size, 8U);
   EXPECT_EQ(types.find("unsigned char")->category, NumericCategory::Unsigned);
@@ -97,7 +97,7 @@ TEST(TypeRegistry, knows_numbers_and_text) {
   EXPECT_EQ(types.find("/base/<"), nullptr);
 }
 
-TEST(TypeRegistry, builds_arrays_containers_and_pointers) {
+TEST(TypeRegistry, BuildsArraysContainersAndPointers) {
   TypeRegistry types;
   const Type* array = types.find("double[3][2]");
   ASSERT_NE(array, nullptr);
@@ -135,7 +135,7 @@ Type alias(const Type& of, std::string name) {
   return type;
 }
 
-TEST(TypeRegistry, refuses_a_second_meaning_of_a_name) {
+TEST(TypeRegistry, RefusesASecondMeaningOfAName) {
   TypeRegistry types;
   const auto first = types.add(compound(types, "base::Pose", {{"x", "double"}}));
   ASSERT_TRUE(first);
@@ -147,7 +147,7 @@ TEST(TypeRegistry, refuses_a_second_meaning_of_a_name) {
   EXPECT_THAT(other.error().message, HasSubstr("/float x;"));
 }
 
-TEST(TypeRegistry, refuses_parts_that_live_elsewhere) {
+TEST(TypeRegistry, RefusesPartsThatLiveElsewhere) {
   TypeRegistry types;
   TypeRegistry elsewhere;
   EXPECT_FALSE(types.add(compound(elsewhere, "/A", {{"x", "double"}})));
@@ -155,7 +155,7 @@ TEST(TypeRegistry, refuses_parts_that_live_elsewhere) {
   EXPECT_EQ(types.find("/A")->fields.at(0).type, types.find("double"));
 }
 
-TEST(TypeRegistry, registers_types_that_refer_to_each_other) {
+TEST(TypeRegistry, RegistersTypesThatReferToEachOther) {
   TypeRegistry types;
   std::vector<std::unique_ptr<Type>> both;
   both.push_back(std::make_unique<Type>(compound(types, "/Node", {})));
@@ -172,7 +172,7 @@ TEST(TypeRegistry, registers_types_that_refer_to_each_other) {
   EXPECT_FALSE(types.add_all(std::move(circle)));
 }
 
-TEST(TypeRegistry, merges_all_or_nothing) {
+TEST(TypeRegistry, MergesAllOrNothing) {
   TypeRegistry from;
   ASSERT_TRUE(from.add(compound(from, "/A", {{"x", "std::vector<double>"}})));
   ASSERT_TRUE(from.add(compound(from, "/B", {{"a", "/A"}})));
@@ -187,7 +187,7 @@ TEST(TypeRegistry, merges_all_or_nothing) {
   EXPECT_EQ(contradicting.types().size(), before);
 }
 
-TEST(StructuralHash, looks_through_names_and_aliases) {
+TEST(StructuralHash, LooksThroughNamesAndAliases) {
   TypeRegistry types;
   const auto hash = [](const Type& type) { return structural_hash(type); };
   ASSERT_TRUE(types.add(alias(*types.find("double"), "/Metres")));
@@ -199,14 +199,14 @@ TEST(StructuralHash, looks_through_names_and_aliases) {
   EXPECT_EQ(hash(pose), hash(metres));
 }
 
-TEST(StructuralHash, is_the_same_on_every_machine_and_in_every_version) {
+TEST(StructuralHash, IsTheSameOnEveryMachineAndInEveryVersion) {
   TypeRegistry types;
   EXPECT_EQ(structural_hash(*types.find("double")), structural_hash(*TypeRegistry().find("double")));
   EXPECT_EQ(structural_hash(compound(types, "/P", {{"x", "double"}, {"n", "string"}})),
             10800341393574239439U);
 }
 
-TEST(StructuralHash, does_not_depend_on_how_recursion_is_shared) {
+TEST(StructuralHash, DoesNotDependOnHowRecursionIsShared) {
   // A list node that refers to itself, and one that refers to a second node which refers back.
   Type one;
   one.kind = TypeKind::Compound;
@@ -227,7 +227,7 @@ TEST(StructuralHash, does_not_depend_on_how_recursion_is_shared) {
   EXPECT_NE(structural_hash(one), structural_hash(two[0]));
 }
 
-TEST(StructuralHash, is_quick_where_types_share_parts) {
+TEST(StructuralHash, IsQuickWhereTypesShareParts) {
   TypeRegistry types;
   ASSERT_TRUE(types.add(compound(types, "/c0", {{"x", "std::vector<double>"}})));
   for (int i = 1; i < 200; ++i) {
@@ -250,7 +250,7 @@ Fields any_fields() {
   return fields;
 }
 
-RC_GTEST_PROP(StructuralHashProperty, changes_with_names_types_and_order_of_fields, ()) {
+RC_GTEST_PROP(StructuralHashProperty, ChangesWithNamesTypesAndOrderOfFields, ()) {
   TypeRegistry types;
   const Fields fields = any_fields();
   const std::uint64_t hash = structural_hash(compound(types, "/A", fields));
@@ -272,7 +272,7 @@ RC_GTEST_PROP(StructuralHashProperty, changes_with_names_types_and_order_of_fiel
   RC_ASSERT(hash != structural_hash(compound(types, "/A", swapped)));
 }
 
-TEST(StructuralHash, takes_symbols_in_any_order) {
+TEST(StructuralHash, TakesSymbolsInAnyOrder) {
   Type mode;
   mode.kind = TypeKind::Enum;
   mode.size = 4;
@@ -284,7 +284,7 @@ TEST(StructuralHash, takes_symbols_in_any_order) {
   EXPECT_NE(structural_hash(mode), structural_hash(sorted));
 }
 
-TEST(Definition, shows_a_type_and_all_it_is_made_of) {
+TEST(Definition, ShowsATypeAndAllItIsMadeOf) {
   TypeRegistry types;
   ASSERT_TRUE(types.add(compound(types, "/base/Pose", {{"x", "double"}})));
   EXPECT_EQ(definition(compound(types, "/base/Path", {{"poses", "std::vector<base::Pose>"}, {"n", "int"}})),

@@ -50,7 +50,7 @@ TypeRegistry read(const std::string& content) {
   return registry ? std::move(*registry) : TypeRegistry();
 }
 
-TEST(Typelib, reads_every_kind_of_type) {
+TEST(Typelib, ReadsEveryKindOfType) {
   TypeRegistry types = read(R"(
     <numeric name="/int32_t" category="sint" size="4"/>
     <numeric name="/bool" category="uint" size="1"/>
@@ -82,7 +82,7 @@ TEST(Typelib, reads_every_kind_of_type) {
   EXPECT_EQ(types.find("/bool")->category, NumericCategory::Bool);
 }
 
-TEST(Typelib, takes_forward_references_and_arrays_of_nothing) {
+TEST(Typelib, TakesForwardReferencesAndArraysOfNothing) {
   TypeRegistry types = read(R"(
     <alias name="/Later" source="/Real"/>
     <compound name="/First" size="8">
@@ -94,7 +94,7 @@ TEST(Typelib, takes_forward_references_and_arrays_of_nothing) {
   EXPECT_EQ(types.find("/First")->fields.at(1).type->name, "/int32_t[0]");
 }
 
-TEST(Typelib, takes_recursion_through_containers) {
+TEST(Typelib, TakesRecursionThroughContainers) {
   TypeRegistry types = read(R"(
     <compound name="/Node" size="24">
       <field name="children" type="/std/vector&lt;/Node&gt;" offset="0"/>
@@ -104,7 +104,7 @@ TEST(Typelib, takes_recursion_through_containers) {
   EXPECT_TRUE(node->is_complete());
 }
 
-TEST(Typelib, takes_strings_as_old_registries_declare_them) {
+TEST(Typelib, TakesStringsAsOldRegistriesDeclareThem) {
   for (const std::string declaration :
        {"<opaque name='/std/string'/>", "<opaque name='/std/string' size='8'/>", "<null name='/std/string'/>",
         "<container name='/std/string' of='/char' kind='/std/string'/>"}) {
@@ -122,14 +122,14 @@ TEST(Typelib, takes_strings_as_old_registries_declare_them) {
   }
 }
 
-TEST(Typelib, refuses_a_string_that_is_marshalled_as_something_else) {
+TEST(Typelib, RefusesAStringThatIsMarshalledAsSomethingElse) {
   EXPECT_EQ(
       findings(in_typelib("<compound name='/A' size='8'/>\n<opaque name='/std/string' marshal_as='/A'/>")),
       (std::vector<std::string>{"4: contradiction"}));
   EXPECT_EQ(findings(in_typelib("<null name='/double'/>")), (std::vector<std::string>{"3: contradiction"}));
 }
 
-TEST(Typelib, takes_containers_without_a_size) {
+TEST(Typelib, TakesContainersWithoutASize) {
   TypeRegistry types = read(R"(
     <container name="/std/vector&lt;/double&gt;" of="/double" kind="/std/vector"/>
     <compound name="/Path" size="12">
@@ -142,7 +142,7 @@ TEST(Typelib, takes_containers_without_a_size) {
   EXPECT_TRUE(types.find("/Path")->is_complete());
 }
 
-TEST(Typelib, a_files_own_idea_of_long_wins) {
+TEST(Typelib, AFilesOwnIdeaOfLongWins) {
   TypeRegistry types = read(R"(
     <alias name="/long" source="/int32_t"/>
     <compound name="/Old" size="12">
@@ -154,7 +154,7 @@ TEST(Typelib, a_files_own_idea_of_long_wins) {
   EXPECT_EQ(types.find("/int64_t")->size, 8U);
 }
 
-TEST(Typelib, reports_every_problem_with_its_place) {
+TEST(Typelib, ReportsEveryProblemWithItsPlace) {
   EXPECT_THAT(findings(in_typelib(R"(<compound name="/A" size="4">
   <field name="x" type="/Unknown" offset="0"/>
   <field name="y" type="/int" offset="two"/>
@@ -171,7 +171,7 @@ TEST(Typelib, reports_every_problem_with_its_place) {
                                      "11: contradiction", "12: invalid-name", "13: unknown-element"));
 }
 
-TEST(Typelib, places_point_at_the_element) {
+TEST(Typelib, PlacesPointAtTheElement) {
   Diagnostics diagnostics;
   EXPECT_FALSE(read_typelib("<typelib>\n  <alias name='/a' source='/b'/>\n</typelib>", "x.tlb", diagnostics));
   ASSERT_EQ(diagnostics.items().size(), 1U);
@@ -179,19 +179,19 @@ TEST(Typelib, places_point_at_the_element) {
   EXPECT_THAT(diagnostics.items()[0].message, HasSubstr("type '/b' is not defined in this registry"));
 }
 
-TEST(Typelib, suggests_the_type_that_was_meant) {
+TEST(Typelib, SuggestsTheTypeThatWasMeant) {
   EXPECT_THAT(first_message("<null name='/base/Pose'/><alias name='/p' source='/base/Pos'/>"),
               HasSubstr("did you mean '/base/Pose'?"));
 }
 
-TEST(Typelib, refuses_what_is_no_registry) {
+TEST(Typelib, RefusesWhatIsNoRegistry) {
   EXPECT_EQ(findings(""), (std::vector<std::string>{"0: not-xml"}));
   EXPECT_EQ(findings("<typelib>\n<a></b>"), (std::vector<std::string>{"2: not-xml"}));
   EXPECT_EQ(findings("<robot/>"), (std::vector<std::string>{"1: not-typelib"}));
   EXPECT_EQ(findings("<typelib/>"), (std::vector<std::string>{}));
 }
 
-TEST(Typelib, refuses_contradictory_layouts) {
+TEST(Typelib, RefusesContradictoryLayouts) {
   EXPECT_EQ(findings(in_typelib(R"(<compound name="/A" size="8">
     <field name="x" type="/double" offset="4"/></compound>)")),
             (std::vector<std::string>{"4: field-outside"}));
@@ -210,7 +210,7 @@ TEST(Typelib, refuses_contradictory_layouts) {
             (std::vector<std::string>{"3: too-large"}));
 }
 
-TEST(Typelib, refuses_types_that_contain_themselves) {
+TEST(Typelib, RefusesTypesThatContainThemselves) {
   EXPECT_EQ(
       findings(in_typelib(R"(<compound name="/A" size="8"><field name="b" type="/B[2]" offset="0"/></compound>
 <compound name="/B" size="4"><field name="a" type="/A[0]" offset="0"/></compound>)")),
@@ -224,7 +224,7 @@ TEST(Typelib, refuses_types_that_contain_themselves) {
             (std::vector<std::string>{"4: contains-itself"}));
 }
 
-TEST(Typelib, refuses_aliases_of_each_other) {
+TEST(Typelib, RefusesAliasesOfEachOther) {
   EXPECT_THAT(findings(in_typelib("<alias name='/a' source='/b'/>\n<alias name='/b' source='/a'/>")),
               ::testing::Contains(HasSubstr("alias-circle")));
   EXPECT_EQ(findings(in_typelib("<alias name='/a' source='/a'/>")),
@@ -233,7 +233,7 @@ TEST(Typelib, refuses_aliases_of_each_other) {
               ::testing::Contains("3: alias-circle"));
 }
 
-TEST(Typelib, survives_hostile_depth) {
+TEST(Typelib, SurvivesHostileDepth) {
   std::string aliases;
   std::string nested = "<compound name='/c0' size='8'/>\n";
   for (int i = 1; i < 20000; ++i) {
@@ -256,7 +256,7 @@ TEST(Typelib, survives_hostile_depth) {
   EXPECT_EQ(findings("<typelib>" + elements), (std::vector<std::string>{"1: not-xml"}));
 }
 
-RC_GTEST_PROP(TypelibProperty, damaged_registries_are_read_or_refused_but_never_crash, ()) {
+RC_GTEST_PROP(TypelibProperty, DamagedRegistriesAreReadOrRefusedButNeverCrash, ()) {
   std::string text = in_typelib(R"(<numeric name="/int32_t" category="sint" size="4"/>
 <enum name="/E"><value symbol="A" value="1"/></enum>
 <compound name="/A" size="24"><field name="x" type="/E[3]" offset="0"/><field name="y" type="/B" offset="16"/></compound>
@@ -299,7 +299,7 @@ std::size_t count(const TypeRegistry& registry, TypeKind kind) {
   return static_cast<std::size_t>(std::ranges::count(types, kind, &Type::kind));
 }
 
-TEST(TypelibSharedData, all_are_read) {
+TEST(TypelibSharedData, AllAreRead) {
   if (const auto missing = missing_shared_data(kRealFiles); !missing.empty()) GTEST_SKIP() << missing;
   std::size_t files = 0;
   TypeRegistry all;
@@ -325,7 +325,7 @@ std::optional<TypeRegistry> real(const std::string& name) {
   return load_typelib(shared_data(kRealFiles) / name, diagnostics);
 }
 
-TEST(TypelibSharedData, rock_types_are_as_they_should_be) {
+TEST(TypelibSharedData, RockTypesAreAsTheyShouldBe) {
   if (const auto missing = missing_shared_data(kRealFiles); !missing.empty()) GTEST_SKIP() << missing;
   auto types = real("orogen_test_ros_models_base.tlb");
   ASSERT_TRUE(types);
@@ -340,7 +340,7 @@ TEST(TypelibSharedData, rock_types_are_as_they_should_be) {
   EXPECT_EQ(types->find("/std/vector</unsigned char>"), types->find("std::vector<uint8_t>"));
 }
 
-TEST(TypelibSharedData, every_type_is_found_by_its_own_name_and_has_a_definition) {
+TEST(TypelibSharedData, EveryTypeIsFoundByItsOwnNameAndHasADefinition) {
   if (const auto missing = missing_shared_data(kRealFiles); !missing.empty()) GTEST_SKIP() << missing;
   for (const auto& entry : std::filesystem::directory_iterator(shared_data(kRealFiles))) {
     auto registry = real(entry.path().filename());

@@ -26,7 +26,7 @@ Diagnostics examine(const std::string& text) {
 
 class MissionCheckCase : public ::testing::TestWithParam<std::filesystem::path> {};
 
-TEST_P(MissionCheckCase, reportsExactlyWhatItExpects) {
+TEST_P(MissionCheckCase, ReportsExactlyWhatItExpects) {
   const auto root = type::load_yaml(GetParam());
   ASSERT_TRUE(root) << to_string(root.error());
   const Value* mission = root->find("mission");

@@ -345,14 +345,14 @@ void expect_nothing_done_twice(const std::string& journal) {
 
 class MissionRunCase : public ::testing::TestWithParam<std::filesystem::path> {};
 
-TEST_P(MissionRunCase, goesAsItExpects) {
+TEST_P(MissionRunCase, GoesAsItExpects) {
   const auto root = type::load_yaml(GetParam());
   ASSERT_TRUE(root) << to_string(root.error());
   ASSERT_TRUE(root->find("mission") != nullptr && root->find("expect") != nullptr);
   Trial(*root).execute();
 }
 
-TEST_P(MissionRunCase, goesSoConcurrently) {
+TEST_P(MissionRunCase, GoesSoConcurrently) {
   const auto root = type::load_yaml(GetParam());
   ASSERT_TRUE(root) << to_string(root.error());
   for (const char* sequential_only : {"steps", "start_at", "backward"}) {
@@ -398,14 +398,14 @@ void expect_to_go_on_from_everywhere(const Value& test, void (Trial::*execute)()
   std::filesystem::remove(file);
 }
 
-TEST_P(MissionRunCase, goesOnFromWhereverItBrokeOff) {
+TEST_P(MissionRunCase, GoesOnFromWhereverItBrokeOff) {
   const auto test = type::parse_yaml(*read_file(GetParam()));
   ASSERT_TRUE(test);
   if (const auto why = led_by_hand(*test, false); !why.empty()) GTEST_SKIP() << why;
   expect_to_go_on_from_everywhere(*test, &Trial::execute);
 }
 
-TEST_P(MissionRunCase, goesOnConcurrentlyFromWhereverItBrokeOff) {
+TEST_P(MissionRunCase, GoesOnConcurrentlyFromWhereverItBrokeOff) {
   const auto test = type::parse_yaml(*read_file(GetParam()));
   ASSERT_TRUE(test);
   if (const auto why = led_by_hand(*test, true); !why.empty()) GTEST_SKIP() << why;

@@ -60,7 +60,7 @@ Diagnostics examine(const Case& test) {
 
 class ValidateCase : public ::testing::TestWithParam<std::filesystem::path> {};
 
-TEST_P(ValidateCase, reportsExactlyWhatItExpects) {
+TEST_P(ValidateCase, ReportsExactlyWhatItExpects) {
   const auto root = type::load_yaml(GetParam());
   ASSERT_TRUE(root) << to_string(root.error());
   const Case test{*root};
@@ -79,7 +79,7 @@ std::vector<std::filesystem::path> case_files() {
 INSTANTIATE_TEST_SUITE_P(Files, ValidateCase, ::testing::ValuesIn(case_files()),
                          [](const auto& one) { return one.param.stem().string(); });
 
-TEST(ValidateCases, areThere) {
+TEST(ValidateCases, AreThere) {
   EXPECT_GE(case_files().size(), 40U);
 }
 

@@ -29,7 +29,7 @@ class Adoption : public DeployedRobotTest {
   const model::Network plain_ = network("plain");
 };
 
-TEST_F(Adoption, finds_everything_unchanged_and_disturbs_nothing) {
+TEST_F(Adoption, FindsEverythingUnchangedAndDisturbsNothing) {
   const auto working = network("working", "  relay: {component: \"fault::Relay\", properties: {gain: 3}}\n",
                                "  work: {tasks: [relay], cpu: [0]}\n",
                                "  - {from: beater.out, to: relay.in, policy: buffer, size: 100}\n");
@@ -53,7 +53,7 @@ TEST_F(Adoption, finds_everything_unchanged_and_disturbs_nothing) {
   expect_undisturbed("witness");
 }
 
-TEST_F(Adoption, does_not_grow_over_many_restarts) {
+TEST_F(Adoption, DoesNotGrowOverManyRestarts) {
   switch_to(plain_);
   life_.reset();
   begin_life();
@@ -77,7 +77,7 @@ TEST_F(Adoption, does_not_grow_over_many_restarts) {
       << to_string(before) << " have become " << to_string(holdings_of(heart));
 }
 
-TEST_F(Adoption, replaces_a_process_of_another_version) {
+TEST_F(Adoption, ReplacesAProcessOfAnotherVersion) {
   switch_to(plain_);
   life_.reset();
   kill("eye");
@@ -97,7 +97,7 @@ TEST_F(Adoption, replaces_a_process_of_another_version) {
   expect_undisturbed();
 }
 
-TEST_F(Adoption, takes_a_process_that_died_meanwhile_as_gone) {
+TEST_F(Adoption, TakesAProcessThatDiedMeanwhileAsGone) {
   switch_to(plain_);
   life_.reset();
   kill("eye");

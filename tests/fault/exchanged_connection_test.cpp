@@ -36,7 +36,7 @@ class ExchangedConnections : public DeployedRobotTest {
   std::minstd_rand random_{20261124};
 };
 
-TEST_F(ExchangedConnections, lose_and_double_nothing_and_keep_the_order) {
+TEST_F(ExchangedConnections, LoseAndDoubleNothingAndKeepTheOrder) {
   for (int i = 0; i < number_of_switches(); ++i) {
     SCOPED_TRACE(i);
     ASSERT_NO_FATAL_FAILURE(switch_to(random_network()));

@@ -38,7 +38,7 @@ class FaultyComponent : public DeployedRobotTest, public ::testing::WithParamInt
 /// Hooks that do not return, and processes that stop altogether.
 class Hang : public FaultyComponent {};
 
-TEST_P(Hang, costs_its_process_and_nothing_else) {
+TEST_P(Hang, CostsItsProcessAndNothingElse) {
   const Duration patience = std::chrono::seconds(3);  // also for a new process on a busy computer
   switch_to(plain_);
   const std::string hook = GetParam().hook;
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(All, Hang,
 /// A process that stops answering in the middle of a transition, whose actions may take a minute.
 class Silence : public FaultyComponent {};
 
-TEST_P(Silence, ends_the_transition_long_before_its_deadline) {
+TEST_P(Silence, EndsTheTransitionLongBeforeItsDeadline) {
   switch_to(plain_);
   const auto there = try_switch(with(GetParam().hook, GetParam().how), std::chrono::minutes(1));
   EXPECT_EQ(there.outcome, Outcome::Failed);
@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(All, Silence,
 /// Exceptions and refusals: the process stays.
 class Failure : public FaultyComponent {};
 
-TEST_P(Failure, is_reported_and_the_process_stays) {
+TEST_P(Failure, IsReportedAndTheProcessStays) {
   switch_to(healthy_);
   const pid_t pid = pid_of("bad");
   const std::string hook = GetParam().hook;
@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(All, Failure,
 /// The process ends.
 class Crash : public FaultyComponent {};
 
-TEST_P(Crash, costs_its_process_and_nothing_else) {
+TEST_P(Crash, CostsItsProcessAndNothingElse) {
   switch_to(healthy_);
   const pid_t pid = pid_of("bad");
   const std::string hook = GetParam().hook;
@@ -169,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(All, Crash,
 
 class Exhaustion : public FaultyComponent {};
 
-TEST_P(Exhaustion, of_memory_affects_no_other_process) {
+TEST_P(Exhaustion, OfMemoryAffectsNoOtherProcess) {
   switch_to(plain_);
   const std::string hook = GetParam().hook;
   const auto there = try_switch(with(hook, GetParam().how));

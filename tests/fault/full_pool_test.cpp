@@ -16,7 +16,7 @@ class FullPool : public DeployedRobotTest {
   }
 };
 
-TEST_F(FullPool, refuses_a_connection_and_disturbs_nobody) {
+TEST_F(FullPool, RefusesAConnectionAndDisturbsNobody) {
   const auto plain = network("plain");
   const auto crowded = network("crowded", "  relay: {component: \"fault::Relay\", properties: {gain: 3}}\n",
                                "  work: {tasks: [relay]}\n",

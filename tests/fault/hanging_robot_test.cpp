@@ -61,7 +61,7 @@ class HangingRobot : public SystemTest {
   }
 };
 
-TEST_F(HangingRobot, switches_away_from_an_update_that_never_returns_without_waiting_for_it) {
+TEST_F(HangingRobot, SwitchesAwayFromAnUpdateThatNeverReturnsWithoutWaitingForIt) {
   write_robot("update", "", true);
   start();
   ASSERT_TRUE(becomes_fatal("on_update has not returned within 100ms; a transition replaces process "));
@@ -75,7 +75,7 @@ TEST_F(HangingRobot, switches_away_from_an_update_that_never_returns_without_wai
   EXPECT_EQ(stop().status, 0);
 }
 
-TEST_F(HangingRobot, restarts_the_process_of_an_update_that_never_returns_as_its_policy_says) {
+TEST_F(HangingRobot, RestartsTheProcessOfAnUpdateThatNeverReturnsAsItsPolicySays) {
   write_robot("update", "    on_failure: restart\n", true);
   start();
   Process follower(command({"events", "--follow"}), folder_);
@@ -84,7 +84,7 @@ TEST_F(HangingRobot, restarts_the_process_of_an_update_that_never_returns_as_its
   EXPECT_EQ(stop().status, 0);
 }
 
-TEST_F(HangingRobot, leaves_an_update_in_its_own_process_behind_that_never_returns) {
+TEST_F(HangingRobot, LeavesAnUpdateInItsOwnProcessBehindThatNeverReturns) {
   write_robot("update", "", false);
   start();
   ASSERT_TRUE(becomes_fatal("restart the runtime, and give the task a deployment of its own"));
@@ -101,7 +101,7 @@ TEST_F(HangingRobot, leaves_an_update_in_its_own_process_behind_that_never_retur
       << ended.errors;
 }
 
-TEST_F(HangingRobot, leaves_a_task_of_a_deployment_that_runs_in_its_own_process_behind) {
+TEST_F(HangingRobot, LeavesATaskOfADeploymentThatRunsInItsOwnProcessBehind) {
   write_robot("update", "", true);
   start({"--in-process"});
   ASSERT_TRUE(becomes_fatal("on_update has not returned within 100ms"));

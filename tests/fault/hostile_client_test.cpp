@@ -54,7 +54,7 @@ class HostileClient : public DeployedRobotTest {
   const model::Network plain_ = network("plain");
 };
 
-TEST_F(HostileClient, garbage_half_messages_and_endless_data_disturb_nobody) {
+TEST_F(HostileClient, GarbageHalfMessagesAndEndlessDataDisturbNobody) {
   switch_to(plain_);
   const pid_t eye = pid_of("eye");
   const Holdings before = holdings_of(eye);
@@ -81,7 +81,7 @@ TEST_F(HostileClient, garbage_half_messages_and_endless_data_disturb_nobody) {
   expect_undisturbed();
 }
 
-TEST_F(HostileClient, nobody_else_may_connect) {
+TEST_F(HostileClient, NobodyElseMayConnect) {
   switch_to(plain_);
   struct stat status {};
   ASSERT_EQ(::stat(socket_of("eye").c_str(), &status), 0);

@@ -77,7 +77,7 @@ class KilledAtRandom : public DisturbedTransition {
   std::mt19937_64 random_{static_cast<std::uint64_t>(number_from("SEGUE_SEED", 1))};
 };
 
-TEST_F(KilledAtRandom, processes_leave_a_robot_that_reaches_its_next_controller) {
+TEST_F(KilledAtRandom, ProcessesLeaveARobotThatReachesItsNextController) {
   const int rounds = number_from("SEGUE_KILL_ROUNDS", kRounds);
   for (int round = 0; round < rounds && !HasFailure(); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));

@@ -14,7 +14,7 @@ using runtime::Outcome;
 
 using KilledDeployment = DeployedRobotTest;
 
-TEST_F(KilledDeployment, is_reported_and_replaced_by_the_next_switch_while_others_continue) {
+TEST_F(KilledDeployment, IsReportedAndReplacedByTheNextSwitchWhileOthersContinue) {
   const auto working = network("working", kRelay, kWork, kFlow);
   switch_to(working);
   const auto before = deployments();
@@ -34,7 +34,7 @@ TEST_F(KilledDeployment, is_reported_and_replaced_by_the_next_switch_while_other
   EXPECT_TRUE(eventually([&] { return sight("sink").beats > 0; }));
 }
 
-TEST_F(KilledDeployment, leaves_its_peers_whole_with_samples_in_flight) {
+TEST_F(KilledDeployment, LeavesItsPeersWholeWithSamplesInFlight) {
   const auto working = network("working", kRelay, kWork, kFlow);
   switch_to(working);
   for (const std::string victim : {"heart", "work", "eye", "heart", "eye", "work"}) {
@@ -49,7 +49,7 @@ TEST_F(KilledDeployment, leaves_its_peers_whole_with_samples_in_flight) {
   }
 }
 
-TEST_F(KilledDeployment, releases_its_resources) {
+TEST_F(KilledDeployment, ReleasesItsResources) {
   const auto working = network("working", kRelay, kWork, kFlow);
   switch_to(working);
   kill("work");
@@ -69,7 +69,7 @@ TEST_F(KilledDeployment, releases_its_resources) {
       << to_string(own) << " have become " << to_string(holdings_of(::getpid()));
 }
 
-TEST_F(KilledDeployment, all_at_once_is_survived) {
+TEST_F(KilledDeployment, AllAtOnceIsSurvived) {
   const auto working = network("working", kRelay, kWork, kFlow);
   switch_to(working);
   for (const auto& [name, pid] : deployments())
@@ -90,22 +90,22 @@ class KilledDuringTransition : public DisturbedTransition {
   }
 };
 
-TEST_F(KilledDuringTransition, of_a_task_that_is_reconfigured) {
+TEST_F(KilledDuringTransition, OfATaskThatIsReconfigured) {
   kill_before_every_action("work");
   expect_undisturbed();
 }
 
-TEST_F(KilledDuringTransition, that_is_removed) {
+TEST_F(KilledDuringTransition, ThatIsRemoved) {
   kill_before_every_action("old");
   expect_undisturbed();
 }
 
-TEST_F(KilledDuringTransition, that_has_just_been_deployed) {
+TEST_F(KilledDuringTransition, ThatHasJustBeenDeployed) {
   kill_before_every_action("fresh");
   expect_undisturbed();
 }
 
-TEST_F(KilledDuringTransition, that_the_transition_only_connects) {
+TEST_F(KilledDuringTransition, ThatTheTransitionOnlyConnects) {
   kill_before_every_action("heart");
   EXPECT_EQ(sight().torn, 0U);
 }

@@ -44,7 +44,7 @@ class KilledProcessServer : public DisturbedTransition {
   std::unique_ptr<Process> daemon_;
 };
 
-TEST_F(KilledProcessServer, before_every_action) {
+TEST_F(KilledProcessServer, BeforeEveryAction) {
   before_every_action(
       "the process server is killed", [&](std::size_t) { kill_server(); }, [&] { start(); });
   expect_undisturbed();

@@ -99,7 +99,7 @@ class Leaks : public DeployedRobotTest {
   std::vector<model::Network> networks_;
 };
 
-TEST_F(Leaks, there_are_none_in_many_switches) {
+TEST_F(Leaks, ThereAreNoneInManySwitches) {
   for (const auto& network : networks_) {
     ASSERT_NO_FATAL_FAILURE(switch_to(network));
     expect_just(network);

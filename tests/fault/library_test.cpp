@@ -36,13 +36,13 @@ class UnloadableLibrary : public DeployedRobotTest {
   const model::Network plain_ = network("plain");
 };
 
-TEST_F(UnloadableLibrary, that_is_not_installed) {
+TEST_F(UnloadableLibrary, ThatIsNotInstalled) {
   switch_to(plain_);
   install("segue_test_nothing");
   expect_refused("segue_test_nothing");
 }
 
-TEST_F(UnloadableLibrary, that_throws_when_it_is_loaded) {
+TEST_F(UnloadableLibrary, ThatThrowsWhenItIsLoaded) {
   switch_to(plain_);
   install("segue_test_throws_at_load");
   expect_refused("thrown while the library was loaded");

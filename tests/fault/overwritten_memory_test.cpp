@@ -69,7 +69,7 @@ class OverwrittenMemory : public DeployedRobotTest {
   std::mt19937_64 random_{20261126};
 };
 
-TEST_F(OverwrittenMemory, is_told_with_those_who_can_have_done_it_and_made_again) {
+TEST_F(OverwrittenMemory, IsToldWithThoseWhoCanHaveDoneItAndMadeAgain) {
   const auto plain = network("plain");
   const auto more =
       network("more", std::string(kRelay), kWork, std::string(kFlow) + "  - relay.out -> watcher.in\n");

@@ -24,7 +24,7 @@ class StoppedDuringTransition : public DisturbedTransition {
 /// costs seconds of waiting, so by default it happens before every other action only.
 constexpr std::array kVictims = {"work", "old", "fresh"};
 
-TEST_F(StoppedDuringTransition, one_of_its_processes) {
+TEST_F(StoppedDuringTransition, OneOfItsProcesses) {
   std::map<std::string, int> stops;
   before_every_action(
       "a process is stopped",

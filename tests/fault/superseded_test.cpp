@@ -69,7 +69,7 @@ class Superseded : public DeployedRobotTest {
                                     "  - relay.out -> extra.in\n");
 };
 
-TEST_F(Superseded, requests_never_block_a_controller) {
+TEST_F(Superseded, RequestsNeverBlockAController) {
   switch_to(a_);
   const auto plan = runtime().plan(l_);
   ASSERT_TRUE(plan) << to_string(plan.error());

@@ -29,7 +29,7 @@ class SurvivingRobot : public FaultTest {
   }
 };
 
-TEST_F(SurvivingRobot, its_runtime_is_killed_and_started_again) {
+TEST_F(SurvivingRobot, ItsRuntimeIsKilledAndStartedAgain) {
   start("working");
   expect_undisturbed();
   const auto before = deployments();
@@ -52,7 +52,7 @@ TEST_F(SurvivingRobot, its_runtime_is_killed_and_started_again) {
   expect_undisturbed();
 }
 
-TEST_F(SurvivingRobot, its_runtime_is_killed_in_a_switch) {
+TEST_F(SurvivingRobot, ItsRuntimeIsKilledInASwitch) {
   start("plain");
   for (const char* at :
        {"deploy localhost/work", "apply_config relay", "configure relay", "connect", "start relay"}) {
@@ -72,7 +72,7 @@ TEST_F(SurvivingRobot, its_runtime_is_killed_in_a_switch) {
   }
 }
 
-TEST_F(SurvivingRobot, a_killed_deployment_is_reported_and_replaced) {
+TEST_F(SurvivingRobot, AKilledDeploymentIsReportedAndReplaced) {
   start("working");
   const auto before = deployments();
   for (const char* victim : {"work", "heart", "eye"}) {
@@ -89,7 +89,7 @@ TEST_F(SurvivingRobot, a_killed_deployment_is_reported_and_replaced) {
   EXPECT_EQ(deployments().size(), 3U);
 }
 
-TEST_F(SurvivingRobot, its_process_server_is_killed) {
+TEST_F(SurvivingRobot, ItsProcessServerIsKilled) {
   Process daemon(command({"host"}), folder_);
   ASSERT_TRUE(eventually([&] { return std::filesystem::exists(folder_ / "runtime/segue/host.sock"); }));
   run_options_ = {"--daemon"};
@@ -110,7 +110,7 @@ TEST_F(SurvivingRobot, its_process_server_is_killed) {
   EXPECT_EQ(next.wait().status, 0);
 }
 
-TEST_F(SurvivingRobot, stops_cleanly_and_leaves_nothing) {
+TEST_F(SurvivingRobot, StopsCleanlyAndLeavesNothing) {
   start("working");
   EXPECT_EQ(stop().status, 0);
   EXPECT_TRUE(deployments().empty());

@@ -7,12 +7,12 @@ namespace {
 
 using ArtemisOnNetwork = ArtemisTest<NetworkTest>;
 
-TEST_F(ArtemisOnNetwork, makes_all_transitions_on_two_hosts) {
+TEST_F(ArtemisOnNetwork, MakesAllTransitionsOnTwoHosts) {
   deal_out({"a", "b"});
   make_all_transitions();
 }
 
-TEST_F(ArtemisOnNetwork, makes_all_transitions_on_three_hosts_far_away) {
+TEST_F(ArtemisOnNetwork, MakesAllTransitionsOnThreeHostsFarAway) {
   say("delay 5ms");
   deal_out({"a", "b", "c"});
   make_all_transitions();

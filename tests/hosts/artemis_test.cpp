@@ -6,12 +6,12 @@ namespace {
 
 using Artemis = ArtemisTest<HostsTest>;
 
-TEST_F(Artemis, makes_all_transitions_on_two_hosts) {
+TEST_F(Artemis, MakesAllTransitionsOnTwoHosts) {
   deal_out({"a", "b"});
   make_all_transitions();
 }
 
-TEST_F(Artemis, makes_all_transitions_on_three_hosts) {
+TEST_F(Artemis, MakesAllTransitionsOnThreeHosts) {
   deal_out({"a", "b", "c"});
   make_all_transitions();
 }

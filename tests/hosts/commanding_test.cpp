@@ -39,7 +39,7 @@ class CommandingHosts : public ChainTest {
   std::unique_ptr<LoggedProcess> second_;
 };
 
-TEST_F(CommandingHosts, a_runtime_that_is_started_again_adopts_what_runs) {
+TEST_F(CommandingHosts, ARuntimeThatIsStartedAgainAdoptsWhatRuns) {
   make_chain();
   start_chain("plain");
   expect_flow();
@@ -61,7 +61,7 @@ TEST_F(CommandingHosts, a_runtime_that_is_started_again_adopts_what_runs) {
   expect_all_arrived();
 }
 
-TEST_F(CommandingHosts, a_runtime_adopts_what_runs_on_a_host_that_was_away_when_it_was_started) {
+TEST_F(CommandingHosts, ARuntimeAdoptsWhatRunsOnAHostThatWasAwayWhenItWasStarted) {
   make_chain();
   start_chain("plain");
   expect_flow();
@@ -80,7 +80,7 @@ TEST_F(CommandingHosts, a_runtime_adopts_what_runs_on_a_host_that_was_away_when_
   expect_all_arrived();
 }
 
-TEST_F(CommandingHosts, a_second_runtime_is_refused) {
+TEST_F(CommandingHosts, ASecondRuntimeIsRefused) {
   make_chain();
   start_chain("plain");
   const auto before = all_deployments();
@@ -95,7 +95,7 @@ TEST_F(CommandingHosts, a_second_runtime_is_refused) {
   expect_all_arrived();
 }
 
-TEST_F(CommandingHosts, a_second_runtime_takes_the_robot_over) {
+TEST_F(CommandingHosts, ASecondRuntimeTakesTheRobotOver) {
   make_chain();
   start_chain("plain");
   expect_flow();
@@ -127,7 +127,7 @@ TEST_F(CommandingHosts, a_second_runtime_takes_the_robot_over) {
   EXPECT_EQ(what_stays_wrong(HostsTest::network("still")), "");
 }
 
-TEST_F(CommandingHosts, a_runtime_that_has_lost_the_robot_regains_no_host_whose_daemon_starts_again) {
+TEST_F(CommandingHosts, ARuntimeThatHasLostTheRobotRegainsNoHostWhoseDaemonStartsAgain) {
   make_chain();
   start_chain("plain");
   start_second({"--take-over"});

@@ -40,7 +40,7 @@ class FailingHost : public NetworkTest {
   }
 };
 
-TEST_F(FailingHost, starts_again_in_switches) {
+TEST_F(FailingHost, StartsAgainInSwitches) {
   make_chain({}, kSlow);
   start_chain("plain");
   disturb_switches(
@@ -48,7 +48,7 @@ TEST_F(FailingHost, starts_again_in_switches) {
   expect_each_once_and_in_order();
 }
 
-TEST_F(FailingHost, has_a_full_disk_in_switches) {
+TEST_F(FailingHost, HasAFullDiskInSwitches) {
   give_b_a_disk();
   make_chain({}, kSlow);
   start_chain("plain");
@@ -65,7 +65,7 @@ TEST_F(FailingHost, has_a_full_disk_in_switches) {
   expect_all_accounted_for();
 }
 
-TEST_F(FailingHost, has_a_full_disk_when_a_runtime_comes) {
+TEST_F(FailingHost, HasAFullDiskWhenARuntimeComes) {
   give_b_a_disk();
   make_chain();
   start_chain("plain");
@@ -88,7 +88,7 @@ TEST_F(FailingHost, has_a_full_disk_when_a_runtime_comes) {
 
 // A wall clock that is set back is the worst: who waits for a time of that clock waits for that much longer.
 // Cyclone DDS did.
-TEST_F(FailingHost, has_a_clock_that_jumps) {
+TEST_F(FailingHost, HasAClockThatJumps) {
   give_clocks();
   make_chain({}, kSlow);
   start_chain("plain");

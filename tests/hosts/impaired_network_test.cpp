@@ -26,7 +26,7 @@ class ImpairedNetwork : public NetworkTest {
   }
 };
 
-TEST_F(ImpairedNetwork, carries_samples_and_switches_whatever_befalls_frames) {
+TEST_F(ImpairedNetwork, CarriesSamplesAndSwitchesWhateverBefallsFrames) {
   make_chain();
   start_chain("plain");
   const std::size_t count = all_actions() ? kImpairments.size() : 2;
@@ -43,24 +43,24 @@ TEST_F(ImpairedNetwork, carries_samples_and_switches_whatever_befalls_frames) {
   expect_all_accounted_for();
 }
 
-TEST_F(ImpairedNetwork, cuts_a_host_off_in_switches) {
+TEST_F(ImpairedNetwork, CutsAHostOffInSwitches) {
   cut_in_switches("cut b<>*", {0.5}, true);
 }
 
-TEST_F(ImpairedNetwork, loses_what_a_host_sends_in_switches) {
+TEST_F(ImpairedNetwork, LosesWhatAHostSendsInSwitches) {
   cut_in_switches("cut b>*", {0.9}, true);
 }
 
-TEST_F(ImpairedNetwork, loses_what_is_sent_to_a_host_in_switches) {
+TEST_F(ImpairedNetwork, LosesWhatIsSentToAHostInSwitches) {
   cut_in_switches("cut *>b", {0.7}, true);
 }
 
 // The runtime reaches both.
-TEST_F(ImpairedNetwork, loses_samples_in_one_direction_in_switches) {
+TEST_F(ImpairedNetwork, LosesSamplesInOneDirectionInSwitches) {
   cut_in_switches("cut a>b", {0}, false);
 }
 
-TEST_F(ImpairedNetwork, changes_all_the_time_while_the_robot_switches) {
+TEST_F(ImpairedNetwork, ChangesAllTheTimeWhileTheRobotSwitches) {
   make_chain();
   start_chain("plain");
   const auto seed = static_cast<unsigned>(::getpid());

@@ -56,7 +56,7 @@ class LostHost : public DisturbedChainTest {
   }
 };
 
-TEST_F(LostHost, is_killed_between_switches) {
+TEST_F(LostHost, IsKilledBetweenSwitches) {
   make_chain();
   start_chain("plain");
   lose([&] { host("b").kill(); });
@@ -67,7 +67,7 @@ TEST_F(LostHost, is_killed_between_switches) {
   expect_whole("plain");
 }
 
-TEST_F(LostHost, is_not_needed_where_it_is_optional) {
+TEST_F(LostHost, IsNotNeededWhereItIsOptional) {
   make_chain({"b"});
   start_chain("more");
   const pid_t front = host("a").deployments().at("front");
@@ -85,11 +85,11 @@ TEST_F(LostHost, is_not_needed_where_it_is_optional) {
   EXPECT_EQ(host("a").deployments().at("front"), front);
 }
 
-TEST_F(LostHost, is_killed_in_switches) {
+TEST_F(LostHost, IsKilledInSwitches) {
   lose_in_switches([&] { host("b").kill(); }, [&] { host("b").start(); });
 }
 
-TEST_F(LostHost, stands_still_between_switches) {
+TEST_F(LostHost, StandsStillBetweenSwitches) {
   make_chain();
   start_chain("plain");
   const auto before = all_deployments();
@@ -102,11 +102,11 @@ TEST_F(LostHost, stands_still_between_switches) {
   expect_whole("plain");
 }
 
-TEST_F(LostHost, stands_still_in_switches) {
+TEST_F(LostHost, StandsStillInSwitches) {
   lose_in_switches([&] { host("b").freeze(); }, [&] { host("b").thaw(); });
 }
 
-TEST_F(LostHost, loses_its_daemon_and_samples_flow_on) {
+TEST_F(LostHost, LosesItsDaemonAndSamplesFlowOn) {
   make_chain();
   start_chain("plain");
   expect_flow();

@@ -40,14 +40,14 @@ class MovedRuntime : public NetworkTest {
   std::map<std::string, pid_t> before_;
 };
 
-TEST_F(MovedRuntime, connects_hosts_from_another_computer) {
+TEST_F(MovedRuntime, ConnectsHostsFromAnotherComputer) {
   run_plain();
   station_ = "c";
   expect_switch_to("more");
   expect_undisturbed();
 }
 
-TEST_F(MovedRuntime, connects_hosts_with_its_new_computer) {
+TEST_F(MovedRuntime, ConnectsHostsWithItsNewComputer) {
   run_plain();
   add_to_chain("here", "  mirror: {component: \"bench::Relay\"}\n  end: {component: \"bench::Consumer\"}\n",
                "  near: {tasks: [mirror]}\n  far: {host: b, tasks: [end]}\n",
@@ -59,7 +59,7 @@ TEST_F(MovedRuntime, connects_hosts_with_its_new_computer) {
   expect_undisturbed();
 }
 
-TEST_F(MovedRuntime, connects_a_host_that_was_added) {
+TEST_F(MovedRuntime, ConnectsAHostThatWasAdded) {
   run_plain();
   make_hosts({"c"});
   write_robot("libraries: [segue_components_bench]\n");

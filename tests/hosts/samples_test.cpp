@@ -9,14 +9,14 @@ constexpr int kRounds = 5;
 
 using SamplesBetweenHosts = ChainTest;
 
-TEST_F(SamplesBetweenHosts, arrive_in_order_without_switches) {
+TEST_F(SamplesBetweenHosts, ArriveInOrderWithoutSwitches) {
   make_chain();
   start_chain("plain");
   expect_flow();
   expect_all_arrived();
 }
 
-TEST_F(SamplesBetweenHosts, arrive_in_order_while_others_come_and_go) {
+TEST_F(SamplesBetweenHosts, ArriveInOrderWhileOthersComeAndGo) {
   make_chain();
   start_chain("plain");
   const auto before = all_deployments();
@@ -32,7 +32,7 @@ TEST_F(SamplesBetweenHosts, arrive_in_order_while_others_come_and_go) {
 }
 
 // Each connection between hosts has a sender and a receiver that find each other before the commit.
-TEST_F(SamplesBetweenHosts, arrive_beside_sixty_other_connections) {
+TEST_F(SamplesBetweenHosts, ArriveBesideSixtyOtherConnections) {
   make_chain();
   std::string connections;
   for (int i = 0; i < 60; ++i) {
@@ -53,7 +53,7 @@ TEST_F(SamplesBetweenHosts, arrive_beside_sixty_other_connections) {
 
 // A relay that is removed takes with it what it has not passed on yet. The consumer counts that. Order is
 // promised for each connection, and the consumer gets another one.
-TEST_F(SamplesBetweenHosts, arrive_once_although_the_relay_is_exchanged) {
+TEST_F(SamplesBetweenHosts, ArriveOnceAlthoughTheRelayIsExchanged) {
   make_chain();
   start_chain("plain");
   wait_for_more();

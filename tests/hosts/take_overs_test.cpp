@@ -135,7 +135,7 @@ class TakeOvers : public ::testing::Test {
   int rounds_ = 0;
 };
 
-TEST_F(TakeOvers, at_the_same_moment_have_one_winner) {
+TEST_F(TakeOvers, AtTheSameMomentHaveOneWinner) {
   const std::vector<Step> asking = {
       {"highest_term", 0, 0}, {"highest_term", 0, 1}, {"highest_term", 1, 0}, {"highest_term", 1, 1}};
   std::vector<std::size_t> numbers{0, 1, 2, 3};
@@ -152,7 +152,7 @@ TEST_F(TakeOvers, at_the_same_moment_have_one_winner) {
 }
 
 /// One may have got a host, or all, before the other one asks.
-TEST_F(TakeOvers, at_about_the_same_moment_have_one_winner) {
+TEST_F(TakeOvers, AtAboutTheSameMomentHaveOneWinner) {
   std::mt19937_64 random(static_cast<std::uint64_t>(number_from("SEGUE_SEED", 1)));
   const int rounds = number_from("SEGUE_TAKE_OVERS", 60);
   for (int round = 0; round < rounds && !HasFailure(); ++round) {

@@ -72,7 +72,7 @@ class TemporaryHosts : public SystemTest {
   }
 };
 
-TEST_F(TemporaryHosts, end_with_the_object_whatever_runs_there) {
+TEST_F(TemporaryHosts, EndWithTheObjectWhateverRunsThere) {
   fs::path folder;
   {
     runtime::TemporaryHosts hosts;
@@ -87,7 +87,7 @@ TEST_F(TemporaryHosts, end_with_the_object_whatever_runs_there) {
   EXPECT_FALSE(fs::exists(folder));
 }
 
-TEST_F(TemporaryHosts, end_with_a_program_that_is_killed) {
+TEST_F(TemporaryHosts, EndWithAProgramThatIsKilled) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
   const pid_t child = ::fork();
@@ -108,14 +108,14 @@ TEST_F(TemporaryHosts, end_with_a_program_that_is_killed) {
   if (!folder.empty()) fs::remove_all(folder);
 }
 
-TEST_F(TemporaryHosts, a_daemon_that_does_not_start_is_an_error) {
+TEST_F(TemporaryHosts, ADaemonThatDoesNotStartIsAnError) {
   runtime::TemporaryHosts hosts;
   const auto started = hosts.start({{"a", {}, {"--listen", "no address at all"}}}, segue::paths::kProgram);
   ASSERT_FALSE(started);
   EXPECT_EQ(to_string(started.error()), "host a: it has ended at once");
 }
 
-TEST_F(TemporaryHosts, a_program_that_is_missing_is_an_error) {
+TEST_F(TemporaryHosts, AProgramThatIsMissingIsAnError) {
   runtime::TemporaryHosts hosts;
   const auto started = hosts.start({{"a"}}, folder_ / "missing");
   ASSERT_FALSE(started);

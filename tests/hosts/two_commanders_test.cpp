@@ -290,7 +290,7 @@ class TwoCommanders : public ::testing::Test {
   int kept_ = 0;
 };
 
-TEST_F(TwoCommanders, are_never_obeyed_both_and_the_last_one_can_go_on) {
+TEST_F(TwoCommanders, AreNeverObeyedBothAndTheLastOneCanGoOn) {
   const int rounds = number_from("SEGUE_COMMANDERS_ROUNDS", kDefaultRounds);
   for (int round = 0; round < rounds && !HasFailure(); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));

@@ -80,19 +80,19 @@ class RoverCommands : public SystemTest {
   bool stands() { return std::abs(turn_rate()) < 0.01; }
 };
 
-TEST_F(RoverCommands, that_hang_stop_the_wheels_until_they_come_again) {
+TEST_F(RoverCommands, ThatHangStopTheWheelsUntilTheyComeAgain) {
   signal_commander(SIGSTOP);
   EXPECT_TRUE(eventually([&] { return stands(); })) << segue({"status"}).output;
   signal_commander(SIGCONT);
   EXPECT_TRUE(eventually([&] { return turns(); })) << segue({"status"}).output;
 }
 
-TEST_F(RoverCommands, that_end_with_their_process_stop_the_wheels) {
+TEST_F(RoverCommands, ThatEndWithTheirProcessStopTheWheels) {
   signal_commander(SIGKILL);
   EXPECT_TRUE(eventually([&] { return stands(); })) << segue({"status"}).output;
 }
 
-TEST_F(RoverCommands, that_hang_with_the_runtime_stop_the_wheels) {
+TEST_F(RoverCommands, ThatHangWithTheRuntimeStopTheWheels) {
   robot_->signal(SIGSTOP);
   signal_commander(SIGSTOP);
   EXPECT_TRUE(goes_on_for(std::chrono::milliseconds(500)));
@@ -102,7 +102,7 @@ TEST_F(RoverCommands, that_hang_with_the_runtime_stop_the_wheels) {
   EXPECT_TRUE(eventually([&] { return turns(); })) << segue({"status"}).output;
 }
 
-TEST_F(RoverCommands, that_end_with_the_runtime_stop_the_wheels) {
+TEST_F(RoverCommands, ThatEndWithTheRuntimeStopTheWheels) {
   robot_->signal(SIGKILL);
   signal_commander(SIGKILL);
   EXPECT_EQ(robot_->wait().status, 128 + SIGKILL);

@@ -15,40 +15,40 @@ struct WireCommand : testing::Test {
   FrameQueue queue{3, 1};
 };
 
-TEST_F(WireCommand, setsAllDirectionsIfItNamesNone) {
+TEST_F(WireCommand, SetsAllDirectionsIfItNamesNone) {
   EXPECT_EQ(say("delay 20ms jitter 500us loss 5% duplicate 0.5% reorder 25% 2ms"), "ok");
   const Impairment expected{20ms, 500us, 0.05, 0.005, 0.25, 2ms, false};
   EXPECT_EQ(at(0, 1), expected);
   EXPECT_EQ(at(2, 1), expected);
 }
 
-TEST_F(WireCommand, setsOneDirection) {
+TEST_F(WireCommand, SetsOneDirection) {
   EXPECT_EQ(say("cut a>b"), "ok");
   EXPECT_TRUE(at(0, 1).cut);
   EXPECT_FALSE(at(1, 0).cut);
   EXPECT_FALSE(at(0, 2).cut);
 }
 
-TEST_F(WireCommand, setsBothDirectionsOfOneStation) {
+TEST_F(WireCommand, SetsBothDirectionsOfOneStation) {
   EXPECT_EQ(say("cut b<>*"), "ok");
   EXPECT_TRUE(at(0, 1).cut && at(1, 0).cut && at(1, 2).cut && at(2, 1).cut);
   EXPECT_FALSE(at(0, 2).cut || at(2, 0).cut);
 }
 
-TEST_F(WireCommand, healsWhatIsCutAndNothingElse) {
+TEST_F(WireCommand, HealsWhatIsCutAndNothingElse) {
   say("loss 5% cut");
   EXPECT_EQ(say("heal"), "ok");
   EXPECT_EQ(at(0, 1), Impairment{.loss = 0.05});
 }
 
-TEST_F(WireCommand, clearsEveryImpairment) {
+TEST_F(WireCommand, ClearsEveryImpairment) {
   say("loss 5% delay 1s cut");
   EXPECT_EQ(say("clear a<>b"), "ok");
   EXPECT_EQ(at(1, 0), Impairment{});
   EXPECT_TRUE(at(0, 2).cut);
 }
 
-TEST_F(WireCommand, countsEachDirection) {
+TEST_F(WireCommand, CountsEachDirection) {
   queue.send(0, 1, {}, 0ns);
   const std::string answer = say("count");
   EXPECT_EQ(answer.substr(0, answer.find('\n')),
@@ -56,7 +56,7 @@ TEST_F(WireCommand, countsEachDirection) {
   EXPECT_EQ(answer.substr(answer.rfind('\n')), "\nok");
 }
 
-TEST_F(WireCommand, refusesWhatItDoesNotUnderstandAndChangesNothing) {
+TEST_F(WireCommand, RefusesWhatItDoesNotUnderstandAndChangesNothing) {
   EXPECT_EQ(say("loss 5% a>d"), "error: there is no station 'd'");
   EXPECT_EQ(say("loss 5%  slow"), "error: there is no setting 'slow'");
   EXPECT_EQ(say("loss 5%  delay"), "error: 'delay' has no value");

@@ -51,7 +51,7 @@ struct Stream {
   bool in_order() const { return std::is_sorted(arrived.begin(), arrived.end()); }
 };
 
-TEST(FrameQueue, deliversEverythingAtOnceAndInOrderWithoutImpairments) {
+TEST(FrameQueue, DeliversEverythingAtOnceAndInOrderWithoutImpairments) {
   Stream stream({});
   stream.send(1000);
   stream.receive_all();
@@ -60,7 +60,7 @@ TEST(FrameQueue, deliversEverythingAtOnceAndInOrderWithoutImpairments) {
   EXPECT_EQ(stream.when[500], 500us);
 }
 
-TEST(FrameQueue, deliversNothingBeforeTheDelayIsOver) {
+TEST(FrameQueue, DeliversNothingBeforeTheDelayIsOver) {
   Stream stream({.delay = 20ms});
   stream.send(1);
   EXPECT_FALSE(stream.queue.receive(20ms - 1ns));
@@ -69,14 +69,14 @@ TEST(FrameQueue, deliversNothingBeforeTheDelayIsOver) {
   EXPECT_FALSE(stream.queue.next());
 }
 
-TEST(FrameQueue, keepsTheOrderOfFramesWithTheSameDelay) {
+TEST(FrameQueue, KeepsTheOrderOfFramesWithTheSameDelay) {
   Stream stream({.delay = 1ms});
   stream.send(1000);
   stream.receive_all();
   EXPECT_TRUE(stream.in_order());
 }
 
-TEST(FrameQueue, delaysByTheJitterAtTheMostAndReorders) {
+TEST(FrameQueue, DelaysByTheJitterAtTheMostAndReorders) {
   Stream stream({.delay = 1ms, .jitter = 50us});
   stream.send(1000);
   stream.receive_all();
@@ -89,7 +89,7 @@ TEST(FrameQueue, delaysByTheJitterAtTheMostAndReorders) {
   }
 }
 
-TEST(FrameQueue, losesItsShare) {
+TEST(FrameQueue, LosesItsShare) {
   Stream stream({.loss = 0.1});
   stream.send(10000);
   stream.receive_all();
@@ -98,7 +98,7 @@ TEST(FrameQueue, losesItsShare) {
   EXPECT_TRUE(stream.in_order());
 }
 
-TEST(FrameQueue, duplicatesItsShare) {
+TEST(FrameQueue, DuplicatesItsShare) {
   Stream stream({.duplication = 0.1});
   stream.send(10000);
   stream.receive_all();
@@ -107,7 +107,7 @@ TEST(FrameQueue, duplicatesItsShare) {
   EXPECT_EQ(stream.queue.count(0, 1).duplicated, stream.arrived.size() - 10000);
 }
 
-TEST(FrameQueue, holdsItsShareBack) {
+TEST(FrameQueue, HoldsItsShareBack) {
   Stream stream({.reordering = 0.25, .held_back = 10us});
   stream.send(10000);
   stream.receive_all();
@@ -116,7 +116,7 @@ TEST(FrameQueue, holdsItsShareBack) {
   EXPECT_NEAR(static_cast<double>(stream.queue.count(0, 1).held_back), 2500, 250);
 }
 
-TEST(FrameQueue, cutsOneDirectionOnly) {
+TEST(FrameQueue, CutsOneDirectionOnly) {
   FrameQueue queue(2, 1);
   queue.impairment(0, 1).cut = true;
   queue.send(0, 1, numbered(1), 0ns);
@@ -127,7 +127,7 @@ TEST(FrameQueue, cutsOneDirectionOnly) {
   EXPECT_FALSE(queue.next());
 }
 
-TEST(FrameQueue, carriesNewFramesAsItsNewImpairmentsSay) {
+TEST(FrameQueue, CarriesNewFramesAsItsNewImpairmentsSay) {
   Stream stream({.cut = true});
   stream.send(10);
   stream.queue.impairment(0, 1) = {};
@@ -136,7 +136,7 @@ TEST(FrameQueue, carriesNewFramesAsItsNewImpairmentsSay) {
   EXPECT_EQ(stream.arrived.size(), 10u);
 }
 
-TEST(FrameQueue, losesAndCountsWhatItCannotHold) {
+TEST(FrameQueue, LosesAndCountsWhatItCannotHold) {
   Stream stream({.delay = 1s});
   stream.send(FrameQueue::kCapacity + 5);
   EXPECT_EQ(stream.queue.count(0, 1).overflowed, 5u);
@@ -146,7 +146,7 @@ TEST(FrameQueue, losesAndCountsWhatItCannotHold) {
   EXPECT_EQ(stream.queue.count(0, 1).overflowed, 5u);
 }
 
-TEST(FrameQueue, doesTheSameWithTheSameSeed) {
+TEST(FrameQueue, DoesTheSameWithTheSameSeed) {
   const auto arrivals = [](std::uint64_t seed) {
     Stream stream({.jitter = 100us, .loss = 0.1, .duplication = 0.1}, seed);
     stream.send(1000);
@@ -157,7 +157,7 @@ TEST(FrameQueue, doesTheSameWithTheSameSeed) {
   EXPECT_NE(arrivals(1), arrivals(2));
 }
 
-TEST(FrameQueue, accountsForEveryFrame) {
+TEST(FrameQueue, AccountsForEveryFrame) {
   Stream stream(
       {.delay = 1ms, .jitter = 1ms, .loss = 0.1, .duplication = 0.2, .reordering = 0.1, .held_back = 1ms});
   stream.send(5000);
