@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/convert/ahead_of_failures.hpp>
 #include <segue/convert/mission_plan.hpp>
+#include <segue/convert/race_order.hpp>
 #include <segue/task_network/part.hpp>
 
 #include <algorithm>
@@ -101,21 +102,6 @@ class FactOrder {
   const MissionPlan& plan_;
   const PathIndex& paths_;
 };
-
-/// Whether `fails` is in a preemptive container, and `acts` in another of its states or after it. Then no
-/// failure of the one can come after the other without coming so in the sequential run.
-bool beside_or_after_race(const MissionPlan& plan, NodeId acts, NodeId fails) {
-  const mission::Program& program = plan.program();
-  for (const auto* branch = plan[fails].branch.get(); branch != nullptr; branch = branch->around.get()) {
-    const mission::StateIndex container = program.node(branch->child).parent;
-    if (program.node(container).kind != mission::StateKind::Preemptive) continue;
-    const auto* own = plan[acts].branch.get();
-    while (own != nullptr && own != branch)
-      own = own->around.get();
-    if (own == nullptr) return true;
-  }
-  return false;
-}
 
 /// The paths of an outline. A run plans no node that it knows to be off its path, so only nodes that are on
 /// the path as well are certain to let others wait for the nodes that they wait for.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/convert/ahead_of_failures.hpp>
+#include <segue/convert/race_order.hpp>
 #include <segue/task_network/order.hpp>
 #include <support/check_run.hpp>
 #include <support/mission_runs.hpp>
