@@ -149,7 +149,7 @@ actions:
     #preconditions: ["!charging(robot)"]
     # Facts that must hold until it ends; only those that are observed (`observe`) can change meanwhile.
     #while: ["!charging(robot)"]
-    # Facts that become true (+) or false (-) when it ends as expected.
+    # Facts that become true (+) or false (-) when it ends as expected; also values of world_data: {NAME: "{place}"}.
     #effects: ["+moved(robot)"]
     # Units of resources: {block: NAME} for its duration, or consume, create, delete, release or exists.
     #resources: [{block: road, count: 1, keep: false, parameters: {}}]
@@ -157,7 +157,7 @@ actions:
     #pure: false
     # True: it observes reality, and may be repeated.
     #sensing: false
-    # True: it looks at facts that are not among its preconditions.
+    # True: it looks at facts that are not among its preconditions. A list: at these values of world_data.
     #reads_world: false
     # True: in concurrent runs it waits until nothing before it can fail any more.
     #strict: false
@@ -232,7 +232,7 @@ states:
 #world: ["at(robot, dock)"]
 # Facts that the robot shows by themselves, once a condition has held (or not) for the time `settle`.
 #observe: {"charging(robot)": {task: drive, state: idle, settle: 0s}}
-# Data that follow facts: a script has the functions that change them.
+# Values that effects of actions change (only 'initial'), or data that follow facts by the functions of a script.
 #world_data: {map: {initial: {}, python: {text: "def move(map, robot):\n  pass"}, effects: {"+moved": move}}}
 # Values that scripts share, `$NAME` as a default of ports.
 #globals: {home: {type: map, default: {x: 0.0, y: 0.0}}}
