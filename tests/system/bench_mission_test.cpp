@@ -92,6 +92,28 @@ TEST_F(BenchMission, ItComparesBothModesInEachSetting) {
   EXPECT_TRUE(processes_of(folder_ / "runtime").empty());
 }
 
+TEST_F(BenchMission, ASequentialRunWithOneInstanceIsMadeOnceForAllSizes) {
+  const auto report = json(bench("tour.yaml", {"--pool", "planner=1,2", "--sequential-pools", "1"}));
+  std::vector<double> sequential;
+  for (const type::Value& cell : report.find("cells")->as_list()) {
+    for (const type::Value& run : cell.find("runs")->as_list()) {
+      EXPECT_GT(run.find("planning_s")->as_double(), 0.04) << "a plan takes 50 ms";
+      EXPECT_LT(run.find("planning_s")->as_double(), run.find("makespan_s")->as_double());
+      if (run.find("mode")->as_string() == "sequential")
+        sequential.push_back(run.find("makespan_s")->as_double());
+    }
+  }
+  ASSERT_EQ(sequential.size(), 2U);
+  EXPECT_EQ(sequential[0], sequential[1]);
+}
+
+TEST_F(BenchMission, ATableNeedsTheFilesOfTheRover) {
+  EXPECT_THAT(segue({"bench", "mission"}).errors,
+              HasSubstr("name the robot file and the mission file, or a table (--table)"));
+  EXPECT_THAT(segue({"bench", "mission", "--table", "1"}).errors, HasSubstr("table_robot.yaml"));
+  EXPECT_EQ(segue({"bench", "mission", "--table", "3"}).status, 2);
+}
+
 TEST_F(BenchMission, RunsThatFailAreCountedWithTheirMessage) {
   const auto finished = segue(bench("failing.yaml", {}));
   EXPECT_EQ(finished.status, 0) << finished.errors;
