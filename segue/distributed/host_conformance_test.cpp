@@ -156,7 +156,10 @@ class HostConformance : public ::testing::TestWithParam<Place> {
   model::ComponentCatalog catalog_;
   const task_host::LibrarySet libraries_;
   LocalTaskHost local_{libraries_, catalog_, {.stand_in = true}};
-  deploy::LocalDeployment own_{{.robot = "conformance", .incarnation = 1}, local_, nullptr};
+  deploy::LocalDeployment own_{
+      {.robot = "conformance", .deployment = {}, .pid = 0, .software = {}, .incarnation = 1},
+      local_,
+      nullptr};
   DeploymentsHere processes_{catalog_};
   fleet::DeployedTaskHost deployed_{
       own_, processes_,
@@ -168,7 +171,7 @@ class HostConformance : public ::testing::TestWithParam<Place> {
       deployed_,
       {},
       catalog_,
-      {.request = {.holder = "x/1/1", .launch = launch()}, .gateways = {}, .stand_in = true}};
+      {.request = {.holder = "x/1/1", .launch = launch(), .models = {}}, .gateways = {}, .stand_in = true}};
 };
 
 TEST_P(HostConformance, WalksATaskThroughItsLifeCycle) {
