@@ -21,7 +21,8 @@ using namespace segue::task;
 /// Fails as its property says.
 class Part : public Component {
  public:
-  Part() : Component({.activity = segue::periodic(std::chrono::milliseconds(1))}) {}
+  explicit Part(std::vector<std::string> claims = {})
+      : Component({.activity = segue::periodic(std::chrono::milliseconds(1)), .claims = std::move(claims)}) {}
 
  protected:
   void on_update() override {
@@ -41,7 +42,7 @@ class Part : public Component {
 
 class Wheels final : public Part {
  public:
-  Wheels() : Part({.claims = {"wheels"}}) {}
+  Wheels() : Part(std::vector<std::string>{"wheels"}) {}
 };
 
 }  // namespace faulty
