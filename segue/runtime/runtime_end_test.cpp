@@ -14,8 +14,8 @@ namespace {
 
 using testing::network_of;
 
-constexpr const char* kFirst = "network: first\ntasks:\n  kept: {component: a::Kept}\n";
-constexpr const char* kSecond =
+constexpr const char* kOneTask = "network: first\ntasks:\n  kept: {component: a::Kept}\n";
+constexpr const char* kTwoTasks =
     "network: second\ntasks:\n  kept: {component: a::Kept}\n  added: {component: a::Added}\n";
 
 /// The first action sets `entered` and waits for `go`, both of which outlive the robot.
@@ -38,7 +38,7 @@ TEST(RuntimeEnd, APreparationThatWaitsIsAnswered) {
   {
     testing::StandInRobot robot;
     hold_first_action(robot, entered, go);
-    const auto running = robot.runtime.request(network_of(kFirst));
+    const auto running = robot.runtime.request(network_of(kOneTask));
     entered.get_future().wait();
     prepared = robot.runtime.prepare({model::NetworkName("second")});
     release = std::thread([&] { go.set_value(); });
@@ -58,9 +58,9 @@ TEST(RuntimeEnd, RequestsThatWaitAreAnswered) {
   {
     testing::StandInRobot robot;
     hold_first_action(robot, entered, go);
-    running = robot.runtime.request(network_of(kFirst));
+    running = robot.runtime.request(network_of(kOneTask));
     entered.get_future().wait();
-    waiting = robot.runtime.request(network_of(kSecond));
+    waiting = robot.runtime.request(network_of(kTwoTasks));
     // The destructor answers the waiting request before it waits for the action.
     release = std::thread([&] {
       waiting.wait();
