@@ -50,12 +50,21 @@ class TaskContext {
   ~TaskContext() = default;
 };
 
+namespace detail {
+/// The default of ComponentOptions::activity: where gcc 12 makes one aggregate in another, it takes members
+/// for uninitialized.
+inline Activity port_driven() {
+  Activity activity;
+  return activity;
+}
+}  // namespace detail
+
 /// Facts about a component that its constructor fixes.
 struct ComponentOptions {
   std::string doc{};
-  Activity activity{};                    ///< unless the network says otherwise
-  std::vector<std::string> claims{};      ///< devices that one configured task at a time may hold
-  std::vector<std::string> trigger_on{};  ///< inputs that trigger a port-driven task; empty: all
+  Activity activity = detail::port_driven();  ///< unless the network says otherwise
+  std::vector<std::string> claims{};          ///< devices that one configured task at a time may hold
+  std::vector<std::string> trigger_on{};      ///< inputs that trigger a port-driven task; empty: all
 };
 
 /// A unit of robot software: derive, add ports, properties and operations as members, override hooks, and
