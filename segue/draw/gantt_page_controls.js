@@ -3,16 +3,16 @@
 
 // ---- moving ----
 
-function show(seen) {
+function showWindow(seen) {
   state.from = seen.from;
   state.until = seen.until;
   draw();
 }
-const pan = time => show(moved(windowNow(), time, end));
-const zoom = (factor, around = (state.from + state.until) / 2) => show(zoomed(windowNow(), factor, around, end));
-const everything = () => show(wholeOf(end));
+const pan = time => showWindow(moved(windowNow(), time, end));
+const zoom = (factor, around = (state.from + state.until) / 2) => showWindow(zoomed(windowNow(), factor, around, end));
+const everything = () => showWindow(wholeOf(end));
 /// That much time from `from` on.
-const showFrom = (from, length) => show(zoomed({...windowNow(), from, until: from + length}, 1, from, end));
+const showFrom = (from, length) => showWindow(zoomed({...windowNow(), from, until: from + length}, 1, from, end));
 
 function reveal(node) {
   const row = rowOf(node);
@@ -114,7 +114,7 @@ plot.addEventListener('pointermove', event => {
   plot.classList.add('drag');
   tip.hidden = true;
   const time = (drag.x - event.clientX) / (size.width - size.gutter) * (drag.seen.until - drag.seen.from);
-  show(moved(drag.seen, time, end));
+  showWindow(moved(drag.seen, time, end));
   scroller.scrollTop = drag.top + drag.y - event.clientY;
 });
 plot.addEventListener('pointerup', event => {

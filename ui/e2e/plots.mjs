@@ -16,7 +16,7 @@ function makeRobot() {
   const robot = join(stage.folder, 'rover/robot.yaml');
   const libraries = 'segue_components_demo, segue_components_rover, segue_components_navigation]';
   writeFileSync(robot, readFileSync(robot, 'utf8').replace('segue_components_demo]', libraries)
-    .replace(/^halt: .*\n/m, '')); // so that nothing of explore is kept prepared
+    .replace(/^halt:\n(?: .*\n)*/m, '')); // so that nothing of explore is kept prepared
   const seeingFile = join(stage.folder, 'rover/controllers/seeing.yaml');
   writeFileSync(seeingFile, `network: seeing
 tasks:

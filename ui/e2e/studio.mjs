@@ -204,7 +204,7 @@ await stage.play(async () => {
   await drive(page);
   await driveMission(page);
   await stopAndRelease(page);
-  await driveEdit(page, { folder, look, run });
+  await driveEdit(page, { folder, capture, run });
   const observing = await stage.startStudio('--observe');
   const observer = await stage.browser.newPage();
   await observer.goto(observing.found);
