@@ -382,7 +382,7 @@ TEST_F(ServerTest, AnObserverCannotOperate) {
 TEST_F(ServerTest, AReaderThatDoesNotReadHoldsNobodyUp) {
   start();
   enter();
-  Client slow(server_->port(), cookie_, protocols_, 16384);
+  Client slow(server_->port(), cookie_, protocols_, 65536);
   Client quick(server_->port(), cookie_, protocols_);
   slow.receive();
   quick.receive();
