@@ -51,6 +51,14 @@ std::optional<mission_run::Journal> journal_of(const MissionOptions& options) {
   return journal;
 }
 
+Result<void> parse_likelihood(const std::string& text, double& likelihood) {
+  const auto value = type::parse_yaml(text);
+  if (!value || !value->is_number() || !(value->as_double() >= 0 && value->as_double() <= 1))
+    return fail(ErrorCode::InvalidArgument, "expected a number between 0 and 1, got " + quote(text));
+  likelihood = value->as_double();
+  return {};
+}
+
 bool is_debugged(const MissionOptions& options) {
   return !options.breakpoints.empty() || options.steps_back;
 }
@@ -63,8 +71,12 @@ Result<void> check_mode(const MissionOptions& options, const NetworkOptions& net
     return refuse(
         "inputs, facts, a state to start at, a journal, pauses and steps are for missions, not for task "
         "networks");
-  if (!concurrent && (network.strict || network.workers != 0 || network.world_copies != 0))
-    return refuse("strict, a number of workers and of copies of the world are for concurrent runs");
+  const bool bounds_speculation =
+      network.world_copies != 0 || network.ahead != 0 || network.least_likelihood != 0;
+  if (!concurrent && (network.strict || network.workers != 0 || bounds_speculation))
+    return refuse(
+        "strict, a number of workers, copies of the world and actions ahead, and a likelihood are for "
+        "concurrent runs");
   if (concurrent && !options.start_at.empty())
     return refuse("a state to start at is for missions that run as they are written");
   if (concurrent && is_debugged(options))
@@ -84,6 +96,8 @@ mission_run::RunMode mode_of(const MissionOptions& options, const NetworkOptions
     return mission_run::Concurrent{.strict = network.strict,
                                    .workers = unless_zero(network.workers),
                                    .world_copies = unless_zero(network.world_copies),
+                                   .ahead = unless_zero(network.ahead),
+                                   .least_likelihood = network.least_likelihood,
                                    .control = is_network ? nullptr : &steering};
   }
   mission_run::Sequential sequential;
@@ -142,6 +156,12 @@ void add_network_options(Verb& verb, NetworkOptions& options) {
               "vary durations of simulated actions, reproducibly for each number; 0: as expected");
   verb.option("--workers N", options.workers, "nodes that run at the same time; 0: any number");
   verb.option("--world-copies N", options.world_copies, "projected worlds at the same time; 0: any number");
+  verb.option("--ahead N", options.ahead,
+              "actions that run ahead at the same time, the likeliest first; 0: any number");
+  verb.option(
+      "--likelihood P",
+      [&options](const std::string& text) { return parse_likelihood(text, options.least_likelihood); },
+      "only what is at least that likely to count, between 0 and 1, runs ahead (default 0)");
   verb.option("--resource NAME=COUNT", options.resources,
               "how many units of a resource exist, such as process:planner=2");
   verb.flag(

@@ -22,6 +22,8 @@ struct NetworkOptions {
   std::uint64_t seed = 0;
   std::uint32_t workers = 0;
   std::uint32_t world_copies = 0;
+  std::uint32_t ahead = 0;
+  double least_likelihood = 0;
   bool strict = false;
   std::vector<std::string> resources;  ///< NAME=COUNT
 };

@@ -117,6 +117,14 @@ void show_executions(const FinishedRun& run) {
   if (overview.error) print_note(printable(overview.error->message));
 }
 
+void show_speculation(const task_network::SpeculationSummary& speculation) {
+  if (speculation.used + speculation.discarded == 0) return;
+  print_line(fmt::format(
+      "ahead: {} used, {:.2f} s of them before it was certain that they count; {} discarded, {:.2f} s",
+      speculation.used, seconds(speculation.ahead), speculation.discarded,
+      seconds(speculation.discarded_time)));
+}
+
 void show_nodes(FinishedRun& run) {
   using Align = Table::Align;
   Table table({{"node"}, {"start", Align::Right}, {"end", Align::Right}, {"status"}, {"last waited for"}});
@@ -136,6 +144,7 @@ void show_nodes(FinishedRun& run) {
   print(table.text());
   if (off_path > 0) print_line(fmt::format("and {} not on the path taken", off_path));
   const task_network::RunSummary& comparison = run.comparison();
+  show_speculation(comparison.speculation);
   print_line(fmt::format("{} in {:.2f} s; sequential {:.2f} s, critical path {:.2f} s",
                          run.overview().succeeded ? "done" : "ended", seconds(run.overview().makespan),
                          seconds(comparison.sequential), seconds(comparison.critical_path)));

@@ -114,6 +114,8 @@ class Run::Implementation {
     made.speculate = options.speculate;
     made.workers = options.workers;
     made.world_copies = options.world_copies;
+    made.ahead = options.ahead;
+    made.least_likelihood = options.least_likelihood;
     made.horizon = options.horizon;
     made.log = options.log;
     return made;

@@ -19,6 +19,8 @@ struct RunOptions {
   bool speculate = true;           ///< pure actions run ahead
   std::uint32_t workers = 0;       ///< actions that run at the same time; 0: any number
   std::uint32_t world_copies = 0;  ///< projected worlds at the same time; 0: any number
+  std::uint32_t ahead = 0;         ///< actions that run ahead at the same time; 0: any number
+  double least_likelihood = 0;     ///< what is less likely to count does not run ahead; of 1
   std::size_t horizon = 1000;      ///< unfinished nodes that are planned ahead
   bool log = false;                ///< record events in the result of the network
   Duration preemption_grace = std::chrono::seconds(10);  ///< as in mission::EngineOptions

@@ -48,6 +48,8 @@ RunOptions options_of(std::uint64_t seed) {
   options.speculate = seed % 16 != 5;
   options.workers = seed % 5 == 1 ? static_cast<std::uint32_t>(seed / 5 % 3 + 1) : 0;
   options.world_copies = seed % 6 == 3 ? static_cast<std::uint32_t>(seed / 6 % 2 + 1) : 0;
+  options.ahead = seed % 11 == 4 ? static_cast<std::uint32_t>(seed / 11 % 2 + 1) : 0;
+  options.least_likelihood = seed % 9 == 2 ? 0.3 : 0;
   options.horizon = seed % 7 == 2 ? 5 + seed / 7 % 20 : 1000;
   return options;
 }

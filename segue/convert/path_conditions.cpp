@@ -3,6 +3,7 @@
 #include <segue/convert/path_conditions.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace segue::convert {
@@ -21,13 +22,14 @@ constexpr std::size_t kMostEdges = 64;
 }  // namespace
 
 std::uint32_t PathConditions::add(NodeId node, BranchEdge around, std::vector<OutcomeId> outcomes,
-                                  std::optional<OutcomeId> expected) {
+                                  std::vector<double> likelihoods, std::optional<OutcomeId> expected) {
   const auto number = static_cast<std::uint32_t>(branches_.size());
   Branch& branch = branches_.emplace_back();
   branch.node = node;
   branch.around = around;
   branch.depth = depth(around) + 1;
   branch.outcomes = std::move(outcomes);
+  branch.likelihoods = std::move(likelihoods);
   branch.expected = expected;
   by_node_.resize(std::max<std::size_t>(by_node_.size(), index(node) + 1), kNone);
   by_node_[index(node)] = number;
@@ -38,12 +40,32 @@ BranchEdge PathConditions::add_join(NodeId node, BranchEdge around, std::vector<
                                     OutcomeId reached, OutcomeId missed) {
   const bool likely =
       std::ranges::any_of(edges, [&](const BranchEdge& edge) { return expected(edge, around); });
-  const std::uint32_t number =
-      add(node, around, {reached, missed}, likely ? std::nullopt : std::optional(missed));
+  double reaches = 0;
+  for (const BranchEdge& edge : edges)
+    reaches += likelihood(edge, around);
+  reaches = std::min(reaches, 1.0);
+  const std::uint32_t number = add(node, around, {reached, missed}, {reaches, 1 - reaches},
+                                   likely ? std::nullopt : std::optional(missed));
   branches_[number].narrows =
       !std::ranges::all_of(edges, [&](const BranchEdge& edge) { return implies(edge, around); });
   branches_[number].meaning = std::move(edges);
   return {number, reached};
+}
+
+/// How likely the branch ends with the outcome of the edge, if it is on the path.
+double PathConditions::likelihood(BranchEdge edge) const {
+  const Branch& branch = branches_[edge.branch];
+  if (branch.decided) return *branch.decided == edge.outcome ? 1 : 0;
+  const auto outcome = std::ranges::find(branch.outcomes, edge.outcome) - branch.outcomes.begin();
+  return branch.likelihoods[static_cast<std::size_t>(outcome)];
+}
+
+/// How likely the edge is on the path, if `outer`, which it implies, is.
+double PathConditions::likelihood(BranchEdge edge, BranchEdge outer) const {
+  double product = 1;
+  for (; !edge.always() && edge != outer; edge = branches_[edge.branch].around)
+    product *= likelihood(edge);
+  return product;
 }
 
 void PathConditions::decide(NodeId node, OutcomeId outcome) {
@@ -181,7 +203,9 @@ std::vector<task_network::Condition> PathConditions::conditions(BranchEdge edge)
   std::vector<task_network::Condition> result;
   if (planted(ConversionFault::IgnoresInnerBranch) && !edge.always()) edge = branches_[edge.branch].around;
   for (; !edge.always() && result.size() < kMostConditions; edge = branches_[edge.branch].around) {
-    if (!branches_[edge.branch].decided) result.push_back({branches_[edge.branch].node, edge.outcome});
+    if (branches_[edge.branch].decided) continue;
+    const double parts = std::round(likelihood(edge) * task_network::Condition::kCertain);
+    result.push_back({branches_[edge.branch].node, edge.outcome, static_cast<std::uint16_t>(parts)});
   }
   std::ranges::sort(result);
   return result;

@@ -23,10 +23,10 @@ struct BranchEdge {
 /// taken into account as they become known. Not thread safe.
 class PathConditions {
  public:
-  /// Adds a branch: `node` lies on `around` and ends with one of `outcomes`. If one is expected, the others
-  /// are not.
+  /// Adds a branch: `node` lies on `around` and ends with one of `outcomes`, and as likely as `likelihoods`
+  /// says (between 0 and 1, in the same order). If one is expected, the others are not.
   std::uint32_t add(task_network::NodeId node, BranchEdge around,
-                    std::vector<task_network::OutcomeId> outcomes,
+                    std::vector<task_network::OutcomeId> outcomes, std::vector<double> likelihoods,
                     std::optional<task_network::OutcomeId> expected);
   /// Adds a join, which lies on `around`: `node` ends with `reached` if one of `edges` is on the path.
   BranchEdge add_join(task_network::NodeId node, BranchEdge around, std::vector<BranchEdge> edges,
@@ -75,6 +75,7 @@ class PathConditions {
     BranchEdge around;
     std::uint32_t depth = 0;
     std::vector<task_network::OutcomeId> outcomes;
+    std::vector<double> likelihoods;  ///< by outcome
     std::vector<BranchEdge> meaning;  ///< joins: the edges
     bool narrows = false;             ///< joins: an edge may be on the path although `around` is not
     std::optional<task_network::OutcomeId> decided;
@@ -86,6 +87,8 @@ class PathConditions {
     return edge.always() ? 0 : branches_[edge.branch].depth;
   }
   std::optional<BranchEdge> live_within(BranchEdge edge);
+  [[nodiscard]] double likelihood(BranchEdge edge) const;
+  [[nodiscard]] double likelihood(BranchEdge edge, BranchEdge outer) const;
   bool reduce(std::vector<BranchEdge>& edges);
   bool expand(std::vector<BranchEdge>& edges);
 

@@ -64,7 +64,10 @@ void Unroller::begin_container(ContainerExecution& activation) {
   if (!entry.aborts_handled) return;
   std::vector<task_network::OutcomeId> outcomes{task_network::kSuccess, task_network::kAborted};
   if (scope_ == PlanScope::EveryEnd) outcomes.push_back(task_network::kPreempted);
-  const auto branch = paths_.add(id, entry.when, std::move(outcomes), task_network::kSuccess);
+  std::vector<double> likelihoods{1, 0};  // what it declares holds, as a rule
+  likelihoods.resize(outcomes.size());
+  const auto branch =
+      paths_.add(id, entry.when, std::move(outcomes), std::move(likelihoods), task_network::kSuccess);
   activation.inside = {branch, task_network::kSuccess};
   if (scope_ == PlanScope::EveryEnd)
     activation.exits.push_back({mission::kPreempted, {{branch, task_network::kPreempted}, false, {}}});

@@ -3,6 +3,7 @@
 #include <segue/convert/conversion_fault.hpp>
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/footprint.hpp>
+#include <segue/mission/outcome_likelihoods.hpp>
 #include <segue/mission/units.hpp>
 
 #include <algorithm>
@@ -228,6 +229,22 @@ std::optional<OutcomeId> Unroller::expected_end(StateIndex state) {
   return plan_.network_.outcome(expected);
 }
 
+/// How likely the state ends with each of `count` outcomes: its own, and then `aborted` and `preempted` as
+/// far as they are among them. A subtree ends well as any action of which nothing is said.
+std::vector<double> Unroller::likelihoods_of(const StateEntry& entry, std::size_t count) const {
+  const StateKind kind = node(entry.state).kind;
+  std::vector<double> likelihoods;
+  if (kind == StateKind::Execution || kind == StateKind::Decider) {
+    likelihoods = mission::outcome_likelihoods(action(entry.state), entry.aborts_handled);
+  } else {
+    Action subtree;
+    subtree.outcomes = *node(entry.state).outcomes;
+    likelihoods = mission::outcome_likelihoods(subtree, entry.aborts_handled);
+  }
+  likelihoods.resize(count);
+  return likelihoods;
+}
+
 StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& spec) {
   const mission::CompiledState& state = node(entry.state);
   StateEnd end;
@@ -251,7 +268,8 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
     outcomes.push_back(plan_.network_.outcome((*state.outcomes)[static_cast<std::size_t>(i)]));
   if (entry.aborts_handled) outcomes.push_back(task_network::kAborted);
   if (scope_ == PlanScope::EveryEnd) outcomes.push_back(task_network::kPreempted);
-  const auto branch = paths_.add(id, entry.when, outcomes, expected_end(entry.state));
+  const auto branch =
+      paths_.add(id, entry.when, outcomes, likelihoods_of(entry, outcomes.size()), expected_end(entry.state));
   const auto ended = [&](Outcome i) { return BranchEdge{branch, outcomes[static_cast<std::size_t>(i)]}; };
   for (Outcome i = 0; i < own; ++i)
     end.exits.push_back({i, {ended(i), false, told(ended(i))}});

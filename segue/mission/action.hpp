@@ -122,6 +122,13 @@ using Procedure =
     std::variant<std::monostate, Callback, Script, Simulated, Decision, ControllerUse, PoolCall>;
 
 /// A leaf of the state machine: its work, and the declarations about it.
+/// How likely an action ends with an outcome, `aborted` among them: between 0 and 1.
+struct OutcomeLikelihood {
+  std::string outcome;
+  double likelihood = 0;
+  friend bool operator==(const OutcomeLikelihood&, const OutcomeLikelihood&) = default;
+};
+
 struct Action {
   ActionName name;
   std::string description;
@@ -142,7 +149,8 @@ struct Action {
   /// that input); nothing: it uses none. An action that is a controller names it under `run`.
   std::optional<std::vector<std::string>> controllers;
   std::optional<Duration> expected_duration;
-  std::string expected_outcome;  ///< empty: not known
+  std::string expected_outcome;                ///< empty: not known
+  std::vector<OutcomeLikelihood> likelihoods;  ///< as far as they are known
   Procedure run;
   SourcePlace where;
   /// The outcome with which its effects apply: the expected one if it is declared, or else the first. An

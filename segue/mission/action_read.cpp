@@ -138,6 +138,26 @@ Decision read_decision(const Value& value, const std::string& what, const Source
   return decision;
 }
 
+void read_likelihoods(Action& action, Fields& expect, const Source& source) {
+  const Value* value = expect.find("likelihood", Value::Kind::Map);
+  if (value == nullptr) return;
+  double sum = 0;
+  for (const auto& [outcome, likelihood] : value->as_map()) {
+    if (!likelihood.is_number() || !(likelihood.as_double() >= 0 && likelihood.as_double() <= 1)) {
+      source.error("bad-likelihood",
+                   expect.what() + ": the likelihood of " + quote(outcome) +
+                       " must be a number between 0 and 1, got " + type::describe(likelihood),
+                   likelihood);
+      return;
+    }
+    sum += likelihood.as_double();
+    action.likelihoods.push_back({outcome, likelihood.as_double()});
+  }
+  if (sum > 1 + 1e-9)
+    source.error("bad-likelihood", expect.what() + ": the likelihoods of all outcomes exceed 1 in sum",
+                 *value);
+}
+
 void read_expectation(Action& action, Fields& fields, const Source& source) {
   const Value* value = fields.find("expect", Value::Kind::Map);
   if (value == nullptr) return;
@@ -146,6 +166,7 @@ void read_expectation(Action& action, Fields& fields, const Source& source) {
   if (action.expected_duration.value_or(Duration::zero()) < Duration::zero())
     source.error("bad-duration", expect.what() + ": 'duration' must not be negative", *value);
   action.expected_outcome = expect.text("outcome");
+  read_likelihoods(action, expect, source);
   expect.finish();
 }
 

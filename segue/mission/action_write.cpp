@@ -139,6 +139,10 @@ Value write_action(const Action& action) {
   ValueMap expect;
   if (action.expected_duration) expect.append("duration", format_duration(*action.expected_duration));
   if (!action.expected_outcome.empty()) expect.append("outcome", action.expected_outcome);
+  ValueMap likelihoods;
+  for (const OutcomeLikelihood& one : action.likelihoods)
+    likelihoods.append(one.outcome, one.likelihood);
+  if (!likelihoods.empty()) expect.append("likelihood", std::move(likelihoods));
   if (!expect.empty()) map.append("expect", std::move(expect));
   Value run = std::visit([](const auto& how) { return write_run(how); }, action.run);
   if (!run.is_null()) map.append("run", std::move(run));

@@ -109,6 +109,8 @@ class ActionCheck {
                            action_.where);
     }
     if (!action_.expected_outcome.empty()) check_outcome(action_.expected_outcome);
+    for (const OutcomeLikelihood& one : action_.likelihoods)
+      check_outcome(one.outcome);
     if (const auto* simulated = std::get_if<Simulated>(&action_.run)) check(*simulated);
     if (const auto* decision = std::get_if<Decision>(&action_.run)) {
       for (const DecisionRule& rule : decision->rules)

@@ -3,6 +3,7 @@
 
 #include <segue/mission/controllers.hpp>
 #include <segue/mission/mission_index.hpp>
+#include <segue/mission/outcome_likelihoods.hpp>
 #include <segue/model/reader.hpp>
 
 #include <algorithm>
@@ -15,7 +16,6 @@ namespace segue::mission {
 
 namespace {
 
-constexpr double kAsExpected = 0.8;
 constexpr double kLeast = 0.01;
 constexpr int kMostRounds = 3;  ///< of a loop
 
@@ -87,18 +87,10 @@ class Search {
 
   void leave_leaf(const Step& step) {
     const Action& action = *program_.declared(step.state);
-    const auto& outcomes = action.outcomes;
     const Duration after = step.after + action.expected_duration.value_or(Duration());
-    const auto expected = std::ranges::find(outcomes, action.expected_outcome);
-    const auto others = static_cast<double>(outcomes.size() - (expected == outcomes.end() ? 0 : 1));
-    for (auto one = outcomes.begin(); one != outcomes.end(); ++one) {
-      const double share = expected == outcomes.end() ? 1 / others
-                           : one != expected          ? (1 - kAsExpected) / others
-                           : others == 0              ? 1
-                                                      : kAsExpected;
-      leave(step.state, static_cast<Outcome>(one - outcomes.begin()),
-            {kNoState, share * step.probability, after});
-    }
+    const auto likelihoods = outcome_likelihoods(action, false);
+    for (std::size_t i = 0; i < likelihoods.size(); ++i)
+      leave(step.state, static_cast<Outcome>(i), {kNoState, likelihoods[i] * step.probability, after});
   }
 
   void leave(StateIndex state, Outcome outcome, const Step& step) {

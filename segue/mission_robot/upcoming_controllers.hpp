@@ -23,12 +23,11 @@ struct UpcomingController {
 }
 
 /// The controllers that lie ahead of a leaf that begins now, the likeliest first, and among equals the sooner
-/// ones. Follows the plan: an action ends as it is expected to (Action::expected_outcome) four times out of
-/// five, and with each of its outcomes equally often where nothing is expected; it takes as long as is
-/// expected of it. The search ends where what remains is less likely than one in a hundred. A controller
-/// whose name depends on an input is known only where that input is constant. Behind the end of a library,
-/// all states that use it are looked at; of a loop, three rounds. Pure; takes time in proportion to the size
-/// of the mission.
+/// ones. Follows the plan: an action ends with each outcome as often as outcome_likelihoods() says, and takes
+/// as long as is expected of it. The search ends where what remains is less likely than one in a hundred. A
+/// controller whose name depends on an input is known only where that input is constant. Behind the end of a
+/// library, all states that use it are looked at; of a loop, three rounds. Pure; takes time in proportion to
+/// the size of the mission.
 std::vector<UpcomingController> upcoming_controllers(const Program& program, StateIndex from);
 
 }  // namespace segue::mission

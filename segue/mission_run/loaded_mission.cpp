@@ -125,10 +125,14 @@ Result<void> check_numbers(const RunRequest& request) {
     return fail(ErrorCode::InvalidArgument,
                 "a seed of 0 varies nothing; without a seed, durations are as expected");
   const auto* const concurrent = std::get_if<Concurrent>(&request.mode);
-  if (concurrent != nullptr && (concurrent->workers == 0U || concurrent->world_copies == 0U))
-    return fail(ErrorCode::InvalidArgument,
-                "a run needs a worker and a copy of the world; without a number there are as many as it can "
-                "use");
+  if (concurrent == nullptr) return {};
+  if (concurrent->workers == 0U || concurrent->world_copies == 0U || concurrent->ahead == 0U)
+    return fail(
+        ErrorCode::InvalidArgument,
+        "a run needs a worker and a copy of the world, and one action at least may run ahead; without "
+        "a number there are as many as it can use");
+  if (!(concurrent->least_likelihood >= 0 && concurrent->least_likelihood <= 1))
+    return fail(ErrorCode::InvalidArgument, "a likelihood is between 0 and 1");
   return {};
 }
 

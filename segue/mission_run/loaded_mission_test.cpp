@@ -295,6 +295,9 @@ TEST_F(LoadedMissions, ANumberOfNothingIsRefused) {
   const LoadedMission network = load("n.json", kNetwork);
   EXPECT_EQ(network.run(request(Concurrent{.workers = 0})).error().code, ErrorCode::InvalidArgument);
   EXPECT_EQ(network.run(request(Concurrent{.world_copies = 0})).error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(network.run(request(Concurrent{.ahead = 0})).error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(network.run(request(Concurrent{.least_likelihood = 1.5})).error().code,
+            ErrorCode::InvalidArgument);
   RunRequest odd = request(Sequential{});
   odd.seed = 0;
   EXPECT_EQ(network.run(odd).error().code, ErrorCode::InvalidArgument);

@@ -68,6 +68,7 @@ class NetworkRun : public FinishedRun {
     comparison_.critical_path = task_network::critical_path(network(), order(), result()).length;
     comparison_.shortest =
         std::max(comparison_.critical_path, task_network::busiest_resource(network(), result()));
+    comparison_.speculation = task_network::speculation_of(network(), order(), result());
     if (network().size() > 0) comparison_.engine_per_node = Microseconds(used) / network().size();
     overview_.name = network().name;
     overview_.makespan = result().makespan;
@@ -121,6 +122,8 @@ class ConcurrentMissionRun final : public NetworkRun {
     options.strict = how.strict;
     options.workers = how.workers.value_or(0);
     options.world_copies = how.world_copies.value_or(0);
+    options.ahead = how.ahead.value_or(0);
+    options.least_likelihood = how.least_likelihood;
     options.warn = request.note;
     options.observe = request.on_event;
     auto run = convert::Run::create(std::move(program), runners, std::move(*inputs), std::move(options));
@@ -292,6 +295,8 @@ class FlatNetworkRun final : public NetworkRun {
     options.strict = how.strict;
     options.workers = how.workers.value_or(0);
     options.world_copies = how.world_copies.value_or(0);
+    options.ahead = how.ahead.value_or(0);
+    options.least_likelihood = how.least_likelihood;
     options.priorities = task_network::choose_priorities(network(), order_, flat_->trials, options, stop);
     task_network::ConcurrentEngine engine(network(), order_, environment, options);
     const std::stop_callback end(stop, [&] { engine.stop(); });

@@ -49,6 +49,9 @@ struct Concurrent {
   bool strict = false;                          ///< every node is strict, whatever the plan declares
   std::optional<std::uint32_t> workers{};       ///< how many nodes run at the same time; nothing: any number
   std::optional<std::uint32_t> world_copies{};  ///< projected worlds at the same time; nothing: any number
+  std::optional<std::uint32_t> ahead{};  ///< actions that run ahead at the same time; nothing: any number
+  /// An action whose result is less likely to count does not run ahead; between 0 and 1.
+  double least_likelihood = 0;
   /// Pauses the run of a mission. Must outlive the run. Null: it cannot be paused.
   RunControl* control = nullptr;
 };

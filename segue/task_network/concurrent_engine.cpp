@@ -58,7 +58,8 @@ ConcurrentEngine::Implementation::Implementation(TaskNetwork& network, Expansion
 }
 
 Rank ConcurrentEngine::Implementation::rank(NodeId node) const {
-  return {index(node) < options_.priorities.size() ? options_.priorities[index(node)] : 0, node};
+  return {at(node).unlikely, index(node) < options_.priorities.size() ? options_.priorities[index(node)] : 0,
+          node};
 }
 
 void ConcurrentEngine::Implementation::log(NodeId node, LogKind kind) {
@@ -77,8 +78,7 @@ void ConcurrentEngine::Implementation::adopt() {
   versions_.resize(network_.input_count());
   pool_.grow();
   pool_.take_groups(network_.groups());
-  speculative_.resize(network_.resources.size());
-  preempted_units_.resize(network_.resources.size());
+  preemptible_.grow(network_.resources.size());
   for (std::uint32_t i = first; i < size; ++i)
     adopt_node(NodeId{i});
 }
@@ -153,19 +153,19 @@ bool ConcurrentEngine::Implementation::expand() {
   return network_.size() > first;
 }
 
-/// Checks the nodes that something happened to, by rank. Without priorities that is program order, in which
-/// most nodes come anyway.
+/// Checks the nodes that something happened to, by rank; most come in that order anyway.
 void ConcurrentEngine::Implementation::work_off() {
+  const auto by_rank = [this](NodeId node) { return rank(node); };
   for (;;) {
     take_granted();
     take_waiting();
     preempt_for_waiting();
     if (work_.empty()) return;
     batch_.swap(work_);
-    if (!options_.priorities.empty())
-      std::ranges::sort(batch_, {}, [this](NodeId node) { return rank(node); });
-    else if (!std::ranges::is_sorted(batch_))
-      std::ranges::sort(batch_);
+    for (const NodeId node : batch_) {
+      if (at(node).phase == Phase::Waiting) at(node).unlikely = unlikely(node);
+    }
+    if (!std::ranges::is_sorted(batch_, {}, by_rank)) std::ranges::sort(batch_, {}, by_rank);
     for (const NodeId node : batch_)
       check(node);
     batch_.clear();
@@ -236,14 +236,9 @@ void ConcurrentEngine::Implementation::heed_stop() {
 
 /// Whether a pause keeps nodes from beginning. Says so once nothing runs any more.
 bool ConcurrentEngine::Implementation::hold() {
-  if (!pause_.paused() || (ready_.empty() && ready_speculative_.empty())) return false;
+  if (!pause_.paused() || ready_.empty()) return false;
   if (!running_.empty() || !options_.held || !pause_.tells()) return true;
-  std::vector<NodeId> next;
-  for (const auto* from : {&ready_, &ready_speculative_}) {
-    for (const Rank& each : *from)
-      next.push_back(each.node);
-  }
-  options_.held(next);
+  options_.held(ready_.all());
   return true;
 }
 

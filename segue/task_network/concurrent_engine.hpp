@@ -43,6 +43,8 @@ struct ConcurrentEngineOptions {
   ClockKind clock = ClockKind::Virtual;
   bool strict = false;             ///< all nodes are strict (NodeSpec::strict)
   bool speculate = true;           ///< pure nodes may run speculatively
+  std::uint32_t ahead = 0;         ///< speculative runs at the same time; 0: any number
+  double least_likelihood = 0;     ///< what is less likely to count does not run speculatively; of 1
   std::uint32_t workers = 0;       ///< nodes that run at the same time; 0: any number
   std::uint32_t world_copies = 0;  ///< projections that exist at the same time, from the start of a run until
                                    ///< nobody needs its result any more; 0: any number

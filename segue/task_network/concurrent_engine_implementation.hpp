@@ -8,6 +8,7 @@
 #include <segue/task_network/order_builder.hpp>
 #include <segue/task_network/pause.hpp>
 #include <segue/task_network/preemption.hpp>
+#include <segue/task_network/ready_nodes.hpp>
 #include <segue/task_network/resource_pool.hpp>
 #include <segue/task_network/turns.hpp>
 #include <segue/task_network/world_changes.hpp>
@@ -70,6 +71,10 @@ class ConcurrentEngine::Implementation {
   void try_start(NodeId node);
   [[nodiscard]] bool settled(NodeId node) const;
   [[nodiscard]] bool certain(NodeId node) const;
+  [[nodiscard]] std::uint16_t unlikely(NodeId node) const;
+  [[nodiscard]] bool may_run_ahead(NodeId node) const;
+  bool queue_again(NodeId node);
+  void make_ready(NodeId node);
   [[nodiscard]] bool takes_in_order(NodeId node) const;
   [[nodiscard]] std::optional<NodeId> risk_before(NodeId node) const;
   [[nodiscard]] ReportPtr refusal(NodeId node, const std::string& why);
@@ -89,8 +94,6 @@ class ConcurrentEngine::Implementation {
   // Preempting speculative runs (concurrent_engine_preempt.cpp).
   void note_speculative(NodeId node, bool speculative);
   void note_preempted(NodeId node, bool preempted);
-  [[nodiscard]] std::uint64_t blocked_units(NodeId node, ResourceId resource) const;
-  [[nodiscard]] bool speculation_holds(NodeId node) const;
   void preempt_for_units(NodeId node);
   void preempt_for_waiting();
   void preempt(NodeId node);
@@ -141,7 +144,6 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool reads_are_valid(NodeId node) const;
   [[nodiscard]] bool inputs_are_valid(NodeId node) const;
   [[nodiscard]] bool world_is_valid(NodeId node);
-
   // Explaining a stall (stall.cpp).
   [[nodiscard]] Error stall_error() const;
   [[nodiscard]] std::string waits_for(NodeId node) const;
@@ -169,13 +171,11 @@ class ConcurrentEngine::Implementation {
   std::vector<NodeId> batch_;
   std::vector<NodeId> to_skip_;
   std::vector<NodeId> granted_;
-  std::set<Rank> ready_;              ///< whose runs are certain to count
-  std::set<Rank> ready_speculative_;  ///< others
+  ReadyNodes ready_;
   std::set<Rank> copying_;
   std::uint32_t copies_ = 0;
-  std::vector<SpeculativeHolders> speculative_;  ///< by resource
-  std::vector<std::uint64_t> preempted_units_;   ///< by resource: held by cancelled runs that have not ended
-  std::uint32_t preempted_workers_ = 0;          ///< held by cancelled runs that have not ended
+  PreemptibleUnits preemptible_;
+  std::uint32_t preempted_workers_ = 0;  ///< held by cancelled runs that have not ended
   std::uint32_t passed_count_ = 0;
   NodeId last_done_{kNone};
   std::uint32_t prefix_ = 0;  ///< all nodes before have passed

@@ -12,67 +12,42 @@ namespace segue::task_network {
 
 /// Records the units of a speculative run, from its start until it ends or is cancelled.
 void ConcurrentEngine::Implementation::note_speculative(NodeId node, bool speculative) {
-  if (speculative && certain(node)) return;
-  for (const Claim& claim : network_.claims(node)) {
-    SpeculativeHolders& holders = speculative_[index(claim.resource)];
-    if (speculative && holders.ranks.insert(rank(node)).second)
-      holders.units += blocked_units(node, claim.resource);
-    if (!speculative && holders.ranks.erase(rank(node)) > 0)
-      holders.units -= blocked_units(node, claim.resource);
-  }
-}
-
-/// The units that a run of the node gives back when it ends.
-std::uint64_t ConcurrentEngine::Implementation::blocked_units(NodeId node, ResourceId resource) const {
-  std::uint64_t units = 0;
-  for (const Claim& claim : network_.claims(node)) {
-    if (claim.resource == resource && claim.op == ResourceOp::Block) units += claim.count;
-  }
-  return units;
-}
-
-/// Whether a later speculative run holds units of a resource that the node claims.
-bool ConcurrentEngine::Implementation::speculation_holds(NodeId node) const {
-  return std::ranges::any_of(network_.claims(node), [&](const Claim& claim) {
-    const auto& ranks = speculative_[index(claim.resource)].ranks;
-    return !ranks.empty() && rank(node) < *ranks.rbegin();
-  });
+  if (!speculative)
+    preemptible_.give_back(rank(node), network_.claims(node));
+  else if (!certain(node))
+    preemptible_.hold(rank(node), network_.claims(node));
 }
 
 /// Records the units and the worker that a cancelled run still holds, until it ends.
 void ConcurrentEngine::Implementation::note_preempted(NodeId node, bool preempted) {
   if (needs_worker(node)) preempted_workers_ = preempted ? preempted_workers_ + 1 : preempted_workers_ - 1;
-  for (const Claim& claim : network_.claims(node)) {
-    if (claim.op != ResourceOp::Block || claim.group != kNone) continue;
-    std::uint64_t& units = preempted_units_[index(claim.resource)];
-    units = preempted ? units + claim.count : units - claim.count;
-  }
+  preemptible_.cancelled(network_.claims(node), preempted);
 }
 
 /// Adds the speculative runs, the last in rank first, that must be preempted for the node to get the units
 /// that it claims. False if even all of them would not be enough.
 bool ConcurrentEngine::Implementation::collect_holders(NodeId node, const Claim& claim,
                                                        std::vector<NodeId>& holders) {
-  std::uint64_t coming = preempted_units_[index(claim.resource)];
-  const auto& [candidates, held] = speculative_[index(claim.resource)];
+  std::uint64_t coming = preemptible_.coming(claim.resource);
+  const auto& [candidates, held] = preemptible_.holders(claim.resource);
   const auto missing = pool_.missing(rank(node), claim, coming + held);
   if (!missing) return false;
   for (const NodeId holder : holders)
-    coming += blocked_units(holder, claim.resource);
+    coming += PreemptibleUnits::blocked(network_.claims(holder), claim.resource);
   for (auto last = candidates.rbegin(); last != candidates.rend() && coming < *missing && rank(node) < *last;
        ++last) {
     // The holder may have become certain to count meanwhile.
     const bool known = std::ranges::find(holders, last->node) != holders.end();
     if (known || (at(last->node).phase == Phase::Running && certain(last->node))) continue;
     holders.push_back(last->node);
-    coming += blocked_units(last->node, claim.resource);
+    coming += PreemptibleUnits::blocked(network_.claims(last->node), claim.resource);
   }
   return coming >= *missing;
 }
 
 /// Requires that the node is certain to count and waits for units.
 void ConcurrentEngine::Implementation::preempt_for_units(NodeId node) {
-  if (!speculation_holds(node)) return;
+  if (!preemptible_.held_behind(rank(node), network_.claims(node))) return;
   std::vector<NodeId> holders;
   for (const Claim& claim : network_.claims(node)) {
     if (!collect_holders(node, claim, holders)) return;
@@ -90,7 +65,7 @@ void ConcurrentEngine::Implementation::preempt_for_waiting() {
   }
   if (options_.workers == 0 || pause_.paused()) return;
   const std::uint64_t coming = options_.workers - at_work_ + preempted_workers_;
-  for (std::uint64_t wanted = ready_.size(); wanted > coming; --wanted) {
+  for (std::uint64_t wanted = ready_.certain_count(); wanted > coming; --wanted) {
     const NodeId* last = nullptr;
     for (const NodeId& node : running_) {
       const bool speculative = (!certain(node) || planted(EngineFault::PreemptsWhatCounts)) &&

@@ -2,6 +2,7 @@
 #include "concurrent_engine_implementation.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace segue::task_network {
 
@@ -54,10 +55,38 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
     if (state.commit_gate == 0) try_start(node);
     return;
   }
-  const bool in_order = takes_in_order(node);  // what does cannot be repeated
-  if (state.reads_beside && in_order && !turn_has_come(node)) return;
-  const bool runs_ahead = options_.speculate && !in_order && !state.observes;
-  if (state.start_gate == 0 && (settled(node) || runs_ahead)) try_start(node);
+  if (state.reads_beside && takes_in_order(node) && !turn_has_come(node)) return;
+  if (state.start_gate == 0 && (settled(node) || may_run_ahead(node))) try_start(node);
+}
+
+/// Whether the node may run before it is certain to count. What takes units in program order cannot be
+/// repeated.
+bool ConcurrentEngine::Implementation::may_run_ahead(NodeId node) const {
+  if (!options_.speculate || at(node).observes || takes_in_order(node)) return false;
+  return options_.least_likelihood <= 0 ||
+         unlikely(node) <= (1 - options_.least_likelihood) * Condition::kCertain;
+}
+
+/// How unlikely it is that the conditions of the node which are not decided are met, in parts of
+/// Condition::kCertain. The time that a planner saves is at most the time that it takes, if its result counts
+/// at all; so what is likeliest to count is worth most for that time.
+std::uint16_t ConcurrentEngine::Implementation::unlikely(NodeId node) const {
+  double likelihood = 1;
+  for (const Condition& condition : network_.conditions(node)) {
+    if (!at(condition.node).passed) likelihood *= condition.share();
+  }
+  return static_cast<std::uint16_t>(std::ceil((1 - likelihood) * Condition::kCertain));
+}
+
+/// Gives a node that waits for units the place in the queue that its likelihood has now; false if it has it.
+bool ConcurrentEngine::Implementation::queue_again(NodeId node) {
+  State& state = at(node);
+  const std::uint16_t now = unlikely(node);
+  if (state.unlikely == now || pool_.has_granted(node)) return false;
+  pool_.withdraw(rank(node), network_.claims(node));
+  state.unlikely = now;
+  claim(node);
+  return true;
 }
 
 /// Takes a node further that has got beyond waiting for its gates; true if it waits for them again.
@@ -74,7 +103,7 @@ bool ConcurrentEngine::Implementation::waits_again(NodeId node) {
         invalidate(node);
       return false;
     case Phase::Ready:
-      if (certain(node) && ready_speculative_.erase(rank(node)) > 0) ready_.insert(rank(node));
+      if (ready_.remove_speculative(rank(node))) make_ready(node);
       return false;
     case Phase::Copying:
       if (!open) return false;
@@ -82,7 +111,7 @@ bool ConcurrentEngine::Implementation::waits_again(NodeId node) {
       break;
     case Phase::Queued:
       if (false_precondition(node) == nullptr) {
-        if (!refuse_for_shortage(node) && certain(node)) preempt_for_units(node);
+        if (!queue_again(node) && !refuse_for_shortage(node) && certain(node)) preempt_for_units(node);
         return false;
       }
       abandon(node);  // the world has changed since it was queued
@@ -129,6 +158,7 @@ std::optional<NodeId> ConcurrentEngine::Implementation::risk_before(NodeId node)
 }
 
 void ConcurrentEngine::Implementation::try_start(NodeId node) {
+  at(node).unlikely = unlikely(node);
   if (irreversible(node) || takes_in_order(node)) {
     if (const auto risk = risk_before(node)) return turns_.wait(node, *risk);
   }
@@ -207,9 +237,19 @@ bool ConcurrentEngine::Implementation::needs_worker(NodeId node) const {
 
 void ConcurrentEngine::Implementation::dispatch(NodeId node) {
   if (at(node).claims) note_speculative(node, true);
-  if ((options_.workers == 0 && !pause_.paused()) || network_[node].structural) return launch(node);
+  const bool waits = options_.workers != 0 || pause_.paused() || (options_.ahead != 0 && !certain(node));
+  if (!waits || network_[node].structural) return launch(node);
   at(node).phase = Phase::Ready;
-  (certain(node) ? ready_ : ready_speculative_).insert(rank(node));
+  ready_.add(rank(node), certain(node));
+}
+
+/// Gives a node that holds its units and waits to begin the place that its likelihood has now. Requires that
+/// it is not among them.
+void ConcurrentEngine::Implementation::make_ready(NodeId node) {
+  note_speculative(node, false);
+  at(node).unlikely = unlikely(node);
+  note_speculative(node, true);
+  ready_.add(rank(node), certain(node));
 }
 
 void ConcurrentEngine::Implementation::take_granted() {
@@ -226,18 +266,16 @@ void ConcurrentEngine::Implementation::take_granted() {
   }
 }
 
-/// Takes out the first node that may begin now: first of those that are certain to count.
+/// Takes out the first node that may begin now: first of those that are certain to count. Others begin as far
+/// as the budget for speculative runs reaches.
 std::optional<NodeId> ConcurrentEngine::Implementation::next_ready() {
-  for (auto* from : {&ready_, &ready_speculative_}) {
-    const auto free = [&](const Rank& each) { return !pause_.blocks() || network_[each.node].structural; };
-    const auto first = std::ranges::find_if(*from, free);
-    if (first == from->end()) continue;
-    const NodeId node = first->node;
-    from->erase(first);
-    pause_.begins(!network_[node].structural);
-    return node;
-  }
-  return std::nullopt;
+  const auto may_begin = [&](NodeId node) { return !pause_.blocks() || network_[node].structural; };
+  const auto is_ahead = [&](NodeId node) { return !network_[node].structural && !certain(node); };
+  const bool ahead = ready_.has_speculative() &&
+                     (options_.ahead == 0 || std::ranges::count_if(running_, is_ahead) < options_.ahead);
+  const auto node = ready_.take_first(ahead, may_begin);
+  if (node) pause_.begins(!network_[*node].structural);
+  return node;
 }
 
 /// Gives free workers and copies of the world to the nodes that wait for them, by rank; workers first to

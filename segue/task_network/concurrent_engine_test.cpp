@@ -398,9 +398,11 @@ TEST(FlatNetwork, IsWrittenAsItIsRead) {
       "resources": [{"name": "system:arm", "op": "block"}]},
     {"name": "b", "pia": false, "sensing": true, "preconditions": ["!q()"], "condition_deps": ["a"],
      "data_flows": [["a", "o", "b", "i"]]},
+    {"name": "likely", "condition_deps": [{"node": "a", "outcome": "done", "likelihood": 0.75}]},
     {"name": "c", "pia": true, "resources": [{"name": "system:arm", "op": "release"}]})j");
   Diagnostics diagnostics;
   const std::string text = write_flat_network(flat);
+  EXPECT_THAT(text, testing::HasSubstr("\"likelihood\": 0.75"));
   const auto again = read_flat_network(text, "again.json", diagnostics);
   ASSERT_TRUE(again) << to_string(diagnostics);
   EXPECT_EQ(write_flat_network(*again), text);

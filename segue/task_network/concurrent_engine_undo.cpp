@@ -49,8 +49,7 @@ void ConcurrentEngine::Implementation::abandon(NodeId node) {
       return_copy(node);
       break;
     case Phase::Ready:
-      ready_.erase(rank(node));
-      ready_speculative_.erase(rank(node));
+      ready_.remove(rank(node));
       note_speculative(node, false);
       pool_.release(network_.claims(node), false);
       return_copy(node);

@@ -34,6 +34,8 @@ ConcurrentEngineOptions options_of(std::uint64_t seed) {
   options.speculate = mix(seed, 2) % 8 != 0;
   options.workers = mix(seed, 3) % 4 == 0 ? static_cast<std::uint32_t>(mix(seed, 4) % 3 + 1) : 0;
   options.world_copies = mix(seed, 5) % 4 == 0 ? static_cast<std::uint32_t>(mix(seed, 6) % 2 + 1) : 0;
+  options.ahead = mix(seed, 9) % 4 == 0 ? static_cast<std::uint32_t>(mix(seed, 10) % 2 + 1) : 0;
+  options.least_likelihood = mix(seed, 11) % 4 == 0 ? 0.3 : 0;
   return options;
 }
 

@@ -111,9 +111,12 @@ Value flows_value(const TaskNetwork& network, NodeId node) {
 Value conditions_value(const TaskNetwork& network, NodeId node) {
   Value::List list;
   for (const Condition& condition : network.conditions(node)) {
-    list.push_back(
-        Value::map({{"node", network.label(condition.node)},
-                    {"outcome", network.outcomes.name(static_cast<std::uint32_t>(condition.outcome))}}));
+    ValueMap entry;
+    entry.set("node", network.label(condition.node));
+    entry.set("outcome", network.outcomes.name(static_cast<std::uint32_t>(condition.outcome)));
+    if (condition.likelihood != Condition::kCertain)
+      entry.set("likelihood", std::round(condition.share() * 1e4) / 1e4);
+    list.emplace_back(std::move(entry));
   }
   return list;
 }

@@ -5,6 +5,7 @@
 #include <segue/base/unknown_key.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace segue::task_network::detail {
 
@@ -289,15 +290,27 @@ void FlatReader::read_conditions(Entry& entry) {
     if (!node) continue;
     Condition condition{NodeId{*node}, kSuccess};
     if (value.is_map()) {
-      refuse_unknown(value, "a condition of node " + quote(entry.spec.name), {"node", "outcome"});
+      refuse_unknown(value, "a condition of node " + quote(entry.spec.name),
+                     {"node", "outcome", "likelihood"});
       if (const std::string outcome = text(value, "outcome"); !outcome.empty())
         condition.outcome = network_.outcome(outcome);
+      read_likelihood(value, condition);
     }
     NodeSpec& other = entries_[*node].spec;
     other.branches = true;
     other.handles_abort = other.handles_abort || condition.outcome == kAborted;
     entry.spec.conditions.push_back(condition);
   }
+}
+
+void FlatReader::read_likelihood(const Value& value, Condition& condition) {
+  const Value* likelihood = value.find("likelihood");
+  if (likelihood == nullptr) return;
+  const double share = likelihood->is_number() ? likelihood->as_double() : -1;
+  if (!(share >= 0 && share <= 1))
+    return error("bad-likelihood",
+                 "a likelihood must be a number between 0 and 1, not " + describe(*likelihood), *likelihood);
+  condition.likelihood = static_cast<std::uint16_t>(std::round(share * Condition::kCertain));
 }
 
 void FlatReader::read_trial(Entry& entry) {

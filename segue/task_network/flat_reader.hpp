@@ -45,6 +45,7 @@ class FlatReader {
   void read_claims(Entry& entry);
   void read_flows(const Entry& entry);
   void read_conditions(Entry& entry);
+  void read_likelihood(const type::Value& value, Condition& condition);
   void read_trial(Entry& entry);
   void join_releases();
   std::optional<Literal> literal(const type::Value& value);

@@ -57,7 +57,8 @@ struct NodeState {
   bool speculative : 1 = false;  ///< the last run began before it was certain that it counts
   bool failed : 1 = false;
   bool asked_world : 1 = false;
-  bool lost : 1 = false;  ///< a race: however it ends, that is not a failure
+  bool lost : 1 = false;       ///< a race: however it ends, that is not a failure
+  std::uint16_t unlikely = 0;  ///< as in its Rank: of the time when it began to wait, or was certain to count
 };
 static_assert(sizeof(NodeState) <= 32, "half a cache line");
 

@@ -6,11 +6,14 @@
 #include <segue/task_network/resource_pool.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
+#include <vector>
 
 /// The engine's records of runs that it preempts. Internal to ConcurrentEngine.
 namespace segue::task_network {
@@ -19,6 +22,61 @@ namespace segue::task_network {
 struct SpeculativeHolders {
   std::set<Rank> ranks;
   std::uint64_t units = 0;
+};
+
+/// The units that runs hold which can be preempted, and those that preempted runs still hold, by resource.
+class PreemptibleUnits {
+ public:
+  using Claims = std::span<const Claim>;
+  void grow(std::size_t resources) {
+    holders_.resize(resources);
+    coming_.resize(resources);
+  }
+  /// A speculative run holds the units of its claims, until it ends or is cancelled.
+  void hold(const Rank& rank, Claims claims) {
+    for (const Claim& claim : claims) {
+      SpeculativeHolders& holders = holders_[index(claim.resource)];
+      if (holders.ranks.insert(rank).second) holders.units += blocked(claims, claim.resource);
+    }
+  }
+  void give_back(const Rank& rank, Claims claims) {
+    for (const Claim& claim : claims) {
+      SpeculativeHolders& holders = holders_[index(claim.resource)];
+      if (holders.ranks.erase(rank) > 0) holders.units -= blocked(claims, claim.resource);
+    }
+  }
+  /// A cancelled run still holds its units, or has ended.
+  void cancelled(Claims claims, bool holds) {
+    for (const Claim& claim : claims) {
+      if (claim.op != ResourceOp::Block || claim.group != kNone) continue;
+      std::uint64_t& units = coming_[index(claim.resource)];
+      units = holds ? units + claim.count : units - claim.count;
+    }
+  }
+  /// Whether a speculative run of higher rank value holds units of a resource that is claimed.
+  [[nodiscard]] bool held_behind(const Rank& rank, Claims claims) const {
+    return std::ranges::any_of(claims, [&](const Claim& claim) {
+      const auto& ranks = holders_[index(claim.resource)].ranks;
+      return !ranks.empty() && rank < *ranks.rbegin();
+    });
+  }
+  [[nodiscard]] const SpeculativeHolders& holders(ResourceId resource) const {
+    return holders_[index(resource)];
+  }
+  /// Units that cancelled runs will give back.
+  [[nodiscard]] std::uint64_t coming(ResourceId resource) const { return coming_[index(resource)]; }
+  /// The units of the resource that a run with these claims gives back when it ends.
+  [[nodiscard]] static std::uint64_t blocked(Claims claims, ResourceId resource) {
+    std::uint64_t units = 0;
+    for (const Claim& claim : claims) {
+      if (claim.resource == resource && claim.op == ResourceOp::Block) units += claim.count;
+    }
+    return units;
+  }
+
+ private:
+  std::vector<SpeculativeHolders> holders_;
+  std::vector<std::uint64_t> coming_;
 };
 
 /// The times by which preempted runs must have ended, in real time.

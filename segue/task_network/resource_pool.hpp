@@ -15,8 +15,10 @@
 
 namespace segue::task_network {
 
-/// The order of waiting nodes: the least priority value first, then program order.
+/// The order of waiting nodes: those first that are likelier to count, then the least priority value, then
+/// program order.
 struct Rank {
+  std::uint16_t unlikely = 0;  ///< 0: it counts for certain, as far as conditions decide that
   std::uint64_t priority = 0;
   NodeId node{};
   friend auto operator<=>(const Rank&, const Rank&) = default;

@@ -13,7 +13,7 @@ namespace {
 using Claims = std::vector<Claim>;
 
 Rank rank(std::uint32_t node) {
-  return {0, NodeId{node}};
+  return {0, 0, NodeId{node}};
 }
 
 class Pool : public testing::Test {

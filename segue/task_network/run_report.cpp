@@ -8,6 +8,17 @@ namespace segue::task_network {
 using type::Value;
 using type::ValueMap;
 
+namespace {
+
+double in_seconds(TimePoint time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+double in_seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
 std::string_view to_string(NodeStatus status) {
   static constexpr std::array<std::string_view, 5> kNames{"not reached", "done", "skipped", "failed",
                                                           "preempted"};
@@ -30,13 +41,6 @@ std::vector<NodeId> listed_nodes(const TaskNetwork& network, const RunResult& re
 }
 
 namespace {
-
-double in_seconds(TimePoint time) {
-  return std::chrono::duration<double>(time.time_since_epoch()).count();
-}
-double in_seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
 
 Value node_value(const TaskNetwork& network, const RunResult& result, const WaitFinder& finder, NodeId node) {
   const NodeResult& own = result.nodes[index(node)];
@@ -66,6 +70,25 @@ Value node_value(const TaskNetwork& network, const RunResult& result, const Wait
 }
 
 }  // namespace
+
+SpeculationSummary speculation_of(const TaskNetwork& network, const Order& order, const RunResult& result) {
+  SpeculationSummary speculation;
+  const WaitFinder finder(network, order, result);
+  for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
+    const NodeId node{i};
+    if (network[node].structural || result.nodes[i].status != NodeStatus::Done ||
+        !finder.was_speculative(node))
+      continue;
+    ++speculation.used;
+    speculation.ahead += finder.time_ahead(node);
+  }
+  for (const WastedRun& run : result.wasted) {
+    if (network[run.node].structural) continue;
+    ++speculation.discarded;
+    speculation.discarded_time += run.ended - run.started;
+  }
+  return speculation;
+}
 
 Value to_value(const Wait& wait, const std::string& node) {
   ValueMap entry;
@@ -103,8 +126,11 @@ Value to_value(const TaskNetwork& network, const Order& order, const RunResult& 
   }
   root.set("units", std::move(units));
   const RunStatistics& statistics = result.statistics;
+  const SpeculationSummary& speculation = summary.speculation;
   root.set("speculation", Value::map({{"ahead", statistics.speculative},
+                                      {"ahead_s", in_seconds(speculation.ahead)},
                                       {"wasted", statistics.wasted},
+                                      {"wasted_s", in_seconds(speculation.discarded_time)},
                                       {"recalled", statistics.preempted},
                                       {"repeated", statistics.repeated}}));
   root.set("engine_us_per_node", summary.engine_per_node.count());

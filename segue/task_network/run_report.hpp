@@ -29,6 +29,9 @@ std::vector<NodeId> listed_nodes(const TaskNetwork& network, const RunResult& re
 /// A wait as JSON; `node` is the name of the node whose end it was, or empty.
 type::Value to_value(const Wait& wait, const std::string& node);
 
+/// Of the nodes of a run, the structural ones aside.
+SpeculationSummary speculation_of(const TaskNetwork& network, const Order& order, const RunResult& result);
+
 /// The document that `segue mission run --format json` prints, with the nodes of `listed`.
 type::Value to_value(const TaskNetwork& network, const Order& order, const RunResult& result,
                      std::span<const NodeId> listed, const RunSummary& summary);

@@ -104,6 +104,86 @@ TEST(Speculation, WhoTakesUnitsInOrderIsCertainToCountWhileABranchInParallelGoes
   EXPECT_EQ(result.statistics.speculative, 0U);
 }
 
+/// A camera looks for ten seconds; then it counts what was planned for "nothing" or, as is expected and nine
+/// times as likely, for "found". There is one planner, and each plan takes three seconds.
+class LikelyBranches : public testing::Test {
+ protected:
+  LikelyBranches() {
+    NodeSpec look;
+    look.duration = 10s;
+    look.branches = true;
+    look_ = network_.append(look);
+    for (auto* plans : {&for_nothing_, &for_found_}) {
+      for (int i = 0; i < 2; ++i)
+        plans->push_back(network_.append(plan(plans == &for_found_)));
+    }
+  }
+  NodeSpec plan(bool found) {
+    NodeSpec plan;
+    plan.kind = ActionClass::Pure;
+    plan.duration = 3s;
+    plan.claims = {{network_.resources.intern("process:planner")}};
+    const auto likelihood = static_cast<std::uint16_t>((found ? 0.9 : 0.1) * Condition::kCertain);
+    plan.conditions = {{look_, found ? kSuccess : network_.outcome("nothing"), likelihood}};
+    return plan;
+  }
+  static std::vector<TimePoint> starts(const RunResult& result, const std::vector<NodeId>& nodes) {
+    std::vector<TimePoint> starts;
+    for (const NodeId node : nodes)
+      starts.push_back(result.nodes[index(node)].started);
+    return starts;
+  }
+
+  TaskNetwork network_;
+  NodeId look_{};
+  std::vector<NodeId> for_nothing_;
+  std::vector<NodeId> for_found_;
+};
+
+TEST_F(LikelyBranches, WhatIsLikelierToCountRunsAheadFirst) {
+  const RunResult result = simulate(network_);
+  EXPECT_THAT(starts(result, for_found_), testing::ElementsAre(TimePoint(0s), TimePoint(3s)));
+  EXPECT_THAT(starts(result, for_nothing_), testing::ElementsAre(TimePoint(6s), TimePoint(9s)));
+}
+
+TEST_F(LikelyBranches, WhatIsLessLikelyThanAskedForWaitsUntilItCounts) {
+  ConcurrentEngineOptions options;
+  options.least_likelihood = 0.2;
+  const RunResult result = simulate(network_, options);
+  EXPECT_THAT(starts(result, for_found_), testing::ElementsAre(TimePoint(0s), TimePoint(3s)));
+  EXPECT_EQ(result.statistics.wasted, 0U);
+  EXPECT_EQ(result.statistics.speculative, 2U);
+}
+
+TEST_F(LikelyBranches, NoMoreRunAheadThanTheBudgetAllows) {
+  network_.resources[*network_.resources.find("process:planner")].count = 4;
+  ConcurrentEngineOptions options;
+  EXPECT_EQ(simulate(network_, options).statistics.speculative, 4U) << "without a budget";
+  options.ahead = 1;
+  const RunResult result = simulate(network_, options);
+  std::vector<TimePoint> all = starts(result, for_nothing_);
+  for (const TimePoint start : starts(result, for_found_))
+    all.push_back(start);
+  std::ranges::sort(all);
+  EXPECT_EQ(std::ranges::adjacent_find(all, [](TimePoint a, TimePoint b) { return b - a < 3s; }), all.end());
+}
+
+// Plans for a decision that falls at 30 s are likelier to count than those for the camera, until these are
+// certain to count.
+TEST_F(LikelyBranches, WhatHasBecomeCertainComesBeforeAllThatIsNot) {
+  NodeSpec decide;
+  decide.duration = 30s;
+  decide.branches = true;
+  const NodeId decision = network_.append(decide);
+  NodeSpec far = plan(true);
+  far.conditions = {{decision, kSuccess, Condition::kCertain - 1}};
+  far.duration = 8s;
+  const std::vector<NodeId> plans{network_.append(far), network_.append(far), network_.append(far)};
+  const RunResult result = simulate(network_);
+  EXPECT_THAT(starts(result, for_found_), testing::ElementsAre(TimePoint(10s), TimePoint(13s)));
+  EXPECT_THAT(starts(result, plans), testing::ElementsAre(TimePoint(0s), TimePoint(16s), TimePoint(24s)));
+}
+
 /// The changes of a run; `alive` until they are dropped. Those of the first run turn out to be invalid.
 class Changes final : public PendingChanges {
  public:

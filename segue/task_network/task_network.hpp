@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace segue::task_network {
@@ -29,7 +30,17 @@ struct DataInput {
 struct Condition {
   NodeId node{};
   OutcomeId outcome = kSuccess;
-  friend auto operator<=>(const Condition&, const Condition&) = default;
+  /// That it does, if `node` is on the path, in parts of kCertain. Only decides what runs ahead first.
+  std::uint16_t likelihood = kCertain;
+  static constexpr std::uint16_t kCertain = 65535;
+  /// The likelihood as a number between 0 and 1.
+  [[nodiscard]] double share() const { return static_cast<double>(likelihood) / kCertain; }
+  friend bool operator==(const Condition& a, const Condition& b) {
+    return a.node == b.node && a.outcome == b.outcome;
+  }
+  friend auto operator<=>(const Condition& a, const Condition& b) {
+    return std::pair(a.node, a.outcome) <=> std::pair(b.node, b.outcome);
+  }
 };
 
 /// The description of a node to append. It may refer only to nodes that were appended before.

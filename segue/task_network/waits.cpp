@@ -150,6 +150,16 @@ bool WaitFinder::was_speculative(NodeId node) const {
   });
 }
 
+Duration WaitFinder::time_ahead(NodeId node) const {
+  const NodeResult& own = result_.nodes[index(node)];
+  if (own.attempts == 0) return {};
+  TimePoint certain = own.started;
+  for (const Dependency& dependency : order_.before(node)) {
+    if (dependency.reason() != Reason::Resource) certain = std::max(certain, met(dependency));
+  }
+  return std::min(certain, own.ended) - own.started;
+}
+
 std::vector<NodeId> WaitFinder::critical_chain() const {
   std::vector<NodeId> chain;
   const auto last = std::ranges::max_element(result_.nodes, {}, &NodeResult::committed);

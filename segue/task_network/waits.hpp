@@ -36,6 +36,9 @@ class WaitFinder {
   [[nodiscard]] std::vector<Wait> of(NodeId node) const;
   /// Whether the run that counts began before everything it depends on was certain.
   [[nodiscard]] bool was_speculative(NodeId node) const;
+  /// For how long the run that counts went on before everything it depends on was certain: the time by which
+  /// speculation had it ready sooner.
+  [[nodiscard]] Duration time_ahead(NodeId node) const;
   /// The chain of nodes that determined the makespan: from the last node back, each to the one it waited for
   /// last.
   [[nodiscard]] std::vector<NodeId> critical_chain() const;

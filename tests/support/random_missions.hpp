@@ -164,7 +164,8 @@ class RandomMission {
     text += touched;
     if (!opaque) text += resources(pure || remembers);  // what creates or removes units is irreversible
     if (chance(60))
-      text += fmt::format("    expect: {{duration: {}s, outcome: {}}}\n", under(12), foreseen(two));
+      text += fmt::format("    expect: {{duration: {}s, outcome: {}{}}}\n", under(12), foreseen(two),
+                          chance(30) ? fmt::format(", likelihood: {{ok: 0.{}}}", under(10)) : "");
     text += fmt::format("    run: {}\n", runs(back, !pure && !sensing && !where.is_concurrent(), remembers));
     actions_ += text;
     return name;

@@ -98,7 +98,9 @@ class RandomNetwork {
       if (!network[NodeId{i}].branches || !chance(25)) continue;
       OutcomeId outcome = chance(60) ? network[NodeId{i}].expected : chance(50) ? kSuccess : other_;
       if (network[NodeId{i}].handles_abort && chance(25)) outcome = kAborted;
-      spec.conditions.push_back({NodeId{i}, outcome});
+      const auto likelihood =
+          chance(50) ? Condition::kCertain : static_cast<std::uint16_t>(pick(0, 9) * 6553);
+      spec.conditions.push_back({NodeId{i}, outcome, likelihood});
     }
   }
 

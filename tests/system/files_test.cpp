@@ -155,6 +155,8 @@ TEST_F(Files, OptionsThatMeanNothingForAFileAreRefused) {
                                              {"--order", "goal"},
                                              {"--world-copies", "2"},
                                              {"--workers", "2"},
+                                             {"--ahead", "2"},
+                                             {"--likelihood", "0.2"},
                                              {"--strict"}}) {
     std::vector<std::string> arguments = {"mission", "run", "m.yaml", "--clock", "virtual"};
     arguments.insert(arguments.end(), more.begin(), more.end());
