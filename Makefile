@@ -1,7 +1,7 @@
 # Everything a person runs by hand. CMake does the work; presets are in CMakePresets.json.
 JOBS ?= $(shell nproc)
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo demo-artemis studio manual test bench format tidy install clean
+.PHONY: help setup build demo demo-table demo-artemis studio manual test bench format tidy install clean
 
 help: ## this text
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 22
@@ -16,6 +16,9 @@ build: setup ## build/release/bin/segue, the component libraries and the example
 
 demo: ## a simulated rover fetches a box: a film, a Gantt chart and the transitions, in out/
 	@JOBS=$(JOBS) tools/demo
+
+demo-table: ## it clears a table sequentially and concurrently: a film of both side by side, in out/
+	@JOBS=$(JOBS) tools/demo --table
 
 demo-artemis: build ## the four controllers of the Artemis rover, switched online
 	@build/release/bin/artemis_demo examples/04_artemis/robot.yaml

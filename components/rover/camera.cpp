@@ -4,6 +4,7 @@
 #include <segue/task/component.hpp>
 
 #include <chrono>
+#include <string>
 
 namespace rover {
 
@@ -20,6 +21,12 @@ class Camera final : public Component {
 
  protected:
   segue::Result<void> on_configure() override {
+    if (*width_ > kLargestWidth || *height_ > kLargestHeight) {
+      return segue::fail(segue::ErrorCode::InvalidArgument,
+                         "images are at most " + std::to_string(kLargestWidth) + " x " +
+                             std::to_string(kLargestHeight) + " pixels, not " + std::to_string(*width_) +
+                             " x " + std::to_string(*height_));
+    }
     auto made = Renderer::create(*camera_, static_cast<int>(*width_), static_cast<int>(*height_));
     if (!made) return std::move(made.error());
     renderer_ = std::move(*made);

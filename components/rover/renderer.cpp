@@ -15,6 +15,9 @@ struct DestroyContext {
 };
 using ContextPtr = std::unique_ptr<osmesa_context, DestroyContext>;
 
+/// Of each pixel, where edges shall be smooth.
+constexpr int kSamples = 4;
+
 /// Finding the functions of OpenGL is not safe in several threads.
 segue::Mutex context_mutex;
 
@@ -77,15 +80,19 @@ segue::Result<void> Renderer::Implementation::open() {
   return {};
 }
 
-segue::Result<std::unique_ptr<Renderer>> Renderer::create(const std::string& camera, int width, int height) {
-  if (width < 1 || height < 1 || width > kLargestWidth || height > kLargestHeight) {
+segue::Result<std::unique_ptr<Renderer>> Renderer::create(const std::string& camera, int width, int height,
+                                                          bool smooth) {
+  if (width < 1 || height < 1 || width > kLargestPicture || height > kLargestPicture) {
     return segue::fail(segue::ErrorCode::InvalidArgument,
-                       "images are at most " + std::to_string(kLargestWidth) + " x " +
-                           std::to_string(kLargestHeight) + " pixels, not " + std::to_string(width) + " x " +
+                       "pictures are at most " + std::to_string(kLargestPicture) +
+                           " pixels wide and high, not " + std::to_string(width) + " x " +
                            std::to_string(height));
   }
   auto model = load_rover_model();
   if (!model) return std::move(model.error());
+  (*model)->vis.global.offwidth = width;
+  (*model)->vis.global.offheight = height;
+  (*model)->vis.quality.offsamples = smooth ? kSamples : 0;
   auto made = std::make_unique<Implementation>();
   made->model = std::move(*model);
   const int id = mj_name2id(made->model.get(), mjOBJ_CAMERA, camera.c_str());
@@ -106,7 +113,7 @@ Renderer::Renderer(std::unique_ptr<Implementation> implementation)
     : implementation_(std::move(implementation)) {}
 Renderer::~Renderer() = default;
 
-bool Renderer::render(const SceneState& scene, messages::Image& image, const std::string& caption) {
+bool Renderer::render(const SceneState& scene, messages::Image& image) {
   Implementation& my = *implementation_;
   if (scene.positions.size() != static_cast<std::size_t>(my.model->nq)) return false;
   std::copy(scene.positions.begin(), scene.positions.end(), my.data->qpos);
@@ -117,8 +124,6 @@ bool Renderer::render(const SceneState& scene, messages::Image& image, const std
     const Current current(my.context.get(), my.window);
     if (!current) return false;
     mjr_render(my.viewport, &my.scene, &my.resources);
-    if (!caption.empty())
-      mjr_overlay(mjFONT_NORMAL, mjGRID_BOTTOMLEFT, my.viewport, caption.c_str(), nullptr, &my.resources);
     mjr_readPixels(my.upside_down.data(), nullptr, my.viewport, &my.resources);
   }
   image.time = scene.time;

@@ -10,20 +10,24 @@
 
 namespace rover {
 
+/// The largest width and height of what a Renderer draws, in pixels; cameras deliver less (kLargestWidth).
+inline constexpr int kLargestPicture = 2048;
+
 /// Draws what a camera sees, of the rover or the one in the room that follows it, on the processor (OSMesa),
 /// without a screen. Any thread, one at a time. Drawing allocates: not for threads with real-time demands.
 class Renderer {
  public:
-  /// InvalidArgument for images without a size or larger than kLargestWidth x kLargestHeight, NotFound for
+  /// `smooth`: edges are drawn without steps, which takes longer and which the robot's own cameras do not.
+  /// InvalidArgument for images without a size or larger than kLargestPicture in a direction, NotFound for
   /// cameras that there are not, Unsupported without OpenGL.
-  static segue::Result<std::unique_ptr<Renderer>> create(const std::string& camera, int width, int height);
+  static segue::Result<std::unique_ptr<Renderer>> create(const std::string& camera, int width, int height,
+                                                         bool smooth = false);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Draws the scene into `image`, with the caption in the lower left corner unless it is empty (ASCII; lines
-  /// end with \n). False, and `image` is unchanged: the scene is not one of this model.
-  bool render(const SceneState& scene, messages::Image& image, const std::string& caption = {});
+  /// Draws the scene into `image`. False, and `image` is unchanged: the scene is not one of this model.
+  bool render(const SceneState& scene, messages::Image& image);
 
  private:
   struct Implementation;

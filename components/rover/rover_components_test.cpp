@@ -251,6 +251,17 @@ TEST(StopButton, StaysPressedUntilItIsReleased) {
   EXPECT_EQ(rover.task("button").state_name(), "released");
 }
 
+TEST(Camera, DeliversNoLargerImagesThanItSays) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  rover.add("camera", "rover::Camera", Value::map({{"width", 640}, {"height", 480}}));
+  auto& camera = rover.task("camera");
+  ASSERT_TRUE(camera.cleanup(soon()));
+  ASSERT_TRUE(camera.set_properties(Value::map({{"width", 641}}), soon()));
+  const auto large = camera.configure(soon());
+  ASSERT_FALSE(large);
+  EXPECT_THAT(to_string(large.error()), ::testing::HasSubstr("at most 640 x 480"));
+}
+
 TEST(Simulation, EndsWhenASetPointIsNoNumber) {
   SteppedRover rover(starting_at(0, 0, 0));
   rover.start();

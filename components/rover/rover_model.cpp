@@ -245,9 +245,8 @@ std::string rover_model_text() {
   std::string text =
       "<mujoco model=\"rover\">\n<compiler angle=\"radian\" autolimits=\"true\"/>\n"
       "<option timestep=\"0.002\" cone=\"elliptic\" impratio=\"10\"/>\n"
-      "<size nconmax=\"200\" njmax=\"800\"/>\n<visual><global" +
-      with("offwidth", {kLargestWidth}) + with("offheight", {kLargestHeight}) +
-      "/><quality shadowsize=\"0\" offsamples=\"0\"/>\n<map znear=\"0.01\" zfar=\"10\"/>"
+      "<size nconmax=\"200\" njmax=\"800\"/>\n<visual><quality shadowsize=\"0\" offsamples=\"0\"/>\n<map "
+      "znear=\"0.01\" zfar=\"10\"/>"
       "<headlight ambient=\"0.5 0.5 0.5\" diffuse=\"0.4 0.4 0.4\" specular=\"0 0 0\"/></visual>\n"
       "<statistic extent=\"1\"/>\n";
   text += kDefaults + assets() + "<worldbody>\n";

@@ -19,6 +19,7 @@ extern const char* const kTestProcess;          ///< what a process server start
 extern const char* const kPeer;                 ///< the other side of a test
 extern const char* const kWire;                 ///< impaired_wire
 extern const char* const kShiftedClock;         ///< shifted_clock
+extern const char* const kFonts;                ///< with which rover_film writes
 
 /// A file or folder of the sources: in_sources("/examples").
 inline std::string in_sources(std::string_view path) {

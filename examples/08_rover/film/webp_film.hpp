@@ -9,7 +9,8 @@
 #include <memory>
 #include <span>
 
-/// An animated picture in the format WebP, made frame by frame (libwebp). One thread at a time.
+/// An animated picture in the format WebP, made frame by frame without losses (libwebp). One thread at a
+/// time.
 namespace film {
 
 class WebpFilm {
