@@ -90,6 +90,7 @@ void ConcurrentEngine::Implementation::adopt_node(NodeId node) {
   state.kind = record.kind;
   state.strict = options_.strict || record.strict;
   state.claims = !network_.claims(node).empty();
+  state.conditional = !network_.conditions(node).empty();
   state.reads_world = record.reads_world && !irreversible(node);
   state.reads_beside = record.reads_beside && !irreversible(node);
   state.observes = !irreversible(node) && network_.observes(node);
@@ -162,10 +163,16 @@ void ConcurrentEngine::Implementation::work_off() {
     preempt_for_waiting();
     if (work_.empty()) return;
     batch_.swap(work_);
+    bool in_program_order = options_.priorities.empty();
     for (const NodeId node : batch_) {
-      if (at(node).phase == Phase::Waiting) at(node).unlikely = unlikely(node);
+      State& state = at(node);
+      if (state.phase == Phase::Waiting) state.unlikely = unlikely(node);
+      in_program_order = in_program_order && state.unlikely == 0;
     }
-    if (!std::ranges::is_sorted(batch_, {}, by_rank)) std::ranges::sort(batch_, {}, by_rank);
+    if (!in_program_order)
+      std::ranges::sort(batch_, {}, by_rank);
+    else if (!std::ranges::is_sorted(batch_))
+      std::ranges::sort(batch_);
     for (const NodeId node : batch_)
       check(node);
     batch_.clear();

@@ -71,6 +71,7 @@ bool ConcurrentEngine::Implementation::may_run_ahead(NodeId node) const {
 /// Condition::kCertain. The time that a planner saves is at most the time that it takes, if its result counts
 /// at all; so what is likeliest to count is worth most for that time.
 std::uint16_t ConcurrentEngine::Implementation::unlikely(NodeId node) const {
+  if (!at(node).conditional) return 0;
   double likelihood = 1;
   for (const Condition& condition : network_.conditions(node)) {
     if (!at(condition.node).passed) likelihood *= condition.share();
@@ -120,6 +121,7 @@ bool ConcurrentEngine::Implementation::waits_again(NodeId node) {
       return false;
   }
   state.phase = Phase::Waiting;
+  state.unlikely = unlikely(node);
   return true;
 }
 
@@ -158,7 +160,6 @@ std::optional<NodeId> ConcurrentEngine::Implementation::risk_before(NodeId node)
 }
 
 void ConcurrentEngine::Implementation::try_start(NodeId node) {
-  at(node).unlikely = unlikely(node);
   if (irreversible(node) || takes_in_order(node)) {
     if (const auto risk = risk_before(node)) return turns_.wait(node, *risk);
   }

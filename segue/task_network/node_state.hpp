@@ -43,11 +43,12 @@ struct NodeState {
   NodePhase phase = NodePhase::Waiting;
   ActionClass kind = ActionClass::Irreversible;
   // Copied from its record, as is `kind`.
-  bool strict = false;        ///< also where all are
-  bool claims = false;        ///< some units
-  bool reads_world = false;   ///< and may do so again
-  bool reads_beside = false;  ///< reads what is beside the network, and may do so again
-  bool observes : 1 = false;  ///< TaskNetwork::observes(), and it is not irreversible
+  bool strict = false;           ///< also where all are
+  bool claims = false;           ///< some units
+  bool reads_world = false;      ///< and may do so again
+  bool reads_beside = false;     ///< reads what is beside the network, and may do so again
+  bool conditional : 1 = false;  ///< it has conditions
+  bool observes : 1 = false;     ///< TaskNetwork::observes(), and it is not irreversible
   bool passed : 1 = false;
   bool announced : 1 = false;    ///< consumers know that there are outputs
   bool began : 1 = false;        ///< later users of its resources know that it has started
