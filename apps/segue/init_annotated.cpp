@@ -53,10 +53,15 @@ hosts:
 #pools:
 #  planner:
 #    component: "demo::RoutePlanner"
-#    size: 1                            # how many of them, at most 256
+#    size: 1                            # how many of them, at most 256; 1..3: more than one while calls wait
+#    idle_after: 10s                    # how long an instance beyond the least number stays without work
 #    properties: {}                     # this and `activity`, `exclusive` and `on_failure` are as of a task
 #    on_failure: restart
 #    process: {host: onboard}           # with the keys of a deployment
+# The most that instances of all pools beyond their least numbers may take on each computer.
+#pool_budget:
+#  processes: 256
+#  memory: 2GB
 )yaml";
 
 const std::string_view kControllerFile = R"yaml(# Nobody commands the drive, so it comes to rest.

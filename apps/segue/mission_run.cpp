@@ -183,8 +183,8 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const remote_robo
     print_line(saving_line(seconds(saved.saved), saved.transitions));
 }
 
-/// Lets the robot's pools carry out actions that are calls of pools. A pool has as many units as instances,
-/// unless the user has given another number.
+/// Lets the robot's pools carry out actions that are calls of pools. A pool has as many units as it may have
+/// instances, unless the user has given another number.
 Result<void> add_pools(RunRequest& request, const LoadedMission& plan,
                        const std::shared_ptr<remote_robot::ServedRobot>& robot,
                        const mission::ControllerOptions& how) {

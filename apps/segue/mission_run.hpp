@@ -14,7 +14,7 @@
 namespace segue::cli {
 
 /// Lets the robot carry out actions that are controllers or calls of pools, and compares observed facts with
-/// it. A pool has as many units as instances, unless the request has given another number.
+/// it. A pool has as many units as it may have instances, unless the request has given another number.
 Result<void> run_by_robot(mission_run::RunRequest& request, const mission_run::LoadedMission& plan,
                           const std::shared_ptr<remote_robot::ServedRobot>& robot,
                           const mission::ControllerOptions& how);

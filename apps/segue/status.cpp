@@ -27,12 +27,25 @@ std::int64_t tasks_of_pools(const Value& status) {
   return count;
 }
 
+/// The range of a pool's size, and who waits for an instance; empty: it has no range, and nobody does.
+std::string demand_text(const Value& pool) {
+  const auto least = number_at(pool, "least");
+  const auto most = number_at(pool, "most");
+  const auto waiting = number_at(pool, "waiting");
+  const std::string held_back = printable_at(pool, "held_back");
+  std::string text;
+  if (least != most) text += fmt::format(", {} to {} on demand", least, most);
+  if (waiting > 0) text += fmt::format("; {} waiting", waiting);
+  if (!held_back.empty()) text += ": " + held_back;
+  return text;
+}
+
 /// How many instances of pools are ready, and why others are not.
 std::string pools_text(const Value& status) {
   std::string text;
   for (const Value& pool : list_at(status, "pools")) {
-    text += fmt::format("pool {}: {} of {} ready\n", printable_at(pool, "pool"), number_at(pool, "ready"),
-                        number_at(pool, "size"));
+    text += fmt::format("pool {}: {} of {} ready{}\n", printable_at(pool, "pool"), number_at(pool, "ready"),
+                        number_at(pool, "size"), demand_text(pool));
     for (const Value& one : list_at(pool, "instances")) {
       const std::string reason = printable_at(one, "reason");
       if (!reason.empty()) {

@@ -305,6 +305,19 @@ class Client final : public RobotService {
     });
   }
 
+  void take_instance(const InstanceQuestion& what, const Wait& wait, InstanceAnswer answered) override {
+    detail::ask_later<TakenInstance>(
+        *channel_, wait, std::move(answered), [what](RpcChannel::Connection& connection, Duration left) {
+          auto request = connection.as<wire::Robot>().takeInstanceRequest();
+          request.setPool(as_text(what.pool));
+          request.setRatherNot(as_text(what.rather_not));
+          request.setTimeout(left.count());
+          return RpcChannel::send<TakenInstance>(request, [](auto& results) {
+            return Result<TakenInstance>({detail::as_string(results.getTask()), results.getPid()});
+          });
+        });
+  }
+
   Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
                                                   std::size_t buffer, const Wait& wait) override {
     const RpcChannel::StreamId id = channel_->new_stream_id();

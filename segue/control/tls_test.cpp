@@ -156,6 +156,12 @@ std::vector<Question> all_questions() {
       {Verb::ReleaseStop, [](auto& robot) { return outcome(robot.release_stop("a test")); }},
       {Verb::Set, [](auto& robot) { return outcome(robot.set_property("a", "b", Value(1), {}, soon())); }},
       {Verb::Call, [](auto& robot) { return outcome(robot.call("t", "echo", Value(), {}, soon())); }},
+      {Verb::TakeInstance,
+       [](auto& robot) {
+         return outcome(answer_to<TakenInstance>(soon(), [&](const Wait& wait, InstanceAnswer answer) {
+           robot.take_instance({"planner"}, wait, std::move(answer));
+         }));
+       }},
       {Verb::Write, [](auto& robot) { return outcome(robot.write("t", "in", Value(1), {}, soon())); }},
       {Verb::ShutDown, [](auto& robot) { return outcome(robot.shut_down()); }},
   };

@@ -38,6 +38,7 @@ enum class Verb : std::uint8_t {
   ReleaseStop,
   Set,
   Call,
+  TakeInstance,
   Write,
   ShutDown,
   LookAtFiles,
@@ -51,7 +52,7 @@ struct VerbRule {
 };
 
 /// The only table of who may do what, in the order of the verbs.
-inline constexpr std::array<VerbRule, 31> kVerbRules = {
+inline constexpr std::array<VerbRule, 32> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},
      {Verb::Watch, "watch", Role::Observe},
@@ -79,6 +80,7 @@ inline constexpr std::array<VerbRule, 31> kVerbRules = {
      {Verb::ReleaseStop, "release_stop", Role::Operate},
      {Verb::Set, "set", Role::Operate},
      {Verb::Call, "call", Role::Operate},
+     {Verb::TakeInstance, "take_instance", Role::Operate},
      {Verb::Write, "write", Role::Operate},
      {Verb::ShutDown, "shut_down", Role::Operate},
      {Verb::LookAtFiles, "look_at_files", Role::Observe},

@@ -114,8 +114,21 @@ struct PoolInstanceView {
 };
 struct PoolView {
   std::string name;
-  std::vector<PoolInstanceView> instances;
+  std::vector<PoolInstanceView> instances;  ///< that there are now
+  std::uint32_t most = 0;                   ///< how many there are where as many calls wait
 };
+
+/// A question for an instance of a pool.
+struct InstanceQuestion {
+  std::string pool;
+  std::string rather_not{};  ///< an instance that is taken only where no other one is free
+};
+struct TakenInstance {
+  std::string task;
+  int pid = 0;  ///< as of PoolInstanceView
+};
+/// Gets the instance, as TaskAnswer.
+using InstanceAnswer = std::function<void(Result<TakenInstance>)>;
 
 /// The robot as missions command it: it runs in this process or in another one, or is simulated. Functions
 /// may be called from any thread; they block until the robot has answered, as long as their Wait says where
@@ -137,6 +150,13 @@ class CommandedRobot {
   virtual Result<ControllerConflicts> conflicts(const Wait& wait) = 0;
   /// The robot's pools of processes.
   virtual Result<std::vector<PoolView>> pools(const Wait& /*wait*/) { return std::vector<PoolView>{}; }
+  /// Has `answered` called with an instance of the pool that is ready and works for nobody: it is the
+  /// caller's for its next call(), which must come within seconds. Until there is one, the caller waits, and
+  /// the robot makes further instances for those who wait, as far as it may. Unavailable where none is likely
+  /// to come; DeadlineExceeded at the deadline. Returns at once.
+  virtual void take_instance(const InstanceQuestion& what, const Wait& /*wait*/, InstanceAnswer answered) {
+    answered(fail(ErrorCode::NotFound, "the robot has no pool " + what.pool));
+  }
   /// Keeps these prepared beside what runs, the likeliest first, in place of those named before, as far as
   /// the robot's budget permits. Returns when that is done; a request comes first.
   virtual Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) = 0;

@@ -166,7 +166,7 @@ Result<UnitCounts> pool_units(const Mission& mission, const std::vector<PoolView
                   action.name.str(), action.where);
     }
     const bool known = std::ranges::any_of(counts, [&](const auto& one) { return one.first == call->pool; });
-    if (!known) counts.emplace_back(call->pool, static_cast<std::uint32_t>(pool->instances.size()));
+    if (!known) counts.emplace_back(call->pool, pool->most);
   }
   return counts;
 }

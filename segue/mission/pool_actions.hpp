@@ -20,7 +20,8 @@ namespace segue::mission {
 /// Where the mission does not declare how many units there are, there is one.
 void claim_pools(Mission& mission);
 
-/// One unit for each instance of the pools that the mission uses. NotFound where the robot has no such pool.
+/// As many units of each pool that the mission uses as it may have instances. NotFound where the robot has no
+/// such pool.
 [[nodiscard]] Result<UnitCounts> pool_units(const Mission& mission, const std::vector<PoolView>& pools);
 
 /// Whether the robot has what such actions ask of it: pools, operations with their arguments, and the fields

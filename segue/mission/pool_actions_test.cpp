@@ -80,7 +80,7 @@ TEST(PoolActions, HoldAUnitForEachInstance) {
     EXPECT_TRUE(compiled.resources[0].commutes);
     ASSERT_EQ(compiled.actions[0].resources.size(), 1U);
     EXPECT_EQ(compiled.actions[0].resources[0].resource, "planner");
-    const auto units = pool_units(compiled, {{"planner", {{}, {}}}});
+    const auto units = pool_units(compiled, {{"planner", {{}}, 2}});
     ASSERT_TRUE(units);
     EXPECT_EQ(*units, (UnitCounts{{"planner", 2}}));
     EXPECT_THAT(pool_units(compiled, {{"plannr", {}}}).error().message, HasSubstr("did you mean 'plannr'"));

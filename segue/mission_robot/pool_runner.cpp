@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/condition_variable.hpp>
 #include <segue/base/mutex.hpp>
+#include <segue/base/question.hpp>
 #include <segue/mission_robot/pool_runner.hpp>
 
 #include <segue/base/text.hpp>
@@ -10,9 +11,7 @@
 #include <segue/mission_robot/robot_poll.hpp>
 
 #include <algorithm>
-#include <cstdint>
 #include <optional>
-#include <set>
 #include <system_error>
 #include <utility>
 
@@ -22,14 +21,10 @@ using type::Value;
 
 namespace {
 
-std::string why_none(const PoolView& pool) {
-  std::string text = "no instance of pool " + quote(pool.name) + " is ready";
-  for (const PoolInstanceView& one : pool.instances)
-    text += (&one == &pool.instances.front() ? ": " : "; ") + one.task + ": " + one.reason;
-  return text;
-}
+/// How long a question for an instance waits before it is asked again.
+constexpr Duration kPatience = std::chrono::minutes(10);
 
-/// Gives instances of pools to executions, one at a time. Thread safe.
+/// The instances of the robot's pools, for several executions at once. Thread safe.
 class Instances {
  public:
   Instances(std::shared_ptr<CommandedRobot> robot, const PoolOptions& options)
@@ -43,43 +38,21 @@ class Instances {
     return fail(ErrorCode::NotFound, "the robot has no pool " + quote(pool));
   }
 
-  /// Blocks until an instance is ready and free; rather another one than `lost`, which may be there again.
+  /// Blocks until the robot gives an instance; rather another one than `lost`, which may be there again.
   /// Cancelled when asked to stop.
-  Result<PoolInstanceView> take(const std::string& pool, const std::string& lost,
-                                const std::stop_token& stop) {
-    TimePoint give_up = RealClock::instance().now() + options_.ready_deadline;
-    while (!stop.stop_requested()) {
-      const auto view = query(pool, stop);
-      if (!view) return view.error();
-      Lock lock(mutex_);
-      bool any_ready = false;
-      auto instances = view->instances;
-      std::stable_partition(instances.begin(), instances.end(),
-                            [&](const PoolInstanceView& one) { return one.task != lost; });
-      for (const PoolInstanceView& one : instances) {
-        any_ready = any_ready || one.ready;
-        if (one.ready && !one.busy && busy_.insert(one.task).second) return one;
-      }
-      const bool hopeless = std::ranges::all_of(view->instances, &PoolInstanceView::given_up);
-      if (hopeless || (!any_ready && RealClock::instance().now() > give_up))
-        return fail(ErrorCode::Unavailable, why_none(*view));
-      if (any_ready) give_up = RealClock::instance().now() + options_.ready_deadline;
-      const std::uint64_t seen = given_back_;
-      freed_.wait_for(mutex_, stop, options_.period,
-                      [&]() SEGUE_REQUIRES(mutex_) { return given_back_ != seen; });
+  Result<TakenInstance> take(const std::string& pool, const std::string& lost,
+                             const std::stop_token& stop) const {
+    while (true) {
+      auto taken = answer_to<TakenInstance>(Wait(RealClock::instance().now() + kPatience, stop),
+                                            [&](const Wait& wait, InstanceAnswer answer) {
+                                              robot_->take_instance({pool, lost}, wait, std::move(answer));
+                                            });
+      if (taken || taken.error().code != ErrorCode::DeadlineExceeded) return taken;
     }
-    return fail(ErrorCode::Cancelled, "it was preempted");
-  }
-
-  void give_back(const PoolInstanceView& instance) {
-    const Lock lock(mutex_);
-    busy_.erase(instance.task);
-    ++given_back_;
-    freed_.notify_all();
   }
 
   /// Whether that is why it did not answer. The robot may need a moment to notice.
-  bool is_lost(const std::string& pool, const PoolInstanceView& instance, const Error& error,
+  bool is_lost(const std::string& pool, const TakenInstance& instance, const Error& error,
                const std::stop_token& stop) const {
     const bool has_answered =
         error.code == ErrorCode::DeadlineExceeded || error.code == ErrorCode::HookFailed;
@@ -108,14 +81,9 @@ class Instances {
  private:
   const std::shared_ptr<CommandedRobot> robot_;
   const PoolOptions options_;
-  Mutex mutex_;  ///< protects the members below; not held while the robot is asked
-  StoppableConditionVariable freed_;
-  std::set<std::string> busy_ SEGUE_GUARDED_BY(mutex_);
-  std::uint64_t given_back_ SEGUE_GUARDED_BY(mutex_) = 0;  ///< how often an instance was
 };
 
-/// A call of an instance in a thread of its own, since it may outlast the action that made it: nobody else
-/// gets the instance before it has answered.
+/// A call of an instance in a thread of its own, since it may outlast the action that made it.
 class InstanceCall {
  public:
   struct Outcome {
@@ -124,22 +92,21 @@ class InstanceCall {
   };
   struct Job {
     std::string pool;
-    PoolInstanceView instance;
+    TakenInstance instance;
     std::string operation;
     Value arguments;
     Duration timeout{};
   };
 
   /// Std::system_error where there can be no thread.
-  static std::shared_ptr<InstanceCall> begin(std::shared_ptr<CommandedRobot> robot, Instances& instances,
-                                             ExecutionThreads& threads, Job job) {
+  static std::shared_ptr<InstanceCall> begin(std::shared_ptr<CommandedRobot> robot,
+                                             const Instances& instances, ExecutionThreads& threads, Job job) {
     auto call = std::make_shared<InstanceCall>();
     threads.start(
         {}, [call, robot = std::move(robot), &instances, job = std::move(job)](const std::stop_token& stop) {
           const Wait wait(RealClock::instance().now() + job.timeout, stop);
           auto answer = robot->call({job.instance.task, job.operation}, job.arguments, wait);
           const bool lost = !answer && instances.is_lost(job.pool, job.instance, answer.error(), stop);
-          instances.give_back(job.instance);
           call->set({std::move(answer), lost});
         });
     return call;
@@ -177,8 +144,8 @@ class PoolExecution {
   }
 
   /// Blocks until the action has ended. One that is preempted does not wait for its instance.
-  Ending run(const std::shared_ptr<CommandedRobot>& robot, Instances& instances, ExecutionThreads& threads,
-             const std::stop_token& stop, std::vector<Value>& outputs) const {
+  Ending run(const std::shared_ptr<CommandedRobot>& robot, const Instances& instances,
+             ExecutionThreads& threads, const std::stop_token& stop, std::vector<Value>& outputs) const {
     std::string last;
     for (std::size_t attempt = 1;; ++attempt) {
       const auto instance = instances.take(call_.pool, last, stop);
@@ -189,7 +156,9 @@ class PoolExecution {
       if (outcome->answer) return ended_with(*outcome->answer, outputs);
       if (!outcome->lost) return failed(explained(outcome->answer.error(), *instance), instances, stop);
       const auto pool = instances.query(call_.pool, stop);
-      if (!pool || !may_repeat_ || attempt > pool->instances.size())
+      // An instance that is not in a state for it, such as one that is being stopped, has not begun.
+      const bool may_repeat = may_repeat_ || outcome->answer.error().code == ErrorCode::InvalidState;
+      if (!pool || !may_repeat || attempt > pool->instances.size())
         return failed(
             fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(outcome->answer.error()),
             instances, stop);
@@ -198,15 +167,15 @@ class PoolExecution {
 
  private:
   [[nodiscard]] std::optional<InstanceCall::Outcome> ask(const std::shared_ptr<CommandedRobot>& robot,
-                                                         Instances& instances, ExecutionThreads& threads,
-                                                         const PoolInstanceView& instance,
+                                                         const Instances& instances,
+                                                         ExecutionThreads& threads,
+                                                         const TakenInstance& instance,
                                                          const std::stop_token& stop) const {
     try {
       return InstanceCall::begin(robot, instances, threads,
                                  {call_.pool, instance, call_.operation, arguments_, call_.timeout})
           ->wait(stop);
     } catch (const std::system_error& failed) {
-      instances.give_back(instance);
       return InstanceCall::Outcome{
           fail(ErrorCode::ResourceExhausted, std::string("no thread: ") + failed.what())};
     }
@@ -219,7 +188,7 @@ class PoolExecution {
   }
 
   /// Names the limit where it was too short.
-  [[nodiscard]] Error explained(const Error& error, const PoolInstanceView& instance) const {
+  [[nodiscard]] Error explained(const Error& error, const TakenInstance& instance) const {
     if (error.code != ErrorCode::DeadlineExceeded) return error;
     return fail(error.code, instance.task + "." + call_.operation +
                                 " has not answered within the action's 'timeout' of " +
@@ -227,7 +196,7 @@ class PoolExecution {
         .because_of(error);
   }
 
-  [[nodiscard]] std::string lost_text(const PoolInstanceView& instance, std::size_t attempts) const {
+  [[nodiscard]] std::string lost_text(const TakenInstance& instance, std::size_t attempts) const {
     return instance.task + " was lost while it worked" +
            (attempts == 1 ? std::string()
                           : ", as were others before: " + std::to_string(attempts) + " attempts have failed");
@@ -277,7 +246,7 @@ class PoolRunner::Implementation {
 
  private:
   const std::shared_ptr<CommandedRobot> robot_;
-  Instances instances_;
+  const Instances instances_;
   ExecutionThreads threads_;  // destroyed first: they use the others
 };
 

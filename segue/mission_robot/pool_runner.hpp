@@ -12,10 +12,8 @@
 namespace segue::mission {
 
 struct PoolOptions {
-  /// How often it is looked whether an instance is ready, while an action waits for one.
+  /// How often it is looked whether an instance that did not answer is lost.
   Duration period = std::chrono::milliseconds(50);
-  /// How long an action waits while no instance of its pool is ready, before it aborts.
-  Duration ready_deadline = std::chrono::seconds(30);
   /// How long it may take the robot to notice that an instance is lost whose connection broke.
   Duration notice = std::chrono::seconds(3);
   /// Called where the robot cannot be reached any more; see ControllerOptions::unreachable.
@@ -23,10 +21,11 @@ struct PoolOptions {
 };
 
 /// Carries out actions that are calls of a pool of processes (PoolCall), each in a thread of its own and on
-/// an instance that works for nobody else. Where an instance is lost while it works for a pure action,
-/// another one takes its place: as often as there are instances, and once more. An action that is preempted
-/// ends at once; its instance is free again when it has answered, which is dropped. An instance that has not
-/// answered when nobody waits for it any more is ended by the robot, and free when it has been started again.
+/// an instance that the robot gives it, which works for nobody else. Where an instance is lost while it works
+/// for a pure action, another one takes its place: as often as there are instances, and once more. An action
+/// that is preempted ends at once; its instance is free again when it has answered, which is dropped. An
+/// instance that has not answered when nobody waits for it any more is ended by the robot, and free when it
+/// has been started again.
 class PoolRunner final : public ActionRunner {
  public:
   explicit PoolRunner(std::shared_ptr<CommandedRobot> robot, const PoolOptions& options = {});

@@ -8,9 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
-#include <future>
-#include <map>
 
 namespace segue::mission {
 namespace {
@@ -37,10 +36,22 @@ class PlanningRobot final : public CommandedRobot {
   }
   Result<std::vector<PoolView>> pools(const Wait& /*wait*/) override {
     const Lock lock(mutex_);
-    if (is_gone_) return fail(ErrorCode::Unavailable, "the test took the robot away");
-    ++looks_;
-    looked_.notify_all();
-    return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}}};
+    if (is_gone_) return gone();
+    return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}, 2}};
+  }
+  /// Rather another one than `rather_not`; nobody is answered before there is one.
+  void take_instance(const InstanceQuestion& what, const Wait& /*wait*/, InstanceAnswer answered) override {
+    const Lock lock(mutex_);
+    if (is_gone_) return answered(gone());
+    const PoolInstanceView* best = nullptr;
+    for (const PoolInstanceView& one : instances_) {
+      if (one.ready && (best == nullptr || best->task == what.rather_not)) best = &one;
+    }
+    if (best != nullptr) return answered(TakenInstance{best->task, best->pid});
+    if (std::ranges::all_of(instances_, &PoolInstanceView::given_up))
+      return answered(fail(ErrorCode::Unavailable, "no instance of pool 'planner' is ready"));
+    ++waiting_;
+    waits_.notify_all();
   }
   Result<Value> call(const Member& operation, const Value& arguments, const Wait& /*wait*/) override {
     {
@@ -75,17 +86,13 @@ class PlanningRobot final : public CommandedRobot {
   void start_again(const std::string& instance) {
     change(instance, [](PoolInstanceView& one) { one = {one.task, one.pid + 100, true, false, ""}; });
   }
-  void work_for_others(const std::string& instance, bool works) {
-    change(instance, [works](PoolInstanceView& one) { one.busy = works; });
-  }
   void vanish() {
     const Lock lock(mutex_);
     is_gone_ = true;
   }
-  /// Somebody has asked for the pools that often.
-  void wait_for_looks(int count) {
+  void wait_until_somebody_waits() {
     Lock lock(mutex_);
-    EXPECT_TRUE(looked_.wait_for(mutex_, 60s, [&] { return looks_ >= count; }));
+    EXPECT_TRUE(waits_.wait_for(mutex_, 60s, [&] { return waiting_ > 0; }));
   }
   std::vector<std::string> called() {
     const Lock lock(mutex_);
@@ -93,6 +100,7 @@ class PlanningRobot final : public CommandedRobot {
   }
 
  private:
+  static Error gone() { return fail(ErrorCode::Unavailable, "the test took the robot away"); }
   void change(const std::string& instance, const std::function<void(PoolInstanceView&)>& how) {
     const Lock lock(mutex_);
     for (PoolInstanceView& one : instances_) {
@@ -103,9 +111,9 @@ class PlanningRobot final : public CommandedRobot {
   const Answer answer_;
   Mutex mutex_;  ///< protects all below
   std::vector<PoolInstanceView> instances_{{"planner_1", 1, true}, {"planner_2", 2, true}};
-  ConditionVariable looked_;
+  ConditionVariable waits_;
   std::vector<std::string> called_;
-  int looks_ = 0;
+  int waiting_ = 0;
   bool is_gone_ = false;
 };
 
@@ -144,7 +152,7 @@ class PoolCalls : public RunningMission {
   }
 
   std::shared_ptr<PlanningRobot> robot_;
-  PoolOptions options_{.period = 1ms, .ready_deadline = 60s, .notice = 60s};
+  PoolOptions options_{.period = 1ms, .notice = 60s};
 };
 
 TEST_F(PoolCalls, EndAsTheAnswerSays) {
@@ -239,9 +247,7 @@ TEST_F(PoolCalls, AbortAtOnceWhereNoInstanceComesBack) {
     return connection_broke();
   });
   EXPECT_EQ(ended().outcome_name, "aborted");
-  EXPECT_THAT(
-      engine_->result().error,
-      HasSubstr("no instance of pool 'planner' is ready: planner_1: its process is gone; planner_2: "));
+  EXPECT_THAT(engine_->result().error, HasSubstr("no instance of pool 'planner' is ready"));
 }
 
 TEST_F(PoolCalls, EndAsPreemptedWhereTheRobotIsGone) {
@@ -257,81 +263,44 @@ TEST_F(PoolCalls, EndAsPreemptedWhereTheRobotIsGone) {
   }
 }
 
-TEST_F(PoolCalls, GoToNoInstanceThatWorksForSomebodyElse) {
-  begin([this](const std::string& instance, const Value&) -> Result<Value> {
-    if (robot_->called().size() == 3) return route("found");
-    robot_->lose(instance);
-    robot_->start_again(instance);
-    robot_->work_for_others("planner_1", true);
-    return connection_broke();
-  });
-  EXPECT_EQ(ended().outcome_name, "found");
-  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2", "planner_2"));
-}
-
-TEST_F(PoolCalls, LeaveTheirInstanceToNobodyElseBeforeItHasAnswered) {
-  std::promise<void> ended_meanwhile;
-  auto has_ended = ended_meanwhile.get_future().share();
-  robot_ = std::make_shared<PlanningRobot>([has_ended](const std::string& instance, const Value&) {
-    const bool first = instance == "planner_1";
-    EXPECT_TRUE(!first || has_ended.wait_for(60s) == std::future_status::ready);
-    return route("found");
-  });
-  Runners runners;
-  runners.set_pools(std::make_shared<PoolRunner>(robot_, options_));
-  begin_mission(
-      "mission: m\n"
-      "actions:\n"
-      "  plan: {pure: true, run: {pool: planner, call: {plan: {}}}}\n"
-      "  short: {run: {simulated: {duration: 20ms}}}\n"
-      "start: race\n"
-      "states:\n"
-      "  race:\n"
-      "    kind: preemptive\n"
-      "    on: {success: plan}\n"
-      "    states:\n"
-      "      long: {action: plan, on: {success: return success}}\n"
-      "      short: {on: {success: return success}}\n"
-      "  plan: {on: {success: return success}}\n",
-      runners);
-  EXPECT_EQ(ended().outcome_name, "success") << engine_->result().error;
+TEST_F(PoolCalls, AreRepeatedWhereTheInstanceIsBeingStoppedWhateverTheActionIs) {
+  begin(
+      [this](const std::string& instance, const Value&) -> Result<Value> {
+        if (instance == "planner_2") return route("found");
+        robot_->lose(instance);
+        return fail(ErrorCode::InvalidState, "planner_1 is being stopped");
+      },
+      "strict: true");
+  EXPECT_EQ(ended().outcome_name, "found") << engine_->result().error;
   EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2"));
-  ended_meanwhile.set_value();
 }
 
-TEST_F(PoolCalls, GetAnInstanceAtOnceWhenItIsFree) {
-  options_.period = 1h;  // so nobody looks again by himself
-  robot_ = std::make_shared<PlanningRobot>([this](const std::string&, const Value&) {
-    robot_->wait_for_looks(3);
-    return route("found");
-  });
+TEST_F(PoolCalls, EndAtOnceWhereTheyArePreemptedWhileTheyWaitForAnInstance) {
+  robot_ = std::make_shared<PlanningRobot>([](const std::string&, const Value&) { return route("found"); });
+  robot_->lose("planner_1");
+  robot_->lose("planner_2");
   Runners runners;
   runners.set_pools(std::make_shared<PoolRunner>(robot_, options_));
+  runners.add("wait", [this](ActionCall& /*call*/) -> Ending {
+    robot_->wait_until_somebody_waits();
+    return {};
+  });
   begin_mission(
       "mission: m\n"
-      "resources: {planner: {count: 2}}\n"
       "actions:\n"
       "  plan: {pure: true, run: {pool: planner, call: {plan: {}}}}\n"
-      "  short: {run: {simulated: {duration: 20ms}}}\n"
-      "  d: {run: {decide: [{outcome: success}]}}\n"
+      "  other: {run: {callback: wait}}\n"
       "start: race\n"
       "states:\n"
       "  race:\n"
       "    kind: preemptive\n"
-      "    on: {success: both}\n"
-      "    states:\n"
-      "      given_up: {action: plan, on: {success: return success}}\n"
-      "      short: {on: {success: return success}}\n"
-      "  both:\n"
-      "    kind: barrier\n"
       "    on: {success: return success}\n"
       "    states:\n"
-      "      a: {action: plan}\n"
-      "      b: {action: plan}\n"
-      "      d: {kind: decider, on: {success: return success}}\n",
+      "      plan: {on: {success: return success}}\n"
+      "      other: {on: {success: return success}}\n",
       runners);
   EXPECT_EQ(ended().outcome_name, "success") << engine_->result().error;
-  EXPECT_EQ(robot_->called().size(), 3U);
+  EXPECT_TRUE(robot_->called().empty());
 }
 
 }  // namespace

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace segue::model {
 namespace {
@@ -42,7 +44,42 @@ TEST(Pools, AreEqualTasksInProcessesOfTheirOwn) {
 }
 
 TEST(Pools, HaveOneInstanceUnlessTheySayMore) {
-  EXPECT_EQ(robot_with("{planner: {component: demo::RoutePlanner}}").pools[0].size, 1);
+  const Pool pool = robot_with("{planner: {component: demo::RoutePlanner}}").pools[0];
+  EXPECT_EQ(pool.least, 1);
+  EXPECT_EQ(pool.most, 1);
+}
+
+TEST(Pools, HaveSizesThatAreRanges) {
+  const auto robot = robot_with(
+      "{a: {component: x::A, size: 1..3}, b: {component: x::A, size: 0..256, idle_after: 2min},\n"
+      "c: {component: x::A, size: 4}}");
+  const auto range = [&](std::size_t i) { return std::pair(robot.pools[i].least, robot.pools[i].most); };
+  EXPECT_EQ(range(0), std::pair(1, 3));
+  EXPECT_EQ(range(1), std::pair(0, 256));
+  EXPECT_EQ(range(2), std::pair(4, 4));
+  EXPECT_EQ(robot.pools[1].idle_after, std::chrono::minutes(2));
+  EXPECT_EQ(pool_network({robot.pools[0]}).tasks.size(), 3U) << "as many as there may be";
+}
+
+TEST(Pools, SizesThatAreNoneAreFound) {
+  for (const char* size :
+       {"3..1", "0..0", "0", "1..257", "-1..2", "1..", "..3", "1..2..3", "1.5", "many", "[1, 2]", "1 .. 3"}) {
+    EXPECT_NE(problem_of("{component: a::B, size: " + std::string(size) + "}").find("'size' must be"),
+              std::string::npos)
+        << size;
+  }
+  EXPECT_NE(problem_of("{component: a::B, size: 0..2, idle_after: 0s}").find("longer"), std::string::npos);
+  EXPECT_NE(problem_of("{component: a::B, size: 1..2, exclusive: [camera]}").find("camera"),
+            std::string::npos);
+}
+
+TEST(Pools, HaveABudget) {
+  Diagnostics diagnostics;
+  auto robot = read_robot("robot: r\npool_budget: {processes: 3, memory: 1GB}\n", "r.yaml", diagnostics);
+  ASSERT_TRUE(robot);
+  EXPECT_EQ(robot->pool_budget, (PoolBudget{3, 1'000'000'000}));
+  robot = read_robot("robot: r\npool_budget: {processes: -1}\n", "r.yaml", diagnostics);
+  EXPECT_FALSE(robot);
 }
 
 TEST(Pools, MistakesInThemAreFound) {

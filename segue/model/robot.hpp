@@ -50,18 +50,27 @@ struct LookAhead {
 /// the runtime restarts those that fail. Missions call their operations.
 struct Pool {
   std::string name;
-  int size = 1;
-  Task task;           ///< each instance, but for its id
-  Deployment process;  ///< each one's process, but for its name and tasks
+  int least = 1;  ///< instances that always run
+  int most = 1;   ///< instances that run where as many calls wait, and the budget permits
+  Duration idle_after = std::chrono::seconds(10);  ///< an instance beyond `least` ends without work
+  Task task;                                       ///< each instance, but for its id
+  Deployment process;                              ///< each one's process, but for its name and tasks
   SourceLocation where;
   friend bool operator==(const Pool& a, const Pool& b) {
-    return a.name == b.name && a.size == b.size && a.task == b.task && a.process == b.process;
+    return a.name == b.name && a.least == b.least && a.most == b.most && a.idle_after == b.idle_after &&
+           a.task == b.task && a.process == b.process;
   }
 };
 inline constexpr int kLargestPool = 256;
+/// Limits, on each computer, of the instances that all pools together have beyond their least numbers.
+struct PoolBudget {
+  int processes = kLargestPool;
+  std::uint64_t memory = 2'000'000'000;  ///< bytes
+  friend bool operator==(const PoolBudget&, const PoolBudget&) = default;
+};
 /// "planner_2": the task of the second instance, counted from 1, and its process.
 TaskId instance_of(const Pool& pool, int number);
-/// All instances of all pools; without a name.
+/// The most instances of all pools; without a name.
 Network pool_network(const std::vector<Pool>& pools);
 
 /// A robot file: its hosts, libraries, controllers and missions. Paths are relative to `folder`.
@@ -77,6 +86,7 @@ struct Robot {
   Policies policies;
   LookAhead look_ahead;
   std::vector<Pool> pools;
+  PoolBudget pool_budget;
   std::filesystem::path folder;
   SourceLocation where;
 };

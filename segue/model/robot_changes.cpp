@@ -25,7 +25,7 @@ Result<void> set_pool_size(Robot& robot, const std::string& name, int size) {
   if (size < 1 || size > kLargestPool)
     return fail(ErrorCode::InvalidArgument, "a pool has between 1 and " + std::to_string(kLargestPool) +
                                                 " instances, not " + std::to_string(size));
-  pool->size = size;
+  pool->least = pool->most = size;
   return {};
 }
 

@@ -29,7 +29,7 @@ struct ChangedRobot : ::testing::Test {
 TEST_F(ChangedRobot, HasOtherPropertiesInAllControllersAndPools) {
   ASSERT_TRUE(
       apply({{{"planner", 3}}, {{"arm.speed", 5}, {"planner.effort", 0.5}}}, robot, controllers).has_value());
-  EXPECT_EQ(robot.pools[0].size, 3);
+  EXPECT_EQ(robot.pools[0].most, 3);
   EXPECT_EQ(*robot.pools[0].task.properties.find("effort"), type::Value(0.5));
   for (const std::size_t i : {0U, 2U}) {
     const Task& arm = controllers[i].tasks[0];

@@ -128,6 +128,7 @@ Robot read_robot_body(const Value& root, const Source& source) {
   read_policies(fields, robot, source);
   read_look_ahead(fields, robot, source);
   robot.pools = detail::read_pools(fields, source);
+  robot.pool_budget = detail::read_pool_budget(fields, source);
   fields.finish();
   return robot;
 }

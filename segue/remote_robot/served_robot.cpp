@@ -349,6 +349,8 @@ Result<std::vector<mission::PoolView>> ServedRobot::pools(const Wait& wait) {
   std::vector<mission::PoolView> pools;
   for (const Value& pool : list_at(*status, "pools")) {
     mission::PoolView& view = pools.emplace_back(mission::PoolView{text_at(pool, "pool"), {}});
+    const Value* most = pool.find("most");
+    if (most != nullptr && most->is_integer()) view.most = static_cast<std::uint32_t>(most->as_int());
     for (const Value& one : list_at(pool, "instances")) {
       const Value* pid = one.find("pid");
       view.instances.push_back(
@@ -357,6 +359,18 @@ Result<std::vector<mission::PoolView>> ServedRobot::pools(const Wait& wait) {
     }
   }
   return pools;
+}
+
+void ServedRobot::take_instance(const mission::InstanceQuestion& what, const Wait& wait,
+                                mission::InstanceAnswer answered) {
+  query_later<mission::TakenInstance>(
+      wait, std::move(answered), [&](const Wait& both, mission::InstanceAnswer answer) {
+        service_.take_instance({what.pool, what.rather_not}, both,
+                               [answer = std::move(answer)](Result<control::TakenInstance> taken) {
+                                 if (!taken) return answer(std::move(taken.error()));
+                                 answer(mission::TakenInstance{std::move(taken->task), taken->pid});
+                               });
+      });
 }
 
 Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, const Wait& wait) {

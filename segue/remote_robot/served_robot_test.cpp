@@ -102,12 +102,24 @@ TEST_F(ServedRobotTest, SeesWhichInstancesOfPoolsWork) {
   };
   service_.status_answer = Value::map(
       {{"pools", Value::list({Value::map({{"pool", "planner"},
+                                          {"most", 3},
                                           {"instances", Value::list({instance("planner_1", true),
                                                                      instance("planner_2", false)})}})})}});
   const auto pools = robot_.pools(soon());
   ASSERT_TRUE(pools);
   EXPECT_TRUE(pools->at(0).instances.at(0).busy);
   EXPECT_FALSE(pools->at(0).instances.at(1).busy);
+  EXPECT_EQ(pools->at(0).most, 3U);
+}
+
+TEST_F(ServedRobotTest, GetsInstancesOfPools) {
+  const auto taken =
+      answer_to<mission::TakenInstance>(soon(), [&](const Wait& wait, mission::InstanceAnswer answer) {
+        robot_.take_instance({"planner", "planner_2"}, wait, std::move(answer));
+      });
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->task, "planner_1 rather than planner_2");
+  EXPECT_EQ(taken->pid, 9);
 }
 
 TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {

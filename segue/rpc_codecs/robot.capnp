@@ -69,4 +69,5 @@ interface Robot {
   repair @28 (timeout :Int64, options :RequestOptions) -> (answer :Wire.Answer);
   # As of RobotService.
   changes @29 (seen :UInt64, timeout :Int64) -> (error :Wire.Error, count :UInt64);
+  takeInstance @30 (pool :Text, ratherNot :Text, timeout :Int64) -> (error :Wire.Error, task :Text, pid :Int32);
 }

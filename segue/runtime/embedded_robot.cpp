@@ -157,7 +157,7 @@ void EmbeddedRobot::Implementation::start(const ControllerSet& controllers, task
   runtime = std::make_unique<Runtime>(
       robot.name, tasks->host(), catalog,
       RuntimeOptions{robot.fallback, robot.halt, robot.policies, robot.look_ahead,
-                     journal_path(options, diagnostics), robot_folder(), robot.pools});
+                     journal_path(options, diagnostics), robot_folder(), robot.pools, robot.pool_budget});
   diagnostics.append(runtime->load(controllers));
   if (!runtime->belief().empty()) {
     runtime->reset_belief();  // adopted deployments: find the name of the controller that they run

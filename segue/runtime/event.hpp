@@ -32,7 +32,8 @@ enum class EventKind {
   Files,      ///< files were applied, or that was rolled back
   Lease,      ///< somebody commands the robot, or does no longer
   RequestCancelled,
-  Halt  ///< the robot is brought to rest, or was released
+  Halt,  ///< the robot is brought to rest, or was released
+  Pool   ///< an instance of a pool is made because calls wait, or ended because none do
 };
 std::string_view to_string(EventKind kind);
 

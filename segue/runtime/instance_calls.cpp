@@ -44,6 +44,9 @@ Result<type::Value> InstanceCalls::call(const model::TaskId& task, std::string_v
     return host_.call(task, operation, arguments, wait.deadline);
   }
   const std::uint64_t number = begin({task, processes()[task].pid});
+  if (number == 0) {
+    return fail(ErrorCode::InvalidState, task.str() + " is being stopped, because nobody has needed it");
+  }
   auto answer = [&] {
     const std::stop_callback stopped(wait.stop, [&] {
       no_longer_wanted(number);
@@ -61,8 +64,16 @@ Result<type::Value> InstanceCalls::call(const model::TaskId& task, std::string_v
 
 std::uint64_t InstanceCalls::begin(Life life) {
   const Lock lock(mutex_);
+  if (retired_.contains(life)) return 0;
   calls_[std::move(life)].push_back({++last_});
   return last_;
+}
+
+bool InstanceCalls::retire(const Life& life) {
+  const Lock lock(mutex_);
+  if (calls_.contains(life) || abandoned_.contains(life)) return false;
+  retired_.insert(life);
+  return true;
 }
 
 void InstanceCalls::no_longer_wanted(std::uint64_t call) {
@@ -93,6 +104,7 @@ void InstanceCalls::ended(std::uint64_t call, End end) {
 void InstanceCalls::starts(const model::TaskId& instance) {
   const Lock lock(mutex_);
   known_.insert(instance);
+  std::erase_if(retired_, [&](const Life& life) { return life.instance == instance; });
 }
 
 void InstanceCalls::note_left(const Life& life) {
@@ -132,6 +144,7 @@ std::map<InstanceCalls::Life, std::string> InstanceCalls::abandoned() {
 void InstanceCalls::forget(const Life& life) {
   const Lock lock(mutex_);
   abandoned_.erase(life);
+  retired_.erase(life);
 }
 
 }  // namespace segue::runtime::detail

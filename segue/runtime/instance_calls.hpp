@@ -43,8 +43,11 @@ class InstanceCalls {
     friend auto operator<=>(const Life&, const Life&) = default;
   };
 
-  /// A call is about to be made; the result names it.
+  /// A call is about to be made; the result names it. 0: the instance is being stopped, and takes none.
   std::uint64_t begin(Life life);
+  /// It takes no calls any more, because it is to be stopped. False, and nothing is done, while it carries
+  /// one out, for whomever.
+  bool retire(const Life& life);
   /// Nobody waits for its answer any more, while it is under way.
   void no_longer_wanted(std::uint64_t call);
   enum class End : std::uint8_t {
@@ -62,7 +65,7 @@ class InstanceCalls {
   /// Those that are to be ended, and why. One that does not answer may have ended, which is for the policy of
   /// its pool; once it answers again, it is among them. Forgets those that have begun another life.
   [[nodiscard]] std::map<Life, std::string> abandoned();
-  /// That life begins anew.
+  /// That life begins anew, or has ended.
   void forget(const Life& life);
 
  private:
@@ -86,6 +89,7 @@ class InstanceCalls {
   std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::map<Life, std::deque<Call>> calls_ SEGUE_GUARDED_BY(mutex_);  ///< under way, the oldest first
   std::map<Life, std::string> abandoned_ SEGUE_GUARDED_BY(mutex_);   ///< and why
+  std::set<Life> retired_ SEGUE_GUARDED_BY(mutex_);
   std::set<model::TaskId> known_ SEGUE_GUARDED_BY(mutex_);  ///< started by this runtime, or seen before
 };
 

@@ -64,6 +64,19 @@ TEST_F(CallsOfInstances, AbandonNoneThatHasNotBegunWithThem) {
   EXPECT_THAT(calls.why_abandoned(kPlanner), HasSubstr("nobody waits")) << "that one has begun now";
 }
 
+TEST_F(CallsOfInstances, BeginNoMoreWithOneThatIsToBeStopped) {
+  const auto call = calls.begin(kPlanner);
+  EXPECT_FALSE(calls.retire(kPlanner)) << "it is busy";
+  calls.ended(call, End::Unknown);
+  EXPECT_FALSE(calls.retire(kPlanner)) << "it may be busy still";
+  calls.forget(kPlanner);
+  EXPECT_TRUE(calls.retire(kPlanner));
+  EXPECT_EQ(calls.begin(kPlanner), 0U);
+  EXPECT_NE(calls.begin({kPlanner.instance, 8}), 0U) << "its next process takes calls";
+  calls.starts(kPlanner.instance);
+  EXPECT_NE(calls.begin(kPlanner), 0U) << "it is needed again, and has not been stopped";
+}
+
 /// Of a process that may have ended: a connection ends before it is known why.
 class SeenHost final : public segue::testing::ForwardingHost {
  public:

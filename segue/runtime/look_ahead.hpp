@@ -4,9 +4,9 @@
 #include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
+#include <segue/runtime/process_memory.hpp>
 #include <segue/runtime/runtime.hpp>
 
-#include <functional>
 #include <vector>
 
 namespace segue::runtime::detail {
@@ -23,9 +23,6 @@ struct LookAheadPlan {
   model::Network standby;
   std::vector<Readiness> readiness;  ///< one for each request, once `standby` is in place
 };
-
-/// The memory in bytes that a standby process uses now; 0 if it is not known.
-using MemoryOf = std::function<std::uint64_t(const model::DeploymentKey& process)>;
 
 /// Plans as much of the requests as the budget permits: requests in their order, and the processes of each in
 /// the order of its network. Pure except for `memory_of`.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/pool_keeper.hpp>
 
+#include <segue/base/text.hpp>
 #include <segue/model/network_sets.hpp>
 #include <segue/model/pools.hpp>
 
@@ -84,8 +85,79 @@ PoolKeeper::PoolKeeper(const Sources& sources, const RuntimeOptions& options, st
     : sources_(sources),
       options_(options),
       network_(model::pool_network(options.pools)),
-      calls_(sources.host, network_, std::move(notify)),
-      repairs_(options.policies.restart, AfterLimit::GoOn) {}
+      notify_(std::move(notify)),
+      calls_(sources.host, network_, notify_),
+      allocator_(options.pools, options.pool_budget, calls_),
+      repairs_(options.policies.restart, AfterLimit::GoOn),
+      removals_(options.policies.restart, AfterLimit::GoOn) {}
+
+Result<type::Value> PoolKeeper::call(const model::TaskId& task, std::string_view operation,
+                                     const type::Value& arguments, const Wait& wait) {
+  auto answer = calls_.call(task, operation, arguments, wait);
+  allocator_.used(task, RealClock::instance().now());
+  waits_.ring();
+  return answer;
+}
+
+void PoolKeeper::take(const control::InstanceQuestion& what, const Wait& wait,
+                      control::InstanceAnswer answered) {
+  using End = task_host::detail::Watches::End;
+  waits_.add(wait, [this, what, answered = std::move(answered), since = RealClock::instance().now(),
+                    is_counted = false](End end) mutable {
+    std::optional<Result<control::TakenInstance>> answer;
+    if (end == End::Stop) {
+      answer = no_longer_wanted();
+    } else if (end == End::Closed) {
+      answer = fail(ErrorCode::Unavailable, "the runtime ends");
+    } else {
+      answer = allocator_.take(what, since, RealClock::instance().now());
+    }
+    if (!answer && end == End::Deadline) {
+      answer = fail(ErrorCode::DeadlineExceeded, "no instance of pool " + quote(what.pool) + " is free");
+    }
+    if (!answer) {
+      if (!std::exchange(is_counted, true) && allocator_.begin_waiting(what.pool)) notify_();
+      return false;
+    }
+    if (is_counted) allocator_.end_waiting(what.pool);
+    answered(std::move(*answer));
+    return true;
+  });
+}
+
+void PoolKeeper::on_event(const task_host::TaskEvent& event) {
+  if (event.state != TaskState::Running) {
+    allocator_.lost(event.task, "is " + std::string(to_string(event.state)));
+  }
+}
+
+void PoolKeeper::on_event(const task_host::ProcessEvent& event) {
+  if (event.gone) {
+    allocator_.lost(model::TaskId(event.process.process.str()), "its process is gone");
+  }
+}
+
+void PoolKeeper::keep(bool kept) {
+  is_kept_ = kept;
+  if (!kept) {
+    allocator_.reset();
+  }
+}
+
+std::optional<TimePoint> PoolKeeper::next() const {
+  const auto start = repairs_.next();
+  const auto end = removals_.next();
+  return start && end ? std::min(*start, *end) : start ? start : end;
+}
+
+model::Network PoolKeeper::wanted() const {
+  model::Network all = network_;
+  std::erase_if(all.tasks, [&](const model::Task& task) { return !allocator_.is_wanted(task.id); });
+  std::erase_if(all.deployments, [&](const model::Deployment& one) {
+    return !allocator_.is_wanted(model::TaskId(one.process.str()));
+  });
+  return all;
+}
 
 model::Network PoolKeeper::part(const model::Network& network) const {
   return is_kept_ && !network_.empty() ? model::subtract(network, model::subtract(network, network_))
@@ -114,7 +186,7 @@ std::vector<DetectedFault> PoolKeeper::find_faults() {
       have_run_.insert(task.id);
     }
   }
-  auto faults = detail::find_faults(reachable_part(network_, sources_.host), seen.network,
+  auto faults = detail::find_faults(reachable_part(wanted(), sources_.host), seen.network,
                                     model::FailurePolicy::Report);
   for (DetectedFault& fault : faults) {
     if (!have_run_.contains(instance_of(fault))) {
@@ -131,9 +203,22 @@ void PoolKeeper::look_after(const Repair& repair) {
   }
   if (begins_again_.exchange(false)) {
     repairs_.reset();
+    removals_.reset();
     have_run_.clear();
   }
   end_abandoned(repair);
+  start_missing(repair);
+  note_instances();
+  make_one(repair);
+  end_unneeded(repair);
+}
+
+void PoolKeeper::note_instances() {
+  allocator_.note(report(sources_.host.tasks()), RealClock::instance().now());
+  waits_.ring();
+}
+
+void PoolKeeper::start_missing(const Repair& repair) {
   const auto faults = find_faults();
   std::vector<DetectedFault> to_start;
   std::ranges::remove_copy_if(faults, std::back_inserter(to_start), is_left_alone);
@@ -149,8 +234,84 @@ void PoolKeeper::look_after(const Repair& repair) {
   note_faults(decision.repair.empty() ? faults : find_faults());
 }
 
+/// Only one at a time, since a request goes before the next one.
+void PoolKeeper::make_one(const Repair& repair) {
+  std::optional<MemoryOf> known;
+  const MemoryOf used = [&](const model::DeploymentKey& process) {
+    if (!known) known = memory_of(sources_.host);
+    return (*known)(process);
+  };
+  const auto instance = allocator_.next_to_make(RealClock::instance().now(), used);
+  if (!instance) {
+    return;
+  }
+  start({*instance, model::FailurePolicy::Restart, "is made, since calls wait", false}, repair);
+  allocator_.add(*instance, RealClock::instance().now());
+  note_instances();
+  notify_();
+}
+
+void PoolKeeper::end_unneeded(const Repair& repair) {
+  const TimePoint now = RealClock::instance().now();
+  while (const auto instance = allocator_.next_to_leave(now)) {
+    sources_.log.add(EventKind::Pool, instance->str(), "is ended, since nobody has needed it");
+  }
+  std::vector<DetectedFault> unneeded;
+  for (const auto& task : network_.tasks) {
+    if (!allocator_.is_wanted(task.id)) {
+      unneeded.push_back({task.id, model::FailurePolicy::Restart, "is not needed any more"});
+    }
+  }
+  if (!unneeded.empty()) {
+    const model::Network seen = part(sources_.belief.observe().network);
+    std::erase_if(unneeded,
+                  [&](const DetectedFault& fault) { return only(instance_of(fault), seen).empty(); });
+  }
+  const auto decision = removals_.decide(unneeded, now);
+  for (const auto& fault : decision.given_up) {
+    sources_.log.add(EventKind::GivenUp, fault.name(),
+                     fault.symptom + " and is there still, after " +
+                         std::to_string(removals_.attempts(fault)) +
+                         " attempts to end it; further attempts follow at longer intervals");
+  }
+  for (const auto& fault : decision.repair) {
+    end(instance_of(fault), repair);
+  }
+}
+
+void PoolKeeper::end(const model::TaskId& instance, const Repair& repair) {
+  int pid = 0;
+  for (const auto& report : sources_.host.tasks()) {
+    if (report.id == instance) pid = report.pid;
+  }
+  const InstanceCalls::Life life{instance, pid};
+  const bool works_for_nobody = !calls_.why_abandoned(life).empty();
+  if (!works_for_nobody && !calls_.retire(life)) {
+    return;  // somebody has called it although it was not given to anybody
+  }
+  Observation seen = sources_.belief.observe();
+  for (model::Task& task : seen.network.tasks) {
+    // Nobody waits for the operation that it carries out.
+    if (task.id == instance && works_for_nobody) task.state = TaskState::Fatal;
+  }
+  const model::Network there = part(seen.network);
+  const model::Network one = only(instance, there);
+  solve::RepairScope scope;
+  scope.tasks.push_back(instance);
+  for (const auto& deployment : one.deployments) {
+    scope.processes.push_back(deployment.key());
+  }
+  if (repair(seen, scope, model::subtract(there, one), works_for_nobody)) {
+    calls_.forget(life);
+    have_run_.erase(instance);
+  }
+}
+
 void PoolKeeper::end_abandoned(const Repair& repair) {
   for (const auto& [life, why] : calls_.abandoned()) {
+    if (!allocator_.is_wanted(life.instance)) {
+      continue;
+    }
     start({life.instance, model::FailurePolicy::Restart, why, true}, repair);
     // In the process of the runtime the same one is made anew, since that cannot be ended.
     if (life.pid == ::getpid()) {
@@ -167,7 +328,8 @@ void PoolKeeper::start(const DetectedFault& fault, const Repair& repair) {
       task.state = TaskState::Fatal;  // whatever it says: its process is to be replaced
     }
   }
-  sources_.log.add(EventKind::Repair, instance.str(), fault.name() + " " + fault.symptom);
+  sources_.log.add(allocator_.is_wanted(instance) ? EventKind::Repair : EventKind::Pool, instance.str(),
+                   fault.name() + " " + fault.symptom);
   if (have_run_.contains(instance)) {
     sources_.journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
   }
@@ -216,15 +378,14 @@ std::vector<PoolReport> PoolKeeper::report(const std::vector<task_host::TaskRepo
   for (const auto& report : reports) {
     tasks.insert_or_assign(report.id, &report);
   }
+  all = allocator_.pools();
   const Lock lock(mutex_);
-  for (const auto& pool : options_.pools) {
-    PoolReport& report = all.emplace_back(PoolReport{pool.name, {}});
-    for (int number = 1; number <= pool.size; ++number) {
-      const model::TaskId id = model::instance_of(pool, number);
-      const auto task = tasks.find(id);
-      const auto fault = faults_.find(id);
-      report.instances.push_back(report_instance(id, task == tasks.end() ? nullptr : task->second,
-                                                 fault == faults_.end() ? nullptr : &fault->second, calls_));
+  for (PoolReport& pool : all) {
+    for (PoolInstance& instance : pool.instances) {
+      const auto task = tasks.find(instance.task);
+      const auto fault = faults_.find(instance.task);
+      instance = report_instance(instance.task, task == tasks.end() ? nullptr : task->second,
+                                 fault == faults_.end() ? nullptr : &fault->second, calls_);
     }
   }
   return all;

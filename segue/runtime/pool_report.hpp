@@ -20,7 +20,11 @@ struct PoolInstance {
 };
 struct PoolReport {
   std::string pool;
-  std::vector<PoolInstance> instances;
+  std::vector<PoolInstance> instances;  ///< that shall run now
+  int least = 1;                        ///< how many always run
+  int most = 1;                         ///< how many run where as many calls wait
+  int waiting = 0;                      ///< callers that wait for an instance
+  std::string held_back{};              ///< why no further instance is made for them; empty: nothing does
 };
 
 }  // namespace segue::runtime

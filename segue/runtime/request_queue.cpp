@@ -39,8 +39,14 @@ RequestQueue::Place RequestQueue::put(PendingRequest& job, const std::function<b
     place.older = std::exchange(waiting_.request, std::move(job));
     const auto& parts = waiting_.request->parts;
     if (transaction_) {
-      // The transition may be look-ahead, which prepares for a controller that nobody wants now.
-      transaction_yields_&& parts ? transaction_->make_way(*parts) : transaction_->supersede();
+      // The transition may be look-ahead, which prepares for a controller that nobody wants now, or make an
+      // instance of a pool, for which only a request waits that ends it.
+      const bool yields = transaction_yields_ && !waiting_.request->privileges.ends_pools;
+      if (parts && yields) {
+        transaction_->make_way(*parts);
+      } else {
+        transaction_->supersede();
+      }
     }
   }
   wake_.notify_all();
@@ -265,7 +271,7 @@ void RequestQueue::wake() {
 void RequestQueue::begin(const std::shared_ptr<Transaction>& transaction, Cause cause) {
   const Lock lock(mutex_);
   transaction_ = transaction;
-  transaction_yields_ = cause == Cause::LookAhead || cause == Cause::Collect;
+  transaction_yields_ = cause == Cause::LookAhead || cause == Cause::Collect || cause == Cause::Pool;
   if (stopped_) {
     transaction->abandon();
   } else if (served_ && served_->cancelled_by) {

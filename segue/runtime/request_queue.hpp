@@ -126,7 +126,7 @@ class RequestQueue {
   Waiting waiting_ SEGUE_GUARDED_BY(mutex_);
   std::optional<ServedRequest> served_ SEGUE_GUARDED_BY(mutex_);
   std::shared_ptr<Transaction> transaction_ SEGUE_GUARDED_BY(mutex_);
-  /// It only prepares or collects, so files that are applied supersede it.
+  /// It only prepares or collects, or is about a pool, so files that are applied supersede it.
   bool transaction_yields_ SEGUE_GUARDED_BY(mutex_) = false;
   RuntimeState state_ SEGUE_GUARDED_BY(mutex_) = RuntimeState::Idle;
   std::optional<std::optional<model::Network>> reset_ SEGUE_GUARDED_BY(mutex_);

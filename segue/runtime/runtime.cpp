@@ -13,7 +13,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 24> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 25> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -36,7 +36,8 @@ std::string_view to_string(EventKind kind) {
                                                               "files",
                                                               "lease",
                                                               "request_cancelled",
-                                                              "halt"};
+                                                              "halt",
+                                                              "pool"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
@@ -210,6 +211,11 @@ std::map<model::DeploymentKey, std::string> Runtime::ended_processes() const {
 Result<type::Value> Runtime::call(const model::TaskId& task, std::string_view operation,
                                   const type::Value& arguments, const Wait& wait) {
   return implementation_->pools.call(task, operation, arguments, wait);
+}
+
+void Runtime::take_instance(const control::InstanceQuestion& what, const Wait& wait,
+                            control::InstanceAnswer answered) {
+  implementation_->pools.take(what, wait, std::move(answered));
 }
 
 std::vector<PoolReport> Runtime::pools() const {

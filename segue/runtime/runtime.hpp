@@ -168,13 +168,14 @@ class Runtime {
   /// nobody then, is ended and started again. Blocks until it has ended, or the instance has.
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, const Wait& wait);
+  /// As of control::RobotService.
+  void take_instance(const control::InstanceQuestion&, const Wait&, control::InstanceAnswer answered);
   /// The pools of RuntimeOptions as they are now. Blocks while the host is asked.
   [[nodiscard]] std::vector<PoolReport> pools() const;
   /// Faults and leftovers that lasted longer than the policies permit attempts. From the last supervision.
   [[nodiscard]] std::vector<UnresolvedFault> unresolved() const;
   /// Faults that are being mended, or will be: for as long as the policies permit further attempts.
   [[nodiscard]] std::vector<UnresolvedFault> in_repair() const;
-
   /// Counts, from 1 on, what may change belief().name, unresolved(), in_repair() or lease_standing().
   [[nodiscard]] std::uint64_t changes() const;
   /// `answered` gets that count, once, from any thread, when it is not `seen`, or at the deadline.
@@ -188,7 +189,6 @@ class Runtime {
   [[nodiscard]] Result<void> flush_journal(TimePoint deadline) const;
   /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
   [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
-
   [[nodiscard]] task_host::TaskHost& host();
   [[nodiscard]] const model::ComponentCatalog& components() const;
 

@@ -22,6 +22,7 @@ struct RuntimeOptions {
   /// Of the robot's files, canonical: durations are learned for it. Empty: it has none.
   std::filesystem::path robot_folder{};
   std::vector<model::Pool> pools{};  ///< run beside every controller
+  model::PoolBudget pool_budget{};   ///< of their instances beyond the least numbers
   /// Of the results of requests that are kept, roughly; the newest is kept whatever it takes.
   std::size_t kept_bytes = std::size_t{32} << 20;
 };

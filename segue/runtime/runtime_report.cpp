@@ -309,7 +309,11 @@ Value to_value(const PoolReport& pool) {
   const auto ready = std::ranges::count_if(pool.instances, &PoolInstance::ready);
   return Value::map({{"pool", pool.pool},
                      {"size", static_cast<std::int64_t>(pool.instances.size())},
+                     {"least", pool.least},
+                     {"most", pool.most},
                      {"ready", static_cast<std::int64_t>(ready)},
+                     {"waiting", pool.waiting},
+                     {"held_back", pool.held_back},
                      {"instances", list_of(pool.instances, [](const PoolInstance& one) {
                         return Value::map({{"task", one.task.str()},
                                            {"ready", one.ready},

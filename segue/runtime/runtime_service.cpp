@@ -401,6 +401,11 @@ Result<type::Value> RuntimeService::call(std::string_view task, std::string_view
   return runtime_.call(model::TaskId(task), operation, arguments, wait);
 }
 
+void RuntimeService::take_instance(const control::InstanceQuestion& what, const Wait& wait,
+                                   control::InstanceAnswer answered) {
+  runtime_.take_instance(what, wait, std::move(answered));
+}
+
 Result<void> RuntimeService::write(std::string_view task, std::string_view port, const type::Value& value,
                                    const control::Sender& sender, const Wait& wait) {
   if (auto allowed = allow(sender, "writes to", task, port, wait); !allowed) {

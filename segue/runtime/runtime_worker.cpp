@@ -33,6 +33,7 @@ Runtime::Implementation::~Implementation() {
   auto left = queue.stop();
   log.close();
   changes.close();
+  pools.close();
   if (left.request) {
     SwitchResult result = cancelled(*left.request);
     journal.ended(std::as_const(result));
@@ -70,6 +71,7 @@ void Runtime::Implementation::work() {
 
 void Runtime::Implementation::on_event(const task_host::TaskEvent& event) {
   belief.on_event(event);
+  pools.on_event(event);
   queue.wake();
   log.add(EventKind::TaskState, event.task.str(),
           std::string(to_string(event.state)) + (event.message.empty() ? "" : ": " + event.message),
@@ -80,6 +82,7 @@ void Runtime::Implementation::on_event(const task_host::ProcessEvent& event) {
   if (event.gone) {
     faults.process_ended(event.process, event.message);
   }
+  pools.on_event(event);
   queue.wake();
   log.add(EventKind::Process, to_string(event.process), event.message, event.gone);
 }

@@ -126,9 +126,12 @@ std::vector<UnresolvedFault> Supervisor::put_right(const std::set<model::HostNam
   bring_back(returned, seen);
   auto left = handle_faults(seen);
   auto leftovers = collect_leftovers(seen);
-  parts_.pools.look_after([this](const Observation& now, const solve::RepairScope& scope,
-                                 const model::Network& pools_part,
-                                 bool force) { return repair(Cause::Pool, now, scope, pools_part, force); });
+  // An action left in progress may be about an instance; its end wakes this thread.
+  if (!parts_.queue.left_actions()->any()) {
+    parts_.pools.look_after(
+        [this](const Observation& now, const solve::RepairScope& scope, const model::Network& pools_part,
+               bool force) { return repair(Cause::Pool, now, scope, pools_part, force); });
+  }
   left.insert(left.end(), std::make_move_iterator(leftovers.begin()),
               std::make_move_iterator(leftovers.end()));
   return left;
@@ -137,7 +140,8 @@ std::vector<UnresolvedFault> Supervisor::put_right(const std::set<model::HostNam
 void Supervisor::forget_ended(const model::Network& observed) {
   const model::Network desired = parts_.belief.held().desired();
   std::set<model::DeploymentKey> missing;
-  for (const auto* network : {&desired, &parts_.pools.network()}) {
+  const model::Network pools = parts_.pools.wanted();
+  for (const auto* network : {&desired, &pools}) {
     for (const auto& deployment : network->deployments) {
       missing.insert(deployment.key());
     }

@@ -40,7 +40,7 @@ enum class Cause {
   LookAhead,  ///< another controller is prepared for standby
   Collect,    ///< leftovers are removed; "tidy" in JSON
   Apply,      ///< the running controller goes to its version in files that were applied
-  Pool        ///< an instance of a pool of processes is started, for the first time or again
+  Pool        ///< an instance of a pool of processes is started, for the first time or again, or ended
 };
 std::string_view to_string(Cause cause);
 

@@ -2,10 +2,13 @@
 // Missions whose actions are calls of a robot's pool of processes.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "system_test.hpp"
@@ -39,17 +42,32 @@ states: {plan: {on: {found: return found, no_route: return no_route}}}
 class PoolMission : public SystemTest {
  protected:
   /// A robot whose planners take very long.
-  void start_with_pool(const std::string& size, const std::string& more = "") {
+  void start_with_pool(const std::string& size, const std::string& more = "",
+                       const std::string& effort = "1h") {
     ASSERT_EQ(segue({"init", "rover"}).status, 0);
     std::ifstream robot(folder_ / "rover/robot.yaml");
     const std::string file((std::istreambuf_iterator<char>(robot)), std::istreambuf_iterator<char>());
     write("rover/robot.yaml", file + "pools: {planner: {component: \"demo::RoutePlanner\", size: " + size +
-                                  ", properties: {effort: 1h}" + more + "}}\n");
+                                  ", properties: {effort: " + effort + "}" + more + "}}\n");
     start();
     write("plan.yaml", kPlan);
     wait_until([&] { return pool().find("ready")->as_int() == pool().find("size")->as_int(); });
   }
   type::Value pool() { return json({"status"}).find("pools")->as_list().at(0); }
+  std::int64_t busy() {
+    const auto instances = pool().find("instances")->as_list();
+    return std::ranges::count_if(instances, [](const auto& one) { return one.find("busy")->as_bool(); });
+  }
+  std::vector<int> pids_of_planners() {
+    std::vector<int> pids;
+    for (const auto& [pid, program] : processes_of(folder_ / "runtime")) {
+      std::ifstream file("/proc/" + std::to_string(pid) + "/cmdline");
+      const std::string line((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+      if (line.find("planner_") != std::string::npos) pids.push_back(pid);
+    }
+    return pids;
+  }
+  std::size_t processes_of_planners() { return pids_of_planners().size(); }
   type::Value first() { return pool().find("instances")->as_list().at(0); }
   int pid_of_first() { return static_cast<int>(first().find("pid")->as_int()); }
   void kill_first() { ::kill(pid_of_first(), SIGKILL); }
@@ -150,6 +168,90 @@ TEST_F(PoolMission, OneThatLosesItsRuntimeIsResumed) {
     EXPECT_THAT(resumed.output, HasSubstr("plan: found"));
     ASSERT_EQ(segue({"set", "planner_1.effort=1h"}).status, 0);
   }
+}
+
+/// Three plans side by side.
+constexpr const char* kThreePlans = R"(mission: plans
+actions:
+  plan:
+    pure: true
+    run: {pool: planner, call: {plan: {from: {x: 0.0, y: 0.0}, to: {x: 1.0, y: 0.0}}}, timeout: 10min}
+  all: {run: {decide: [{outcome: success}]}}
+start: all_three
+states:
+  all_three:
+    kind: barrier
+    on: {success: return success}
+    states:
+      a: {action: plan}
+      b: {action: plan}
+      c: {action: plan}
+      all: {kind: decider, on: {success: return success}}
+)";
+
+TEST_F(PoolMission, GrowsThePoolWithItsDemandWhichShrinksAgain) {
+  start_with_pool("1..3", ", idle_after: 100ms");
+  write("plans.yaml", kThreePlans);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
+    EXPECT_EQ(pool().find("size")->as_int(), 1);
+    Process mission(command({"mission", "run", "plans.yaml", "--mode", mode}), folder_);
+    wait_until([&] { return busy() == 3; });
+    EXPECT_THAT(segue({"status"}).output, HasSubstr("pool planner: 3 of 3 ready, 1 to 3 on demand"));
+    EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0) << "no switch waits for them";
+    EXPECT_EQ(busy(), 3);
+    mission.signal(SIGKILL);
+    mission.wait();
+    wait_until([&] { return pool().find("size")->as_int() == 1 && pool().find("ready")->as_int() == 1; });
+    wait_until([&] { return processes_of_planners() == 1U; });
+    EXPECT_EQ(segue({"switch", "go_to"}).status, 0);
+  }
+  EXPECT_THAT(segue({"events"}).output, ContainsRegex("planner_3.*is made, since calls wait"));
+  EXPECT_THAT(segue({"events"}).output, ContainsRegex("planner_[123].*is ended, since nobody has needed it"));
+}
+
+TEST_F(PoolMission, EndsWithWhatInstancesOnDemandAnswer) {
+  start_with_pool("0..3", ", idle_after: 100ms", "1ms");
+  write("plans.yaml", kThreePlans);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    const auto finished = segue({"mission", "run", "plans.yaml", "--mode", mode});
+    EXPECT_EQ(finished.status, 0) << finished.errors;
+    EXPECT_THAT(finished.output, HasSubstr("plans: success"));
+  }
+  wait_until([&] { return pool().find("size")->as_int() == 0 && processes_of_planners() == 0U; });
+  EXPECT_EQ(segue({"status", "--exit-code"}).status, 0) << "it lacks nothing";
+}
+
+TEST_F(PoolMission, GoesOnWhereAnInstanceIsKilledWhileItIsMade) {
+  start_with_pool("0..1", "", "1ms");
+  write("plans.yaml", kThreePlans);
+  std::atomic<bool> ended = false;
+  std::size_t killed = 0;
+  std::jthread killer([&] {
+    // Whenever its process is there for the first time, whatever it is doing then.
+    while (!ended && killed == 0) {
+      for (const int pid : pids_of_planners())
+        killed += ::kill(pid, SIGKILL) == 0 ? 1 : 0;
+    }
+  });
+  const auto finished = segue({"mission", "run", "plans.yaml"});
+  ended = true;
+  killer.join();
+  EXPECT_EQ(killed, 1U);
+  EXPECT_EQ(finished.status, 0) << finished.errors << segue({"events"}).output;
+}
+
+TEST_F(PoolMission, LeavesNoInstanceWhereItsRuntimeIsKilledWhileThePoolIsLarge) {
+  start_with_pool("1..3");
+  write("plans.yaml", kThreePlans);
+  Process mission(command({"mission", "run", "plans.yaml"}), folder_);
+  wait_until([&] { return busy() == 3; });
+  robot_->signal(SIGKILL);
+  robot_->wait();
+  mission.wait();
+  EXPECT_EQ(processes_of_planners(), 3U);
+  start();
+  wait_until([&] { return pool().find("ready")->as_int() == 1 && processes_of_planners() == 1U; });
 }
 
 TEST_F(PoolMission, NeedsAPoolOfTheRobot) {
