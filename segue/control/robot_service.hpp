@@ -156,10 +156,10 @@ class RobotService {
   virtual Result<type::Value> call(std::string_view task, std::string_view operation,
                                    const type::Value& arguments, const Sender& sender, const Wait& wait) = 0;
   /// Has `answered` called with an instance of a pool that is ready and works for nobody: it is the caller's
-  /// for its next call(), which must come within 5 s. Until there is one, the caller waits, and the robot makes
-  /// further instances for those who wait, as far as the pool's size and the budget permit. Unavailable where
-  /// none has been ready for half a minute, or none is likely to come; DeadlineExceeded at the end of the
-  /// wait. Returns at once.
+  /// for its next call(), which must come within 5 s. Until there is one, the caller waits, and the robot
+  /// makes further instances for those who wait, as far as the pool's size and the budget permit. Unavailable
+  /// where none has been ready for half a minute, or none is likely to come; DeadlineExceeded at the end of
+  /// the wait. Returns at once.
   virtual void take_instance(const InstanceQuestion& what, const Wait& wait, InstanceAnswer answered) = 0;
   /// Writes a sample to an input port of a task that runs, and waits until that has taken it.
   virtual Result<void> write(std::string_view task, std::string_view port, const type::Value& value,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hosts that a program starts for itself end with it, and take everything along that runs there.
+#include <segue/base/question.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/temporary_hosts.hpp>
 
@@ -36,13 +37,18 @@ class TemporaryHosts : public SystemTest {
            processes_of(runtime_folder(folder, "b")).size();
   }
 
+  static void write_robot(const runtime::TemporaryHosts& hosts, const std::string& more) {
+    std::ofstream(hosts.folder() / "robot.yaml")
+        << "robot: short_lived\nhosts: {a: \"" << hosts.address("a") << "\", b: \"" << hosts.address("b")
+        << "\"}\nlibraries: [segue_components_bench]\n"
+        << more;
+  }
+
   /// A robot with a process on host a; nothing, with the reason on standard error, where that is not
   /// possible.
   static std::optional<runtime::EmbeddedRobot> run_robot(const runtime::TemporaryHosts& hosts) {
     std::ofstream(hosts.folder() / "one.yaml") << kNetwork;
-    std::ofstream(hosts.folder() / "robot.yaml")
-        << "robot: short_lived\nhosts: {a: \"" << hosts.address("a") << "\", b: \"" << hosts.address("b")
-        << "\"}\nlibraries: [segue_components_bench]\ncontrollers: [one.yaml]\n";
+    write_robot(hosts, "controllers: [one.yaml]\n");
     runtime::EmbeddedOptions options;
     options.placement = runtime::TaskPlacement::Processes;
     auto robot = runtime::EmbeddedRobot::open(hosts.folder() / "robot.yaml", options);
@@ -85,6 +91,32 @@ TEST_F(TemporaryHosts, EndWithTheObjectWhateverRunsThere) {
   }
   EXPECT_EQ(processes(folder), 0U);
   EXPECT_FALSE(fs::exists(folder));
+}
+
+TEST_F(TemporaryHosts, HoldInstancesOfPoolsWhileCallsNeedThem) {
+  runtime::TemporaryHosts hosts;
+  const auto started = start(hosts);
+  ASSERT_TRUE(started) << to_string(started.error());
+  write_robot(
+      hosts, "pools: {relay: {component: bench::Relay, size: 0..2, idle_after: 10ms, process: {host: a}}}\n");
+  runtime::EmbeddedOptions options;
+  options.placement = runtime::TaskPlacement::Processes;
+  auto robot = runtime::EmbeddedRobot::open(hosts.folder() / "robot.yaml", options);
+  ASSERT_TRUE(robot) << to_string(robot.error());
+  auto& runtime = robot->runtime();
+  const auto on_a = [&] { return deployments_of(runtime_folder(hosts.folder(), "a")).size(); };
+  EXPECT_EQ(on_a(), 0U);
+  for (std::size_t count = 1; count <= 2; ++count) {
+    const auto taken =
+        answer_to<control::TakenInstance>(RealClock::instance().now() + std::chrono::minutes(1),
+                                          [&](const Wait& wait, control::InstanceAnswer answer) {
+                                            runtime.take_instance({"relay"}, wait, std::move(answer));
+                                          });
+    ASSERT_TRUE(taken) << to_string(taken.error());
+    EXPECT_TRUE(eventually([&] { return on_a() == count; })) << "each keeps its instance for a while";
+  }
+  EXPECT_TRUE(deployments_of(runtime_folder(hosts.folder(), "b")).empty());
+  EXPECT_TRUE(eventually([&] { return on_a() == 0; })) << "nobody has called them";
 }
 
 TEST_F(TemporaryHosts, EndWithAProgramThatIsKilled) {
