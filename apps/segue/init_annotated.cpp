@@ -147,7 +147,8 @@ actions:
     inputs: {place: map}                # NAME: TYPE, or NAME: {type: TYPE, default: VALUE}
     outputs: {pose: map}                # types: any, bool, int, float, text, list, map
     outcomes: [arrived]                 # by default [success]; every action may also be aborted and preempted
-    expect: {duration: 4s, outcome: arrived} # as far as known; for simulations and concurrent runs
+    # As far as known; for simulations and concurrent runs, which run ahead first what is likely to count.
+    expect: {duration: 4s, outcome: arrived, likelihood: {arrived: 0.9}}
     # For people and tools.
     #description: Drives to a place
     # Facts that must hold when it begins, else it aborts; '!' before those that must not.
