@@ -3,6 +3,7 @@
 // Requests that are cancelled: before each action, behind the point of commit, while they are undone.
 #include <segue/model/network_sets.hpp>
 #include <segue/runtime/runtime_service.hpp>
+#include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <support/eventually.hpp>
@@ -148,7 +149,7 @@ TEST(Cancel, OfNothingAndOfOtherRequestsIsRefused) {
 struct Held : Robot {
   explicit Held(const std::string& holder = "") {
     if (!holder.empty()) {
-      lease = runtime.take_lease(holder).value();
+      lease = runtime.served().take_lease(holder).value();
     }
     asking.ask([held = gate](const model::Action&) -> Result<void> {
       if (!held->entered.exchange(true)) {
@@ -189,7 +190,7 @@ TEST(Cancel, IsAnsweredWhenTheActionThatHangsHasReturned) {
 
 TEST(Cancel, ComesWithTheEndOfTheLeaseOfWhoeverRequested) {
   Held robot("ann");
-  robot.runtime.end_lease(robot.lease);
+  robot.runtime.served().end_lease(robot.lease);
   robot.gate->released.set_value();
   const auto result = robot.result.get();
   EXPECT_EQ(result.outcome, Outcome::Cancelled);
@@ -199,7 +200,7 @@ TEST(Cancel, ComesWithTheEndOfTheLeaseOfWhoeverRequested) {
 
 TEST(Cancel, DoesNotComeWithTheEndOfTheLeaseOfSomebodyElse) {
   Held robot;
-  robot.runtime.end_lease(robot.runtime.take_lease("ann").value());
+  robot.runtime.served().end_lease(robot.runtime.served().take_lease("ann").value());
   robot.gate->released.set_value();
   EXPECT_EQ(robot.result.get().outcome, Outcome::Done);
 }

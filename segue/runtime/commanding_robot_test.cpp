@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/runtime_service.hpp>
+#include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <gmock/gmock.h>
@@ -70,7 +71,7 @@ TEST_F(CommandedRuntime, RefusesControllersThatCannotRunAtOnce) {
 }
 
 TEST_F(CommandedRuntime, SaysWhatKeepsControllersApart) {
-  const auto all = runtime_.conflicts(runtime_.controllers());
+  const auto all = runtime_.served().conflicts(runtime_.controllers());
   ASSERT_TRUE(all);
   std::vector<std::string> found;
   for (const auto& one : *all)
@@ -81,7 +82,7 @@ TEST_F(CommandedRuntime, SaysWhatKeepsControllersApart) {
                                                      "stick influences arm: input base.command",
                                                      "drive influences stick: input base.command",
                                                      "stick influences drive: input base.command"));
-  EXPECT_EQ(runtime_.conflicts({model::NetworkName("amr")}).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(runtime_.served().conflicts({model::NetworkName("amr")}).error().code, ErrorCode::NotFound);
 }
 
 TEST_F(CommandedRuntime, RecognisesAUnionThatRunsAlready) {
@@ -138,9 +139,9 @@ TEST_F(CommandedRuntime, SetsAMemberOfAProperty) {
 }
 
 TEST_F(CommandedRuntime, HeedsOnlyTheHolderOfTheLease) {
-  const auto lease = runtime_.take_lease("mission patrol");
+  const auto lease = runtime_.served().take_lease("mission patrol");
   ASSERT_TRUE(lease);
-  EXPECT_THAT(to_string(runtime_.take_lease("another").error()),
+  EXPECT_THAT(to_string(runtime_.served().take_lease("another").error()),
               HasSubstr("the robot is commanded by mission patrol"));
   const auto refused = switch_to("drive");
   EXPECT_EQ(refused.outcome, Outcome::Refused);
@@ -150,48 +151,48 @@ TEST_F(CommandedRuntime, HeedsOnlyTheHolderOfTheLease) {
   EXPECT_EQ(switch_to("drive", mine).outcome, Outcome::Done);
   const auto files = runtime_.apply({}).get();
   EXPECT_EQ(files.outcome, Outcome::Refused);
-  runtime_.end_lease(*lease);
+  runtime_.served().end_lease(*lease);
   EXPECT_EQ(switch_to("arm").outcome, Outcome::Done);
-  EXPECT_EQ(runtime_.lease_holder(), std::nullopt);
+  EXPECT_EQ(runtime_.served().lease_holder(), std::nullopt);
 }
 
 TEST_F(CommandedRuntime, CanBeTakenOver) {
   RequestOptions mine;
-  mine.lease = *runtime_.take_lease("mission patrol");
+  mine.lease = *runtime_.served().take_lease("mission patrol");
   EXPECT_EQ(switch_to("drive", mine).outcome, Outcome::Done);
   RequestOptions theirs;
   theirs.take_over = true;
   theirs.who = "segue switch";
   EXPECT_EQ(switch_to("arm", theirs).outcome, Outcome::Done);
-  EXPECT_EQ(runtime_.lease_standing(mine.lease).lost_to, "segue switch");
+  EXPECT_EQ(runtime_.served().lease_standing(mine.lease).lost_to, "segue switch");
   const auto late = switch_to("drive", mine);
   EXPECT_EQ(late.outcome, Outcome::Refused);
   EXPECT_THAT(late.why(), HasSubstr("the robot was taken over by segue switch"));
   EXPECT_EQ(switch_to("drive").outcome, Outcome::Done) << "nobody holds it now";
-  const auto next = runtime_.take_lease("mission again");
-  EXPECT_EQ(runtime_.lease_standing(*next).lost_to, std::nullopt);
-  EXPECT_EQ(runtime_.lease_standing(mine.lease).lost_to, "segue switch");
+  const auto next = runtime_.served().take_lease("mission again");
+  EXPECT_EQ(runtime_.served().lease_standing(*next).lost_to, std::nullopt);
+  EXPECT_EQ(runtime_.served().lease_standing(mine.lease).lost_to, "segue switch");
 }
 
 TEST_F(CommandedRuntime, TellsItsHolderWhatOthersWant) {
-  EXPECT_EQ(runtime_.send_command("pause").error().code, ErrorCode::NotFound);
-  const auto lease = *runtime_.take_lease("mission patrol");
-  EXPECT_EQ(runtime_.send_command("dance").error().code, ErrorCode::InvalidArgument);
-  EXPECT_EQ(*runtime_.send_command("pause"), 1U);
-  EXPECT_EQ(*runtime_.send_command("resume"), 2U);
-  EXPECT_THAT(runtime_.take_commands(lease), ElementsAre(control::HolderRequest{2, "resume", {}}))
+  EXPECT_EQ(runtime_.served().send_command("pause").error().code, ErrorCode::NotFound);
+  const auto lease = *runtime_.served().take_lease("mission patrol");
+  EXPECT_EQ(runtime_.served().send_command("dance").error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(*runtime_.served().send_command("pause"), 1U);
+  EXPECT_EQ(*runtime_.served().send_command("resume"), 2U);
+  EXPECT_THAT(runtime_.served().take_commands(lease), ElementsAre(control::HolderRequest{2, "resume", {}}))
       << "the latest counts";
-  EXPECT_THAT(runtime_.take_commands(lease), IsEmpty());
-  EXPECT_TRUE(runtime_.report(lease, "driving"));
-  EXPECT_EQ(runtime_.reported(), type::Value("driving"));
-  runtime_.end_lease(lease);
-  EXPECT_TRUE(runtime_.reported().is_null());
-  EXPECT_EQ(runtime_.report(lease, "driving").error().code, ErrorCode::InvalidState);
+  EXPECT_THAT(runtime_.served().take_commands(lease), IsEmpty());
+  EXPECT_TRUE(runtime_.served().report(lease, "driving"));
+  EXPECT_EQ(runtime_.served().reported(), type::Value("driving"));
+  runtime_.served().end_lease(lease);
+  EXPECT_TRUE(runtime_.served().reported().is_null());
+  EXPECT_EQ(runtime_.served().report(lease, "driving").error().code, ErrorCode::InvalidState);
 }
 
 TEST_F(CommandedRuntime, ARefusedRequestDisturbsNoneThatIsUnderWay) {
   RequestOptions mine;
-  mine.lease = *runtime_.take_lease("mission patrol");
+  mine.lease = *runtime_.served().take_lease("mission patrol");
   auto under_way = runtime_.request(model::NetworkName("drive"), mine);
   EXPECT_EQ(switch_to("arm").outcome, Outcome::Refused);
   EXPECT_EQ(under_way.get().outcome, Outcome::Done);

@@ -5,6 +5,7 @@
 #include <segue/model/network_sets.hpp>
 #include <segue/runtime/condition_watch.hpp>
 #include <segue/runtime/halting_robot.hpp>
+#include <segue/runtime/served_runtime.hpp>
 
 #include <support/eventually.hpp>
 
@@ -54,7 +55,7 @@ TEST(Halt, BringsTheRobotToRestAndKeepsItThereUntilItIsReleased) {
   const auto refused = robot.switch_to("drive");
   EXPECT_EQ(refused.outcome, Outcome::Refused);
   EXPECT_THAT(refused.why(), HasSubstr("stopped by ann; 'segue stop --release' lets it be commanded again"));
-  EXPECT_EQ(robot.runtime.take_lease("bob").error().code, ErrorCode::InvalidState);
+  EXPECT_EQ(robot.runtime.served().take_lease("bob").error().code, ErrorCode::InvalidState);
   RequestOptions forced;
   forced.take_over = true;
   EXPECT_EQ(robot.switch_to("drive", forced).outcome, Outcome::Refused) << "nor is it taken over";
@@ -67,11 +68,11 @@ TEST(Halt, BringsTheRobotToRestAndKeepsItThereUntilItIsReleased) {
 
 TEST(Halt, FollowsALeaseThatEndsUnlessWhatRunsShallBeKept) {
   Robot robot;
-  const auto kept = robot.runtime.take_lease("mission a").value();
-  EXPECT_FALSE(robot.runtime.end_lease(kept, true).valid());
+  const auto kept = robot.runtime.served().take_lease("mission a").value();
+  EXPECT_FALSE(robot.runtime.served().end_lease(kept, true).valid());
   EXPECT_EQ(robot.running(), "drive");
-  const auto lost = robot.runtime.take_lease("mission b").value();
-  const auto rest = robot.runtime.end_lease(lost);
+  const auto lost = robot.runtime.served().take_lease("mission b").value();
+  const auto rest = robot.runtime.served().end_lease(lost);
   ASSERT_TRUE(rest.valid());
   EXPECT_TRUE(rest.get().at_rest);
   EXPECT_EQ(robot.running(), "hold");
@@ -85,75 +86,76 @@ type::Value doing(const char* state, const char* at_stop) {
 
 TEST(Halt, FollowsAtOnceWhereAMissionIsStoppedThatThenCommandsNothingAnyMore) {
   Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
-  ASSERT_TRUE(robot.runtime.report(lease, doing("running", "halt")));
-  ASSERT_TRUE(robot.runtime.send_command("stop"));
-  EXPECT_TRUE(robot.runtime.halt_on_its_way().get().at_rest) << "although the mission has heard nothing yet";
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
+  ASSERT_TRUE(robot.runtime.served().report(lease, doing("running", "halt")));
+  ASSERT_TRUE(robot.runtime.served().send_command("stop"));
+  EXPECT_TRUE(robot.runtime.served().halt_on_its_way().get().at_rest)
+      << "although the mission has heard nothing yet";
   EXPECT_EQ(robot.running(), "hold");
   EXPECT_EQ(robot.runtime.halted()->request.why, "its mission is stopped");
-  EXPECT_EQ(robot.runtime.lease_standing(lease), (control::LeaseStanding{std::nullopt, true}));
+  EXPECT_EQ(robot.runtime.served().lease_standing(lease), (control::LeaseStanding{std::nullopt, true}));
   RequestOptions theirs;
   theirs.lease = lease;
   EXPECT_THAT(robot.switch_to("drive", theirs).why(), HasSubstr("the mission is being stopped"));
-  EXPECT_EQ(robot.runtime.allow({.who = "mission a", .lease = lease}, "sets 'x.y'").error().code,
+  EXPECT_EQ(robot.runtime.served().allow({.who = "mission a", .lease = lease}, "sets 'x.y'").error().code,
             ErrorCode::Cancelled);
-  EXPECT_EQ(robot.runtime.lease_refusal(lease)->code, ErrorCode::Cancelled);
-  EXPECT_EQ(robot.runtime.take_commands(lease).at(0).what, "stop");
-  EXPECT_TRUE(robot.runtime.report(lease, doing("stopping", "halt"))) << "it says how it ends";
-  EXPECT_TRUE(robot.runtime.end_lease(lease).get().at_rest) << "of the same halt";
+  EXPECT_EQ(robot.runtime.served().lease_refusal(lease)->code, ErrorCode::Cancelled);
+  EXPECT_EQ(robot.runtime.served().take_commands(lease).at(0).what, "stop");
+  EXPECT_TRUE(robot.runtime.served().report(lease, doing("stopping", "halt"))) << "it says how it ends";
+  EXPECT_TRUE(robot.runtime.served().end_lease(lease).get().at_rest) << "of the same halt";
   EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done) << "nothing holds the robot afterwards";
 }
 
 TEST(Halt, FollowsAtOnceWhereAMissionSaysThatItIsStopping) {
   Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
-  ASSERT_TRUE(robot.runtime.report(lease, doing("stopping", "halt")));
-  EXPECT_TRUE(robot.runtime.halt_on_its_way().get().at_rest);
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
+  ASSERT_TRUE(robot.runtime.served().report(lease, doing("stopping", "halt")));
+  EXPECT_TRUE(robot.runtime.served().halt_on_its_way().get().at_rest);
   EXPECT_EQ(robot.running(), "hold");
 }
 
 TEST(Halt, DoesNotFollowBeforeAMissionHasDoneWhatItDoesWhenItIsStopped) {
   Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
-  ASSERT_TRUE(robot.runtime.report(lease, doing("running", "go_on")));
-  ASSERT_TRUE(robot.runtime.send_command("stop"));
-  ASSERT_TRUE(robot.runtime.report(lease, doing("stopping", "go_on")));
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
+  ASSERT_TRUE(robot.runtime.served().report(lease, doing("running", "go_on")));
+  ASSERT_TRUE(robot.runtime.served().send_command("stop"));
+  ASSERT_TRUE(robot.runtime.served().report(lease, doing("stopping", "go_on")));
   RequestOptions theirs;
   theirs.lease = lease;
   EXPECT_EQ(robot.switch_to("work", theirs).outcome, Outcome::Done);
   EXPECT_FALSE(robot.runtime.halted());
-  EXPECT_TRUE(robot.runtime.end_lease(lease).get().at_rest);
+  EXPECT_TRUE(robot.runtime.served().end_lease(lease).get().at_rest);
   EXPECT_EQ(robot.running(), "hold");
 }
 
 TEST(Halt, TakesTheRobotFromAMissionThatIsStoppedAndDoesNotEnd) {
   Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
-  ASSERT_TRUE(robot.runtime.report(lease, doing("running", "halt")));
-  ASSERT_TRUE(robot.runtime.send_command("stop"));
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
+  ASSERT_TRUE(robot.runtime.served().report(lease, doing("running", "halt")));
+  ASSERT_TRUE(robot.runtime.served().send_command("stop"));
   EXPECT_THAT(robot.switch_to("drive").error->message,
               ::testing::AnyOf(HasSubstr("halted by mission a"), HasSubstr("commanded by mission a")));
   EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);
-  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("ann")));
-  EXPECT_FALSE(robot.runtime.end_lease(lease).valid());
+  EXPECT_THAT(robot.runtime.served().lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("ann")));
+  EXPECT_FALSE(robot.runtime.served().end_lease(lease).valid());
   EXPECT_EQ(robot.switch_to("drive").outcome, Outcome::Done);
 }
 
 TEST(Halt, DoesNotFollowALeaseThatWasTakenOver) {
   Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
   RequestOptions options;
   options.take_over = true;
   EXPECT_EQ(robot.switch_to("work", options).outcome, Outcome::Done);
-  EXPECT_FALSE(robot.runtime.end_lease(lease).valid());
+  EXPECT_FALSE(robot.runtime.served().end_lease(lease).valid());
   EXPECT_EQ(robot.running(), "work");
 }
 
 TEST(Halt, TakesTheRobotFromWhoeverCommandsIt) {
   Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
   EXPECT_TRUE(robot.runtime.halt({.who = "ann"}).get().at_rest);
-  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("ann")));
+  EXPECT_THAT(robot.runtime.served().lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("ann")));
   RequestOptions theirs;
   theirs.lease = lease;
   EXPECT_EQ(robot.switch_to("work", theirs).outcome, Outcome::Refused);
@@ -214,12 +216,12 @@ TEST(Halt, ComesWhenItsConditionHoldsAndHoldsTheRobotAsLong) {
   auto halt = hold();
   halt.when = {{TaskReaches{"planner", "stopped"}, {}}};
   Robot robot(with(std::move(halt)));
-  const auto lease = robot.runtime.take_lease("mission a").value();
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
   model::Action stop{
       1, model::ActionKind::Stop, model::TaskAction{model::TaskId("planner")}, model::Phase::Commit, {}};
   ASSERT_TRUE(robot.host.perform(stop, RealClock::instance().now() + std::chrono::seconds(60)));
   ASSERT_TRUE(segue::testing::eventually([&] { return robot.running() == "hold"; }));
-  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("halt")));
+  EXPECT_THAT(robot.runtime.served().lease_standing(lease).lost_to, ::testing::Optional(HasSubstr("halt")));
   EXPECT_TRUE(segue::testing::eventually([&] {
     const auto halted = robot.runtime.halted();
     return halted && halted->result && halted->request.why == "task 'planner' is stopped";

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/control/robot_service.hpp>
+#include <segue/control/robot_lease.hpp>
 
 #include <cstdint>
 #include <string_view>

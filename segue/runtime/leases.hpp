@@ -3,6 +3,7 @@
 
 #include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
+#include <segue/control/robot_lease.hpp>
 #include <segue/runtime/change_count.hpp>
 #include <segue/runtime/event_log.hpp>
 #include <segue/runtime/holder_inbox.hpp>
@@ -17,7 +18,7 @@
 
 namespace segue::runtime::detail {
 
-/// Who may request controllers (Runtime::take_lease). The number of a lease is a secret of its holder:
+/// Who may request controllers (ServedRuntime::take_lease). The number of a lease is a secret of its holder:
 /// whoever names it commands, so it is random, and in nothing that others can read. Thread safe; nothing
 /// blocks.
 class Leases {

@@ -2,6 +2,7 @@
 //
 // Who may command a robot: the holder of its lease, who takes it over, and what others may do beside.
 #include <segue/runtime/halting_robot.hpp>
+#include <segue/runtime/served_runtime.hpp>
 
 #include <support/eventually.hpp>
 
@@ -20,11 +21,11 @@ using Robot = testing::HaltingRobot;
 
 TEST(Lease, KeepsOthersFromSettingCallingAndWritingUnlessTheyMeanIt) {
   Robot robot;
-  EXPECT_TRUE(robot.runtime.allow({"ann"}, "sets x")) << "nobody commands the robot";
-  const auto lease = robot.runtime.take_lease("mission a").value();
-  EXPECT_TRUE(robot.runtime.allow({"mission a", lease}, "sets x"));
-  EXPECT_EQ(robot.runtime.allow({"ann"}, "sets x").error().code, ErrorCode::InvalidState);
-  EXPECT_TRUE(robot.runtime.allow({"ann", 0, true}, "sets x"));
+  EXPECT_TRUE(robot.runtime.served().allow({"ann"}, "sets x")) << "nobody commands the robot";
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
+  EXPECT_TRUE(robot.runtime.served().allow({"mission a", lease}, "sets x"));
+  EXPECT_EQ(robot.runtime.served().allow({"ann"}, "sets x").error().code, ErrorCode::InvalidState);
+  EXPECT_TRUE(robot.runtime.served().allow({"ann", 0, true}, "sets x"));
   std::vector<std::string> events;
   for (const auto& event : robot.runtime.events())
     events.push_back(event.message);
@@ -33,39 +34,41 @@ TEST(Lease, KeepsOthersFromSettingCallingAndWritingUnlessTheyMeanIt) {
 
 TEST(Lease, ThatIsLostPermitsNothingAlthoughAnotherIsHeld) {
   Robot robot;
-  const auto lost = robot.runtime.take_lease("mission a").value();
-  robot.runtime.end_lease(lost, true);
-  ASSERT_TRUE(robot.runtime.take_lease("mission b"));
-  EXPECT_EQ(robot.runtime.allow({"mission a", lost, true}, "sets x").error().code, ErrorCode::InvalidState);
+  const auto lost = robot.runtime.served().take_lease("mission a").value();
+  robot.runtime.served().end_lease(lost, true);
+  ASSERT_TRUE(robot.runtime.served().take_lease("mission b"));
+  EXPECT_EQ(robot.runtime.served().allow({"mission a", lost, true}, "sets x").error().code,
+            ErrorCode::InvalidState);
 }
 
 TEST(Lease, ThatEndsTakesWithItWhatWasPreparedMeanwhile) {
   for (const bool is_taken_over : {false, true}) {
     Robot robot{RuntimeOptions{}};
     const auto plain = robot.host.observe();
-    const auto lease = robot.runtime.take_lease("ann").value();
-    robot.runtime.prepare({NetworkName("work")}, lease).get();
+    const auto lease = robot.runtime.served().take_lease("ann").value();
+    robot.runtime.served().prepare({NetworkName("work")}, lease).get();
     EXPECT_FALSE(equivalent(robot.host.observe(), plain));
     if (is_taken_over) {
       EXPECT_EQ(robot.switch_to("drive", {.who = "eve", .take_over = true}).outcome, Outcome::Done);
     } else {
-      robot.runtime.end_lease(lease);
+      robot.runtime.served().end_lease(lease);
     }
-    EXPECT_TRUE(robot.runtime.prepare({NetworkName("work")}, lease).get().empty()) << "too late";
+    EXPECT_TRUE(robot.runtime.served().prepare({NetworkName("work")}, lease).get().empty()) << "too late";
     EXPECT_TRUE(segue::testing::eventually([&] { return equivalent(robot.host.observe(), plain); }));
   }
 }
 
 TEST(Lease, ThatWasLostAllowsNothingAnyMore) {
   Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
   (void)robot.runtime.halt({.who = "ann"}).get();
-  EXPECT_EQ(robot.runtime.allow({"mission a", lease, true}, "sets x").error().code, ErrorCode::InvalidState);
+  EXPECT_EQ(robot.runtime.served().allow({"mission a", lease, true}, "sets x").error().code,
+            ErrorCode::InvalidState);
 }
 
 TEST(TakeOver, ByARequestThatCannotBeCarriedOutTakesTheRobotFromNobody) {
   Robot robot;
-  const auto lease = robot.runtime.take_lease("mission a").value();
+  const auto lease = robot.runtime.served().take_lease("mission a").value();
   RequestOptions options;
   options.take_over = true;
   options.who = "ann";
@@ -77,9 +80,9 @@ TEST(TakeOver, ByARequestThatCannotBeCarriedOutTakesTheRobotFromNobody) {
   broken.controllers.push_back(
       network_of("network: x\ntasks: {a: {component: \"x::A\"}}\nconnections: [a.out -> b.in]\n"));
   EXPECT_EQ(robot.runtime.apply(broken, options).get().outcome, Outcome::Refused);
-  EXPECT_FALSE(robot.runtime.lease_standing(lease).lost_to);
+  EXPECT_FALSE(robot.runtime.served().lease_standing(lease).lost_to);
   EXPECT_EQ(robot.switch_to("work", options).outcome, Outcome::Done);
-  EXPECT_THAT(robot.runtime.lease_standing(lease).lost_to, ::testing::Optional(std::string("ann")));
+  EXPECT_THAT(robot.runtime.served().lease_standing(lease).lost_to, ::testing::Optional(std::string("ann")));
 }
 
 }  // namespace

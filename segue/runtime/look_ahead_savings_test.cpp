@@ -2,6 +2,7 @@
 #include <segue/journal/journal_reader.hpp>
 #include <segue/runtime/look_ahead_savings.hpp>
 #include <segue/runtime/runtime_report.hpp>
+#include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <gmock/gmock.h>
@@ -131,7 +132,7 @@ TEST_F(SavedInJournal, StandsBesideWhatItTook) {
   prepare({model::NetworkName("park")});
   const auto parked = switch_to("park");
   ASSERT_TRUE(parked.ahead);
-  ASSERT_TRUE(runtime_.flush_journal(RealClock::instance().now() + 60s));
+  ASSERT_TRUE(runtime_.served().flush_journal(RealClock::instance().now() + 60s));
   auto reader = journal::JournalReader::open(options().journal);
   ASSERT_TRUE(reader) << to_string(reader.error());
   const auto entries = reader->transitions(1);

@@ -3,6 +3,7 @@
 // A runtime whose robot another one has got on other computers.
 #include <segue/base/mutex.hpp>
 #include <segue/runtime/runtime_report.hpp>
+#include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <support/eventually.hpp>
@@ -105,21 +106,22 @@ TEST_F(LostRuntime, IsNotGivenTheRobotByARequestThatTakesItOver) {
 }
 
 TEST_F(LostRuntime, TakesTheRobotFromWhoeverCommandsItHere) {
-  const auto lease = runtime_.take_lease("mission patrol");
+  const auto lease = runtime_.served().take_lease("mission patrol");
   ASSERT_TRUE(lease);
   host_.lose();
-  EXPECT_EQ(runtime_.lease_standing(*lease).lost_to, "another runtime");
-  EXPECT_EQ(runtime_.report(*lease, "driving").error().code, ErrorCode::InvalidState);
+  EXPECT_EQ(runtime_.served().lease_standing(*lease).lost_to, "another runtime");
+  EXPECT_EQ(runtime_.served().report(*lease, "driving").error().code, ErrorCode::InvalidState);
 }
 
 TEST_F(LostRuntime, LetsNobodyCommandTheRobot) {
   host_.lose();
-  EXPECT_EQ(runtime_.take_lease("mission patrol").error().code, ErrorCode::Superseded);
+  EXPECT_EQ(runtime_.served().take_lease("mission patrol").error().code, ErrorCode::Superseded);
 }
 
 TEST_F(LostRuntime, LetsNobodyTouchTasks) {
   host_.lose();
-  const auto allowed = runtime_.allow({.who = "ann", .lease = 0, .beside_mission = true}, "sets 'a.speed'");
+  const auto allowed =
+      runtime_.served().allow({.who = "ann", .lease = 0, .beside_mission = true}, "sets 'a.speed'");
   ASSERT_FALSE(allowed);
   EXPECT_EQ(allowed.error().code, ErrorCode::Superseded);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/journal/journal_reader.hpp>
 #include <segue/runtime/runtime_service.hpp>
+#include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <gmock/gmock.h>
@@ -62,7 +63,7 @@ class ReportedMission : public ::testing::Test {
     EXPECT_FALSE(runtime()
                      .add_controller(testing::network_of("network: one\ntasks: {a: {component: x::A}}"))
                      .has_errors());
-    lease_ = *runtime().take_lease("segue mission run");
+    lease_ = *served().take_lease("segue mission run");
   }
   ~ReportedMission() override {
     robot_.reset();
@@ -70,8 +71,9 @@ class ReportedMission : public ::testing::Test {
   }
 
   Runtime& runtime() { return robot_->runtime; }
+  ServedRuntime& served() { return robot_->runtime.served(); }
   void report(Value::List entries, std::uint64_t lost = 0) {
-    EXPECT_TRUE(runtime().report(lease_, report_of(std::move(entries), lost)));
+    EXPECT_TRUE(served().report(lease_, report_of(std::move(entries), lost)));
   }
   /// Ends the robot.
   journal::JournalReader journal() {
@@ -100,8 +102,8 @@ TEST_F(ReportedMission, IsInTheJournalOfTheRobot) {
   report({entry(4, "ended", "there",
                 Value::map({{"outcome", "aborted"}, {"error", "no way"}, {"duration_ns", 1'500'000'000}})),
           entry(5, "ended", "", Value::map({{"outcome", "done"}}))});
-  EXPECT_EQ(runtime().reported(), Value::map({{"mission", "patrol"}})) << "status does not have it";
-  runtime().end_lease(lease_);
+  EXPECT_EQ(served().reported(), Value::map({{"mission", "patrol"}})) << "status does not have it";
+  served().end_lease(lease_);
   const auto entries = *journal().missions(10);
   ASSERT_THAT(entries, SizeIs(5)) << "nothing was lost";
   EXPECT_EQ(entries[0].who, "segue mission run");
@@ -122,7 +124,7 @@ TEST_F(ReportedMission, CountsOnceThoughItIsReportedTwice) {
   report({entry(1, "began")});
   report({entry(1, "began"), entry(2, "began", "there")});
   report({entry(2, "began", "there")});
-  runtime().end_lease(lease_);
+  served().end_lease(lease_);
   EXPECT_THAT(lines(),
               ElementsAre("began", "began there",
                           "ended lost whoever ran it gave the robot back without saying how it ended"));
@@ -134,15 +136,15 @@ TEST_F(ReportedMission, IsLostWithTheRobot) {
   theirs.take_over = true;
   theirs.who = "segue switch";
   EXPECT_EQ(runtime().switch_to(model::NetworkName("one"), theirs).outcome, Outcome::Done);
-  EXPECT_EQ(runtime().report(lease_, report_of({entry(2, "began", "there")})).error().code,
+  EXPECT_EQ(served().report(lease_, report_of({entry(2, "began", "there")})).error().code,
             ErrorCode::InvalidState);
   EXPECT_THAT(lines(), ElementsAre("began", "ended lost the robot was taken over by segue switch"));
 }
 
 TEST_F(ReportedMission, IsTakenFromItsHolderOnly) {
-  EXPECT_EQ(runtime().report(lease_ + 1, report_of({entry(1, "began")})).error().code,
+  EXPECT_EQ(served().report(lease_ + 1, report_of({entry(1, "began")})).error().code,
             ErrorCode::InvalidState);
-  EXPECT_EQ(runtime().report(0, report_of({entry(1, "began")})).error().code, ErrorCode::InvalidState);
+  EXPECT_EQ(served().report(0, report_of({entry(1, "began")})).error().code, ErrorCode::InvalidState);
   EXPECT_THAT(lines(), IsEmpty());
 }
 
@@ -157,11 +159,11 @@ TEST_F(ReportedMission, MayNotBeMoreThanItsShare) {
       entry(20'001, "ended", long_text.c_str(), Value::map({{"error", long_text}, {"duration_ns", -7}}));
   wild.as_map().set("time_ns", -most);
   report({wild, Value("nothing"), Value::map({{"number", most}, {"kind", "danced"}})}, 17);
-  EXPECT_TRUE(runtime().report(lease_, Value::map({{"happened", 3}})));
+  EXPECT_TRUE(served().report(lease_, Value::map({{"happened", 3}})));
   EXPECT_TRUE(
-      runtime().report(lease_, Value::map({{"happened", Value::map({{"entries", "x"}, {"sent_ns", -1}})}})));
-  EXPECT_TRUE(runtime().report(lease_, Value::list({1, 2})));
-  runtime().end_lease(lease_);
+      served().report(lease_, Value::map({{"happened", Value::map({{"entries", "x"}, {"sent_ns", -1}})}})));
+  EXPECT_TRUE(served().report(lease_, Value::list({1, 2})));
+  served().end_lease(lease_);
   auto reader = journal();
   const auto entries = *reader.missions(100'000);
   EXPECT_GE(entries.size(), 5000U);
@@ -186,12 +188,12 @@ TEST_F(ReportedMission, HasTheTimeOfTheRobotWhereItsOwnIsAnother) {
   Value early = report_of({entry(1, "began")});
   const std::int64_t hour = 3'600'000'000'000;
   early.as_map().find("happened")->as_map().set("sent_ns", since_1970() - hour);
-  EXPECT_TRUE(runtime().report(lease_, early));
+  EXPECT_TRUE(served().report(lease_, early));
   Value late = report_of({entry(2, "began", "there")});
   Value& happened = *late.as_map().find("happened");
   happened.as_map().set("sent_ns", since_1970() + hour);
   happened.as_map().find("entries")->as_list().front().as_map().set("time_ns", since_1970() + hour);
-  EXPECT_TRUE(runtime().report(lease_, late));
+  EXPECT_TRUE(served().report(lease_, late));
   const auto entries = *journal().missions(2);
   ASSERT_THAT(entries, SizeIs(2));
   for (const MissionEntry& one : entries) {
@@ -202,12 +204,12 @@ TEST_F(ReportedMission, HasTheTimeOfTheRobotWhereItsOwnIsAnother) {
 
 TEST_F(ReportedMission, NeedsNoJournal) {
   testing::StandInRobot without;
-  const auto lease = *without.runtime.take_lease("somebody");
-  EXPECT_TRUE(without.runtime.report(lease, report_of({entry(1, "began")}, 3)));
-  without.runtime.end_lease(lease);
+  const auto lease = *without.runtime.served().take_lease("somebody");
+  EXPECT_TRUE(without.runtime.served().report(lease, report_of({entry(1, "began")}, 3)));
+  without.runtime.served().end_lease(lease);
 }
 
-std::string recent(Runtime& runtime, std::uint64_t after = 0) {
+std::string recent(ServedRuntime& runtime, std::uint64_t after = 0) {
   std::string line;
   const Value mission = runtime.mission(after, false);
   for (const Value& one : mission.find("entries")->as_list())
@@ -216,38 +218,37 @@ std::string recent(Runtime& runtime, std::uint64_t after = 0) {
 }
 
 TEST_F(ReportedMission, IsShownToWhoeverLooks) {
-  EXPECT_TRUE(runtime().mission(0, true).is_null());
+  EXPECT_TRUE(served().mission(0, true).is_null());
   report({entry(1, "began"), entry(2, "began", "there")});
-  EXPECT_EQ(recent(runtime()), "began ; began there; running");
+  EXPECT_EQ(recent(served()), "began ; began there; running");
   Value doing = report_of({entry(3, "ended", "there", Value::map({{"outcome", "success"}}))});
   doing.as_map().set("state", "paused");
-  EXPECT_TRUE(runtime().report(lease_, doing));
-  const Value shown = runtime().mission(0, false);
+  EXPECT_TRUE(served().report(lease_, doing));
+  const Value shown = served().mission(0, false);
   const auto last = shown.find("entries")->as_list()[1].find("number")->as_uint();
-  EXPECT_EQ(recent(runtime(), last), "ended there; paused");
+  EXPECT_EQ(recent(served(), last), "ended there; paused");
   EXPECT_EQ(shown.find("plan"), nullptr);
   EXPECT_EQ(*shown.find("run"), Value(1));
-  runtime().end_lease(lease_);
-  EXPECT_EQ(recent(runtime(), last), "ended there; ended ; ended");
-  EXPECT_EQ(*runtime().mission(0, false).find("outcome"), Value(journal::kLost));
+  served().end_lease(lease_);
+  EXPECT_EQ(recent(served(), last), "ended there; ended ; ended");
+  EXPECT_EQ(*served().mission(0, false).find("outcome"), Value(journal::kLost));
 }
 
 TEST_F(ReportedMission, IsAskedForItsPlanWhenSomebodyLooks) {
   report({entry(1, "began")});
-  EXPECT_THAT(runtime().take_commands(lease_), IsEmpty());
-  (void)runtime().mission(0, false);
-  EXPECT_THAT(runtime().take_commands(lease_), IsEmpty());
-  EXPECT_TRUE(runtime().mission(0, true).find("plan")->is_null());
-  EXPECT_TRUE(runtime().send_command("pause"));
-  EXPECT_THAT(runtime().take_commands(lease_),
+  EXPECT_THAT(served().take_commands(lease_), IsEmpty());
+  (void)served().mission(0, false);
+  EXPECT_THAT(served().take_commands(lease_), IsEmpty());
+  EXPECT_TRUE(served().mission(0, true).find("plan")->is_null());
+  EXPECT_TRUE(served().send_command("pause"));
+  EXPECT_THAT(served().take_commands(lease_),
               ElementsAre(control::HolderRequest{1, "pause", {}}, control::HolderRequest{0, "plan", {}}));
-  EXPECT_TRUE(runtime().report(lease_, Value::map({{"mission", "patrol"}, {"plan", "here"}})));
-  EXPECT_EQ(*runtime().mission(0, true).find("plan"), Value("here"));
-  EXPECT_THAT(runtime().take_commands(lease_), IsEmpty());
-  EXPECT_EQ(runtime().reported(), Value::map({{"mission", "patrol"}})) << "for status()";
+  EXPECT_TRUE(served().report(lease_, Value::map({{"mission", "patrol"}, {"plan", "here"}})));
+  EXPECT_EQ(*served().mission(0, true).find("plan"), Value("here"));
+  EXPECT_THAT(served().take_commands(lease_), IsEmpty());
+  EXPECT_EQ(served().reported(), Value::map({{"mission", "patrol"}})) << "for status()";
   report({entry(2, "ended"), entry(3, "began")});
-  EXPECT_TRUE(runtime().mission(0, true).find("plan")->is_null())
-      << "that of the next mission is another one";
+  EXPECT_TRUE(served().mission(0, true).find("plan")->is_null()) << "that of the next mission is another one";
 }
 
 TEST_F(ReportedMission, IsShownAsFarAsItIsKept) {
@@ -259,10 +260,10 @@ TEST_F(ReportedMission, IsShownAsFarAsItIsKept) {
       entries.push_back(entry(++number, "began", "a"));
     report(std::move(entries));
   }
-  const Value first = runtime().mission(0, false);
+  const Value first = served().mission(0, false);
   EXPECT_THAT(first.find("entries")->as_list(), SizeIs(2000));
   const auto last = first.find("entries")->as_list().back().find("number")->as_uint();
-  EXPECT_EQ(runtime().mission(last, false).find("entries")->as_list().front().find("number")->as_uint(),
+  EXPECT_EQ(served().mission(last, false).find("entries")->as_list().front().find("number")->as_uint(),
             last + 1);
 }
 

@@ -63,11 +63,6 @@ std::future<ApplyResult> Runtime::apply(ControllerSet set, RequestOptions option
   return implementation_->apply(std::move(set), std::move(options));
 }
 
-std::vector<ControllerChange> Runtime::compare(const ControllerSet& set, Diagnostics& diagnostics) const {
-  diagnostics.append(implementation_->controllers.check(set));
-  return implementation_->controllers.compare(set, implementation_->belief.controller().name);
-}
-
 std::vector<LoadedFile> Runtime::files() const {
   return implementation_->controllers.files();
 }
@@ -84,32 +79,8 @@ std::optional<model::Network> Runtime::controller(const model::NetworkName& name
   return implementation_->controllers.known(name);
 }
 
-Result<std::vector<ControllerConflict>> Runtime::conflicts(
-    const std::vector<model::NetworkName>& controllers) const {
-  return implementation_->controllers.conflicts(controllers);
-}
-
-Result<std::uint64_t> Runtime::take_lease(std::string holder) {
-  return implementation_->take_lease(std::move(holder));
-}
-
-std::shared_future<HaltResult> Runtime::end_lease(std::uint64_t lease, bool keep) {
-  return implementation_->end_lease(lease, keep);
-}
-
-Result<void> Runtime::allow(const Sender& sender, const std::string& what) {
-  if (auto lost = implementation_->refusal_of_lost_robot()) {
-    return std::move(*lost);
-  }
-  return implementation_->leases.allow(sender, what);
-}
-
 std::shared_future<HaltResult> Runtime::halt(HaltRequest request) {
   return implementation_->halts.begin(std::move(request));
-}
-
-std::shared_future<HaltResult> Runtime::halt_on_its_way() const {
-  return implementation_->halts.on_its_way();
 }
 
 Result<void> Runtime::release(const std::string& who) {
@@ -118,19 +89,6 @@ Result<void> Runtime::release(const std::string& who) {
 
 std::optional<Halted> Runtime::halted() const {
   return implementation_->halts.halted();
-}
-
-control::LeaseStanding Runtime::lease_standing(std::uint64_t lease) const {
-  return implementation_->leases.standing_of(lease);
-}
-
-std::optional<Error> Runtime::lease_refusal(std::uint64_t lease) const {
-  return implementation_->leases.refusal_of(lease);
-}
-
-std::optional<std::string> Runtime::lease_holder() const {
-  const auto holder = implementation_->leases.holder();
-  return holder ? std::optional(holder->name) : std::nullopt;
 }
 
 AcceptedRequest Runtime::accept(Request request, RequestOptions options) {
@@ -195,17 +153,12 @@ std::vector<std::string> Runtime::observed_differences() const {
   return implementation_->switching.differences_from(implementation_->host.observe());
 }
 
-std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers,
-                                                     std::uint64_t lease) {
-  return implementation_->prepare(std::move(controllers), lease);
+std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers) {
+  return implementation_->prepare(std::move(controllers), 0);
 }
 
 std::vector<Readiness> Runtime::readiness() const {
   return implementation_->standby_requests.readiness();
-}
-
-std::map<model::DeploymentKey, std::string> Runtime::ended_processes() const {
-  return implementation_->faults.ended();
 }
 
 Result<type::Value> Runtime::call(const model::TaskId& task, std::string_view operation,
@@ -224,15 +177,6 @@ std::vector<PoolReport> Runtime::pools() const {
              : implementation_->pools.report(implementation_->host.tasks());
 }
 
-void Runtime::watch_changes(std::uint64_t seen, const Wait& wait,
-                            std::function<void(Result<std::uint64_t>)> answered) const {
-  implementation_->changes.watch(seen, wait, std::move(answered));
-}
-
-std::uint64_t Runtime::changes() const {
-  return implementation_->changes.count();
-}
-
 std::vector<UnresolvedFault> Runtime::unresolved() const {
   return implementation_->faults.unresolved();
 }
@@ -249,43 +193,8 @@ const std::filesystem::path& Runtime::journal() const {
   return implementation_->options.journal;
 }
 
-Result<void> Runtime::flush_journal(TimePoint deadline) const {
-  return implementation_->journal.flush(deadline);
-}
-
 std::vector<Event> Runtime::events(std::uint64_t after, Duration wait) const {
   return implementation_->log.after(after, wait);
-}
-
-Result<void> Runtime::report(std::uint64_t lease, type::Value doing) {
-  const type::Value* state = doing.find("state");
-  const bool is_stopping = state != nullptr && *state == type::Value("stopping");
-  auto reported = implementation_->leases.report(lease, std::move(doing));
-  if (reported && is_stopping) {
-    implementation_->stop_holder(implementation_->leases.holder_of(lease));
-  }
-  return reported;
-}
-
-type::Value Runtime::reported() const {
-  return implementation_->leases.doing();
-}
-
-type::Value Runtime::mission(std::uint64_t after, bool with_plan) {
-  return implementation_->leases.mission(after, with_plan, implementation_->halts.on_its_way().valid(),
-                                         implementation_->controllers.halt() != nullptr);
-}
-
-Result<std::uint64_t> Runtime::send_command(std::string_view what, const type::Value& arguments) {
-  auto number = implementation_->leases.ask(what, arguments);
-  if (number && what == "stop") {
-    implementation_->stop_holder(implementation_->leases.holder());
-  }
-  return number;
-}
-
-std::vector<control::HolderRequest> Runtime::take_commands(std::uint64_t lease) {
-  return implementation_->leases.take_commands(lease);
 }
 
 const model::ComponentCatalog& Runtime::components() const {
@@ -294,6 +203,10 @@ const model::ComponentCatalog& Runtime::components() const {
 
 task_host::TaskHost& Runtime::host() {
   return implementation_->host;
+}
+
+ServedRuntime& Runtime::served() {
+  return implementation_->served;
 }
 
 }  // namespace segue::runtime

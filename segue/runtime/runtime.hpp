@@ -3,7 +3,6 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
-#include <segue/control/robot_service.hpp>
 #include <segue/journal/entries.hpp>
 #include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
@@ -42,6 +41,8 @@ std::string_view to_string(RuntimeState state);
 /// to be applied as it is (the paper's transition request interface).
 using Request = std::variant<model::NetworkName, model::Network, model::Transition>;
 
+class ServedRuntime;
+
 /// Owns a thread that executes requests sequentially. A newer request supersedes one that waits and one whose
 /// transition is still in its prepare phase; a commit phase is finished first. All functions may be called
 /// from any thread and do not block unless stated.
@@ -68,44 +69,12 @@ class Runtime {
   /// transition, which then follows that request. A controller that runs and is not in the set keeps running.
   /// If the transition is refused, or fails and is undone, the controllers are rolled back.
   std::future<ApplyResult> apply(ControllerSet set, RequestOptions options = {});
-  /// The controllers that load() would replace, with the problems of networks that cannot run here.
-  std::vector<ControllerChange> compare(const ControllerSet& set, Diagnostics& diagnostics) const;
   /// The files of the last load() or apply() that is in force.
   [[nodiscard]] std::vector<LoadedFile> files() const;
   /// The version of the controller that runs; empty: none, or it is not known.
   [[nodiscard]] std::string version() const;
   [[nodiscard]] std::vector<model::NetworkName> controllers() const;
   [[nodiscard]] std::optional<model::Network> controller(const model::NetworkName& name) const;
-
-  /// For each two of these controllers what keeps them from running at once, and influences. NotFound.
-  [[nodiscard]] Result<std::vector<ControllerConflict>> conflicts(
-      const std::vector<model::NetworkName>& controllers) const;
-
-  /// The right to request controllers and to apply files, for one holder at a time, until end_lease(), or
-  /// until somebody takes the robot over. InvalidState while another one holds it. What the runtime does by
-  /// itself (repair, fallback) needs none. The result is a secret of the holder, which nothing else shows.
-  Result<std::uint64_t> take_lease(std::string holder);
-  /// Unless it is to `keep` running what it runs, or that is nothing, a robot that says what rest is
-  /// (ControllerSet::halt) halts: the result; otherwise no future. Open requests of that lease are cancelled.
-  std::shared_future<HaltResult> end_lease(std::uint64_t lease, bool keep = false);
-  [[nodiscard]] control::LeaseStanding lease_standing(std::uint64_t lease) const;
-  /// Why nothing is done with that lease any more; nothing for 0, which is none.
-  [[nodiscard]] std::optional<Error> lease_refusal(std::uint64_t lease) const;
-  [[nodiscard]] std::optional<std::string> lease_holder() const;
-  /// Whether something other than a request may be done with tasks: by the holder of the lease, by anybody
-  /// where there is none, and by others beside what the holder is doing, which is an event: "ann sets
-  /// 'wheels.speed'". InvalidState. Nothing is changed by this.
-  Result<void> allow(const Sender& sender, const std::string& what);
-  /// Records what the holder of that lease is doing, for status; InvalidState where it has lost the lease. A
-  /// holder that is stopped, and has said that it has nothing to do then, commands nothing any more, and the
-  /// robot halts at once.
-  Result<void> report(std::uint64_t lease, type::Value doing);
-  [[nodiscard]] type::Value reported() const;  ///< null: nothing
-  /// As of control::RobotService::mission.
-  [[nodiscard]] type::Value mission(std::uint64_t after, bool with_plan);
-  /// As of control::RobotService::send_command. The holder takes it by take_commands(); "stop": see report().
-  Result<std::uint64_t> send_command(std::string_view what, const type::Value& arguments = {});
-  [[nodiscard]] std::vector<control::HolderRequest> take_commands(std::uint64_t lease);
 
   /// Brings the robot to rest, for anybody, whoever commands it: the lease ends, what waits is cancelled,
   /// what is prepared or undone gives way, and only a commit in progress is finished first. Then the
@@ -114,8 +83,6 @@ class Runtime {
   /// Meanwhile, and with `latch` until release(), what is requested or applied is refused; so it is while a
   /// condition of model::Halt::when holds, which halts the robot by itself.
   std::shared_future<HaltResult> halt(HaltRequest request);
-  /// The result of a halt on its way; no future: there is none.
-  [[nodiscard]] std::shared_future<HaltResult> halt_on_its_way() const;
   /// InvalidState where nobody has stopped the robot with `latch`.
   Result<void> release(const std::string& who);
   /// The last halt, until something has been requested; nothing: there was none.
@@ -151,9 +118,8 @@ class Runtime {
   /// Prepares these controllers and keeps them on standby, the likeliest first, as far as the running
   /// controller and the budget permit. Replaces the list of an earlier call. A request for a ready controller
   /// begins with its commit phase. The future gets one entry for each controller once done; requests take
-  /// precedence. With a lease they are kept until that ends.
-  std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> controllers,
-                                              std::uint64_t lease = 0);
+  /// precedence.
+  std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> controllers);
   /// The readiness of the standby controllers after the last preparation.
   [[nodiscard]] std::vector<Readiness> readiness() const;
 
@@ -162,8 +128,6 @@ class Runtime {
 
   /// The parts of the robot and their problems; each process is asked once. Blocks while they are asked.
   [[nodiscard]] RobotSnapshot snapshot() const;
-  /// Processes of the running controller that have ended and are missing: why, and the end of their logs.
-  [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;
   /// As host().call(). An instance of a pool that has begun to carry it out when `wait` ends, and does so for
   /// nobody then, is ended and started again. Blocks until it has ended, or the instance has.
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
@@ -176,23 +140,19 @@ class Runtime {
   [[nodiscard]] std::vector<UnresolvedFault> unresolved() const;
   /// Faults that are being mended, or will be: for as long as the policies permit further attempts.
   [[nodiscard]] std::vector<UnresolvedFault> in_repair() const;
-  /// Counts, from 1 on, what may change belief().name, unresolved(), in_repair() or lease_standing().
-  [[nodiscard]] std::uint64_t changes() const;
-  /// `answered` gets that count, once, from any thread, when it is not `seen`, or at the deadline.
-  void watch_changes(std::uint64_t seen, const Wait& wait,
-                     std::function<void(Result<std::uint64_t>)> answered) const;
 
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
   [[nodiscard]] const std::filesystem::path& journal() const;  ///< its file; empty: none is kept
-  /// Blocks until the journal's file has everything so far. DeadlineExceeded, or what keeps it from that.
-  [[nodiscard]] Result<void> flush_journal(TimePoint deadline) const;
   /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
   [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
   [[nodiscard]] task_host::TaskHost& host();
   [[nodiscard]] const model::ComponentCatalog& components() const;
+  /// For servers, such as RuntimeService. Lives as long as this.
+  [[nodiscard]] ServedRuntime& served();
 
  private:
+  friend class ServedRuntime;
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

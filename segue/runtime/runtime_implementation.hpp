@@ -5,6 +5,7 @@
 #include <segue/runtime/pending.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/runtime_parts.hpp>
+#include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/supervisor.hpp>
 #include <segue/runtime/switching.hpp>
 
@@ -82,6 +83,7 @@ struct Runtime::Implementation : detail::RuntimeParts {
   detail::Halts halts{host, log, ways_to_rest()};
   detail::Switching switching{*this, halts};
   detail::Supervisor supervisor{*this, switching, halts};
+  ServedRuntime served{*this};
   std::thread worker;
 };
 

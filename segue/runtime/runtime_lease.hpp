@@ -4,7 +4,7 @@
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 #include <segue/control/robot_lease.hpp>
-#include <segue/runtime/runtime.hpp>
+#include <segue/runtime/served_runtime.hpp>
 
 #include <cstdint>
 #include <vector>
@@ -14,7 +14,7 @@ namespace segue::runtime {
 /// The robot's lease as a server hands it out; it ends with its holder.
 class RuntimeLease final : public control::RobotLease {
  public:
-  RuntimeLease(Runtime& runtime, std::uint64_t number) : runtime_(runtime), number_(number) {}
+  RuntimeLease(ServedRuntime& runtime, std::uint64_t number) : runtime_(runtime), number_(number) {}
   ~RuntimeLease() override { runtime_.end_lease(number_); }
   RuntimeLease(const RuntimeLease&) = delete;
   RuntimeLease& operator=(const RuntimeLease&) = delete;
@@ -26,7 +26,7 @@ class RuntimeLease final : public control::RobotLease {
   Result<std::vector<control::HolderRequest>> asked() override { return runtime_.take_commands(number_); }
 
  private:
-  Runtime& runtime_;
+  ServedRuntime& runtime_;
   const std::uint64_t number_;
 };
 

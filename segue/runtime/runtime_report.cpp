@@ -5,6 +5,7 @@
 #include <segue/base/text.hpp>
 #include <segue/journal/journal_report.hpp>
 #include <segue/model/files.hpp>
+#include <segue/runtime/served_runtime.hpp>
 
 #include <algorithm>
 
@@ -381,7 +382,8 @@ std::vector<task_host::ConnectionReport> existing(std::vector<task_host::Connect
 Value status_of(Runtime& runtime) {
   const auto controller = runtime.belief().name;
   const auto loaded = runtime.controller(controller);
-  const auto holder = runtime.lease_holder();
+  const auto& served = runtime.served();
+  const auto holder = served.lease_holder();
   const auto halted = runtime.halted();
   const auto lost = runtime.host().loss();
   const RobotSnapshot now = runtime.snapshot();
@@ -393,7 +395,7 @@ Value status_of(Runtime& runtime) {
        {"state", to_string(runtime.state())},
        {"health", to_value(now.health)},
        {"commanded_by", holder ? Value(*holder) : Value()},
-       {"doing", runtime.reported()},
+       {"doing", served.reported()},
        {"lost", lost ? Value(to_string(*lost)) : Value()},
        {"halt", halt_value(halted)},
        {"stopped_by", halted && !halted->stopped_by.empty() ? Value(halted->stopped_by) : Value()},
@@ -408,7 +410,7 @@ Value status_of(Runtime& runtime) {
         list_of(existing(now.seen.connections), [](const auto& report) { return to_value(report); })},
        {"differences", list_of(now.differences, [](const std::string& text) { return Value(text); })},
        {"ended",
-        list_of(runtime.ended_processes(),
+        list_of(served.ended_processes(),
                 [](const auto& entry) {
                   return Value::map({{"process", to_string(entry.first)}, {"message", entry.second}});
                 })},

@@ -70,7 +70,7 @@ Error unknown(const model::NetworkName& wanted, const ControllerSet& set) {
 
 RuntimeService::RuntimeService(Runtime& runtime, const ControllerFiles* files,
                                std::function<void()> on_shut_down)
-    : runtime_(runtime), files_(files), on_shut_down_(std::move(on_shut_down)) {}
+    : runtime_(runtime), served_(runtime.served()), files_(files), on_shut_down_(std::move(on_shut_down)) {}
 
 Result<type::Value> RuntimeService::status(const Wait& wait) {
   if (wait.is_stopped()) {
@@ -99,12 +99,12 @@ void RuntimeService::watch(const task_host::LevelQuestion& question, const Wait&
   runtime_.host().watch(question, wait,
                         [this, answered = std::move(answered)](Result<task_host::TaskLevel> level) {
                           if (!level) return answered(std::move(level.error()));
-                          answered(control::RobotLevel{std::move(*level), runtime_.changes()});
+                          answered(control::RobotLevel{std::move(*level), served_.changes()});
                         });
 }
 
 void RuntimeService::changes(std::uint64_t seen, const Wait& wait, control::ChangesAnswer answered) {
-  runtime_.watch_changes(seen, wait, std::move(answered));
+  served_.watch_changes(seen, wait, std::move(answered));
 }
 
 /// In this order: what runs since the lease was lost is not what its holder has to know.
@@ -113,7 +113,7 @@ Result<type::Value> RuntimeService::running(std::uint64_t lease, const Wait& /*w
   if (lease == 0) {
     return running;
   }
-  const auto standing = runtime_.lease_standing(lease);
+  const auto standing = served_.lease_standing(lease);
   running.as_map().set("lost_to", standing.lost_to ? type::Value(*standing.lost_to) : type::Value());
   running.as_map().set("stopped", standing.is_stopped);
   return running;
@@ -201,7 +201,7 @@ Result<type::Value> RuntimeService::plan(std::string_view controller, const Requ
   if (!set) {
     return refusal(diagnostics, "the files");
   }
-  const auto changes = runtime_.compare(*set, diagnostics);
+  const auto changes = served_.compare(*set, diagnostics);
   if (diagnostics.has_errors()) {
     return refusal(diagnostics, "the files");
   }
@@ -287,10 +287,10 @@ Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& cont
   if (wait.is_stopped()) {
     return no_longer_wanted();
   }
-  if (auto refusal = runtime_.lease_refusal(lease)) {
+  if (auto refusal = served_.lease_refusal(lease)) {
     return std::move(*refusal);
   }
-  auto future = runtime_.prepare({controllers.begin(), controllers.end()}, lease);
+  auto future = served_.prepare({controllers.begin(), controllers.end()}, lease);
   if (!has_answered(future, wait)) {
     return fail(ErrorCode::DeadlineExceeded,
                 "the controllers are not all prepared yet; watch it with 'segue events'");
@@ -307,7 +307,7 @@ Result<type::Value> RuntimeService::conflicts(const std::vector<std::string>& co
     return no_longer_wanted();
   }
   std::vector<model::NetworkName> names(controllers.begin(), controllers.end());
-  const auto found = runtime_.conflicts(controllers.empty() ? runtime_.controllers() : names);
+  const auto found = served_.conflicts(controllers.empty() ? runtime_.controllers() : names);
   if (!found) {
     return found.error();
   }
@@ -324,27 +324,27 @@ Result<type::Value> RuntimeService::conflicts(const std::vector<std::string>& co
 
 Result<std::unique_ptr<control::RobotLease>> RuntimeService::lease(std::string_view holder) {
   let_rest(RealClock::instance().now() + kRestPatience);
-  const auto number = runtime_.take_lease(std::string(holder));
+  const auto number = served_.take_lease(std::string(holder));
   if (!number) {
     return number.error();
   }
-  return std::unique_ptr<control::RobotLease>(std::make_unique<RuntimeLease>(runtime_, *number));
+  return std::unique_ptr<control::RobotLease>(std::make_unique<RuntimeLease>(served_, *number));
 }
 
 Result<void> RuntimeService::report(std::uint64_t lease, const type::Value& doing) {
-  return runtime_.report(lease, doing);
+  return served_.report(lease, doing);
 }
 
 Result<type::Value> RuntimeService::mission(std::uint64_t after, bool with_plan) {
-  return runtime_.mission(after, with_plan);
+  return served_.mission(after, with_plan);
 }
 
 Result<std::uint64_t> RuntimeService::send_command(std::string_view what, const type::Value& arguments) {
-  return runtime_.send_command(what, arguments);
+  return served_.send_command(what, arguments);
 }
 
 Result<type::Value> RuntimeService::give_back(std::uint64_t lease, bool keep, TimePoint deadline) {
-  return answer_of(runtime_.end_lease(lease, keep), deadline);
+  return answer_of(served_.end_lease(lease, keep), deadline);
 }
 
 Result<type::Value> RuntimeService::stop(std::string_view who, TimePoint deadline) {
@@ -415,7 +415,7 @@ Result<void> RuntimeService::write(std::string_view task, std::string_view port,
 }
 
 void RuntimeService::let_rest(const Wait& wait) const {
-  if (const auto halt = runtime_.halt_on_its_way(); halt.valid()) {
+  if (const auto halt = served_.halt_on_its_way(); halt.valid()) {
     has_answered(halt, wait);
   }
 }
@@ -425,7 +425,7 @@ Result<void> RuntimeService::allow(const control::Sender& sender, std::string_vi
   if (wait.is_stopped()) {
     return no_longer_wanted();
   }
-  return runtime_.allow(sender, std::string(verb) + " " + std::string(task) + "." + std::string(member));
+  return served_.allow(sender, std::string(verb) + " " + std::string(task) + "." + std::string(member));
 }
 
 Result<std::unique_ptr<control::SampleStream>> RuntimeService::open_port(std::string_view task,
@@ -464,7 +464,7 @@ Result<type::Value> RuntimeService::past(const type::Value& question) {
     return fail(ErrorCode::Unsupported, "the robot keeps no journal, so nothing is known of its past");
   }
   // Where the file cannot be written now, the answer is what it has.
-  static_cast<void>(runtime_.flush_journal(RealClock::instance().now() + kJournalPatience));
+  static_cast<void>(served_.flush_journal(RealClock::instance().now() + kJournalPatience));
   return journal::answer_about_past(path, question);
 }
 

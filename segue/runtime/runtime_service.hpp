@@ -87,6 +87,7 @@ class RuntimeService final : public control::RobotService {
                                              const Diagnostics& diagnostics) const;
 
   Runtime& runtime_;
+  ServedRuntime& served_;
   const ControllerFiles* files_;
   Mutex applying_;  ///< files are applied in the order in which they are read
   std::function<void()> on_shut_down_;

@@ -4,6 +4,7 @@
 #include <segue/base/mutex.hpp>
 #include <segue/model/network.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/runtime/served_runtime.hpp>
 
 #include <support/forwarding_commanded_robot.hpp>
 
@@ -30,7 +31,7 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   /// Somebody is about to take the robot over.
   void about_to_be_taken_over() { may_be_lost_ = true; }
   /// Nobody holds the lease from the moment when the robot is taken over, while its transition goes on.
-  [[nodiscard]] bool is_lost() const { return !runtime_.lease_holder(); }
+  [[nodiscard]] bool is_lost() const { return !runtime_.served().lease_holder(); }
   /// What was wrong first; nothing: all was as it must be.
   [[nodiscard]] std::optional<std::string> problem() const;
   /// The controllers of the last request that was carried out.

@@ -7,6 +7,7 @@
 #include <segue/mission_run/loaded_mission.hpp>
 #include <segue/remote_robot/served_robot.hpp>
 #include <segue/runtime/runtime_service.hpp>
+#include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <gmock/gmock.h>
@@ -199,7 +200,7 @@ class RobotRun {
   /// The robot is free, and goes wherever it is sent.
   std::optional<std::string> after_all() {
     robot_.asking.ask({});
-    if (robot_.runtime.lease_holder()) return "the mission has ended but still commands the robot";
+    if (robot_.runtime.served().lease_holder()) return "the mission has ended but still commands the robot";
     if (!taker_wants_.empty() && trouble_.fault_in == 0 &&
         !equivalent(robot_.runtime.belief(), united(controllers_, {taker_wants_}))) {
       return "the robot does not run what it was taken over for";
@@ -286,11 +287,11 @@ RC_GTEST_PROP(Leases, BelongToOneHolderAtATime, (std::uint64_t seed)) {
   for (int i = 0; i < 30; ++i) {
     const std::uint64_t any = any_of(random, numbers);
     if (one_in(random, 3)) {
-      const auto taken = robot.runtime.take_lease("holder " + std::to_string(i));
+      const auto taken = robot.runtime.served().take_lease("holder " + std::to_string(i));
       RC_ASSERT(taken.has_value() == (held == 0));
       if (taken) numbers.push_back(held = *taken);
     } else if (one_in(random, 3)) {
-      robot.runtime.end_lease(any);
+      robot.runtime.served().end_lease(any);
       if (any == held) held = 0;
     } else {
       runtime::RequestOptions options{.who = "user", .lease = any, .take_over = one_in(random, 3)};
@@ -299,9 +300,10 @@ RC_GTEST_PROP(Leases, BelongToOneHolderAtATime, (std::uint64_t seed)) {
       RC_ASSERT((result.outcome == runtime::Outcome::Done) == may);
       if (may && any != held) held = 0;
     }
-    RC_ASSERT(robot.runtime.lease_holder().has_value() == (held != 0));
+    RC_ASSERT(robot.runtime.served().lease_holder().has_value() == (held != 0));
     for (const std::uint64_t number : numbers)
-      RC_ASSERT(number == 0 || robot.runtime.lease_standing(number).lost_to.has_value() == (number != held));
+      RC_ASSERT(number == 0 ||
+                robot.runtime.served().lease_standing(number).lost_to.has_value() == (number != held));
   }
 }
 
