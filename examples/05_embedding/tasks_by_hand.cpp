@@ -6,15 +6,17 @@
 #include <segue/task/task.hpp>
 
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 
 namespace {
 
 using namespace segue;
+using namespace std::chrono_literals;
 
 class Source final : public task::Component {
  public:
-  Source() : Component({.activity = periodic(std::chrono::milliseconds(1))}) {}
+  Source() : Component({.activity = periodic(1ms)}) {}
   task::OutputPort<int> out{*this, "out"};
 
  private:
@@ -42,10 +44,6 @@ class Sink final : public task::Component {
   int sum_ = 0;
 };
 
-TimePoint deadline() {
-  return RealClock::instance().now() + std::chrono::seconds(10);
-}
-
 Result<int> sum_up_to(int wanted) {
   auto source_component = std::make_unique<Source>();
   auto sink_component = std::make_unique<Sink>(wanted);
@@ -61,8 +59,8 @@ Result<int> sum_up_to(int wanted) {
       source.out, sink.in, {.kind = BufferKind::Buffer, .size = static_cast<std::size_t>(wanted)});
   if (!connection) return connection.error();
   for (const auto& one : {to->get(), from->get()}) {  // the consumer first
-    if (auto configured = one->configure(deadline()); !configured) return configured.error();
-    if (auto started = one->start(deadline()); !started) return started.error();
+    if (auto configured = one->configure(10s); !configured) return configured.error();
+    if (auto started = one->start(10s); !started) return started.error();
   }
   sink.result.wait(0);
   return sink.result.load();

@@ -93,7 +93,7 @@ Result<pid_t> ChildProcess::start(const std::string& program, std::vector<std::s
 
 void wait_for_end(pid_t child, Duration patience) {
   const Descriptor process(static_cast<int>(::syscall(SYS_pidfd_open, child, 0)));
-  const bool ended = process.valid() && wait_for_input(process.get(), RealClock::instance().now() + patience);
+  const bool ended = process.valid() && wait_for_input(process.get(), patience);
   if (!ended) ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
 }

@@ -37,6 +37,25 @@ class RealClock final : public Clock {
   static RealClock& instance();
 };
 
+/// The end of a wait in real time: a duration from now on, `task.configure(10s)`, or a time that several
+/// waits share.
+class Deadline {
+ public:
+  Deadline(TimePoint time) : time_(time) {}  // NOLINT(google-explicit-constructor)
+  template <class Rep, class Period>
+  Deadline(std::chrono::duration<Rep, Period> within)  // NOLINT(google-explicit-constructor)
+      : time_(after(within)) {}
+  operator TimePoint() const { return time_; }  // NOLINT(google-explicit-constructor)
+
+ private:
+  /// Duration::max() is a wait without an end.
+  static TimePoint after(Duration within) {
+    const TimePoint now = monotonic_now();
+    return within < TimePoint::max() - now ? now + within : TimePoint::max();
+  }
+  TimePoint time_;
+};
+
 /// "2026-11-22T01:02:03.456Z": ISO 8601, UTC.
 std::string iso_time(std::chrono::system_clock::time_point time);
 

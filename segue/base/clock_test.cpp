@@ -2,6 +2,7 @@
 #include <segue/base/time_after.hpp>
 #include <segue/base/varied_duration.hpp>
 #include <segue/base/virtual_clock.hpp>
+#include <segue/base/wait.hpp>
 
 #include <support/eventually.hpp>
 #include <support/waiting_call.hpp>
@@ -62,6 +63,20 @@ TEST(TimeAfter, SumsOfDurationsEndAtTheLongest) {
 TEST(TimeAfter, VariedDurationsEndAtTheLongest) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed)
     EXPECT_GT(varied(Duration::max(), seed, 0, 0), Duration::zero());
+}
+
+TEST(DeadlineTest, IsADurationFromNowOnOrATime) {
+  const TimePoint before = monotonic_now();
+  const TimePoint in_an_hour = Deadline(std::chrono::hours(1));
+  EXPECT_GE(in_an_hour, before + std::chrono::hours(1));
+  EXPECT_LE(in_an_hour, monotonic_now() + std::chrono::hours(1));
+  EXPECT_EQ(TimePoint(Deadline(before)), before);
+  EXPECT_GE(Wait(std::chrono::hours(1)).deadline, in_an_hour);
+}
+
+TEST(DeadlineTest, NeverComesAfterTheLongestDuration) {
+  EXPECT_EQ(TimePoint(Deadline(Duration::max())), TimePoint::max());
+  EXPECT_LT(TimePoint(Deadline(Duration::min())), monotonic_now());
 }
 
 TEST(RealClock, SleepingIntoThePastReturnsAtOnce) {

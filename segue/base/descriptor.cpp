@@ -28,7 +28,8 @@ Descriptor Descriptor::duplicate() const {
   return Descriptor(valid() ? ::fcntl(fd_, F_DUPFD_CLOEXEC, 0) : -1);
 }
 
-bool wait_for_input(int descriptor, TimePoint deadline) {
+bool wait_for_input(int descriptor, Deadline within) {
+  const TimePoint deadline = within;
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - RealClock::instance().now());
     pollfd waited{descriptor, POLLIN, 0};

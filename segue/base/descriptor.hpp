@@ -25,7 +25,7 @@ class Descriptor {
   int fd_;
 };
 
-/// Blocks until the descriptor can be read from, or has ended, or until `deadline`; false then.
-bool wait_for_input(int descriptor, TimePoint deadline);
+/// Blocks until the descriptor can be read from, or has ended, for as long as `within` says; false then.
+bool wait_for_input(int descriptor, Deadline within);
 
 }  // namespace segue

@@ -12,14 +12,17 @@
 
 namespace segue {
 
-/// How long a caller waits for an answer: until `deadline` at most, and only until a stop is requested.
-/// Whoever is asked fails with DeadlineExceeded or, at once, with Cancelled; after the stop it begins
-/// nothing.
+/// How long a caller waits for an answer: `10s` or until `deadline` at most, and only until a stop is
+/// requested. Whoever is asked fails with DeadlineExceeded or, at once, with Cancelled; after the stop it
+/// begins nothing.
 struct Wait {
   Wait() = default;  ///< for nothing
-  // NOLINTNEXTLINE(google-explicit-constructor): most callers have a deadline only.
-  Wait(TimePoint until) : deadline(until) {}
-  Wait(TimePoint until, std::stop_token token) : deadline(until), stop(std::move(token)) {}
+  // Most callers have a deadline only.
+  Wait(TimePoint until) : deadline(until) {}  // NOLINT(google-explicit-constructor)
+  template <class Rep, class Period>
+  Wait(std::chrono::duration<Rep, Period> within)  // NOLINT(google-explicit-constructor)
+      : deadline(Deadline(within)) {}
+  Wait(Deadline until, std::stop_token token) : deadline(until), stop(std::move(token)) {}
 
   TimePoint deadline{};
   std::stop_token stop{};

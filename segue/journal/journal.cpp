@@ -310,7 +310,7 @@ std::shared_ptr<const model::ActionTimes> Journal::times() const {
   return implementation_->times;
 }
 
-Result<void> Journal::flush(TimePoint deadline) {
+Result<void> Journal::flush(Deadline deadline) {
   return implementation_->flush(deadline);
 }
 

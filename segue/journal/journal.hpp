@@ -81,7 +81,7 @@ class Journal {
   [[nodiscard]] std::shared_ptr<const model::ActionTimes> times() const;
 
   /// Writes all entries added before. Fails with the error of the file, or DeadlineExceeded. Blocks.
-  Result<void> flush(TimePoint deadline);
+  Result<void> flush(Deadline deadline);
 
   /// Number of entries dropped since construction.
   [[nodiscard]] std::uint64_t lost() const;

@@ -240,7 +240,7 @@ Result<void> ServedRobot::report(Value doing) {
   return done;
 }
 
-Result<Value> ServedRobot::give_back(bool keep, TimePoint deadline) {
+Result<Value> ServedRobot::give_back(bool keep, Deadline deadline) {
   std::shared_ptr<control::RobotLease> lease;
   {
     const Lock lock(mutex_);

@@ -48,7 +48,7 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<void> report(type::Value doing);
   /// Ends the command of the robot, which is to `keep` running its controller, or comes to rest; answers
   /// null, or like control::RobotService::give_back(). Nothing can be requested afterwards.
-  Result<type::Value> give_back(bool keep, TimePoint deadline);
+  Result<type::Value> give_back(bool keep, Deadline deadline);
   /// The events of the mission. Once a mission has begun there, requests are in the name of its actions.
   [[nodiscard]] MissionRecord& record() { return record_; }
 

@@ -178,7 +178,7 @@ TEST_F(ServedRobotTest, WritesToPorts) {
   ASSERT_TRUE(robot_.take());
   EXPECT_TRUE(robot_.write({"planner", "goal"}, 7, {}));
   EXPECT_NE(service_.sent_with, 0U);
-  EXPECT_TRUE(robot_.give_back(true, {}));
+  EXPECT_TRUE(robot_.give_back(true, TimePoint()));
   EXPECT_EQ(service_.given_back.as_list().back(), type::Value(true));
   EXPECT_FALSE(robot_.take()) << "it has been given back";
   EXPECT_FALSE(robot_.write({"planner", "goal"}, 8, {})) << "not as somebody without a lease either";
@@ -199,7 +199,7 @@ TEST_F(ServedRobotTest, IsLostWhereItDoesNotSayInTimeWhatItRuns) {
   EXPECT_FALSE(robot_.write({"planner", "goal"}, 7, {}));
   EXPECT_TRUE(service_.written.is_null());
   EXPECT_FALSE(robot_.asked());
-  EXPECT_FALSE(robot_.give_back(false, {})) << "it would not be heard";
+  EXPECT_FALSE(robot_.give_back(false, TimePoint())) << "it would not be heard";
   EXPECT_TRUE(service_.given_back.is_null());
 }
 
@@ -286,7 +286,7 @@ TEST_F(ServedRobotTest, HasControllersPreparedUnderItsLease) {
   EXPECT_TRUE(robot_.prepare({"explore"}, {}));
   EXPECT_EQ(service_.prepared, std::vector<std::string>{"explore"});
   EXPECT_EQ(service_.sent_with, 7U);
-  EXPECT_TRUE(robot_.give_back(false, {}));
+  EXPECT_TRUE(robot_.give_back(false, TimePoint()));
   EXPECT_FALSE(robot_.prepare({"arm"}, {})) << "nor as somebody without a lease";
   EXPECT_EQ(service_.prepared, std::vector<std::string>{"explore"});
 }

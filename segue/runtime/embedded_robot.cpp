@@ -208,7 +208,7 @@ Result<void> EmbeddedRobot::write(std::string_view port, const type::Value& samp
   if (!to) {
     return std::move(to.error());
   }
-  return host().write(*to, sample, RealClock::instance().now() + timeout);
+  return host().write(*to, sample, Deadline(timeout));
 }
 
 Result<void> EmbeddedRobot::set(std::string_view property, const type::Value& value, Duration timeout) {
@@ -216,7 +216,7 @@ Result<void> EmbeddedRobot::set(std::string_view property, const type::Value& va
   if (!of) {
     return std::move(of.error());
   }
-  return host().set_property(of->task, of->port, value, RealClock::instance().now() + timeout);
+  return host().set_property(of->task, of->port, value, Deadline(timeout));
 }
 
 Result<type::Value> EmbeddedRobot::call(std::string_view operation, const type::Value& arguments,
@@ -225,7 +225,7 @@ Result<type::Value> EmbeddedRobot::call(std::string_view operation, const type::
   if (!of) {
     return std::move(of.error());
   }
-  return runtime().call(of->task, of->port, arguments, RealClock::instance().now() + timeout);
+  return runtime().call(of->task, of->port, arguments, timeout);
 }
 
 SwitchResult EmbeddedRobot::switch_to(std::string_view controller, RequestOptions options) {

@@ -323,7 +323,7 @@ Result<type::Value> RuntimeService::conflicts(const std::vector<std::string>& co
 }
 
 Result<std::unique_ptr<control::RobotLease>> RuntimeService::lease(std::string_view holder) {
-  let_rest(RealClock::instance().now() + kRestPatience);
+  let_rest(kRestPatience);
   const auto number = served_.take_lease(std::string(holder));
   if (!number) {
     return number.error();
@@ -464,7 +464,7 @@ Result<type::Value> RuntimeService::past(const type::Value& question) {
     return fail(ErrorCode::Unsupported, "the robot keeps no journal, so nothing is known of its past");
   }
   // Where the file cannot be written now, the answer is what it has.
-  static_cast<void>(served_.flush_journal(RealClock::instance().now() + kJournalPatience));
+  static_cast<void>(served_.flush_journal(kJournalPatience));
   return journal::answer_about_past(path, question);
 }
 

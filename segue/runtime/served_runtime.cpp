@@ -99,7 +99,7 @@ void ServedRuntime::watch_changes(std::uint64_t seen, const Wait& wait,
   implementation_.changes.watch(seen, wait, std::move(answered));
 }
 
-Result<void> ServedRuntime::flush_journal(TimePoint deadline) const {
+Result<void> ServedRuntime::flush_journal(Deadline deadline) const {
   return implementation_.journal.flush(deadline);
 }
 

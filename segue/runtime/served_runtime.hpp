@@ -75,7 +75,7 @@ class ServedRuntime {
   void watch_changes(std::uint64_t seen, const Wait& wait,
                      std::function<void(Result<std::uint64_t>)> answered) const;
   /// Blocks until the journal's file has everything so far. DeadlineExceeded, or what keeps it from that.
-  [[nodiscard]] Result<void> flush_journal(TimePoint deadline) const;
+  [[nodiscard]] Result<void> flush_journal(Deadline deadline) const;
 
  private:
   Runtime::Implementation& implementation_;

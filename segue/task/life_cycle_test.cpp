@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 using Hooks = std::vector<std::string>;
-using Verb = Result<void> (Task::*)(TimePoint);
+using Verb = Result<void> (Task::*)(Deadline);
 
 struct VerbCase {
   std::string name;

@@ -179,7 +179,7 @@ Result<std::unique_ptr<Task>> Task::create(std::string id, std::unique_ptr<Compo
 }
 
 Result<std::unique_ptr<Task>> Task::renew(Task& old, const Activity& activity,
-                                          std::shared_ptr<Executor> executor, TimePoint deadline) {
+                                          std::shared_ptr<Executor> executor, Deadline deadline) {
   Implementation& before = *old.implementation_;
   if (auto checked = check_activity(before.name, activity); !checked) return std::move(checked.error());
   std::unique_ptr<Task> task;
@@ -210,27 +210,27 @@ const Component& Task::component() const {
   return *implementation_->component;
 }
 
-Result<void> Task::configure(TimePoint deadline) {
+Result<void> Task::configure(Deadline deadline) {
   return implementation_->exclusive("configure", deadline, [this] { return implementation_->configure(); });
 }
 
-Result<void> Task::start(TimePoint deadline) {
+Result<void> Task::start(Deadline deadline) {
   return implementation_->exclusive("start", deadline, [this] { return implementation_->start(); });
 }
 
-Result<void> Task::stop(TimePoint deadline) {
+Result<void> Task::stop(Deadline deadline) {
   return implementation_->exclusive("stop", deadline, [this] { return implementation_->stop(); });
 }
 
-Result<void> Task::cleanup(TimePoint deadline) {
+Result<void> Task::cleanup(Deadline deadline) {
   return implementation_->exclusive("clean up", deadline, [this] { return implementation_->cleanup(); });
 }
 
-Result<void> Task::recover(TimePoint deadline) {
+Result<void> Task::recover(Deadline deadline) {
   return implementation_->exclusive("recover", deadline, [this] { return implementation_->recover(); });
 }
 
-Result<std::optional<SavedState>> Task::save_state(TimePoint deadline) {
+Result<std::optional<SavedState>> Task::save_state(Deadline deadline) {
   std::optional<SavedState> state;
   auto done = implementation_->exclusive("save the state of", deadline,
                                          [&] { return implementation_->save_state(state); });
@@ -238,12 +238,12 @@ Result<std::optional<SavedState>> Task::save_state(TimePoint deadline) {
   return state;
 }
 
-Result<void> Task::restore_state(const SavedState& state, TimePoint deadline) {
+Result<void> Task::restore_state(const SavedState& state, Deadline deadline) {
   return implementation_->exclusive("restore the state of", deadline,
                                     [&] { return implementation_->restore_state(state); });
 }
 
-Result<void> Task::settle(TimePoint deadline) {
+Result<void> Task::settle(Deadline deadline) {
   return implementation_->exclusive("settle", deadline, []() -> Result<void> { return {}; });
 }
 
@@ -259,7 +259,7 @@ std::string Task::error_message() const {
   return implementation_->message.load();
 }
 
-Result<void> Task::set_properties(const type::Value& values, TimePoint deadline) {
+Result<void> Task::set_properties(const type::Value& values, Deadline deadline) {
   Implementation& self = *implementation_;
   if (!values.is_map()) {
     return fail(ErrorCode::InvalidArgument, "properties must be a map, not " + type::describe(values),
@@ -301,7 +301,7 @@ Result<void> Task::set_properties(const type::Value& values, TimePoint deadline)
   });
 }
 
-Result<void> Task::extend(const std::function<void(Component&)>& add, TimePoint deadline) {
+Result<void> Task::extend(const std::function<void(Component&)>& add, Deadline deadline) {
   Implementation& self = *implementation_;
   const Lock lock(*self.properties_mutex);
   return self.exclusive("extend", deadline, [&]() -> Result<void> {
@@ -320,7 +320,7 @@ type::Value Task::properties() const {
   return type::Value(std::move(map));
 }
 
-Result<type::Value> Task::call(std::string_view operation, const type::Value& arguments, TimePoint deadline) {
+Result<type::Value> Task::call(std::string_view operation, const type::Value& arguments, Deadline deadline) {
   return implementation_->call(operation, arguments, deadline);
 }
 

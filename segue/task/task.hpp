@@ -26,8 +26,8 @@ namespace segue::task {
 /// until `deadline` for an update in progress, then fails with DeadlineExceeded and leaves the task
 /// unchanged. A hook that throws leads to Exception; a hook that returns an error keeps the previous state
 /// (HookFailed). InvalidState where the state does not allow the change, and for calls from one of the task's
-/// own hooks. Deadlines are real time, whatever clock the executor has. No function but the destructor waits
-/// for an update or an operation that is overdue().
+/// own hooks. Deadlines, such as `10s` from now on, are real time, whatever clock the executor has. No
+/// function but the destructor waits for an update or an operation that is overdue().
 class Task {
  public:
   /// Uses the component's default activity where `activity` is null. Creates the thread; tasks that name the
@@ -40,7 +40,7 @@ class Task {
   /// Moves the component of a task in PreOperational to a new task with another activity and executor; its
   /// ports keep their connections. Calls of `old` fail with InvalidState from then on.
   static Result<std::unique_ptr<Task>> renew(Task& old, const Activity& activity,
-                                             std::shared_ptr<Executor> executor, TimePoint deadline);
+                                             std::shared_ptr<Executor> executor, Deadline deadline);
   /// Stops and cleans up if need be; disconnects every port. Waits for an update in progress without a
   /// deadline; must not be called from inside one of the task's hooks.
   ~Task();
@@ -51,22 +51,22 @@ class Task {
   [[nodiscard]] Component& component();
   [[nodiscard]] const Component& component() const;
 
-  Result<void> configure(TimePoint deadline);  ///< PreOperational -> Stopped
-  Result<void> start(TimePoint deadline);      ///< Stopped -> Running
-  Result<void> stop(TimePoint deadline);       ///< Running, RunTimeError -> Stopped
-  Result<void> cleanup(TimePoint deadline);    ///< Stopped -> PreOperational
+  Result<void> configure(Deadline deadline);  ///< PreOperational -> Stopped
+  Result<void> start(Deadline deadline);      ///< Stopped -> Running
+  Result<void> stop(Deadline deadline);       ///< Running, RunTimeError -> Stopped
+  Result<void> cleanup(Deadline deadline);    ///< Stopped -> PreOperational
   /// RunTimeError -> Running; Exception -> PreOperational.
-  Result<void> recover(TimePoint deadline);
+  Result<void> recover(Deadline deadline);
 
   /// The state of the component, for the task that takes over from this one; nothing if it has none. Requires
   /// Stopped, which does not change, even if the hook throws (HookFailed).
-  Result<std::optional<SavedState>> save_state(TimePoint deadline);
+  Result<std::optional<SavedState>> save_state(Deadline deadline);
   /// Takes over another task's state. Requires Stopped, which stays where the component refuses the state; an
   /// exception leads to Exception.
-  Result<void> restore_state(const SavedState& state, TimePoint deadline);
+  Result<void> restore_state(const SavedState& state, Deadline deadline);
 
   /// Waits until no hook or update is in progress; DeadlineExceeded if one does not return in time.
-  Result<void> settle(TimePoint deadline);
+  Result<void> settle(Deadline deadline);
 
   /// Lock free.
   [[nodiscard]] TaskState state() const;
@@ -78,15 +78,15 @@ class Task {
   /// Sets the properties named in the map `values`. Fields of compounds that are not named keep their values;
   /// any other value is replaced as a whole. Atomic: every value is checked first. Once configured, only live
   /// properties may be set.
-  Result<void> set_properties(const type::Value& values, TimePoint deadline);
+  Result<void> set_properties(const type::Value& values, Deadline deadline);
   [[nodiscard]] type::Value properties() const;
   /// Lets `add` add properties to the component while nobody reads or sets them through this task; the caller
   /// must keep others away from them. Requires PreOperational.
-  Result<void> extend(const std::function<void(Component&)>& add, TimePoint deadline);
+  Result<void> extend(const std::function<void(Component&)>& add, Deadline deadline);
 
   /// Calls an operation with arguments by name (a map) or in order (a list). Waits until `deadline` for
   /// operations that run in the task's own thread; one that has not begun by then never will.
-  Result<type::Value> call(std::string_view operation, const type::Value& arguments, TimePoint deadline);
+  Result<type::Value> call(std::string_view operation, const type::Value& arguments, Deadline deadline);
 
   [[nodiscard]] const Activity& activity() const;
   [[nodiscard]] Timing timing() const;

@@ -41,8 +41,7 @@ std::vector<Completed> all_failed(std::size_t count, const Error& why) {
   return ended;
 }
 
-std::vector<Result<void>> TaskAccess::perform_all(std::span<const model::Action> actions,
-                                                  TimePoint deadline) {
+std::vector<Result<void>> TaskAccess::perform_all(std::span<const model::Action> actions, Deadline deadline) {
   return wait_for_outcomes(actions.size(), [&](Completion completed) {
     begin_all({actions.begin(), actions.end()}, deadline, std::move(completed));
   });

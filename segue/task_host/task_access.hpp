@@ -41,7 +41,7 @@ class TaskAccess {
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed) = 0;
   /// Carries out actions like begin_all() and waits until all are reported; outcomes in the order of
   /// `actions`.
-  std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
+  std::vector<Result<void>> perform_all(std::span<const model::Action> actions, Deadline deadline);
 
   /// The halves of a hand-over whose other half is at another place: save_state() reads the state of a
   /// Stopped task (nothing where its component has none), restore_state() gives it to a task that is

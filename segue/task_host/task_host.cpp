@@ -22,7 +22,7 @@ Diagnostics TaskHost::check(const model::Network& /*network*/) const {
   return {};
 }
 
-Result<void> TaskHost::perform(const model::Action& action, TimePoint deadline) {
+Result<void> TaskHost::perform(const model::Action& action, Deadline deadline) {
   return std::move(perform_all(std::span(&action, 1), deadline).front());
 }
 

@@ -77,7 +77,7 @@ class TaskHost : public TaskAccess {
 
   /// Carries out one action and waits for its end. The result of CallOperation is dropped; call() returns it.
   /// DeadlineExceeded: the true state must be observed.
-  Result<void> perform(const model::Action& action, TimePoint deadline);
+  Result<void> perform(const model::Action& action, Deadline deadline);
 
   /// Carries out actions in their partial order: each begins once those of `actions` that its `after` names
   /// are done; others count as done. Blocks until each was reported, once, by `completed`, which may be
