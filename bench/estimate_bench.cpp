@@ -4,6 +4,8 @@
 // predicted range.
 #include "support/robot.hpp"
 
+#include <segue/runtime/runtime.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <random>

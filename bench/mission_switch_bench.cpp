@@ -10,6 +10,7 @@
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_run/loaded_mission.hpp>
 #include <segue/remote_robot/served_robot.hpp>
+#include <segue/runtime/runtime.hpp>
 #include <segue/runtime/runtime_service.hpp>
 
 #include <fmt/format.h>

@@ -12,6 +12,7 @@
 #include <segue/mission_robot/controller_runner.hpp>
 #include <segue/mission_run/loaded_mission.hpp>
 #include <segue/remote_robot/served_robot.hpp>
+#include <segue/runtime/runtime.hpp>
 #include <segue/runtime/runtime_service.hpp>
 
 #include <sys/prctl.h>

@@ -7,6 +7,8 @@
 #include "support/hosts.hpp"
 #include "support/measure.hpp"
 
+#include <segue/runtime/runtime.hpp>
+
 #include <hosts/test_network.hpp>
 
 #include <fcntl.h>

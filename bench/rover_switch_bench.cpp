@@ -9,6 +9,8 @@
 #include "support/robot.hpp"
 
 #include <segue/base/clock.hpp>
+#include <segue/runtime/runtime.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <algorithm>
 #include <array>

@@ -7,6 +7,8 @@
 #include "support/robot.hpp"
 
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/runtime.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <algorithm>
 #include <array>

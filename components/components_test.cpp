@@ -2,6 +2,7 @@
 //
 // The shipped components, in the networks of the examples.
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <support/paths.hpp>
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/program.hpp>
 #include <segue/mission_run/loaded_mission.hpp>
+#include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/runtime.hpp>
 #include <segue/runtime/runtime_service.hpp>
 
 #include <algorithm>

@@ -5,7 +5,10 @@
 #include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/host_client.hpp>
+#include <segue/model/robot.hpp>
 #include <segue/runtime/host_places.hpp>
+#include <segue/runtime/runtime.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <algorithm>
 #include <cerrno>

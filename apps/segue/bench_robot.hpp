@@ -6,6 +6,7 @@
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/runtime.hpp>
 #include <segue/runtime/temporary_hosts.hpp>
 
 #include <filesystem>

@@ -3,7 +3,10 @@
 #include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/server.hpp>
+#include <segue/model/robot.hpp>
+#include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/runtime.hpp>
 #include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/runtime_service.hpp>
 

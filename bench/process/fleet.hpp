@@ -3,6 +3,7 @@
 
 #include "../support/measure.hpp"
 
+#include <segue/model/transition.hpp>
 #include <segue/runtime/temporary_hosts.hpp>
 #include <segue/task_host/task_host.hpp>
 

@@ -9,6 +9,8 @@
 #include "types.hpp"
 
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/runtime.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <gmock/gmock.h>
 

@@ -5,6 +5,8 @@
 
 #include <segue/base/text.hpp>
 #include <segue/distributed/gateways.hpp>
+#include <segue/runtime/runtime.hpp>
+#include <segue/task_host/task_host.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 
 #include <segue/base/clock.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -76,7 +75,8 @@ inline Duration deadline_of(const Activity& activity) {
   if (activity.trigger != Trigger::Periodic) return std::chrono::seconds(30);
   constexpr Duration kLeast = std::chrono::seconds(5);
   constexpr Duration kMost = std::chrono::hours(24);
-  return activity.period > kMost / 10 ? kMost : std::max<Duration>(activity.period * 10, kLeast);
+  if (activity.period > kMost / 10) return kMost;
+  return activity.period < kLeast / 10 ? kLeast : activity.period * 10;
 }
 
 }  // namespace segue

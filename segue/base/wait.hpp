@@ -4,9 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/error.hpp>
 
-#include <algorithm>
 #include <chrono>
-#include <future>
 #include <stop_token>
 #include <utility>
 
@@ -33,20 +31,6 @@ struct Wait {
 /// The answer to a caller that does not wait any longer.
 inline Error no_longer_wanted() {
   return {ErrorCode::Cancelled, "whoever asked for it wants it no longer", {}, {}, {}};
-}
-
-/// Waits as long as `wait` says for the answer; false where it has not come by then. A future cannot be woken
-/// by a stop, so that is seen within 5 ms.
-template <class Future>
-bool has_answered(const Future& answer, const Wait& wait) {
-  constexpr Duration kSlice = std::chrono::milliseconds(5);
-  if (!wait.stop.stop_possible()) return answer.wait_until(wait.deadline) == std::future_status::ready;
-  while (!wait.is_stopped()) {
-    const TimePoint now = RealClock::instance().now();
-    if (answer.wait_until(std::min(wait.deadline, now + kSlice)) == std::future_status::ready) return true;
-    if (now >= wait.deadline) return false;
-  }
-  return false;
 }
 
 }  // namespace segue

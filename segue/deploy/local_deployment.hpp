@@ -5,6 +5,7 @@
 #include <segue/sample_link/shared_memory.hpp>
 #include <segue/task_host/local_task_host.hpp>
 #include <segue/task_host/task_access.hpp>
+#include <segue/task_host/task_forwarder.hpp>
 
 #include <memory>
 

@@ -7,6 +7,7 @@
 #include <segue/distributed/hosted_robot.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
 #include <segue/task_host/task_access.hpp>
+#include <segue/task_host/task_forwarder.hpp>
 
 #include <functional>
 #include <memory>

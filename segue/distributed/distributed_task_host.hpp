@@ -6,6 +6,7 @@
 #include <segue/fleet/deployed_task_host.hpp>
 #include <segue/model/component_model.hpp>
 #include <segue/task_host/task_access.hpp>
+#include <segue/task_host/task_forwarder.hpp>
 
 #include <memory>
 #include <optional>

@@ -5,6 +5,7 @@
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/distributed/distributed_task_host.hpp>
 #include <segue/fleet/deployed_task_host.hpp>
+#include <segue/task_host/early_end.hpp>
 #include <segue/task_host/test_support.hpp>
 
 #include <gmock/gmock.h>

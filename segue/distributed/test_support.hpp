@@ -10,6 +10,7 @@
 #include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
 #include <segue/task_host/component_library.hpp>
+#include <segue/task_host/early_end.hpp>
 #include <segue/task_host/full_id.hpp>
 #include <segue/task_host/local_task_host.hpp>
 #include <support/eventually.hpp>

@@ -4,6 +4,7 @@
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/process_server/process_service.hpp>
 #include <segue/task_host/task_access.hpp>
+#include <segue/task_host/task_forwarder.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <functional>

@@ -5,7 +5,6 @@
 #include <segue/model/action_times.hpp>
 #include <segue/model/transition.hpp>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -55,7 +54,9 @@ struct PreparedAhead {
   Duration unprepared{0};
 
   /// The time that preparing ahead saved a transition whose prepare phase took `prepare`; at least zero.
-  [[nodiscard]] Duration saved(Duration prepare) const { return std::max(unprepared - prepare, Duration(0)); }
+  [[nodiscard]] Duration saved(Duration prepare) const {
+    return unprepared > prepare ? unprepared - prepare : Duration(0);
+  }
   friend bool operator==(const PreparedAhead&, const PreparedAhead&) = default;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/condition_variable.hpp>
+#include <segue/base/has_answered.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/mission_script/script_robot.hpp>
 

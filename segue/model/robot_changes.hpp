@@ -2,13 +2,16 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/model/robot.hpp>
+#include <segue/type/value.hpp>
 
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace segue::model {
+
+struct Network;
+struct Robot;
 
 /// Changes to a robot's files in memory, such as for one run of an experiment.
 struct RobotChanges {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Files that are applied to a running runtime, beside other requests.
+#include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 #include <segue/task/component.hpp>

@@ -6,6 +6,7 @@
 #include <segue/model/component_model.hpp>
 #include <segue/model/halt.hpp>
 #include <segue/model/network.hpp>
+#include <segue/runtime/controller_conflict.hpp>
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/task_host/task_host.hpp>

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/base/diagnostic.hpp>
 #include <segue/base/file_stamp.hpp>
 #include <segue/base/result.hpp>
-#include <segue/model/component_model.hpp>
 #include <segue/model/halt.hpp>
 #include <segue/model/network.hpp>
+#include <segue/runtime/controller_change.hpp>
 
 #include <chrono>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
+
+namespace segue::model {
+class ComponentCatalog;
+}
 
 namespace segue::runtime {
 
@@ -41,20 +43,6 @@ using Controllers = std::map<model::NetworkName, model::Network>;
 /// network. NotFound; InvalidState where they cannot run at once.
 Result<model::Network> find_controller(const Controllers& controllers, const model::NetworkName& name,
                                        const model::ComponentCatalog& catalog);
-
-/// How a controller of one set differs from that of another one.
-struct ControllerChange {
-  enum class Kind { Added, Changed, Removed };
-  model::NetworkName controller;
-  Kind kind = Kind::Changed;
-  bool runs = false;         ///< it runs
-  std::string file;          ///< of the new version; Removed: of the old one
-  std::string from_version;  ///< model::Network::version; Added: empty
-  std::string to_version;    ///< Removed: empty
-  std::vector<std::string>
-      edits;  ///< Changed: model::changes(), the first few; none: the network is the same
-};
-std::string_view to_string(ControllerChange::Kind kind);
 
 /// By name. Controllers of one version are equal; where both have none, they are compared. `runs` names what
 /// runs.

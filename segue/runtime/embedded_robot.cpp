@@ -8,9 +8,12 @@
 #include <segue/journal/journal.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/host_places.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/robot_tasks.hpp>
+#include <segue/runtime/runtime.hpp>
+#include <segue/runtime/runtime_options.hpp>
 #include <segue/task/realtime_log.hpp>
 #include <segue/task_host/component_library.hpp>
 #include <segue/task_host/stand_in.hpp>

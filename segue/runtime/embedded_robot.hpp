@@ -1,23 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/log.hpp>
 #include <segue/base/result.hpp>
-#include <segue/model/component_model.hpp>
-#include <segue/model/robot.hpp>
 #include <segue/model/robot_changes.hpp>
-#include <segue/runtime/controller_files.hpp>
+#include <segue/runtime/request_options.hpp>
 #include <segue/runtime/robot_port.hpp>
-#include <segue/runtime/runtime.hpp>
-#include <segue/task_host/task_host.hpp>
+#include <segue/runtime/switch_result.hpp>
+#include <segue/type/value.hpp>
 
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string_view>
 
+namespace segue::model {
+class ComponentCatalog;
+struct Robot;
+}  // namespace segue::model
+
 namespace segue::runtime {
+
+class ControllerFiles;
+class Runtime;
 
 /// In which processes the tasks of a network's deployments run.
 enum class TaskPlacement {

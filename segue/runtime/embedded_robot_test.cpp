@@ -2,7 +2,9 @@
 #include <segue/base/file.hpp>
 #include <segue/base/log.hpp>
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/runtime.hpp>
 #include <segue/task/component.hpp>
+#include <segue/task_host/task_host.hpp>
 
 #include <gtest/gtest.h>
 #include <unistd.h>

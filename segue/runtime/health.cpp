@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/runtime/health.hpp>
+#include <segue/runtime/health_view.hpp>
 
 #include <segue/base/text.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Troubles of a robot: since when there is one, why, and what repairs it.
-#include <segue/runtime/health.hpp>
+#include <segue/runtime/health_view.hpp>
 #include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/runtime_service.hpp>
 #include <segue/runtime/test_support.hpp>

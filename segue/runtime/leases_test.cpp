@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Who may command a robot: the holder of its lease, who takes it over, and what others may do beside.
+#include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/halting_robot.hpp>
 #include <segue/runtime/served_runtime.hpp>
 

@@ -4,6 +4,7 @@
 #include <segue/base/text.hpp>
 #include <segue/model/network_sets.hpp>
 #include <segue/model/pools.hpp>
+#include <segue/runtime/runtime_options.hpp>
 
 #include <unistd.h>
 

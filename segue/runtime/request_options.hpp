@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/control/robot_request.hpp>
-#include <segue/model/network.hpp>
+#include <segue/model/ids.hpp>
 
 #include <cstdint>
 #include <string>

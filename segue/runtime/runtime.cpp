@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/runtime.hpp>
 
+#include <segue/runtime/robot_snapshot.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <array>
@@ -40,6 +41,9 @@ std::string_view to_string(EventKind kind) {
                                                               "pool"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
+
+Runtime::Runtime(std::string name, task_host::TaskHost& host, const model::ComponentCatalog& catalog)
+    : Runtime(std::move(name), host, catalog, RuntimeOptions()) {}
 
 Runtime::Runtime(std::string name, task_host::TaskHost& host, const model::ComponentCatalog& catalog,
                  RuntimeOptions options)

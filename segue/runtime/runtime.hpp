@@ -2,33 +2,36 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
-#include <segue/journal/entries.hpp>
-#include <segue/model/component_model.hpp>
+#include <segue/base/wait.hpp>
 #include <segue/model/network.hpp>
-#include <segue/model/robot.hpp>
 #include <segue/model/transition.hpp>
-#include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
 #include <segue/runtime/halt_result.hpp>
+#include <segue/runtime/pool_report.hpp>
+#include <segue/runtime/readiness.hpp>
 #include <segue/runtime/request_options.hpp>
-#include <segue/runtime/robot_snapshot.hpp>
-#include <segue/runtime/runtime_options.hpp>
 #include <segue/runtime/switch_result.hpp>
 #include <segue/runtime/unresolved_fault.hpp>
-#include <segue/solve/solve.hpp>
-#include <segue/task_host/task_host.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
 #include <filesystem>
 #include <future>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
+
+namespace segue::model {
+class ComponentCatalog;
+}
+namespace segue::task_host {
+class TaskHost;
+}
 
 /// The runtime (the paper's TaskNetworkHandler) accepts requests, solves and executes transitions, and keeps
 /// the belief.
@@ -41,7 +44,17 @@ std::string_view to_string(RuntimeState state);
 /// to be applied as it is (the paper's transition request interface).
 using Request = std::variant<model::NetworkName, model::Network, model::Transition>;
 
+/// A request, and what becomes of it.
+struct AcceptedRequest {
+  std::uint64_t number = 0;
+  std::future<SwitchResult> result;
+};
+
 class ServedRuntime;
+struct ControllerSet;
+struct LoadedFile;
+struct RobotSnapshot;
+struct RuntimeOptions;
 
 /// Owns a thread that executes requests sequentially. A newer request supersedes one that waits and one whose
 /// transition is still in its prepare phase; a commit phase is finished first. All functions may be called
@@ -49,8 +62,9 @@ class ServedRuntime;
 class Runtime {
  public:
   /// `host` and `catalog` must outlive this. The initial belief is a snapshot of `host`.
+  Runtime(std::string name, task_host::TaskHost& host, const model::ComponentCatalog& catalog);
   Runtime(std::string name, task_host::TaskHost& host, const model::ComponentCatalog& catalog,
-          RuntimeOptions options = {});
+          RuntimeOptions options);
   /// Blocks until the actions in progress have ended; leaves the tasks as they are.
   ~Runtime();
   Runtime(const Runtime&) = delete;

@@ -7,7 +7,7 @@
 #include <segue/runtime/change_count.hpp>
 #include <segue/runtime/controller_registry.hpp>
 #include <segue/runtime/event_log.hpp>
-#include <segue/runtime/health.hpp>
+#include <segue/runtime/health_view.hpp>
 #include <segue/runtime/journaling.hpp>
 #include <segue/runtime/known_faults.hpp>
 #include <segue/runtime/leases.hpp>
@@ -15,6 +15,7 @@
 #include <segue/runtime/request_queue.hpp>
 #include <segue/runtime/result_history.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/runtime/runtime_options.hpp>
 #include <segue/runtime/standby_requests.hpp>
 #include <segue/task_host/task_host.hpp>
 

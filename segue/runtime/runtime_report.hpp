@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/runtime/controller_files.hpp>
+#include <segue/runtime/robot_snapshot.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/task_host/task_host.hpp>
 #include <segue/type/value.hpp>

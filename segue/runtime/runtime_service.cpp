@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/runtime_service.hpp>
 
+#include <segue/base/has_answered.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/reader_stream.hpp>
 #include <segue/journal/past.hpp>

@@ -5,6 +5,7 @@
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/runtime_report.hpp>
 #include <segue/runtime/test_support.hpp>
+#include <segue/solve/solve.hpp>
 #include <segue/task/component.hpp>
 
 #include <support/eventually.hpp>

@@ -5,7 +5,7 @@
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 #include <segue/control/robot_lease.hpp>
-#include <segue/runtime/robot_snapshot.hpp>
+#include <segue/runtime/controller_conflict.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <cstdint>

@@ -5,6 +5,7 @@
 #include <segue/model/network_sets.hpp>
 #include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/look_ahead.hpp>
+#include <segue/runtime/robot_snapshot.hpp>
 
 #include <algorithm>
 #include <iterator>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/runtime/fault_owners.hpp>
+#include <segue/runtime/robot_snapshot.hpp>
 #include <segue/runtime/supervisor.hpp>
 
 #include <algorithm>

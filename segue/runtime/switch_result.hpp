@@ -4,13 +4,12 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/error.hpp>
 #include <segue/journal/entries.hpp>
-#include <segue/model/network.hpp>
+#include <segue/model/ids.hpp>
 #include <segue/model/transition.hpp>
-#include <segue/runtime/controller_set.hpp>
+#include <segue/runtime/controller_change.hpp>
 
 #include <chrono>
 #include <cstdint>
-#include <future>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -90,12 +89,6 @@ struct [[nodiscard]] SwitchResult {
   std::optional<Undo> undo;       ///< if it failed, or was cancelled after it had begun
   std::string cancelled_by{};     ///< Outcome::Cancelled
   std::optional<Error> leftover;  ///< Outcome::Done, but part of the old network could not be retired
-};
-
-/// A request, and what becomes of it.
-struct AcceptedRequest {
-  std::uint64_t number = 0;
-  std::future<SwitchResult> result;
 };
 
 /// The result of Runtime::apply().

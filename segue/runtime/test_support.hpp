@@ -3,6 +3,7 @@
 
 #include <segue/model/files.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/runtime/runtime_options.hpp>
 #include <segue/task_host/local_task_host.hpp>
 
 #include <support/asking_host.hpp>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/transition_execution.hpp>
 
+#include <segue/task_host/early_end.hpp>
+
 #include <utility>
 
 namespace segue::runtime::detail {

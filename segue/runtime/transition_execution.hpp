@@ -6,6 +6,7 @@
 #include <segue/model/transition.hpp>
 #include <segue/runtime/left_actions.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/task_host/early_end.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <array>

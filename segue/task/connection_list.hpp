@@ -5,7 +5,6 @@
 #include <segue/task/channel.hpp>
 #include <segue/task/commit_gate.hpp>
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -173,8 +172,9 @@ class ConnectionList {
   }
 
   void swap(List next) {
-    next.steady = std::all_of(next.entries.begin(), next.entries.end(),
-                              [](const Entry& entry) { return entry.lifetime == Lifetime::Always; });
+    next.steady = true;
+    for (const Entry& entry : next.entries)
+      next.steady = next.steady && entry.lifetime == Lifetime::Always;
     const List* fresh = next.entries.empty() ? nullptr : new List(std::move(next));
     // L1: before the load of section_.
     const std::unique_ptr<const List> old(list_.exchange(fresh, std::memory_order_seq_cst));

@@ -221,8 +221,20 @@ void OutputPortBase::wait_until_written() {
   ends_.wait_for_reader();
 }
 
+void OutputPortBase::end_at(const WriterEnd& end, const CommitGatePtr& gate) {
+  ends_.end_at(&end, gate);
+}
+
+void OutputPortBase::settle() {
+  ends_.settle();
+}
+
 void OutputPortBase::detach(const WriterEnd& end) {
   ends_.remove(&end);
+}
+
+std::size_t OutputPortBase::connection_count() const {
+  return ends_.snapshot().size();
 }
 
 InputPortBase::InputPortBase(Component& component, std::string name, const type::TypeInfo* type,
@@ -259,8 +271,20 @@ void InputPortBase::set_listener(SampleListener* listener) {
     end->set_listener(listener);
 }
 
+void InputPortBase::end_at(const ReaderEnd& end, const CommitGatePtr& gate) {
+  ends_.end_at(&end, gate);
+}
+
+void InputPortBase::settle() {
+  ends_.settle();
+}
+
 void InputPortBase::detach(const ReaderEnd& end) {
   ends_.remove(&end);
+}
+
+std::size_t InputPortBase::connection_count() const {
+  return ends_.snapshot().size();
 }
 
 [[gnu::hot]] SampleRef InputPortBase::pull() noexcept {

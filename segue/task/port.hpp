@@ -83,7 +83,7 @@ class OutputPortBase : public PortBase {
   [[nodiscard]] bool connected() const { return !ends_.empty(); }
   [[nodiscard]] std::uint64_t written() const { return written_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t exhausted() const { return exhausted_.load(std::memory_order_relaxed); }
-  [[nodiscard]] std::size_t connection_count() const { return ends_.snapshot().size(); }
+  [[nodiscard]] std::size_t connection_count() const;
   void disconnect_all();
 
   /// Writes a default value (none for any type). Real-time safe once every slot was written.
@@ -98,8 +98,8 @@ class OutputPortBase : public PortBase {
   /// transition that has ended; removes it and waits for the write in progress.
   Result<void> attach(std::shared_ptr<WriterEnd> end, const std::string& reader,
                       const CommitGatePtr& gate = nullptr);
-  void end_at(const WriterEnd& end, const CommitGatePtr& gate) { ends_.end_at(&end, gate); }
-  void settle() { ends_.settle(); }
+  void end_at(const WriterEnd& end, const CommitGatePtr& gate);
+  void settle();
   void detach(const WriterEnd& end);
   /// For links: waits until a write or show_last() that is in progress has ended.
   void wait_until_written();
@@ -152,7 +152,7 @@ class InputPortBase : public PortBase {
 
   [[nodiscard]] bool connected() const { return !ends_.empty(); }
   [[nodiscard]] std::uint64_t samples_read() const { return read_.load(std::memory_order_relaxed); }
-  [[nodiscard]] std::size_t connection_count() const { return ends_.snapshot().size(); }
+  [[nodiscard]] std::size_t connection_count() const;
   void disconnect_all();
 
   /// Reads as a dynamic value; untyped samples are null. Allocates; not for update paths.
@@ -164,8 +164,8 @@ class InputPortBase : public PortBase {
 
   /// For links. What waits in an end that ends when a gate opens is read before anything newer.
   void attach(std::shared_ptr<ReaderEnd> end);
-  void end_at(const ReaderEnd& end, const CommitGatePtr& gate) { ends_.end_at(&end, gate); }
-  void settle() { ends_.settle(); }
+  void end_at(const ReaderEnd& end, const CommitGatePtr& gate);
+  void settle();
   void detach(const ReaderEnd& end);
   /// For links: wakes the task if this port triggers it. Real-time safe. N1, sequentially consistent: a link
   /// stores the sample and then loads the listener, a task that starts stores the listener and then checks

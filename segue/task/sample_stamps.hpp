@@ -3,7 +3,6 @@
 
 #include <segue/base/clock.hpp>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 
@@ -25,7 +24,11 @@ class SampleStamps {
 
  private:
   TimePoint stamp(TimePoint now) noexcept {
-    stride_ = now - last_ < kBetween ? std::min(2 * stride_, kMostStride) : std::max(stride_ / 2, 1U);
+    if (now - last_ >= kBetween) {
+      stride_ = stride_ > 1 ? stride_ / 2 : 1;
+    } else if (stride_ < kMostStride) {
+      stride_ *= 2;
+    }
     left_ = stride_;
     last_ = now;
     return now;

@@ -3,6 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/base/text.hpp>
+#include <segue/task/saved_state.hpp>
 #include <segue/type/describe.hpp>
 #include <segue/type/value.hpp>
 
@@ -10,15 +11,6 @@
 #include <string>
 
 namespace segue::task {
-
-/// The state of a task, for the one that takes over its work. A plain value that can be sent to other
-/// processes and computers.
-struct SavedState {
-  std::string name;           ///< usually the name of its type: "/demo/FilterState"
-  std::uint32_t version = 1;  ///< increased when its meaning changes
-  type::Value value;
-  friend bool operator==(const SavedState&, const SavedState&) = default;
-};
 
 /// A described value as a state with the name of its type.
 template <class T>

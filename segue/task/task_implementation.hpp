@@ -9,7 +9,7 @@
 #include <segue/task/progress.hpp>
 #include <segue/task/realtime_text.hpp>
 #include <segue/task/task.hpp>
-#include <segue/task/timing.hpp>
+#include <segue/task/timing_recorder.hpp>
 
 #include <atomic>
 #include <memory>

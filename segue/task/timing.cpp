@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/task/timing.hpp>
+#include <segue/task/executor.hpp>
+#include <segue/task/timing_recorder.hpp>
 
 #include <algorithm>
 #include <cstdlib>

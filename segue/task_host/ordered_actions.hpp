@@ -5,6 +5,7 @@
 #include <segue/base/condition_variable.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/task_host/early_end.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <cstddef>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/mutex.hpp>
+#include <segue/task_host/early_end.hpp>
 #include <segue/task_host/ordered_actions.hpp>
 
 #include <gmock/gmock.h>

@@ -5,7 +5,7 @@
 #include <segue/base/recent_log.hpp>
 #include <segue/model/network.hpp>
 #include <segue/sample_link/latency.hpp>
-#include <segue/task/task.hpp>
+#include <segue/task/timing.hpp>
 
 #include <cstdint>
 #include <optional>

@@ -2,6 +2,7 @@
 #include <segue/base/condition_variable.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/task_host/task_access.hpp>
+#include <segue/task_host/task_forwarder.hpp>
 
 #include <utility>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/task_host/split_batch.hpp>
 #include <segue/task_host/task_access.hpp>
+#include <segue/task_host/task_forwarder.hpp>
 #include <segue/task_host/test_support.hpp>
 
 #include <gmock/gmock.h>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/mutex.hpp>
+#include <segue/task/task.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <atomic>

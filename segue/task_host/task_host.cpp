@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/model/transition.hpp>
+#include <segue/task_host/early_end.hpp>
 #include <segue/task_host/ordered_actions.hpp>
 #include <segue/task_host/task_host.hpp>
 

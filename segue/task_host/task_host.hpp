@@ -5,25 +5,21 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
 #include <segue/model/network.hpp>
-#include <segue/model/transition.hpp>
-#include <segue/model/validate.hpp>
-#include <segue/task_host/early_end.hpp>
 #include <segue/task_host/reports.hpp>
 #include <segue/task_host/task_access.hpp>
 
-#include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
-#include <span>
-#include <stop_token>
-#include <string>
-#include <string_view>
-#include <variant>
 #include <vector>
+
+namespace segue::model {
+struct Transition;
+}
 
 /// Creates tasks, moves them through their life cycle and observes them.
 namespace segue::task_host {
+
+struct EarlyEnd;
 
 /// The tasks of a robot: carries out transitions on them and reports their states. All functions may be
 /// called from any thread.

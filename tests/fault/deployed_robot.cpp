@@ -9,6 +9,7 @@
 #include "deployed_robot.hpp"
 
 #include <segue/model/files.hpp>
+#include <segue/runtime/runtime.hpp>
 #include <segue/sample_link/shared_memory.hpp>
 #include <segue/task_host/component_library.hpp>
 

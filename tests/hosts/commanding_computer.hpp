@@ -3,6 +3,7 @@
 
 #include <segue/distributed/distributed_task_host.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/runtime/runtime_options.hpp>
 #include <segue/task_host/component_library.hpp>
 #include <segue/task_host/local_task_host.hpp>
 

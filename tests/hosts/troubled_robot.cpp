@@ -4,6 +4,7 @@
 #include <segue/base/mutex.hpp>
 #include <segue/base/shared_mutex.hpp>
 #include <segue/base/text.hpp>
+#include <segue/runtime/runtime_options.hpp>
 
 #include <support/eventually.hpp>
 

@@ -4,6 +4,7 @@
 #include <segue/base/mutex.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
+#include <segue/model/component_model.hpp>
 #include <segue/task_host/action_pool.hpp>
 #include <segue/task_host/watches.hpp>
 #include <support/eventually.hpp>

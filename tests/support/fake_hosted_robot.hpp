@@ -4,6 +4,7 @@
 #include <segue/base/mutex.hpp>
 #include <segue/distributed/hosted_robot.hpp>
 #include <segue/task_host/task_access.hpp>
+#include <segue/task_host/task_forwarder.hpp>
 #include <support/fake_deployment.hpp>
 
 #include <atomic>

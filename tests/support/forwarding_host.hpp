@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/task_host/task_access.hpp>
+#include <segue/task_host/task_forwarder.hpp>
 #include <segue/task_host/task_host.hpp>
 
 #include <memory>
