@@ -147,7 +147,7 @@ class PreemptedActions : public RunningMission {
     options.period = 1ms;
     Runners runners;
     runners.set_controllers(std::make_shared<ControllerRunner>(robot_, options));
-    runners.set_pools(std::make_shared<PoolRunner>(robot_, PoolOptions{1ms, 60s, 60s}));
+    runners.set_pools(std::make_shared<PoolRunner>(robot_, PoolOptions{1ms, 60s}));
     begin_mission("mission: m\nactions:\n  go: {" + action + "}\naction: go\n", runners);
   }
   /// Returns once the engine has preempted its actions: it hears what it is asked later after that.

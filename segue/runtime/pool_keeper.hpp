@@ -64,7 +64,7 @@ class PoolKeeper {
   /// An operation of any task, as TaskHost::call(). Blocks until it has ended.
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, const Wait& wait);
-  /// As Runtime::take_instance().
+  /// As ServedRuntime::take_instance().
   void take(const control::InstanceQuestion& what, const Wait& wait, control::InstanceAnswer answered);
   /// Ends all waits with an error.
   void close() { waits_.close(); }

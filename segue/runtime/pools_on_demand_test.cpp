@@ -3,6 +3,7 @@
 #include <segue/base/mutex.hpp>
 #include <segue/base/question.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/runtime/served_runtime.hpp>
 
 #include <support/eventually.hpp>
 #include <support/forwarding_host.hpp>
@@ -74,10 +75,10 @@ class PoolsOnDemand : public ::testing::Test {
   }
   void start(RuntimeOptions options) { runtime_.emplace("robot", working_, catalog_, std::move(options)); }
   Result<control::TakenInstance> take(const std::stop_token& stop = {}) {
-    return answer_to<control::TakenInstance>(Wait(RealClock::instance().now() + 60s, stop),
-                                             [&](const Wait& wait, control::InstanceAnswer answer) {
-                                               runtime_->take_instance({"planner"}, wait, std::move(answer));
-                                             });
+    return answer_to<control::TakenInstance>(
+        Wait(RealClock::instance().now() + 60s, stop), [&](const Wait& wait, control::InstanceAnswer answer) {
+          runtime_->served().take_instance({"planner"}, wait, std::move(answer));
+        });
   }
   /// A caller that takes an instance and calls it; its result names the instance.
   std::future<std::string> call() {

@@ -170,11 +170,6 @@ Result<type::Value> Runtime::call(const model::TaskId& task, std::string_view op
   return implementation_->pools.call(task, operation, arguments, wait);
 }
 
-void Runtime::take_instance(const control::InstanceQuestion& what, const Wait& wait,
-                            control::InstanceAnswer answered) {
-  implementation_->pools.take(what, wait, std::move(answered));
-}
-
 std::vector<PoolReport> Runtime::pools() const {
   return implementation_->options.pools.empty()
              ? std::vector<PoolReport>()

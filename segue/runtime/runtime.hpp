@@ -146,8 +146,6 @@ class Runtime {
   /// nobody then, is ended and started again. Blocks until it has ended, or the instance has.
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, const Wait& wait);
-  /// As of control::RobotService.
-  void take_instance(const control::InstanceQuestion&, const Wait&, control::InstanceAnswer answered);
   /// The pools of RuntimeOptions as they are now. Blocks while the host is asked.
   [[nodiscard]] std::vector<PoolReport> pools() const;
   /// Faults and leftovers that lasted longer than the policies permit attempts. From the last supervision.

@@ -404,7 +404,7 @@ Result<type::Value> RuntimeService::call(std::string_view task, std::string_view
 
 void RuntimeService::take_instance(const control::InstanceQuestion& what, const Wait& wait,
                                    control::InstanceAnswer answered) {
-  runtime_.take_instance(what, wait, std::move(answered));
+  served_.take_instance(what, wait, std::move(answered));
 }
 
 Result<void> RuntimeService::write(std::string_view task, std::string_view port, const type::Value& value,

@@ -82,6 +82,11 @@ Result<std::vector<ControllerConflict>> ServedRuntime::conflicts(
   return implementation_.controllers.conflicts(controllers);
 }
 
+void ServedRuntime::take_instance(const control::InstanceQuestion& what, const Wait& wait,
+                                  control::InstanceAnswer answered) {
+  implementation_.pools.take(what, wait, std::move(answered));
+}
+
 std::shared_future<HaltResult> ServedRuntime::halt_on_its_way() const {
   return implementation_.halts.on_its_way();
 }

@@ -5,6 +5,7 @@
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 #include <segue/control/robot_lease.hpp>
+#include <segue/control/robot_request.hpp>
 #include <segue/runtime/controller_conflict.hpp>
 #include <segue/runtime/runtime.hpp>
 
@@ -63,6 +64,10 @@ class ServedRuntime {
   /// For each two of these controllers what keeps them from running at once, and influences. NotFound.
   [[nodiscard]] Result<std::vector<ControllerConflict>> conflicts(
       const std::vector<model::NetworkName>& controllers) const;
+
+  /// As control::RobotService::take_instance().
+  void take_instance(const control::InstanceQuestion& what, const Wait& wait,
+                     control::InstanceAnswer answered);
 
   /// The result of a halt on its way; no future: there is none.
   [[nodiscard]] std::shared_future<HaltResult> halt_on_its_way() const;

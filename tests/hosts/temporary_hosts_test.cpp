@@ -2,6 +2,7 @@
 // Hosts that a program starts for itself end with it, and take everything along that runs there.
 #include <segue/base/question.hpp>
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/temporary_hosts.hpp>
 
 #include <support/eventually.hpp>
@@ -103,7 +104,7 @@ TEST_F(TemporaryHosts, HoldInstancesOfPoolsWhileCallsNeedThem) {
   options.placement = runtime::TaskPlacement::Processes;
   auto robot = runtime::EmbeddedRobot::open(hosts.folder() / "robot.yaml", options);
   ASSERT_TRUE(robot) << to_string(robot.error());
-  auto& runtime = robot->runtime();
+  auto& runtime = robot->runtime().served();
   const auto on_a = [&] { return deployments_of(runtime_folder(hosts.folder(), "a")).size(); };
   EXPECT_EQ(on_a(), 0U);
   for (std::size_t count = 1; count <= 2; ++count) {
