@@ -197,6 +197,25 @@ TEST(Gripper, TakesABoxFromTheTable) {
   EXPECT_LT((still - after).norm(), 0.005) << "the gripper holds although its driver is stopped";
 }
 
+TEST(Simulation, PutsABoxElsewhereAsAPersonDoes) {
+  SteppedRover rover(starting_at(0.85, 0, 0));
+  rover.start();
+  rover.advance(100ms);
+  const auto pose = [](double x) {
+    return Value::map({{"position", Value::list({x, 1.0, 0.05})},
+                       {"orientation", Value::map({{"w", 2.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}})}});
+  };
+  const auto place = [&](int box, double x) {
+    return rover.task("rover").call("place_box", Value::list({box, pose(x)}), soon());
+  };
+  EXPECT_TRUE(place(2, 0.4));
+  rover.advance(1s);
+  const auto at = rover.next<messages::Markers>("rover", "boxes").markers.at(2).pose.position;
+  EXPECT_LT((at.head<2>() - Eigen::Vector2d(0.4, 1)).norm(), 0.01) << "it lies where it was put";
+  EXPECT_THAT(to_string(place(3, 0.4).error()), HasSubstr("there are boxes 0 to 2"));
+  EXPECT_THAT(to_string(place(0, std::nan("")).error()), HasSubstr("finite numbers"));
+}
+
 /// A rover with a battery, whose charge it tells.
 double charge_after_driving(double speed) {
   SteppedRover rover(starting_at(0, 0, 0));

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <string>
 
 namespace rover {
 
@@ -80,6 +81,20 @@ class Simulation final : public Component {
     ages_.time = rover_->time();
     ages_.clock = std::chrono::duration<double>(now().time_since_epoch()).count();
     ages_out_.write(ages_);
+  }
+
+  segue::Result<void> place_box(std::uint32_t box, const messages::Pose& pose) {
+    if (box >= kBoxes) {
+      return segue::fail(segue::ErrorCode::InvalidArgument,
+                         "there are boxes 0 to " + std::to_string(kBoxes - 1));
+    }
+    if (!pose.position.allFinite() || !pose.orientation.coeffs().allFinite() ||
+        pose.orientation.norm() < 0.5) {
+      return segue::fail(segue::ErrorCode::InvalidArgument,
+                         "the pose must consist of finite numbers, and its orientation must be of length 1");
+    }
+    rover_->place_box(box, {pose.position, pose.orientation.normalized()});
+    return {};
   }
 
   void write_scan() {
@@ -184,6 +199,13 @@ class Simulation final : public Component {
   Property<double> angular_noise_{*this, "angular_noise", 0.002, {.doc = "rad/s, standard deviation"}};
   Property<double> acceleration_noise_{
       *this, "acceleration_noise", 0.02, {.doc = "m/s^2, standard deviation"}};
+  Operation<segue::Result<void>(std::uint32_t, messages::Pose)> place_box_{
+      *this,
+      "place_box",
+      {"box", "pose"},
+      [this](std::uint32_t box, const messages::Pose& pose) { return place_box(box, pose); },
+      RunsIn::TaskThread,
+      "puts a box elsewhere in the room, as a person does"};
   std::unique_ptr<SimulatedRover> rover_;
   ScanPattern pattern_;
   int steps_ = 1;

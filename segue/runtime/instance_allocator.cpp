@@ -135,10 +135,10 @@ void InstanceAllocator::note(const std::vector<PoolReport>& seen, TimePoint now)
 
 void InstanceAllocator::lost(const model::TaskId& task, const std::string& why) {
   const Lock lock(mutex_);
-  if (Instance* one = find_instance(task)) {
-    one->seen.ready = false;
-    one->seen.reason = why;
-  }
+  Instance* one = find_instance(task);
+  if (one == nullptr || !one->seen.ready) return;  // supervision knows more of it
+  one->seen.ready = false;
+  one->seen.reason = why;
 }
 
 int InstanceAllocator::shortage(const State& state, TimePoint now) const {

@@ -125,6 +125,16 @@ TEST_F(Allocation, GivesNoInstanceThatWasLost) {
   EXPECT_EQ(take(), "planner_1");
 }
 
+TEST_F(Allocation, SaysOfALostInstanceWhatSupervisionKnows) {
+  have({range("planner", 1, 1)});
+  auto seen = allocator_->pools();
+  seen[0].instances[0].given_up = true;
+  seen[0].instances[0].reason = "its process is gone: signal 9";
+  allocator_->note(seen, now_);
+  allocator_->lost(model::TaskId("planner_1"), "is fatal");
+  EXPECT_THAT(take(), HasSubstr("planner_1: its process is gone: signal 9"));
+}
+
 TEST_F(Allocation, AnswersThoseWhoWaitLongWhileNoInstanceIsReady) {
   have({range("planner", 0, 1)});
   EXPECT_EQ(take(), "waits");

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The simulated rover clears and sets the table, as in example 08, judged by what the simulation knows.
+#include <fmt/core.h>
 #include <gmock/gmock.h>
+#include <support/number_from.hpp>
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <iterator>
 
@@ -13,6 +16,10 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+
+const Eigen::Vector3d kRover(0.85, 0, 0);
+const Eigen::Vector3d kPlace(0.05, -0.27, 0.34);  ///< of the first box on the deck, as the mission says
+constexpr double kTolerance = 0.03;               ///< m
 
 class RoverAtTable : public SystemTest {
  protected:
@@ -90,9 +97,7 @@ TEST_F(RoverAtTable, BringsABoxToItsPlaceOnTheDeck) {
   const auto run =
       json({"mission", "run", "example/clear_table.yaml", "--input", "boxes=1", "--mode", "concurrent"});
   EXPECT_EQ(run.find("outcome")->as_string(), "done") << type::to_json(run);
-  const Eigen::Vector3d rover(0.85, 0, 0);
-  const Eigen::Vector3d place(0.05, -0.27, 0.34);  // as the mission says
-  EXPECT_LT((box(0) - rover - place).norm(), 0.03) << box(0).transpose();
+  EXPECT_LT((box(0) - kRover - kPlace).norm(), kTolerance) << box(0).transpose();
   EXPECT_GT(box(1).x(), 1.5) << "the others are still on the table";
   EXPECT_GT(box(2).x(), 1.5);
 
@@ -101,6 +106,44 @@ TEST_F(RoverAtTable, BringsABoxToItsPlaceOnTheDeck) {
   EXPECT_EQ(nowhere.status, 1);
   EXPECT_THAT(nowhere.errors, HasSubstr("the arm has 6 joints; from.positions has 0"));
   EXPECT_EQ(stop().status, 0);
+}
+
+/// Of the box that is fetched, while the hand is on its way to it: how far a person moves it, m.
+struct Hand {
+  const char* what;
+  Eigen::Vector3d by;
+};
+
+TEST_F(RoverAtTable, BringsABoxThatIsMovedByHandOrSaysThatItHasNot) {
+  const std::array kHands = {Hand{"pushed a little", {0.0, 0.015, 0.0}}, Hand{"taken away", {0.0, 2.0, 0.0}},
+                             Hand{"pushed aside", {0.05, -0.1, 0.0}}, Hand{"turned over", {0.0, 0.0, 0.1}}};
+  const int rounds = number_from("SEGUE_MOVED_BOXES", 2);
+  for (int round = 0; round < rounds; ++round) {
+    const Hand& hand = kHands.at(static_cast<std::size_t>(round / 2) % kHands.size());
+    const std::string mode = round % 2 == 0 ? "concurrent" : "sequential";
+    SCOPED_TRACE(std::string(hand.what) + ", " + mode + ", seed " + std::to_string(round + 1));
+    ASSERT_NO_FATAL_FAILURE(start_robot("table_robot.yaml"));
+    Process mission(command({"mission", "run", "example/clear_table.yaml", "--mode", mode, "--input",
+                             "boxes=1", "--input", "seed=" + std::to_string(round + 1)}),
+                    folder_);
+    ASSERT_NO_FATAL_FAILURE(
+        wait_until("the arm follows a path", [&] { return state_of("follower") == "moving"; }));
+    const Eigen::Vector3d to = box(0) + hand.by;
+    EXPECT_EQ(segue({"call", "rover.place_box", "box=0",
+                     fmt::format("pose={{position: [{}, {}, {}], orientation: {{w: 1, x: 0, y: 0, z: 0}}}}",
+                                 to.x(), to.y(), to.z()),
+                     "--beside-mission"})
+                  .status,
+              0);
+    const auto ended = mission.wait();
+    const bool is_there = (box(0) - kRover - kPlace).norm() < kTolerance;
+    const bool says_done = ended.status == 0 && ended.output.find("clear_table: done") != std::string::npos;
+    EXPECT_EQ(says_done, is_there) << ended.output << ended.errors;
+    if (!says_done) {
+      EXPECT_NE(ended.errors.find("aborted"), std::string::npos) << "it says why: " << ended.errors;
+    }
+    EXPECT_EQ(stop().status, 0);
+  }
 }
 
 TEST_F(RoverAtTable, SaysWhyNoPlanHasBeenFound) {
