@@ -189,7 +189,7 @@ void Unroller::enter(Track& track, StateEntry entry) {
     return;
   }
   if (!mission::is_leaf(kind)) return enter_container(track, std::move(entry));
-  if (kind == StateKind::Execution) return finish(track, state, add_action(entry, nullptr));
+  if (kind != StateKind::Decider) return finish(track, state, add_action(entry, nullptr));
   const std::vector<StateEnd> beside = ends_beside(track);
   finish(track, state, add_action(entry, &beside));
 }

@@ -64,10 +64,12 @@ bool Unroller::strict_within(StateIndex state) const {
       return action(state).strict;
     case StateKind::Library:
       return strict_within(node(state).library);
-    default:
-      return std::ranges::any_of(node(state).children,
-                                 [this](StateIndex child) { return strict_within(child); });
+    case StateKind::Hierarchy:
+    case StateKind::Barrier:
+    case StateKind::Preemptive:
+      break;
   }
+  return std::ranges::any_of(node(state).children, [this](StateIndex child) { return strict_within(child); });
 }
 
 /// An empty specification that reuses the memory of the last.
@@ -222,8 +224,7 @@ void Unroller::count(NodeSpec& spec, PlannedNode& planned, const StateEntry& ent
 
 /// How the state ends if it ends as its action says; nothing where that says nothing.
 std::optional<OutcomeId> Unroller::expected_end(StateIndex state) {
-  const StateKind kind = node(state).kind;
-  if (kind != StateKind::Execution && kind != StateKind::Decider) return std::nullopt;
+  if (!mission::is_leaf(node(state).kind)) return std::nullopt;
   const std::string& expected = action(state).expected_outcome;
   if (expected.empty() || expected == mission::kPreemptedName) return std::nullopt;
   return plan_.network_.outcome(expected);
@@ -232,9 +233,8 @@ std::optional<OutcomeId> Unroller::expected_end(StateIndex state) {
 /// How likely the state ends with each of `count` outcomes: its own, and then `aborted` and `preempted` as
 /// far as they are among them. A subtree ends well as any action of which nothing is said.
 std::vector<double> Unroller::likelihoods_of(const StateEntry& entry, std::size_t count) const {
-  const StateKind kind = node(entry.state).kind;
   std::vector<double> likelihoods;
-  if (kind == StateKind::Execution || kind == StateKind::Decider) {
+  if (mission::is_leaf(node(entry.state).kind)) {
     likelihoods = mission::outcome_likelihoods(action(entry.state), entry.aborts_handled);
   } else {
     Action subtree;

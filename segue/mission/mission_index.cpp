@@ -67,8 +67,7 @@ void MissionIndex::resolve() {
   targets_.reserve(count);
   for (StateIndex i = 0; i < count; ++i) {
     const State& state = mission_.states[i];
-    const bool leaf = state.kind == StateKind::Execution || state.kind == StateKind::Decider;
-    actions_of_.push_back(leaf ? action(state.action) : nullptr);
+    actions_of_.push_back(is_leaf(state.kind) ? action(state.action) : nullptr);
     first_target_.push_back(static_cast<std::uint32_t>(targets_.size()));
     for (const StateTransition& transition : state.transitions)
       targets_.push_back(transition.to.leaves() ? kNoState : child(state.parent, transition.to.state));

@@ -51,7 +51,7 @@ class Compiler {
       node.required = std::make_shared<const Action>(std::move(*declared));
     if (state.kind == StateKind::Library) {
       node.library = index_.library(state.library)->root;
-    } else if (!is_container(state.kind)) {
+    } else if (is_leaf(state.kind)) {
       node.action = static_cast<std::uint32_t>(index_.action_of(i) - mission_.actions.data());
     }
   }

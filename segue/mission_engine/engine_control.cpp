@@ -254,12 +254,12 @@ void EngineCore::undo_all(Activation& kept) {
     Activation& inside = work.record == nullptr ? *work.activation : *work.record->kept;
     const StateKind kind = program->node(inside.state).kind;
     if (inside.item != History::kNone) history.undo(inside.item);
-    if (kind == StateKind::Execution)
-      undo_leaf(*inside.parent, inside.state,
-                {0, inside.item, inside.inputs, inside.changed, inside.refused, inside.units});
     if (kind == StateKind::Decider) {
       world.undo(inside.changed);
       units.undo(inside.units.uses, inside.units.done);
+    } else if (is_leaf(kind)) {
+      undo_leaf(*inside.parent, inside.state,
+                {0, inside.item, inside.inputs, inside.changed, inside.refused, inside.units});
     }
     for (Activation* child : inside.children)
       open.push_back({child, nullptr});

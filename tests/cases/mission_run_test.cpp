@@ -240,8 +240,7 @@ class Trial {
     Value::List list;
     const auto& items = engine_->history().items();
     for (std::uint32_t i = 0; i < items.size(); ++i) {
-      const StateKind kind = engine_->program().node(items[i].state).kind;
-      if (kind != StateKind::Execution && kind != StateKind::Decider) continue;
+      if (!is_leaf(engine_->program().node(items[i].state).kind)) continue;
       std::string line = engine_->history().path(engine_->program(), i);
       if (!items[i].ended) line += ": under way";
       if (items[i].ended && items[i].outcome != 0)

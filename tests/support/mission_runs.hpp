@@ -233,8 +233,7 @@ inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program
     if (count != 1) ran.units[resource] = count;
   const auto& items = engine->history().items();
   for (std::uint32_t i = 0; i < items.size(); ++i) {
-    const auto kind = program->node(items[i].state).kind;
-    if (kind != mission::StateKind::Execution && kind != mission::StateKind::Decider) continue;
+    if (!mission::is_leaf(program->node(items[i].state).kind)) continue;
     ran.ends[items[i].state].insert(program->outcome_name(items[i].state, items[i].outcome));
     ran.happened[engine->history().path(*program, i)].push_back(
         program->outcome_name(items[i].state, items[i].outcome));
