@@ -49,10 +49,11 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     question("conflicts", wait.stop);
     return inner_->conflicts(wait);
   }
-  Result<std::vector<PoolView>> pools(const Wait& wait) override {
-    question("pools", wait.stop);
-    if (wait.is_stopped()) return no_longer_wanted();
-    return std::vector{PoolView{"planner", {{"planner_1", 1, true}}}};
+  void take_instance(const InstanceQuestion& /*what*/, const Wait& /*wait*/,
+                     InstanceAnswer answered) override {
+    answer_later("take_instance", [answered = std::move(answered)] {
+      answered(TakenInstance{"planner_1", 1});
+    });
   }
   Result<Value> call(const Member& operation, const Value& arguments, const Wait& wait) override {
     if (!command("call", wait)) return no_longer_wanted();
@@ -66,19 +67,10 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     if (!command("write", wait)) return no_longer_wanted();
     return inner_->write(port, value, wait);
   }
-  /// The question that is held gets its answer later; whoever asks does not wait here.
   void watch(const TaskQuestion& asked, const Wait& wait, TaskAnswer answered) override {
-    auto ask = [this, asked, wait, answered = std::move(answered)] { inner_->watch(asked, wait, answered); };
-    {
-      const Lock lock(mutex_);
-      questions_.emplace_back("watch");
-      changed_.notify_all();
-      if (questions_.size() == held_ && !let_go_) {
-        unanswered_ = std::move(ask);
-        return;
-      }
-    }
-    ask();
+    answer_later("watch", [this, asked, wait, answered = std::move(answered)] {
+      inner_->watch(asked, wait, answered);
+    });
   }
   Result<std::unique_ptr<PortSamples>> open(const Member& port, const Wait& wait) override {
     question("open", wait.stop);
@@ -119,6 +111,19 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     changed_.notify_all();
     if (questions_.size() != held_) return;
     EXPECT_TRUE(changed_.wait_for(mutex_, stop, 60s, [this] { return let_go_; }) || stop.stop_requested());
+  }
+  /// The question that is held gets its answer later; whoever asks does not wait here.
+  void answer_later(const char* what, std::function<void()> ask) {
+    {
+      const Lock lock(mutex_);
+      questions_.emplace_back(what);
+      changed_.notify_all();
+      if (questions_.size() == held_ && !let_go_) {
+        unanswered_ = std::move(ask);
+        return;
+      }
+    }
+    ask();
   }
   bool command(const char* what, const Wait& wait) {
     {
@@ -202,9 +207,9 @@ TEST_F(PreemptedActions, EndWhicheverQuestionTheRobotLeavesUnanswered) {
     EXPECT_THAT(questions, Contains(each)) << "otherwise the test has not tried it";
 }
 
-TEST_F(PreemptedActions, EndWhileAPoolIsLookedAt) {
+TEST_F(PreemptedActions, EndWhileTheyWaitForAnInstanceOfAPool) {
   begin(1, "pure: true, run: {pool: planner, call: {plan: {}}}");
-  EXPECT_EQ(robot_->wait_for_question(), "pools");
+  EXPECT_EQ(robot_->wait_for_question(), "take_instance");
   engine_->stop();
   EXPECT_EQ(ended().outcome_name, "preempted");
 }
