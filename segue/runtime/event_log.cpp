@@ -20,9 +20,27 @@ bool is_trouble(EventKind kind) {
     case EventKind::GivenUp:
     case EventKind::HostLost:
       return true;
-    default:
-      return false;
+    case EventKind::RequestAccepted:
+    case EventKind::TransitionStarted:
+    case EventKind::ActionDone:
+    case EventKind::TransitionCommitted:
+    case EventKind::TransitionDone:
+    case EventKind::RequestSuperseded:
+    case EventKind::TaskState:
+    case EventKind::Process:
+    case EventKind::BeliefReset:
+    case EventKind::Repair:
+    case EventKind::Prepared:
+    case EventKind::Journal:
+    case EventKind::HostFound:
+    case EventKind::Files:
+    case EventKind::Lease:
+    case EventKind::RequestCancelled:
+    case EventKind::Halt:
+    case EventKind::Pool:
+      break;
   }
+  return false;
 }
 
 }  // namespace

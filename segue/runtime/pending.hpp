@@ -21,8 +21,9 @@ namespace segue::runtime::detail {
 /// Longer deadlines are cut to this: adding an arbitrary duration to a time point could overflow.
 inline constexpr Duration kLongestDeadline = std::chrono::hours(24);
 
-/// Whether the robot runs neither the old network nor the requested one nor its fallback.
-bool is_unrecovered(const SwitchResult& result);
+/// The state of the runtime after a request: Failed where the robot runs neither the old network nor the
+/// requested one nor its fallback. `before`: the state before the request.
+RuntimeState state_after(const SwitchResult& result, RuntimeState before);
 
 /// Applied files whose running controller has not gone to its new version yet.
 struct PendingApply {

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <future>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -34,6 +35,32 @@ class RequestQueueTest : public ::testing::Test {
   EventLog log_;
   RequestQueue queue_{log_};
 };
+
+RuntimeState after_failure(Outcome outcome, std::optional<Undo> undo = {}) {
+  SwitchResult result;
+  result.outcome = outcome;
+  result.undo = std::move(undo);
+  return state_after(result, RuntimeState::Failed);
+}
+
+TEST(StateAfter, ARefusalIsTheOneBefore) {
+  EXPECT_EQ(after_failure(Outcome::Refused), RuntimeState::Failed);
+  EXPECT_EQ(after_failure(Outcome::Done), RuntimeState::Idle);
+  EXPECT_EQ(after_failure(Outcome::Superseded), RuntimeState::Idle);
+}
+
+TEST(StateAfter, AFailureDependsOnWhatRuns) {
+  Undo restored;
+  restored.restored = true;
+  Undo fell_back;
+  fell_back.fell_back = true;
+  for (const Outcome outcome : {Outcome::Failed, Outcome::Cancelled}) {
+    EXPECT_EQ(after_failure(outcome), RuntimeState::Failed);
+    EXPECT_EQ(after_failure(outcome, Undo()), RuntimeState::Failed);
+    EXPECT_EQ(after_failure(outcome, restored), RuntimeState::Idle);
+    EXPECT_EQ(after_failure(outcome, fell_back), RuntimeState::Idle);
+  }
+}
 
 TEST_F(RequestQueueTest, ANewerRequestTakesThePlaceOfAnOlderOne) {
   EXPECT_EQ(put("a"), 1U);

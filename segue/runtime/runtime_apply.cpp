@@ -33,8 +33,16 @@ std::string summary(const std::vector<ControllerChange>& changes) {
 
 /// Whether what happened leaves the robot without its new version.
 bool is_failure(const SwitchResult& result) {
-  return result.outcome == Outcome::Failed || result.outcome == Outcome::Refused ||
-         result.outcome == Outcome::Cancelled;
+  switch (result.outcome) {
+    case Outcome::Failed:
+    case Outcome::Refused:
+    case Outcome::Cancelled:
+      return true;
+    case Outcome::Done:
+    case Outcome::Superseded:
+      break;
+  }
+  return false;
 }
 
 }  // namespace
@@ -122,9 +130,7 @@ RuntimeState Runtime::Implementation::serve(PendingApply job, RuntimeState befor
     answer(job, Outcome::Done, std::nullopt, std::nullopt);
     return before;
   }
-  const RuntimeState next = result->outcome == Outcome::Refused ? before
-                            : detail::is_unrecovered(*result)   ? RuntimeState::Failed
-                                                                : RuntimeState::Idle;
+  const RuntimeState next = detail::state_after(*result, before);
   remember(*result);
   if (result->outcome == Outcome::Superseded && queue.postpone(job)) {
     return next;

@@ -8,10 +8,19 @@
 
 namespace segue::runtime {
 
-bool detail::is_unrecovered(const SwitchResult& result) {
+RuntimeState detail::state_after(const SwitchResult& result, RuntimeState before) {
+  switch (result.outcome) {
+    case Outcome::Refused:
+      return before;
+    case Outcome::Done:
+    case Outcome::Superseded:
+      return RuntimeState::Idle;
+    case Outcome::Failed:
+    case Outcome::Cancelled:
+      break;
+  }
   const bool caught = result.undo && (result.undo->restored || result.undo->fell_back);
-  const bool went_back = result.outcome == Outcome::Failed || result.outcome == Outcome::Cancelled;
-  return went_back && !caught;
+  return caught ? RuntimeState::Idle : RuntimeState::Failed;
 }
 
 Runtime::Implementation::Implementation(std::string robot, task_host::TaskHost& task_host,
@@ -54,9 +63,7 @@ void Runtime::Implementation::work() {
   while (auto turn = queue.next(supervisor.next())) {
     if (auto& job = turn->job.request) {
       SwitchResult result = serve(*job);
-      switching.settle(result.outcome == Outcome::Refused ? turn->before
-                       : detail::is_unrecovered(result)   ? RuntimeState::Failed
-                                                          : RuntimeState::Idle);
+      switching.settle(detail::state_after(result, turn->before));
       answer(*job, std::move(result));
     } else if (auto& files = turn->job.files) {
       switching.settle(serve(std::move(*files), turn->before));

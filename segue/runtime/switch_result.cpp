@@ -27,9 +27,19 @@ std::string why_not(Outcome outcome, const std::optional<Error>& error) {
 }  // namespace
 
 std::string_view to_string(Outcome outcome) {
-  static constexpr std::array<std::string_view, 5> kNames = {"done", "superseded", "refused", "failed",
-                                                             "cancelled"};
-  return kNames.at(static_cast<std::size_t>(outcome));
+  switch (outcome) {
+    case Outcome::Done:
+      return "done";
+    case Outcome::Superseded:
+      return "superseded";
+    case Outcome::Refused:
+      return "refused";
+    case Outcome::Failed:
+      return "failed";
+    case Outcome::Cancelled:
+      return "cancelled";
+  }
+  return {};
 }
 
 std::string_view to_string(Cause cause) {

@@ -6,6 +6,7 @@
 #include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/look_ahead.hpp>
 #include <segue/runtime/recognition.hpp>
+#include <segue/task_host/full_id.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -74,19 +75,26 @@ void Switching::run_if_idle(const std::function<RuntimeState(RuntimeState)>& wor
 model::Network Switching::conclude(const SwitchPlan& plan, SwitchResult& result) {
   const Observation seen = parts_.belief.observe();
   const auto held = parts_.belief.held();
-  if (result.outcome == Outcome::Superseded) {
-    parts_.log.add(EventKind::RequestSuperseded, result.to.str(), "while it was prepared");
-    adopt(seen, held.controller, held.wanted);
-  } else if (result.outcome == Outcome::Failed || result.outcome == Outcome::Cancelled) {
-    conclude_failed(plan, seen, result);
-  } else {
-    // Whatever was not retired, because a newer request came or an action failed, is still there.
-    adopt(seen, plan.controller, plan.controller);
-    standby_ = model::subtract(parts_.pools.without(plan.target), plan.controller);
-    note_differences(seen.network);
-    parts_.log.add(EventKind::TransitionDone, result.to.str(),
-                   "now runs " + quoted_name(result.to) + " after " + std::to_string(result.actions.size()) +
-                       " actions");
+  switch (result.outcome) {
+    case Outcome::Refused:  // before it began
+      break;
+    case Outcome::Superseded:
+      parts_.log.add(EventKind::RequestSuperseded, result.to.str(), "while it was prepared");
+      adopt(seen, held.controller, held.wanted);
+      break;
+    case Outcome::Failed:
+    case Outcome::Cancelled:
+      conclude_failed(plan, seen, result);
+      break;
+    case Outcome::Done:
+      // Whatever was not retired, because a newer request came or an action failed, is still there.
+      adopt(seen, plan.controller, plan.controller);
+      standby_ = model::subtract(parts_.pools.without(plan.target), plan.controller);
+      note_differences(seen.network);
+      parts_.log.add(EventKind::TransitionDone, result.to.str(),
+                     "now runs " + quoted_name(result.to) + " after " +
+                         std::to_string(result.actions.size()) + " actions");
+      break;
   }
   result.runs = parts_.belief.controller().name;
   result.runs_version = parts_.belief.version();
