@@ -2,6 +2,7 @@
 import { useState } from 'react';
 import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
+import { toneOfOutcome } from '../robot/outcome';
 import type { Status } from '../robot/types';
 import { howLong, troublesOf } from './health';
 
@@ -16,7 +17,7 @@ function useRepair() {
     try {
       const answer = await connection.call('repair', {});
       const result = answer as unknown as { outcome: string; error?: string };
-      if (result.outcome !== 'done') setProblem(result.error ?? result.outcome);
+      if (toneOfOutcome(result.outcome) !== 'good') setProblem(result.error ?? result.outcome);
     } catch (error) {
       setProblem(reason(error));
     } finally {

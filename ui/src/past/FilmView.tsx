@@ -2,6 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, momentOf, type Film, type Moment, type PastAction, type PastTransition } from './film';
+import { toneOfOutcome } from '../robot/outcome';
 import { stepOf, timeOf } from './slider';
 
 const phases = ['prepare', 'commit', 'retire'];
@@ -100,7 +101,7 @@ function TransitionPanel({ film, at }: { film: Film; at: number }) {
   return (
     <aside className="panel" aria-label="Past transition">
       <h2>{transition.from || 'empty'} → {transition.to || 'empty'}</h2>
-      <p className={transition.outcome === 'done' ? 'good' : 'bad'}>
+      <p className={toneOfOutcome(transition.outcome) === 'good' ? 'good' : 'bad'}>
         {transition.outcome}
         {transition.undone && <>, {transition.undone}</>}
         {transition.cancelled_by && <>, cancelled by {transition.cancelled_by}</>}

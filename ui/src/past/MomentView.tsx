@@ -2,6 +2,7 @@
 import { useMemo } from 'react';
 import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, frameOfNetwork, networkOf } from './film';
+import { toneOfOutcome } from '../robot/outcome';
 import { stepOf, timeOf } from './slider';
 import { useMoment, useTransition, type PastMoment, type Span } from './usePast';
 
@@ -57,7 +58,7 @@ function TimeBar({ span, time, onTime }: Pick<Props, 'span' | 'time' | 'onTime'>
         </label>
         <div className="marks" aria-hidden="true">
           {span.marks.map((mark) => (
-            <span key={mark.id} className={mark.outcome === 'done' ? 'mark' : 'mark bad'} style={{ left: (100 * (mark.time_s - first)) / (last - first || 1) + '%' }} />
+            <span key={mark.id} className={toneOfOutcome(mark.outcome) === 'good' ? 'mark' : 'mark bad'} style={{ left: (100 * (mark.time_s - first)) / (last - first || 1) + '%' }} />
           ))}
         </div>
       </div>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from 'react';
 import { useDocument } from '../robot/hooks';
+import { toneOfOutcome } from '../robot/outcome';
 import { eventsOf } from '../events/filter';
 import type { RobotEvent } from '../robot/types';
 import { FilmView } from './FilmView';
@@ -19,7 +20,7 @@ function RequestLine({ request, chosen, onChoose }: { request: PastRequest; chos
           <br />
           <span className="quiet">{timeText(request.ended_s).slice(0, 19)}</span>
         </span>
-        <span className={'badge ' + (request.outcome === 'done' ? 'tone-good' : request.outcome === 'superseded' ? 'tone-idle' : 'tone-bad')}>{request.outcome}</span>
+        <span className={'badge tone-' + toneOfOutcome(request.outcome)}>{request.outcome}</span>
       </button>
     </li>
   );

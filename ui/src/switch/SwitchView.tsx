@@ -4,6 +4,7 @@ import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { Graph } from '../network/Graph';
 import { useConnection, useDocument } from '../robot/hooks';
+import { toneOfOutcome } from '../robot/outcome';
 import type { Action, RobotEvent, Status, SwitchOutcome, Transition } from '../robot/types';
 import { eventsOf } from '../events/filter';
 import { OpenRequests, UndoList } from './OpenRequests';
@@ -62,7 +63,7 @@ function Outcome({ attempt }: { attempt: Attempt }) {
   const { outcome, error } = attempt;
   if (error) return <p className="outcome bad" role="status">{error}</p>;
   if (!outcome) return <p className="outcome" role="status">The robot switches …</p>;
-  const good = outcome.outcome === 'done';
+  const good = toneOfOutcome(outcome.outcome) === 'good';
   return (
     <div className={'outcome ' + (good ? 'good' : 'bad')} role="status">
       <strong>{outcome.outcome}</strong>
