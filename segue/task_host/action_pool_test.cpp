@@ -175,8 +175,9 @@ TEST_F(ActionPoolTest, HasNothingToTellOfAnEmptyBatch) {
 }
 
 TEST_F(ActionPoolTest, CarriesOutWhatItIsGivenInTheCallersThreadWhereThatIsWanted) {
-  run(pool_, stops({"a", "b"}), soon(), reported_.listener(), true);
-  EXPECT_EQ(reported_.count(), 2U);
+  // Of several, a worker helps with those that have to wait.
+  run(pool_, stops({"a"}), soon(), reported_.listener(), true);
+  EXPECT_EQ(reported_.count(), 1U);
   EXPECT_TRUE(worker_.threads().contains(std::this_thread::get_id()));
 }
 
