@@ -72,7 +72,7 @@ class Trapped : public Component {
   void warm_up() {
     if (held_.size() < hold) {
       if (auto sample = in.take()) held_.push_back(std::move(sample));
-    } else if (count_ >= kWarmUp) {
+    } else if (count_ >= kWarmUp && (hold == 0 || last_is_filled_)) {
       held_.clear();
       count_ = 0;
       trapped = warm_ = true;
@@ -81,6 +81,7 @@ class Trapped : public Component {
   void work() {
     while (in.read(copy_) == ReadStatus::NewData) {
     }
+    last_is_filled_ = last_is_filled_ || (held_.size() == hold && in.read(copy_) == ReadStatus::OldData);
     const auto sample = in.take();
     while (number_in.take()) {
     }
@@ -104,6 +105,7 @@ class Trapped : public Component {
   Scan copy_;
   std::unique_ptr<int> spare_;
   std::vector<task::Sample<Scan>> held_;
+  bool last_is_filled_ = false;  ///< the slot that is left while it holds samples
   bool warm_ = false;
   int count_ = 0;
 };
