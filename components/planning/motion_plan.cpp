@@ -147,7 +147,7 @@ class MotionPlan {
     Eigen::Isometry3d before = target.tool;
     before.pretranslate(request_.approach);
     std::vector<Positions> found = configurations(before);
-    if (found.empty()) why_ = about(target.goal, "no configuration of the arm has that pose");
+    if (found.empty()) why_ = about(target.goal, why_);
     for (Positions& end : found) {
       if (request_.approach.norm() < 1e-9) {
         add(target.goal, end, {end});
@@ -173,7 +173,7 @@ class MotionPlan {
     return "goal " + std::to_string(goal + 1) + ": " + what;
   }
 
-  /// Different ones with that pose of the tool, the nearest first.
+  /// Different free ones with that pose of the tool, the nearest first; the reason where there is none.
   std::vector<Positions> configurations(const Eigen::Isometry3d& tool) {
     constexpr double kSame = 0.05;  // rad
     std::vector<Positions> found;
@@ -187,6 +187,7 @@ class MotionPlan {
       const auto same = [&](const Positions& other) { return farthest(other, *reached) < kSame; };
       if (std::ranges::none_of(found, same)) found.push_back(std::move(*reached));
     }
+    if (found.empty()) why_ = "no configuration of the arm has that pose";
     std::ranges::stable_sort(found, {},
                              [this](const Positions& one) { return farthest(beginning_.back(), one); });
     // A few more than are used: some are not free.

@@ -240,6 +240,39 @@ TEST_F(MotionPlan, BringsAllBoxesToTheDeckOnePlanAfterTheOther) {
   }
 }
 
+/// The rover's boxes on its deck, displaced by up to 1 cm and turned by up to 0.3 rad.
+Situation on_deck(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> part(-1, 1);
+  Situation situation = at_table();
+  for (BoxPose& box : situation.boxes) {
+    const auto& place = rover::kDeckPlaces.at(static_cast<std::size_t>(box.id));
+    box.pose.position = {place.x + 0.01 * part(random), place.y + 0.01 * part(random),
+                         rover::kDeckHeight + rover::kBoxSide / 2};
+    box.pose.orientation = Eigen::AngleAxisd(0.3 * part(random), Eigen::Vector3d::UnitZ());
+  }
+  return situation;
+}
+
+TEST_F(MotionPlan, FindsAGraspOfEachBoxOnTheDeckHoweverItLies) {
+  std::mt19937_64 random(5);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Situation situation = on_deck(random);
+    for (std::int32_t box = 0; box < 3; ++box) {
+      PlanRequest request = take(situation, box);
+      request.goals.clear();
+      for (const double tilt : {67.1, 90.0, 112.9}) {  // degrees, as bring_boxes.yaml of example 08 has them
+        request.goals.push_back(grasp(box));
+        request.goals.back().pose.orientation =
+            Eigen::AngleAxisd(tilt * M_PI / 180, Eigen::Vector3d::UnitY());
+      }
+      request.first = true;
+      request.seed = static_cast<std::uint64_t>(trial);
+      const auto result = plan_motion(*scene_, request);
+      EXPECT_TRUE(result) << "box " << box << " of " << trial << ": " << to_string(result.error());
+    }
+  }
+}
+
 TEST_F(MotionPlan, SaysWhyThereIsNoPath) {
   PlanRequest request = move(kHome, kHome);
   request.goals[0].positions.clear();
