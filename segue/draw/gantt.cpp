@@ -36,7 +36,7 @@ Gantt::Node node_of(const task_network::TaskNetwork& network, const task_network
       own.status != task_network::NodeStatus::NotReached && own.status != task_network::NodeStatus::Skipped;
   if (!ended) return node;
   node.outcome = network.outcomes.name(static_cast<std::uint32_t>(own.outcome));
-  node.speculative = own.status == task_network::NodeStatus::Done && waits.was_speculative(id);
+  node.speculative = own.status == task_network::NodeStatus::Done && waits.time_ahead(id).has_value();
   node.waits = waits.of(id);
   return node;
 }
@@ -51,10 +51,9 @@ std::vector<std::uint32_t> places_of(std::span<const task_network::NodeId> liste
 
 }  // namespace
 
-Gantt gantt_of(const task_network::TaskNetwork& network, const task_network::Order& order,
-               const task_network::RunResult& result, std::span<const task_network::NodeId> listed,
+Gantt gantt_of(const task_network::TaskNetwork& network, const task_network::RunResult& result,
+               const task_network::WaitFinder& waits, std::span<const task_network::NodeId> listed,
                const task_network::RunSummary& summary) {
-  const task_network::WaitFinder waits(network, order, result);
   Gantt gantt;
   gantt.name = network.name;
   gantt.outcome = outcome_of(result);

@@ -52,9 +52,9 @@ struct Gantt {
   void arrange();
 };
 
-/// The chart of a network's run, with the nodes that are `listed`, in program order.
-Gantt gantt_of(const task_network::TaskNetwork& network, const task_network::Order& order,
-               const task_network::RunResult& result, std::span<const task_network::NodeId> listed,
+/// The chart of a network's run, of which `waits` is, with the nodes that are `listed`, in program order.
+Gantt gantt_of(const task_network::TaskNetwork& network, const task_network::RunResult& result,
+               const task_network::WaitFinder& waits, std::span<const task_network::NodeId> listed,
                const task_network::RunSummary& summary);
 
 /// An SVG drawing by node and by resource, with waits, speculative and discarded runs, and the critical

@@ -33,7 +33,8 @@ struct Ran {
     return flat ? std::move(*flat) : FlatNetwork{};
   }
   [[nodiscard]] Gantt gantt() const {
-    return gantt_of(flat.network, order, result, listed_nodes(flat.network, result, ListedNodes::All), {});
+    return gantt_of(flat.network, result, WaitFinder(flat.network, order, result),
+                    listed_nodes(flat.network, result, ListedNodes::All), {});
   }
   [[nodiscard]] std::vector<Wait> waits(std::uint32_t node) const {
     return WaitFinder(flat.network, order, result).of(NodeId{node});
@@ -252,7 +253,11 @@ TEST(GanttPage, NoNameIsTakenForMarkupOrScript) {
 }
 
 TEST(GanttPage, AnEmptyRunIsAPageToo) {
-  const type::Value run = run_in(to_html(gantt_of(TaskNetwork(), Order(), RunResult{}, {}, {})));
+  const TaskNetwork network;
+  const Order order;
+  const RunResult result;
+  const type::Value run =
+      run_in(to_html(gantt_of(network, result, WaitFinder(network, order, result), {}, {})));
   EXPECT_TRUE(run.find("nodes")->as_list().empty());
 }
 

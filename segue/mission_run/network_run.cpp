@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -40,17 +41,16 @@ class NetworkRun : public FinishedRun {
 
   [[nodiscard]] std::vector<RunRow> rows(std::size_t most) const override {
     std::vector<RunRow> rows;
-    const task_network::WaitFinder finder(network(), order(), result());
     for (const task_network::NodeId node : listed_) {
       if (rows.size() == most) break;
-      rows.push_back(row(finder, node));
+      rows.push_back(row(node));
     }
     return rows;
   }
 
   [[nodiscard]] const task_network::RunSummary& comparison() override { return comparison_; }
   [[nodiscard]] Value to_value() override {
-    return task_network::to_value(network(), order(), result(), listed_, comparison_);
+    return task_network::to_value(network(), result(), *waits_, listed_, comparison_);
   }
 
  protected:
@@ -59,7 +59,7 @@ class NetworkRun : public FinishedRun {
   [[nodiscard]] virtual const task_network::RunResult& result() const = 0;
   [[nodiscard]] virtual task_network::ListedNodes which_are_listed() const = 0;
   [[nodiscard]] draw::Gantt make_gantt() const override {
-    return draw::gantt_of(network(), order(), result(), listed_, comparison_);
+    return draw::gantt_of(network(), result(), *waits_, listed_, comparison_);
   }
 
   /// After the run.
@@ -68,7 +68,8 @@ class NetworkRun : public FinishedRun {
     comparison_.critical_path = task_network::critical_path(network(), order(), result()).length;
     comparison_.shortest =
         std::max(comparison_.critical_path, task_network::busiest_resource(network(), result()));
-    comparison_.speculation = task_network::speculation_of(network(), order(), result());
+    waits_.emplace(network(), order(), result());
+    comparison_.speculation = task_network::speculation_of(network(), result(), *waits_);
     if (network().size() > 0) comparison_.engine_per_node = Microseconds(used) / network().size();
     overview_.name = network().name;
     overview_.makespan = result().makespan;
@@ -82,7 +83,7 @@ class NetworkRun : public FinishedRun {
   }
 
  private:
-  [[nodiscard]] RunRow row(const task_network::WaitFinder& finder, task_network::NodeId node) const {
+  [[nodiscard]] RunRow row(task_network::NodeId node) const {
     const task_network::NodeResult& own = result().nodes[task_network::index(node)];
     RunRow row{network().label(node),
                own.attempts > 0,
@@ -91,7 +92,7 @@ class NetworkRun : public FinishedRun {
                own.status,
                {},
                {}};
-    if (const auto waits = finder.of(node); !waits.empty()) {
+    if (const auto waits = waits_->of(node); !waits.empty()) {
       const task_network::NodeId other = waits.back().node;
       row.waited_for = to_string(
           waits.back(), task_network::index(other) == task_network::kNone ? "" : network().label(other));
@@ -99,8 +100,10 @@ class NetworkRun : public FinishedRun {
     return row;
   }
 
+  // After the run.
   task_network::RunSummary comparison_;
-  std::vector<task_network::NodeId> listed_;  ///< after the run
+  std::vector<task_network::NodeId> listed_;
+  std::optional<task_network::WaitFinder> waits_;
 };
 
 class ConcurrentMissionRun final : public NetworkRun {

@@ -71,16 +71,16 @@ Value node_value(const TaskNetwork& network, const RunResult& result, const Wait
 
 }  // namespace
 
-SpeculationSummary speculation_of(const TaskNetwork& network, const Order& order, const RunResult& result) {
+SpeculationSummary speculation_of(const TaskNetwork& network, const RunResult& result,
+                                  const WaitFinder& waits) {
   SpeculationSummary speculation;
-  const WaitFinder finder(network, order, result);
   for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
     const NodeId node{i};
-    if (network[node].structural || result.nodes[i].status != NodeStatus::Done ||
-        !finder.was_speculative(node))
-      continue;
-    ++speculation.used;
-    speculation.ahead += finder.time_ahead(node);
+    if (network[node].structural || result.nodes[i].status != NodeStatus::Done) continue;
+    if (const auto ahead = waits.time_ahead(node)) {
+      ++speculation.used;
+      speculation.ahead += *ahead;
+    }
   }
   for (const WastedRun& run : result.wasted) {
     if (network[run.node].structural) continue;
@@ -100,7 +100,7 @@ Value to_value(const Wait& wait, const std::string& node) {
   return entry;
 }
 
-Value to_value(const TaskNetwork& network, const Order& order, const RunResult& result,
+Value to_value(const TaskNetwork& network, const RunResult& result, const WaitFinder& waits,
                std::span<const NodeId> listed, const RunSummary& summary) {
   ValueMap root;
   root.set("name", network.name);
@@ -110,10 +110,9 @@ Value to_value(const TaskNetwork& network, const Order& order, const RunResult& 
   root.set("sequential_s", in_seconds(summary.sequential));
   root.set("critical_path_s", in_seconds(summary.critical_path));
   root.set("shortest_s", in_seconds(summary.shortest));
-  const WaitFinder finder(network, order, result);
   Value::List nodes;
   for (const NodeId node : listed)
-    nodes.push_back(node_value(network, result, finder, node));
+    nodes.push_back(node_value(network, result, waits, node));
   root.set("nodes", std::move(nodes));
   Value::List world;
   for (const std::string& fact : result.world.texts(network.facts))

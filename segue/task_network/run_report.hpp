@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/task_network/order.hpp>
 #include <segue/task_network/run_result.hpp>
 #include <segue/task_network/run_summary.hpp>
 #include <segue/task_network/task_network.hpp>
@@ -29,11 +28,12 @@ std::vector<NodeId> listed_nodes(const TaskNetwork& network, const RunResult& re
 /// A wait as JSON; `node` is the name of the node whose end it was, or empty.
 type::Value to_value(const Wait& wait, const std::string& node);
 
-/// Of the nodes of a run, the structural ones aside.
-SpeculationSummary speculation_of(const TaskNetwork& network, const Order& order, const RunResult& result);
+/// Of the nodes of a run, the structural ones aside. `waits` is of this run, here and below.
+SpeculationSummary speculation_of(const TaskNetwork& network, const RunResult& result,
+                                  const WaitFinder& waits);
 
 /// The document that `segue mission run --format json` prints, with the nodes of `listed`.
-type::Value to_value(const TaskNetwork& network, const Order& order, const RunResult& result,
+type::Value to_value(const TaskNetwork& network, const RunResult& result, const WaitFinder& waits,
                      std::span<const NodeId> listed, const RunSummary& summary);
 
 }  // namespace segue::task_network

@@ -142,22 +142,14 @@ std::vector<Wait> WaitFinder::direct(NodeId node) const {
   return waits;
 }
 
-bool WaitFinder::was_speculative(NodeId node) const {
+std::optional<Duration> WaitFinder::time_ahead(NodeId node) const {
   const NodeResult& own = result_.nodes[index(node)];
-  if (own.attempts == 0) return false;
-  return std::ranges::any_of(order_.before(node), [&](const Dependency& dependency) {
-    return dependency.reason() != Reason::Resource && met(dependency) > own.started;
-  });
-}
-
-Duration WaitFinder::time_ahead(NodeId node) const {
-  const NodeResult& own = result_.nodes[index(node)];
-  if (own.attempts == 0) return {};
+  if (own.attempts == 0) return std::nullopt;
   TimePoint certain = own.started;
   for (const Dependency& dependency : order_.before(node)) {
     if (dependency.reason() != Reason::Resource) certain = std::max(certain, met(dependency));
   }
-  return std::min(certain, own.ended) - own.started;
+  return certain == own.started ? std::nullopt : std::optional(std::min(certain, own.ended) - own.started);
 }
 
 std::vector<NodeId> WaitFinder::critical_chain() const {

@@ -5,6 +5,7 @@
 #include <segue/task_network/run_result.hpp>
 #include <segue/task_network/task_network.hpp>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,11 +35,9 @@ class WaitFinder {
 
   /// The reasons in the order in which they ended, so the last one determined the start.
   [[nodiscard]] std::vector<Wait> of(NodeId node) const;
-  /// Whether the run that counts began before everything it depends on was certain.
-  [[nodiscard]] bool was_speculative(NodeId node) const;
-  /// For how long the run that counts went on before everything it depends on was certain: the time by which
-  /// speculation had it ready sooner.
-  [[nodiscard]] Duration time_ahead(NodeId node) const;
+  /// Where the run that counts began before everything it depends on was certain: for how long it went on
+  /// before that, which is the time by which speculation had it ready sooner.
+  [[nodiscard]] std::optional<Duration> time_ahead(NodeId node) const;
   /// The chain of nodes that determined the makespan: from the last node back, each to the one it waited for
   /// last.
   [[nodiscard]] std::vector<NodeId> critical_chain() const;
