@@ -198,11 +198,12 @@ void Supervisor::fall_back(const Observation& seen) {
     parts_.log.add(EventKind::TransitionFailed, fallback->name.str(), to_string(plan.error()));
     return;
   }
-  switching_.run_if_idle([&](RuntimeState) {
+  switching_.run_if_idle([&](RuntimeState before) {
     SwitchResult result = unrequested_result(Cause::Fallback, held.controller.name, fallback->name);
     switching_.carry_out(seen.network, *plan, kActionDeadline, result);
     parts_.history.add(result);
-    return result.outcome == Outcome::Failed ? RuntimeState::Failed : RuntimeState::Idle;
+    // Where it failed, what has been restored has the faults for which it was to run.
+    return result.outcome == Outcome::Failed ? RuntimeState::Failed : state_after(result, before);
   });
 }
 
