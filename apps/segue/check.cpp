@@ -3,6 +3,7 @@
 #include <segue/base/text.hpp>
 #include <segue/journal/journal_reader.hpp>
 #include <segue/model/files.hpp>
+#include <segue/model/hints.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/pddl/pddl.hpp>
 #include <segue/task_host/stand_in.hpp>
@@ -29,6 +30,7 @@ using model::FileKind;
 struct CheckOptions {
   std::vector<std::string> files;
   bool structure = false;
+  bool hints = false;
   std::vector<std::string> libraries;
   ModelSources sources;
 };
@@ -54,6 +56,7 @@ class Checker {
   [[nodiscard]] const Diagnostics& diagnostics() const { return diagnostics_; }
   [[nodiscard]] const CheckedMissions& missions() const { return missions_; }
   [[nodiscard]] std::size_t files() const { return files_; }
+  [[nodiscard]] bool hints_wanted() const { return options_.hints; }
   [[nodiscard]] const std::vector<std::string>& shallow() const { return shallow_; }
 
  private:
@@ -239,8 +242,11 @@ class Checker {
   }
 
   void check(const Parts& parts, Depth depth) {
-    diagnostics_.append(parts.complete ? model::validate(parts.network, catalog_, depth)
-                                       : model::validate_references(parts.network, catalog_, depth));
+    const Diagnostics found = parts.complete ? model::validate(parts.network, catalog_, depth)
+                                             : model::validate_references(parts.network, catalog_, depth);
+    diagnostics_.append(found);
+    if (options_.hints && parts.complete && !found.has_errors())
+      diagnostics_.append(model::hints(parts.network, catalog_));
   }
 
   /// If no component is known, reporting each of them would not help.
@@ -264,14 +270,22 @@ class Checker {
   std::size_t files_ = 0;
 };
 
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 void print_summary(const Checker& checker) {
-  const std::size_t errors = checker.diagnostics().error_count();
-  const std::size_t warnings = checker.diagnostics().items().size() - errors;
-  const std::string files = checker.files() == 1 ? "1 file" : fmt::format("{} files", checker.files());
-  if (errors + warnings == 0)
-    return print_line(fmt::format("{}: {}", files, coloured(Colour::Green, "no problems")));
-  print_line(fmt::format("{}: {} error{}, {} warning{}", files, errors, errors == 1 ? "" : "s", warnings,
-                         warnings == 1 ? "" : "s"));
+  const auto found = [&](Severity severity, std::string_view what) {
+    const auto count = std::ranges::count(checker.diagnostics().items(), severity, &Diagnostic::severity);
+    return counted(static_cast<std::size_t>(count), what);
+  };
+  const bool problems = std::ranges::any_of(
+      checker.diagnostics().items(), [](const Diagnostic& item) { return item.severity != Severity::Hint; });
+  std::string summary = problems
+                            ? found(Severity::Error, "error") + ", " + found(Severity::Warning, "warning")
+                            : coloured(Colour::Green, "no problems");
+  if (checker.hints_wanted()) summary += ", " + found(Severity::Hint, "hint");
+  print_line(fmt::format("{}: {}", counted(checker.files(), "file"), summary));
 }
 
 int check_files(const CheckOptions& options, const Context& context) {
@@ -307,6 +321,8 @@ void add_check(Verb& app, Context& context) {
       .required();
   verb.flag("--structure", options->structure,
             "check names and references only, not components, ports and types");
+  verb.flag("--hints", options->hints,
+            "also advice on networks that will run, but probably not as meant or not as well as they could");
   verb.option("--libraries DIR", options->libraries,
               "where missions find their state machines; for RAFCON NAME=DIR");
   add_model_options(verb, options->sources);

@@ -246,14 +246,28 @@ void print_note(std::string_view text) {
   print_error_line(label(Colour::Blue, "segue: note:") + ' ' + printable(text));
 }
 
+namespace {
+
+Colour colour_of(Severity severity) {
+  switch (severity) {
+    case Severity::Hint:
+      return Colour::Blue;
+    case Severity::Warning:
+      return Colour::Yellow;
+    case Severity::Error:
+      break;
+  }
+  return Colour::Red;
+}
+
+}  // namespace
+
 void print_diagnostics(const Diagnostics& diagnostics) {
   for (const Diagnostic& item : diagnostics.items()) {
-    const bool is_error = item.severity == Severity::Error;
     const std::string where = item.where.known() ? to_string(item.where) + ": " : std::string();
-    print_error_line(
-        fmt::format("{}{} {} [{}]", printable(where),
-                    label(is_error ? Colour::Red : Colour::Yellow, is_error ? "error:" : "warning:"),
-                    printable(item.message), item.code));
+    print_error_line(fmt::format("{}{} {} [{}]", printable(where),
+                                 label(colour_of(item.severity), std::string(to_string(item.severity)) + ':'),
+                                 printable(item.message), item.code));
   }
 }
 

@@ -9,7 +9,15 @@
 namespace segue {
 
 std::string_view to_string(Severity severity) {
-  return severity == Severity::Error ? "error" : "warning";
+  switch (severity) {
+    case Severity::Hint:
+      return "hint";
+    case Severity::Warning:
+      return "warning";
+    case Severity::Error:
+      break;
+  }
+  return "error";
 }
 
 std::string to_string(const Diagnostic& diagnostic) {

@@ -10,7 +10,11 @@
 
 namespace segue {
 
-enum class Severity { Warning, Error };
+enum class Severity {
+  Hint,     ///< advice
+  Warning,  ///< probably a mistake
+  Error     ///< cannot be used
+};
 
 std::string_view to_string(Severity severity);
 

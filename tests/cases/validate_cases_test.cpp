@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/model/files.hpp>
+#include <segue/model/hints.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/type/yaml.hpp>
 #include <support/expected_diagnostics.hpp>
@@ -44,6 +45,7 @@ Diagnostics examine(const Case& test) {
     const Depth depth = test.text("depth") == "structure" ? Depth::Structure : Depth::Full;
     if (network) {
       found.append(validate(*network, catalog, depth));
+      if (test.root.find("hints") != nullptr) found.append(hints(*network, catalog));
       networks.push_back(*network);
     }
   }
@@ -64,7 +66,7 @@ TEST_P(ValidateCase, ReportsExactlyWhatItExpects) {
   const auto root = type::load_yaml(GetParam());
   ASSERT_TRUE(root) << to_string(root.error());
   const Case test{*root};
-  static const std::set<std::string> kOther = {"case", "depth", "expect"};
+  static const std::set<std::string> kOther = {"case", "depth", "expect", "hints"};
   for (const auto& [key, part] : test.root.as_map()) {
     const bool known = kOther.contains(key) || std::ranges::find(kDocuments, key) != kDocuments.end();
     ASSERT_TRUE(known) << "no case has a part " << key;
