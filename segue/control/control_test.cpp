@@ -136,7 +136,8 @@ TEST_F(ControlTest, APropertyTravelsAsItWasWritten) {
 
 TEST_F(ControlTest, ErrorsTravelWithPlaceAndCauses) {
   serve();
-  const auto failed = client()->reset_belief();
+  const auto failed = client()->reset_belief("network: n", "n.yaml");
+  EXPECT_EQ(robot_.last_set(), Value::map({{"network", "network: n"}, {"file", "n.yaml"}}));
   ASSERT_FALSE(failed);
   const Error& error = failed.error();
   EXPECT_EQ(error.code, ErrorCode::InvalidState);

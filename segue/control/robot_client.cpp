@@ -250,9 +250,12 @@ class Client final : public RobotService {
     });
   }
 
-  Result<void> reset_belief() override {
-    return without_value(channel_->ask(kQueryTimeout, [](RpcChannel::Connection& connection) {
+  Result<void> reset_belief(std::string_view network, std::string_view file) override {
+    if (auto fits = check_text(network); !fits) return fits;
+    return without_value(channel_->ask(kQueryTimeout, [&](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().resetBeliefRequest();
+      request.setNetwork(detail::as_data(network));
+      request.setFile(as_text(std::string(file)));
       return RpcChannel::send(request);
     }));
   }

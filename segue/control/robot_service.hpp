@@ -150,7 +150,9 @@ class RobotService {
   /// Applies a given transition (the text of a transition file, `file` for messages).
   virtual Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                                TimePoint deadline) = 0;
-  virtual Result<void> reset_belief() = 0;
+  /// Expects this network to run from now on (the text of a network file, `file` for messages),
+  /// or where the text is empty, what is observed now. ParseError where the network has errors.
+  virtual Result<void> reset_belief(std::string_view network, std::string_view file) = 0;
   virtual Result<void> set_property(std::string_view task, std::string_view property,
                                     const type::Value& value, const Sender& sender, const Wait& wait) = 0;
   virtual Result<type::Value> call(std::string_view task, std::string_view operation,

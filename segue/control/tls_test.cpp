@@ -147,7 +147,7 @@ std::vector<Question> all_questions() {
       {Verb::Cancel, [](auto& robot) { return outcome(robot.cancel(1, "a test", soon())); }},
       {Verb::ApplyTransition,
        [](auto& robot) { return outcome(robot.apply_transition("transition: {}", "a.yaml", soon())); }},
-      {Verb::ResetBelief, [](auto& robot) { return outcome(robot.reset_belief()); }},
+      {Verb::ResetBelief, [](auto& robot) { return outcome(robot.reset_belief("", "")); }},
       {Verb::Lease, [](auto& robot) { return outcome(robot.lease("a test")); }},
       {Verb::GiveBack, [](auto& robot) { return outcome(robot.give_back(7, false, soon())); }},
       {Verb::Report, [](auto& robot) { return outcome(robot.report(7, Value())); }},

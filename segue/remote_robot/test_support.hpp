@@ -175,7 +175,7 @@ class FakeService final : public control::RobotService {
                                  TimePoint /*deadline*/) override {
     return no();
   }
-  Result<void> reset_belief() override { return no(); }
+  Result<void> reset_belief(std::string_view, std::string_view) override { return no(); }
   Result<void> set_property(std::string_view /*task*/, std::string_view /*property*/, const Value& /*value*/,
                             const control::Sender& /*sender*/, const Wait& /*wait*/) override {
     return no();

@@ -6,6 +6,7 @@
 #include <segue/control/reader_stream.hpp>
 #include <segue/journal/past.hpp>
 #include <segue/model/files.hpp>
+#include <segue/model/validate.hpp>
 #include <segue/runtime/runtime_lease.hpp>
 #include <segue/runtime/runtime_report.hpp>
 
@@ -379,8 +380,20 @@ Result<type::Value> RuntimeService::apply_transition(std::string_view text, std:
   return answer_of(runtime_.request(std::move(*transition)), target, deadline);
 }
 
-Result<void> RuntimeService::reset_belief() {
-  runtime_.reset_belief();
+Result<void> RuntimeService::reset_belief(std::string_view network, std::string_view file) {
+  if (network.empty()) {
+    runtime_.reset_belief();
+    return {};
+  }
+  Diagnostics diagnostics;
+  auto believed = model::read_network(network, std::string(file), diagnostics);
+  if (believed) {
+    diagnostics.append(model::validate(*believed, {}, model::Depth::Structure));
+  }
+  if (diagnostics.has_errors()) {
+    return diagnostics.to_error(ErrorCode::ParseError);
+  }
+  runtime_.reset_belief(std::move(*believed));
   return {};
 }
 

@@ -51,7 +51,7 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) override;
   Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                        TimePoint deadline) override;
-  Result<void> reset_belief() override;
+  Result<void> reset_belief(std::string_view network, std::string_view file) override;
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
                             const control::Sender& sender, const Wait& wait) override;
   Result<type::Value> call(std::string_view task, std::string_view operation, const type::Value& arguments,

@@ -172,7 +172,11 @@ class FakeRobotService : public RobotService {
   Result<type::Value> apply_transition(std::string_view text, std::string_view file, TimePoint) override {
     return type::Value::map({{"text", text}, {"file", file}});
   }
-  Result<void> reset_belief() override {
+  Result<void> reset_belief(std::string_view network, std::string_view file) override {
+    {
+      const Lock lock(mutex_);
+      set_ = type::Value::map({{"network", network}, {"file", file}});
+    }
     Error inner = fail(ErrorCode::IoError, "the innermost", "disk", {"inner.yaml", 3, 4});
     Error middle = Error(fail(ErrorCode::HookFailed, "the middle")).because_of(std::move(inner));
     return Error(fail(ErrorCode::InvalidState, "the outermost", "task_a", {"outer.yaml", 1, 2}))

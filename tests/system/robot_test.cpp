@@ -113,6 +113,23 @@ TEST_F(RunningRobot, ItsBeliefCanBeReset) {
   EXPECT_TRUE(contains(segue({"reset-belief"}).output, "the observed state"));
 }
 
+TEST_F(RunningRobot, ItsBeliefCanBeReplacedByAGivenNetwork) {
+  start({"--controller", "manual"});
+  ASSERT_EQ(segue({"switch", "manual"}).status, 0);
+  write("more.yaml", "network: more\ntasks: {ghost: {component: \"demo::Drive\"}}\n");
+  EXPECT_TRUE(contains(segue({"reset-belief", "--network", "more.yaml"}).output, "'more.yaml'"));
+  EXPECT_TRUE(eventually([&] {
+    const auto drift = type::to_json(*json({"status"}).find("differences"));
+    return contains(drift, "task 'ghost' is missing");
+  })) << segue({"status"}).output;
+  EXPECT_EQ(json({"reset-belief"}).find("outcome")->as_string(), "done");
+  write("bad.yaml", "network: bad\ntasks: {a: {component: \"x::A\", colour: red}}\n");
+  const auto refused = segue({"reset-belief", "--network", "bad.yaml"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_TRUE(contains(refused.errors, "colour")) << refused.errors;
+  EXPECT_EQ(segue({"reset-belief", "--network", "none.yaml"}).status, 1);
+}
+
 TEST_F(RunningRobot, ASampleIsOneLine) {
   start({"--controller", "manual"});
   ASSERT_EQ(segue({"switch", "manual"}).status, 0);

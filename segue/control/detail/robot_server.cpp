@@ -285,8 +285,12 @@ class RobotServer final : public DecodingServer<wire::Robot> {
   }
 
   kj::Promise<void> resetBelief(ResetBeliefContext context) override {
-    return caller_.answer_value(role_for(Verb::ResetBelief), context,
-                                [&service = service_] { return as_value(service.reset_belief()); });
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        role_for(Verb::ResetBelief), context,
+        [&service = service_, network = as_string(params.getNetwork()), file = as_string(params.getFile())] {
+          return as_value(service.reset_belief(network, file));
+        });
   }
 
   kj::Promise<void> setProperty(SetPropertyContext context) override {
