@@ -8,7 +8,7 @@
 
 #include "bench_experiment.hpp"
 #include "bench_floor.hpp"
-#include "bench_robot.hpp"
+#include "bench_rounds.hpp"
 
 namespace segue::cli {
 
@@ -69,70 +69,71 @@ class ActionRun {
 /// Lower bounds of the times of actions in another process. Empty for actions in this process, and for those
 /// on another computer, of which no bound is known.
 struct ActionFloors {
-  std::vector<double> spawn;
-  std::vector<double> message;
+  BenchFloor spawn;
+  BenchFloor message;
 };
 
-Result<ActionFloors> measure_floors(BenchTransport transport, const BenchSettings& settings,
+Result<ActionFloors> measure_floors(const ChainOptions& chain, const BenchSettings& settings,
                                     const BenchReport& report) {
   const std::size_t repetitions = settings.repetitions;
-  const bool elsewhere = transport == BenchTransport::Remote && !settings.host.is_here();
-  if (transport == BenchTransport::Local || elsewhere) return ActionFloors{};
-  auto spawn = program_runs(1, repetitions, report.stopped);
+  const bool elsewhere = chain.transport == BenchTransport::Remote && !settings.host.is_here();
+  if (chain.transport == BenchTransport::Local || elsewhere) return ActionFloors{};
+  auto spawn = floor_on_processors(
+      [&](const Processors& processors) { return program_runs(1, repetitions, processors, report.stopped); });
   if (!spawn) return spawn.error();
-  auto message = pipe_latencies(transport, 1, 1, repetitions, report.stopped);
+  auto message = floor_on_processors([&](const Processors& processors) {
+    return pipe_latencies(chain.transport, 1, 1, repetitions, processors, report.stopped);
+  });
   if (!message) return message.error();
   return ActionFloors{std::move(*spawn), std::move(*message)};
 }
 
-Result<void> measure_round_trips(BenchRobot& robot, std::size_t relays, const BenchSettings& settings,
-                                 const std::vector<double>& floor, const BenchReport& report) {
+Result<void> measure_round_trips(BenchRobot& robot, const ChainOptions& chain, const BenchSettings& settings,
+                                 const BenchFloor& floor, const BenchReport& report) {
   auto seconds = robot.round_trips(settings.repetitions, report.stopped);
   if (!seconds) return seconds.error();
   if (!seconds->empty())
-    report.add({"round trip", BenchTransport::Remote, relays, 0, std::move(*seconds), floor, {}});
+    report.add({"round trip", chain.transport, chain.relays, chain.bytes, std::move(*seconds), floor, {}});
   return {};
 }
 
-Result<void> measure_actions(BenchTransport transport, std::size_t relays, const BenchSettings& settings,
+Result<void> measure_actions(BenchRobot& robot, const ChainOptions& chain, const BenchSettings& settings,
                              const BenchReport& report) {
-  auto robot = BenchRobot::open(transport, settings.host);
-  if (!robot) return robot.error();
-  ChainOptions chain;
-  chain.relays = relays;
-  chain.transport = transport;
-  chain.host = settings.host.name;
-  ActionRun run(**robot, chain, settings.order.value_or(model::Order::Paper));
+  ActionRun run(robot, chain, settings.order.value_or(model::Order::Paper));
   for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
-    report.progress(fmt::format("{}: {} relays, repetition {}", to_string(transport), relays, i + 1));
+    report.progress(fmt::format("{}: repetition {}", to_string(chain), i + 1));
     if (auto done = run.repeat(); !done) return done;
   }
-  const auto floors = measure_floors(transport, settings, report);
+  const auto floors = measure_floors(chain, settings, report);
   if (!floors) return floors.error();
   for (const auto& [kind, seconds] : run.durations()) {
     const bool spawns = kind == ActionKind::Deploy;
     const bool messages = !spawns && kind != ActionKind::Undeploy;
-    report.add({std::string(to_string(kind)), transport, relays, 0, seconds,
+    report.add({std::string(to_string(kind)), chain.transport, chain.relays, chain.bytes, seconds,
                 spawns     ? floors->spawn
                 : messages ? floors->message
-                           : std::vector<double>{},
-                published_action(kind, transport)});
+                           : BenchFloor{},
+                published_action(kind, chain.transport)});
   }
-  if (transport == BenchTransport::Remote)
-    return measure_round_trips(**robot, relays, settings, floors->message, report);
+  if (chain.transport == BenchTransport::Remote)
+    return measure_round_trips(robot, chain, settings, floors->message, report);
   return {};
 }
 
 }  // namespace
 
-Result<void> run_actions(const BenchSettings& settings, const BenchReport& report) {
-  for (const BenchTransport transport : settings.transports) {
-    for (const std::size_t relays : settings.relays.empty() ? std::vector<std::size_t>{1} : settings.relays) {
-      if (report.stopped()) return {};
-      if (auto done = measure_actions(transport, relays, settings, report); !done) return done;
+void run_actions(const BenchSettings& settings, const BenchReport& report) {
+  const auto chains = [&](BenchTransport transport) {
+    auto all = chains_of(settings, transport, {1});
+    for (ChainOptions& chain : all) {
+      chain.placement = ChainPlacement::All;
+      chain.ends = ChainEnds::OwnProcesses;
     }
-  }
-  return {};
+    return all;
+  };
+  for_each_chain(settings, report, chains, [&](BenchRobot& robot, const ChainOptions& chain) {
+    return measure_actions(robot, chain, settings, report);
+  });
 }
 
 }  // namespace segue::cli

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <utility>
 
 namespace segue::cli {
 
@@ -15,8 +16,8 @@ bool is_exchanged(const ChainOptions& options, std::size_t relay) {
   switch (options.exchange) {
     case Exchange::None:
       return false;
-    case Exchange::Block:
-      return relay >= options.relays / 4 && relay < options.relays / 4 + (options.relays + 1) / 2;
+    case Exchange::SecondHalf:
+      return relay >= options.relays / 2;
     default:
       return relay % 2 == 0;
   }
@@ -31,35 +32,51 @@ model::Task make_task(const std::string& id, const std::string& component) {
 
 model::Task make_producer(const ChainOptions& options) {
   model::Task task = make_task("producer", "bench::Producer");
-  if (options.bytes > 0) task.properties = type::Value::map({{"size", std::uint64_t{options.bytes}}});
+  task.properties = type::Value::map({{"size", std::uint64_t{options.bytes}}});
   std::optional<Duration> period = options.period;
   if (!period && options.relays > kManyRelays) period = std::chrono::milliseconds(20);
   if (period) task.activity = Activity{Trigger::Periodic, *period, {}, 0, {}, {}, false};
   return task;
 }
 
-/// A measured chain drops samples of either kind that come too fast, so that its latencies include no queue.
+/// A measured chain drops samples that come too fast, so that its latencies include no queue.
 model::Connection connect(const model::Task& from, const model::Task& to, const ChainOptions& options) {
-  const std::string prefix = options.bytes > 0 ? "" : "fixed_";
   model::Connection connection;
-  connection.from = {from.id, prefix + "out"};
-  connection.to = {to.id, prefix + "in"};
+  connection.from = {from.id, "out"};
+  connection.to = {to.id, "in"};
   if (options.record == 0) connection.policy = {BufferKind::Buffer, 64};
   return connection;
 }
 
-/// `index`: of the task in the chain. Both ends of an alternating chain are here, so that one clock tells how
-/// long a sample took.
+/// `index`: of the task in the chain. Where samples are timed, both ends are here, so that one clock tells.
 bool is_there(const ChainOptions& options, std::size_t index) {
   if (options.transport != BenchTransport::Remote) return false;
-  return options.placement == ChainPlacement::AllThere || (index % 2 == 1 && index <= options.relays);
+  const bool is_relay = index > 0 && index <= options.relays;
+  switch (options.placement) {
+    case ChainPlacement::All:
+      return true;
+    case ChainPlacement::Relays:
+      return is_relay;
+    default:
+      return is_relay && index % 2 == 1;
+  }
 }
 
-model::Deployment own_process(const model::Task& task) {
-  model::Deployment deployment;
-  deployment.process = model::ProcessName(task.id.str());
-  deployment.tasks.push_back({task.id, task.id.str()});
-  return deployment;
+void deploy(model::Network& network, const ChainOptions& options) {
+  const std::size_t last = network.tasks.size() - 1;
+  for (std::size_t i = 0; i < network.tasks.size(); ++i) {
+    const model::TaskId& task = network.tasks[i].id;
+    const model::Placement placement{task, task.str()};
+    if (i == last && options.ends == ChainEnds::OneProcess) {
+      network.deployments.front().tasks.push_back(placement);
+      return;
+    }
+    model::Deployment deployment;
+    deployment.process = model::ProcessName(task.str());
+    deployment.tasks.push_back(placement);
+    if (is_there(options, i)) deployment.host = model::HostName(options.host);
+    network.deployments.push_back(std::move(deployment));
+  }
 }
 
 }  // namespace
@@ -88,11 +105,7 @@ model::Network relay_chain(const ChainOptions& options) {
     network.tasks.back().properties = type::Value::map({{"record", std::uint64_t{options.record}}});
   for (std::size_t i = 1; i < network.tasks.size(); ++i)
     network.connections.push_back(connect(network.tasks[i - 1], network.tasks[i], options));
-  if (options.transport == BenchTransport::Local) return network;
-  for (std::size_t i = 0; i < network.tasks.size(); ++i) {
-    network.deployments.push_back(own_process(network.tasks[i]));
-    if (is_there(options, i)) network.deployments.back().host = model::HostName(options.host);
-  }
+  if (options.transport != BenchTransport::Local) deploy(network, options);
   return network;
 }
 

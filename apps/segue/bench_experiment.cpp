@@ -1,48 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_experiment.hpp"
 
+#include <array>
+
 namespace segue::cli {
 
-const std::vector<BenchExperiment>& bench_experiments() {
-  static const std::vector<BenchExperiment> all = {
-      {"E1.1", "latency of a chain, by its length",
-       "Samples of 64 bytes go from a producer through the relays to a consumer; the time from writing to\n"
-       "the consumer's update. Remote: every second task is on the other host; with an even number of\n"
-       "relays the last hop stays here. The floor: a message of 64 bytes, copied from pipe to pipe by as\n"
-       "many bare threads or processes; for remote chains from TCP connection to TCP connection of this\n"
-       "computer with itself.",
-       "for each hop 20 us in one process, 140 us between processes, 220 us between two computers", "relays",
-       200, run_latency_by_length},
-      {"E1.2", "latency of a chain, by the size of its samples",
-       "As E1.1 with one relay (two hops), which copies each sample. The floor copies messages of that size\n"
-       "likewise.",
-       "for each hop of a small sample as E1.1; none by size is known here", "bytes", 100,
-       run_latency_by_size},
-      {"E2.1", "bringing up a chain and taking it down",
-       "From the request for the chain until all its tasks run, and from the request for the empty network\n"
-       "until all tasks and processes are gone. Alternating: every second task is on the other host, all\n"
-       "others are here. The floor: as many bare threads started, or as many processes with the program\n"
-       "`true` spawned and ended. A chain of 25 relays has 27 tasks.",
-       "25 tasks in one process some ms, in processes > 1 s, on two computers > 1.5 s", "relays", 5,
-       run_bring_up},
-      {"E2.2", "each kind of action",
-       "Every action of bringing up a chain of one relay, calling an operation, recovering the relay from\n"
-       "an error, and taking the chain down, as the runtime sees it, one action at a time (--order paper).\n"
-       "The floor: for deploy a process with the program `true` spawned and ended, for other actions in\n"
-       "another process a byte there and back through pipes, for those on another host by TCP. Round trip:\n"
-       "the smallest request to the other host's daemon.",
-       "a change of state 0.5 ms, on another computer 1.3 ms more; configure, deploy, undeploy tens of ms",
-       "", 20, run_actions},
-      {"E2.3", "exchange of half of the relays of a running chain, against a full restart",
-       "Half of the relays are replaced by others: neighbours in the middle (the best case) or every second "
-       "one\n"
-       "(the worst); the time of the switch, and the longest pause between two samples at the consumer.\n"
-       "Prepared: the other relays were configured ahead (segue prepare), and the old ones stay so. A\n"
-       "restart takes everything down and brings up the other chain. Samples come every millisecond.",
-       "of up to 50 tasks 320 ms at best, < 2 s at worst; which exchange that was, and where, is not known "
-       "here",
-       "relays", 5, run_exchange}};
-  return all;
+namespace {
+
+constexpr std::array<BenchExperiment, 5> kExperiments = {{
+    {"E1.1", "latency of a chain with one relay, by the size of its samples",
+     "Two hops, producer, relay, consumer; the time from writing to the consumer's update, of\n"
+     "as many samples as come in 15 s, or fewer (--repetitions). With shm each task is in a\n"
+     "process of its own; remote: the relay is on the other host. The floor: messages of that\n"
+     "size, copied from pipe to pipe by as many bare threads or processes; for remote chains\n"
+     "from TCP connection to TCP connection of this computer with itself.",
+     "up to several kB < 1 ms in one process, small samples < 1 ms between processes, > 1 ms "
+     "between two computers",
+     "bytes", 200, run_latency_by_size},
+    {"E1.2", "latency of a chain, by its number of relays",
+     "As E1.1, with samples of 100 bytes. With shm each relay is in a process of its own, and\n"
+     "both ends are in one; remote: every second relay, from the first on, is on the other\n"
+     "host.",
+     "for each relay 0.02 ms in one process, 0.14 ms between processes, 0.22 ms between two "
+     "computers",
+     "relays", 200, run_latency_by_length},
+    {"E2.1", "bringing up a chain and taking it down",
+     "The chains of E1.2: from the request until all tasks run, and from the request for the\n"
+     "empty network until all tasks and processes are gone. The floor: as many bare threads\n"
+     "started, or as many processes with the program `true` spawned and ended.",
+     "25 tasks in one process some ms, in processes > 1 s, on two computers > 1.5 s", "relays", 5,
+     run_bring_up},
+    {"E2.2", "each kind of action",
+     "Every action of bringing up a chain of one relay, calling an operation, recovering the\n"
+     "relay from an error, and taking the chain down, as the runtime sees it, one action at a\n"
+     "time (--order paper). Remote: all tasks are on the other host. The floor: for deploy a\n"
+     "process with the program `true` spawned and ended, for other actions in another process\n"
+     "a byte there and back through pipes, for those on another host by TCP. Round trip: the\n"
+     "smallest request to the other host's daemon.",
+     "a change of state 0.5 ms, on another computer 1.3 ms more; configure, deploy, undeploy "
+     "tens of ms",
+     "", 20, run_actions},
+    {"E2.3", "exchange of half of the relays of a running chain, against a restart",
+     "The second half of the relays is replaced by others of the same component, as in the\n"
+     "paper, and every second one, so that every connection changes: the time of the switch,\n"
+     "and the longest pause between two samples at the consumer. Remote: all relays are on the\n"
+     "other host. Prepared: the other relays were configured ahead (segue prepare), and the\n"
+     "old ones stay so. A restart is a switch to the empty network and one to the other chain.\n"
+     "Samples come every millisecond.",
+     "of up to 50 relays 320 ms at best (in one process), < 2 s at worst (on another computer)", "relays", 5,
+     run_exchange},
+}};
+
+}  // namespace
+
+std::span<const BenchExperiment> bench_experiments() {
+  return kExperiments;
 }
 
 }  // namespace segue::cli

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/base/result.hpp>
 #include <segue/model/transition.hpp>
 
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,20 +37,30 @@ struct BenchSettings {
   std::optional<model::Order> order;  ///< nothing: that of the experiment
 };
 
+/// The lengths of chains in the paper, in relays.
+inline const std::vector<std::size_t> kPaperLengths = {5, 10, 25, 50, 100, 150, 200, 250};
+
+/// The times of the operating system for the same job, in seconds; empty where it is not known.
+struct BenchFloor {
+  std::vector<double> one_processor;  ///< all on one processor
+  std::vector<double> across;         ///< neighbours on two processors
+};
+
 /// Repeated measurements of one thing, in seconds.
 struct BenchRow {
   std::string what;  ///< "latency", "bring-up", "configure", ...
   BenchTransport transport = BenchTransport::Local;
   std::size_t relays = 0;
-  std::size_t bytes = 0;        ///< of payload; 0: samples of a fixed size
+  std::size_t bytes = 0;        ///< of payload
   std::vector<double> seconds;  ///< at least one
-  std::vector<double> floor{};  ///< of the operating system for the same job; empty: not known
-  std::string published{};      ///< the paper's figure; empty: none for these parameters
+  BenchFloor floor{};
+  std::string published{};  ///< the paper's figure; empty: none for these parameters
 };
 
 /// How an experiment reports; called by one thread.
 struct BenchReport {
   std::function<void(BenchRow)> add;
+  std::function<void(std::string)> failed;  ///< something could not be measured, and why; the rest can
   std::function<void(const std::string&)> progress;
   std::function<bool()> stopped;  ///< the user wants it to end: add what has been measured and return
 };
@@ -62,17 +72,16 @@ struct BenchExperiment {
   std::string_view published;   ///< the figures of the paper, for people
   std::string_view by;          ///< what its rows differ in: "relays", "bytes"; empty: nothing to draw
   std::size_t repetitions = 0;  ///< by default
-  Result<void> (*run)(const BenchSettings& settings, const BenchReport& report);
+  void (*run)(const BenchSettings& settings, const BenchReport& report);
 };
 
 /// In the order of the paper.
-const std::vector<BenchExperiment>& bench_experiments();
+std::span<const BenchExperiment> bench_experiments();
 
-// One function each; failures of the robot end them.
-Result<void> run_latency_by_length(const BenchSettings& settings, const BenchReport& report);
-Result<void> run_latency_by_size(const BenchSettings& settings, const BenchReport& report);
-Result<void> run_bring_up(const BenchSettings& settings, const BenchReport& report);
-Result<void> run_actions(const BenchSettings& settings, const BenchReport& report);
-Result<void> run_exchange(const BenchSettings& settings, const BenchReport& report);
+void run_latency_by_size(const BenchSettings& settings, const BenchReport& report);
+void run_latency_by_length(const BenchSettings& settings, const BenchReport& report);
+void run_bring_up(const BenchSettings& settings, const BenchReport& report);
+void run_actions(const BenchSettings& settings, const BenchReport& report);
+void run_exchange(const BenchSettings& settings, const BenchReport& report);
 
 }  // namespace segue::cli

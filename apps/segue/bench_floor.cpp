@@ -15,6 +15,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -26,6 +27,34 @@ namespace {
 double seconds_since(TimePoint begin) {
   return std::chrono::duration<double>(RealClock::instance().now() - begin).count();
 }
+
+cpu_set_t affinity() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  ::sched_getaffinity(0, sizeof set, &set);
+  return set;
+}
+
+/// Places this thread, and with it what it starts next. Its destructor restores where it ran before.
+class Placement {
+ public:
+  explicit Placement(const Processors& processors) : processors_(processors) { place(0); }
+  Placement(const Placement&) = delete;
+  Placement& operator=(const Placement&) = delete;
+  ~Placement() { ::sched_setaffinity(0, sizeof before_, &before_); }
+
+  /// For the thread or process that is the `index`-th.
+  void place(std::size_t index) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(static_cast<std::size_t>(processors_[index % processors_.size()]), &set);
+    ::sched_setaffinity(0, sizeof set, &set);
+  }
+
+ private:
+  const Processors& processors_;
+  const cpu_set_t before_ = affinity();
+};
 
 /// A TCP connection in place of a pipe.
 Result<Pipe> make_connection() {
@@ -109,12 +138,13 @@ class PipeChain {
       ::waitpid(child, nullptr, 0);
   }
 
-  Result<void> open(BenchTransport transport, std::size_t relays, std::size_t bytes) {
+  Result<void> open(BenchTransport transport, std::size_t relays, std::size_t bytes, Placement& placement) {
     auto pipe = make_channel(transport);
     if (!pipe) return pipe.error();
     first_ = std::move(pipe->write);
     last_ = std::move(pipe->read);
     for (std::size_t i = 0; i < relays; ++i) {
+      placement.place(i + 1);
       if (auto added = add(transport, bytes); !added) return added;
     }
     return {};
@@ -154,11 +184,32 @@ class PipeChain {
 
 }  // namespace
 
+Result<BenchFloor> floor_on_processors(
+    const std::function<Result<std::vector<double>>(const Processors&)>& measure) {
+  const cpu_set_t allowed = affinity();
+  Processors two;
+  for (std::size_t i = 0; i < CPU_SETSIZE && two.size() < 2; ++i) {
+    if (CPU_ISSET(i, &allowed)) two.push_back(static_cast<int>(i));
+  }
+  BenchFloor floor;
+  auto on_one = measure({two.front()});
+  if (!on_one) return on_one.error();
+  floor.one_processor = std::move(*on_one);
+  if (two.size() < 2) return floor;
+  auto across = measure(two);
+  if (!across) return across.error();
+  floor.across = std::move(*across);
+  return floor;
+}
+
 Result<std::vector<double>> pipe_latencies(BenchTransport transport, std::size_t relays, std::size_t bytes,
-                                           std::size_t repetitions, const std::function<bool()>& stopped) {
+                                           std::size_t repetitions, const Processors& processors,
+                                           const std::function<bool()>& stopped) {
   constexpr std::size_t kWarmUp = 3;
+  Placement placement(processors);
   PipeChain chain;
-  if (auto opened = chain.open(transport, relays, bytes); !opened) return opened.error();
+  if (auto opened = chain.open(transport, relays, bytes, placement); !opened) return opened.error();
+  placement.place(0);
   std::vector<char> message(bytes, 'x');
   std::vector<double> latencies;
   for (std::size_t i = 0; i < repetitions + kWarmUp && !stopped(); ++i) {
@@ -170,15 +221,19 @@ Result<std::vector<double>> pipe_latencies(BenchTransport transport, std::size_t
   return latencies;
 }
 
-std::vector<double> thread_starts(std::size_t count, std::size_t repetitions,
+std::vector<double> thread_starts(std::size_t count, std::size_t repetitions, const Processors& processors,
                                   const std::function<bool()>& stopped) {
+  Placement placement(processors);
   std::vector<double> durations;
   for (std::size_t i = 0; i < repetitions && !stopped(); ++i) {
     const auto begin = RealClock::instance().now();
     std::latch running(static_cast<std::ptrdiff_t>(count) + 1);
     std::vector<std::jthread> threads;
-    for (std::size_t n = 0; n < count; ++n)
+    for (std::size_t n = 0; n < count; ++n) {
+      placement.place(n + 1);
       threads.emplace_back([&running] { running.count_down(); });
+    }
+    placement.place(0);
     running.arrive_and_wait();
     durations.push_back(seconds_since(begin));
   }
@@ -186,13 +241,15 @@ std::vector<double> thread_starts(std::size_t count, std::size_t repetitions,
 }
 
 Result<std::vector<double>> program_runs(std::size_t count, std::size_t repetitions,
-                                         const std::function<bool()>& stopped) {
+                                         const Processors& processors, const std::function<bool()>& stopped) {
+  Placement placement(processors);
   std::vector<double> durations;
   for (std::size_t i = 0; i < repetitions && !stopped(); ++i) {
     const auto begin = RealClock::instance().now();
     std::vector<::pid_t> children;
     Result<void> started;
     for (std::size_t n = 0; n < count && started; ++n) {
+      placement.place(n + 1);
       ChildProcess child(3);
       auto pid = child.start("true", {"true"});
       if (!pid) {

@@ -8,11 +8,15 @@
 
 #include "bench_experiment.hpp"
 #include "bench_floor.hpp"
-#include "bench_robot.hpp"
+#include "bench_rounds.hpp"
 
 namespace segue::cli {
 
 namespace {
+
+/// How long the samples of a chain are measured at most, as in the paper.
+constexpr Duration kLongestMeasurement = std::chrono::seconds(15);
+constexpr std::size_t kFewestSamples = 3;
 
 /// A period so long that a sample has arrived before the next one is written, on a busy machine too.
 Duration period_of(const ChainOptions& chain) {
@@ -24,15 +28,21 @@ Duration period_of(const ChainOptions& chain) {
   return std::max<Duration>(std::chrono::milliseconds(2), a_hop * hops + copies);
 }
 
-std::string published_latency(const ChainOptions& chain) {
-  if (chain.bytes > 1000) return {};
+std::string published_by_size(const ChainOptions& chain) {
+  constexpr std::size_t kSmall = 1000;
+  constexpr std::size_t kSeveralKilobytes = 10'000;
+  if (chain.bytes > (chain.transport == BenchTransport::Local ? kSeveralKilobytes : kSmall)) return {};
+  return chain.transport == BenchTransport::Remote ? "> 1 ms" : "< 1 ms";
+}
+
+std::string published_by_length(const ChainOptions& chain) {
   switch (chain.transport) {
     case BenchTransport::Local:
-      return "20 us a hop";
+      return "0.02 ms a relay";
     case BenchTransport::SharedMemory:
-      return "140 us a hop";
+      return "0.14 ms a relay";
     default:
-      return "220 us a hop";
+      return "0.22 ms a relay";
   }
 }
 
@@ -51,63 +61,53 @@ Result<std::vector<double>> latencies_of(BenchRobot& robot, const ChainOptions& 
 }
 
 /// Nothing is known of the way to another computer.
-Result<std::vector<double>> floor_of_latency(const ChainOptions& chain, const BenchHost& host,
-                                             const BenchReport& report) {
-  if (chain.transport == BenchTransport::Remote && !host.is_here()) return std::vector<double>{};
-  const std::size_t bytes = std::max<std::size_t>(chain.bytes, 64);
-  return pipe_latencies(chain.transport, chain.relays, bytes, chain.record, report.stopped);
+Result<BenchFloor> floor_of_latency(const ChainOptions& chain, const BenchHost& host,
+                                    const BenchReport& report) {
+  if (chain.transport == BenchTransport::Remote && !host.is_here()) return BenchFloor{};
+  return floor_on_processors([&](const Processors& processors) {
+    return pipe_latencies(chain.transport, chain.relays, chain.bytes, chain.record, processors,
+                          report.stopped);
+  });
 }
 
-Result<void> measure_latency(BenchRobot& robot, ChainOptions chain, const BenchHost& host,
-                             const BenchReport& report) {
+Result<void> measure_latency(BenchRobot& robot, ChainOptions chain, const std::string& published,
+                             const BenchSettings& settings, const BenchReport& report) {
   chain.period = period_of(chain);
+  const auto fitting = static_cast<std::size_t>(kLongestMeasurement / *chain.period);
+  chain.record = std::min(settings.repetitions, std::max(fitting, kFewestSamples));
+  report.progress(fmt::format("{}: {} samples", to_string(chain), chain.record));
   auto seconds = latencies_of(robot, chain, report);
   if (!seconds) return seconds.error();
   if (auto down = robot.switch_to({}); !down) return down.error();
-  auto floor = floor_of_latency(chain, host, report);
+  auto floor = floor_of_latency(chain, settings.host, report);
   if (!floor) return floor.error();
   if (seconds->empty()) return {};
   report.add({"latency", chain.transport, chain.relays, chain.bytes, std::move(*seconds), std::move(*floor),
-              published_latency(chain)});
-  return {};
-}
-
-Result<void> measure_all(const BenchSettings& settings, const std::vector<std::size_t>& relays,
-                         const std::vector<std::size_t>& bytes, const BenchReport& report) {
-  for (const BenchTransport transport : settings.transports) {
-    auto robot = BenchRobot::open(transport, settings.host);
-    if (!robot) return robot.error();
-    for (const std::size_t count : relays) {
-      for (const std::size_t size : bytes) {
-        if (report.stopped()) return {};
-        report.progress(
-            fmt::format("{}: {} relays, {} samples", to_string(transport), count, settings.repetitions));
-        ChainOptions chain{count,
-                           transport,
-                           Exchange::None,
-                           size,
-                           settings.repetitions,
-                           {},
-                           settings.host.name,
-                           ChainPlacement::Alternating};
-        if (auto done = measure_latency(**robot, chain, settings.host, report); !done) return done;
-      }
-    }
-  }
+              published});
   return {};
 }
 
 }  // namespace
 
-Result<void> run_latency_by_length(const BenchSettings& settings, const BenchReport& report) {
-  const std::vector<std::size_t> lengths = {1, 5, 10, 25, 50};
-  return measure_all(settings, settings.relays.empty() ? lengths : settings.relays, {0}, report);
+void run_latency_by_size(const BenchSettings& settings, const BenchReport& report) {
+  const auto chains = [&](BenchTransport transport) {
+    auto all = chains_of(settings, transport, {1},
+                         {10, 100, 1000, 10'000, 100'000, 1'000'000, 10'000'000, 100'000'000});
+    for (ChainOptions& chain : all) {
+      if (transport == BenchTransport::SharedMemory) chain.ends = ChainEnds::OwnProcesses;
+    }
+    return all;
+  };
+  for_each_chain(settings, report, chains, [&](BenchRobot& robot, const ChainOptions& chain) {
+    return measure_latency(robot, chain, published_by_size(chain), settings, report);
+  });
 }
 
-Result<void> run_latency_by_size(const BenchSettings& settings, const BenchReport& report) {
-  const std::vector<std::size_t> sizes = {100, 10'000, 100'000, 1'000'000, 10'000'000};
-  return measure_all(settings, settings.relays.empty() ? std::vector<std::size_t>{1} : settings.relays,
-                     settings.bytes.empty() ? sizes : settings.bytes, report);
+void run_latency_by_length(const BenchSettings& settings, const BenchReport& report) {
+  const auto chains = [&](BenchTransport transport) { return chains_of(settings, transport, kPaperLengths); };
+  for_each_chain(settings, report, chains, [&](BenchRobot& robot, const ChainOptions& chain) {
+    return measure_latency(robot, chain, published_by_length(chain), settings, report);
+  });
 }
 
 }  // namespace segue::cli

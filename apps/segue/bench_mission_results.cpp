@@ -184,9 +184,9 @@ constexpr std::string_view kMissionFootnotes =
     "Makespans in seconds: median (mean) of the runs that ended well. Saved: mean of 1 - concurrent /\n"
     "sequential over runs with the same seed, with Student's 95 % confidence interval for pairs. Ideal\n"
     "saves: likewise, if the durations of the sequential run are scheduled concurrently in virtual\n"
-    "time, where deciding takes no time. Over ideal: how much longer a concurrent run took than its own\n"
-    "durations in virtual time. Deciding: share of the wall time in which no action was under way,\n"
-    "sequentially and concurrently.\n";
+    "time, with its number of instances, where deciding takes no time. Over ideal: how much longer a\n"
+    "concurrent run took than its own durations in virtual time. Deciding: share of the wall time in\n"
+    "which no action was under way, sequentially and concurrently.\n";
 
 type::Value figures_value(const MissionCell& cell, BenchClock clock) {
   const CellFigures figures = mission_figures(cell, clock);

@@ -34,9 +34,25 @@ Spread spread_of(std::vector<double> values) {
   return {draw::median_of(values), values[rank - 1], values.front(), values.back()};
 }
 
-std::optional<double> floor_of_row(const BenchRow& row) {
-  if (row.floor.empty()) return std::nullopt;
-  return draw::median_of(row.floor);
+std::optional<double> median_of(const std::vector<double>& floor) {
+  if (floor.empty()) return std::nullopt;
+  return draw::median_of(floor);
+}
+
+/// "1.62", and "1.62, 0.4" for two floors; "-" where there is none.
+std::string ratios_of(double median, const BenchFloor& floor) {
+  std::string text;
+  for (const auto* one : {&floor.one_processor, &floor.across}) {
+    const auto least = median_of(*one);
+    if (!least || *least <= 0) continue;
+    text += (text.empty() ? "" : ", ") + fmt::format("{:.2f}", median / *least);
+  }
+  return text.empty() ? "-" : text;
+}
+
+std::string floor_text(const std::vector<double>& floor) {
+  const auto median = median_of(floor);
+  return median ? format_seconds(*median) : "-";
 }
 
 bool is_latency(const BenchResults& results) {
@@ -50,15 +66,15 @@ Table empty_table(const BenchResults& results) {
   for (const char* title : {"count", "median", "99 %", "least", "most"})
     columns.push_back({title, Align::Right});
   if (is_latency(results)) columns.push_back({"a hop", Align::Right});
-  columns.push_back({"floor", Align::Right});
-  columns.push_back({"ratio", Align::Right});
+  columns.push_back({"floor: one core", Align::Right});
+  columns.push_back({"two cores", Align::Right});
+  columns.push_back({"ratios", Align::Right});
   columns.push_back({"published"});
   return Table(std::move(columns));
 }
 
 std::vector<std::string> cells_of(const BenchRow& row, const BenchResults& results) {
   const Spread spread = spread_of(row.seconds);
-  const auto floor = floor_of_row(row);
   std::vector<std::string> cells = {row.what, to_string(row.transport), std::to_string(row.relays)};
   if (results.experiment->by == "bytes") cells.push_back(std::to_string(row.bytes));
   cells.push_back(std::to_string(row.seconds.size()));
@@ -66,18 +82,22 @@ std::vector<std::string> cells_of(const BenchRow& row, const BenchResults& resul
     cells.push_back(format_seconds(value));
   if (is_latency(results))
     cells.push_back(format_seconds(spread.median / static_cast<double>(row.relays + 1)));
-  cells.push_back(floor ? format_seconds(*floor) : "-");
-  cells.push_back(floor && *floor > 0 ? fmt::format("{:.2f}", spread.median / *floor) : "-");
+  cells.push_back(floor_text(row.floor.one_processor));
+  cells.push_back(floor_text(row.floor.across));
+  cells.push_back(ratios_of(spread.median, row.floor));
   cells.push_back(row.published.empty() ? "-" : row.published);
   return cells;
 }
 
 constexpr std::string_view kBenchFootnotes =
-    "local: all tasks in one process, a thread each; shm: a process for each task, samples in shared "
+    "local: all tasks in one process, a thread each; shm: a process for each relay, samples in shared "
     "memory;\n"
-    "remote: a process for each task, all of them on another host; in E1.1 and E1.2 every second one.\n"
-    "Ratio: median to the median of the floor. Published figures are of Orocos RTT with CORBA on other\n"
-    "computers, so compare ratios of one run instead. Not measured: CORBA (Segue does not use it).\n";
+    "remote: the same with another host. The floor is what the operating system needs for the same job, all\n"
+    "on one processor, and neighbours on two; ratios: of the medians, to both. Published figures are of "
+    "Orocos\n"
+    "RTT with CORBA on other computers, so compare ratios of one run instead. Not measured: CORBA (Segue "
+    "does\n"
+    "not use it).\n";
 
 type::Value list_of(const std::vector<double>& values) {
   type::Value::List list;
@@ -97,8 +117,9 @@ type::Value row_value(const BenchRow& row) {
                                  {"most_s", spread.most},
                                  {"seconds", list_of(row.seconds)}});
   type::ValueMap& map = value.as_map();
-  if (row.bytes > 0) map.set("bytes", std::uint64_t{row.bytes});
-  if (const auto floor = floor_of_row(row)) map.set("floor_s", *floor);
+  map.set("bytes", std::uint64_t{row.bytes});
+  if (const auto floor = median_of(row.floor.one_processor)) map.set("floor_s", *floor);
+  if (const auto floor = median_of(row.floor.across)) map.set("floor_across_s", *floor);
   if (!row.published.empty()) map.set("published", row.published);
   return value;
 }
@@ -174,6 +195,10 @@ type::Value bench_value(const BenchResults& results) {
   for (const BenchRow& row : results.rows)
     rows.push_back(row_value(row));
   map.set("rows", std::move(rows));
+  type::Value::List failures;
+  for (const std::string& failure : results.failures)
+    failures.emplace_back(failure);
+  map.set("failures", std::move(failures));
   return map;
 }
 

@@ -16,6 +16,7 @@ namespace segue::cli {
 struct BenchResults {
   const BenchExperiment* experiment = nullptr;
   std::vector<BenchRow> rows;
+  std::vector<std::string> failures;  ///< what could not be measured, and why
 };
 
 /// The list of all experiments.

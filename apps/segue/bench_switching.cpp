@@ -7,52 +7,30 @@
 
 #include "bench_experiment.hpp"
 #include "bench_floor.hpp"
-#include "bench_robot.hpp"
+#include "bench_rounds.hpp"
 
 namespace segue::cli {
 
 namespace {
 
-using Lengths = std::vector<std::size_t>;
-
 model::Order order_of(const BenchSettings& settings) {
   return settings.order.value_or(model::Order::Seamless);
 }
 
-Result<std::vector<double>> floor_of(const ChainOptions& chain, const BenchSettings& settings,
-                                     const BenchReport& report) {
-  const std::size_t tasks = chain.relays + 2;
-  if (chain.transport == BenchTransport::Remote && !settings.host.is_here()) return std::vector<double>{};
-  const std::size_t repetitions = settings.repetitions;
-  if (chain.transport == BenchTransport::Local) return thread_starts(tasks, repetitions, report.stopped);
-  return program_runs(tasks, repetitions, report.stopped);
-}
-
-using Measure = std::function<Result<void>(BenchRobot&, const ChainOptions&)>;
-
-/// Calls `measure` for each length on each transport, with the chain not running before and after.
-Result<void> for_each_chain(const BenchSettings& settings, const Lengths& lengths, const BenchReport& report,
-                            const Measure& measure) {
-  for (const BenchTransport transport : settings.transports) {
-    auto robot = BenchRobot::open(transport, settings.host);
-    if (!robot) return robot.error();
-    for (const std::size_t relays : settings.relays.empty() ? lengths : settings.relays) {
-      if (report.stopped()) return {};
-      ChainOptions chain;
-      chain.relays = relays;
-      chain.transport = transport;
-      chain.host = settings.host.name;
-      if (auto done = measure(**robot, chain); !done) return done;
-      if (auto down = (*robot)->switch_to({}); !down) return down.error();
-    }
-  }
-  return {};
+Result<BenchFloor> floor_of(const ChainOptions& chain, const BenchSettings& settings,
+                            const BenchReport& report) {
+  if (chain.transport == BenchTransport::Remote && !settings.host.is_here()) return BenchFloor{};
+  return floor_on_processors([&](const Processors& processors) -> Result<std::vector<double>> {
+    if (chain.transport == BenchTransport::Local)
+      return thread_starts(chain.relays + 2, settings.repetitions, processors, report.stopped);
+    const std::size_t count = relay_chain(chain).deployments.size();
+    return program_runs(count, settings.repetitions, processors, report.stopped);
+  });
 }
 
 void show(const BenchReport& report, const ChainOptions& chain, const std::string& what,
           std::size_t repetition) {
-  report.progress(fmt::format("{}: {} relays, {}, repetition {}", to_string(chain.transport), chain.relays,
-                              what, repetition + 1));
+  report.progress(fmt::format("{}: {}, repetition {}", to_string(chain), what, repetition + 1));
 }
 
 /// Rows with the same parameters, in the order in which they are first used; those without values are left
@@ -64,7 +42,7 @@ class Rows {
     for (BenchRow& row : rows_) {
       if (row.what == what) return row;
     }
-    rows_.push_back({what, chain_.transport, chain_.relays, 0, {}, {}, {}});
+    rows_.push_back({what, chain_.transport, chain_.relays, chain_.bytes, {}, {}, {}});
     return rows_.back();
   }
   void add_to(const BenchReport& report) {
@@ -90,9 +68,8 @@ std::string published_bring_up(const ChainOptions& chain) {
   }
 }
 
-/// `more` is appended to what was measured.
-Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, const std::string& more,
-                              const BenchSettings& settings, const BenchReport& report) {
+Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, const BenchSettings& settings,
+                              const BenchReport& report) {
   Rows rows(chain);
   for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
     show(report, chain, "bring-up", i);
@@ -101,13 +78,13 @@ Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, cons
     if (auto runs = robot.wait_for_samples(); !runs) return runs;
     const auto down = robot.switch_to({}, order_of(settings));
     if (!down) return down.error();
-    rows.row("bring-up" + more).seconds.push_back(up->seconds);
-    rows.row("tear-down" + more).seconds.push_back(down->seconds);
+    rows.row("bring-up").seconds.push_back(up->seconds);
+    rows.row("tear-down").seconds.push_back(down->seconds);
   }
   auto floor = floor_of(chain, settings, report);
   if (!floor) return floor.error();
-  rows.row("bring-up" + more).floor = std::move(*floor);
-  rows.row("bring-up" + more).published = published_bring_up(chain);
+  rows.row("bring-up").floor = std::move(*floor);
+  rows.row("bring-up").published = published_bring_up(chain);
   rows.add_to(report);
   return {};
 }
@@ -156,27 +133,34 @@ Result<void> measure_restarts(BenchRobot& robot, ChainOptions chain, const Bench
                               const BenchReport& report, Rows& rows) {
   for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
     show(report, chain, "restart", i);
-    chain.exchange = i % 2 == 0 ? Exchange::EverySecond : Exchange::None;
+    chain.exchange = i % 2 == 0 ? Exchange::SecondHalf : Exchange::None;
     const auto down = robot.switch_to({}, order_of(settings));
     if (!down) return down.error();
     const auto up = robot.switch_to(relay_chain(chain), order_of(settings));
     if (!up) return up.error();
-    rows.row("restart of all").seconds.push_back(down->seconds + up->seconds);
+    rows.row("restart").seconds.push_back(down->seconds + up->seconds);
   }
   return {};
 }
 
+/// In one process nothing is deployed, which is the best case; the worst is on another computer.
+std::string published_exchange(const ChainOptions& chain) {
+  if (chain.relays > 50 || chain.transport == BenchTransport::SharedMemory) return {};
+  return chain.transport == BenchTransport::Local ? "<= 320 ms" : "< 2 s";
+}
+
 Result<void> measure_half(BenchRobot& robot, const ChainOptions& chain, const BenchSettings& settings,
                           const BenchReport& report) {
-  const std::array kinds = {ExchangeKind{Exchange::Block, "of neighbours"},
+  const std::array kinds = {ExchangeKind{Exchange::SecondHalf, "of the second half"},
+                            ExchangeKind{Exchange::SecondHalf, "of the second half, prepared", true},
                             ExchangeKind{Exchange::EverySecond, "of every second"},
                             ExchangeKind{Exchange::EverySecond, "of every second, prepared", true}};
   Rows rows(chain);
   if (auto up = robot.switch_to(relay_chain(chain)); !up) return up.error();
   for (const ExchangeKind& kind : kinds) {
     if (auto done = measure_exchanges(robot, chain, kind, settings, report, rows); !done) return done;
-    if (chain.relays == 50 && !kind.prepared) rows.row("exchange " + kind.name).published = "320 ms to < 2 s";
   }
+  rows.row("exchange of the second half").published = published_exchange(chain);
   if (auto done = measure_restarts(robot, chain, settings, report, rows); !done) return done;
   rows.add_to(report);
   return {};
@@ -184,18 +168,23 @@ Result<void> measure_half(BenchRobot& robot, const ChainOptions& chain, const Be
 
 }  // namespace
 
-Result<void> run_bring_up(const BenchSettings& settings, const BenchReport& report) {
-  const auto measure = [&](BenchRobot& robot, ChainOptions chain) -> Result<void> {
-    if (auto done = measure_bring_up(robot, chain, "", settings, report); !done) return done;
-    if (chain.transport != BenchTransport::Remote) return {};
-    chain.placement = ChainPlacement::Alternating;
-    return measure_bring_up(robot, chain, ", alternating", settings, report);
-  };
-  return for_each_chain(settings, {10, 25, 50}, report, measure);
+void run_bring_up(const BenchSettings& settings, const BenchReport& report) {
+  for_each_chain(
+      settings, report,
+      [&](BenchTransport transport) { return chains_of(settings, transport, kPaperLengths); },
+      [&](BenchRobot& robot, const ChainOptions& chain) {
+        return measure_bring_up(robot, chain, settings, report);
+      });
 }
 
-Result<void> run_exchange(const BenchSettings& settings, const BenchReport& report) {
-  return for_each_chain(settings, {10, 25, 50}, report, [&](BenchRobot& robot, const ChainOptions& chain) {
+void run_exchange(const BenchSettings& settings, const BenchReport& report) {
+  const auto chains = [&](BenchTransport transport) {
+    auto all = chains_of(settings, transport, {10, 25, 50});
+    for (ChainOptions& chain : all)
+      chain.placement = ChainPlacement::Relays;
+    return all;
+  };
+  for_each_chain(settings, report, chains, [&](BenchRobot& robot, const ChainOptions& chain) {
     return measure_half(robot, chain, settings, report);
   });
 }

@@ -80,7 +80,8 @@ void add_component(Verb& app, Context& context);
 void add_mission(Verb& app, Context& context);
 void add_studio(Verb& app, Context& context);
 void add_bench(Verb& app, Context& context);
-void add_bench_mission(Verb& bench, Context& context);  ///< a verb of `bench`
+void add_bench_transitions(Verb& bench, Context& context);  ///< a verb of `bench`
+void add_bench_mission(Verb& bench, Context& context);      ///< a verb of `bench`
 void add_completion(Verb& app, Context& context);
 
 }  // namespace segue::cli

@@ -12,6 +12,7 @@
 #include "connection.hpp"
 #include "estimate_text.hpp"
 #include "history_missions.hpp"
+#include "history_slowest.hpp"
 #include "journal_file.hpp"
 #include "report_text.hpp"
 
@@ -27,6 +28,7 @@ struct HistoryOptions {
   bool differences = false;
   bool versions = false;
   bool missions = false;
+  bool slowest = false;
   std::size_t lines = 0;  ///< 0: all
 };
 
@@ -144,12 +146,30 @@ void warn_of_gaps(journal::JournalReader& reader) {
   }
 }
 
+/// Of all transitions in the journal; `-n` is the number of actions.
+int show_slowest(journal::JournalReader& reader, const HistoryOptions& options, const Context& context) {
+  constexpr std::size_t kUsualLines = 20;
+  const auto entries = reader.transitions(std::numeric_limits<std::size_t>::max());
+  if (!entries) return failed(context, entries.error());
+  const auto actions = slowest_actions(*entries, options.lines > 0 ? options.lines : kUsualLines);
+  if (context.json()) {
+    print_json(slowest_value(actions));
+  } else if (actions.empty()) {
+    print_line("no action was ever executed");
+  } else {
+    print(slowest_text(actions));
+  }
+  warn_of_gaps(reader);
+  return kDone;
+}
+
 int show_journal(const std::filesystem::path& path, const HistoryOptions& options, const Context& context) {
   auto reader = journal::JournalReader::open(path);
   if (!reader) return failed(context, reader.error());
   const std::size_t limit = options.lines > 0 ? options.lines : std::numeric_limits<std::size_t>::max();
   if (options.differences) return show_differences(*reader, limit, context);
   if (options.versions) return show_versions(*reader, limit, context);
+  if (options.slowest) return show_slowest(*reader, options, context);
   if (options.missions) {
     const int status = show_missions(*reader, limit, context);
     warn_of_gaps(*reader);
@@ -190,8 +210,8 @@ void complete_journal(const std::string& robot) {
 }
 
 int show_history(const HistoryOptions& options, Context& context) {
-  const bool wants_file =
-      options.all || options.differences || options.versions || options.missions || !options.journal.empty();
+  const bool wants_file = options.all || options.differences || options.versions || options.missions ||
+                          options.slowest || !options.journal.empty();
   const auto path = find_journal(options.journal, robot_meant(context));
   const bool is_there = path && std::filesystem::exists(*path);
   if (!wants_file && (is_running(context.robot) || !is_there)) {
@@ -211,7 +231,8 @@ void add_history(Verb& app, Context& context) {
       app, context, "history", "list past requests and their durations",
       "  segue history\n"
       "  segue history --all --robot artemis      # all requests ever, whether or not it is running\n"
-      "  segue history --missions -n 40           # the latest that missions and the robot did\n\n"
+      "  segue history --missions -n 40           # the latest that missions and the robot did\n"
+      "  segue history --slowest -n 10            # the actions of all transitions that took longest\n\n"
       "For a running robot, these are the requests since it was started. If it is not running, and with "
       "--all,\n"
       "the robot's journal is read. 'expected' is the prediction made from the durations measured before.\n"
@@ -225,10 +246,16 @@ void add_history(Verb& app, Context& context) {
   const Option versions = verb.flag("--versions", options->versions,
                                     "show the versions of controllers recorded in the journal instead")
                               .excludes(differences);
-  verb.flag("--missions", options->missions,
-            "show what missions did as well, in the order in which it happened, from the journal")
+  const Option missions =
+      verb.flag("--missions", options->missions,
+                "show what missions did as well, in the order in which it happened, from the journal")
+          .excludes(differences)
+          .excludes(versions);
+  verb.flag("--slowest", options->slowest,
+            "show the actions that took longest, from the journal, with hints for who wrote the component")
       .excludes(differences)
-      .excludes(versions);
+      .excludes(versions)
+      .excludes(missions);
   verb.option("-n,--lines N", options->lines, "show the latest N only").between(1, kMostLines);
 }
 

@@ -66,6 +66,42 @@ TEST_F(JournalFiles, HistoryIsReadWithoutARunningRobot) {
   EXPECT_NE(entries.as_list()[0].find("predicted_s"), nullptr);
 }
 
+TEST_F(JournalFiles, TheSlowestActionsComeFirstWithHints) {
+  auto first = transition(1);
+  first.actions[0].duration = 150ms;
+  auto start = first.actions[0];
+  start.kind = model::ActionKind::Start;
+  start.phase = model::Phase::Commit;
+  start.label = "start b";
+  start.duration = 12ms;
+  auto failed = start;
+  failed.label = "start c";
+  failed.outcome = "failed";
+  failed.duration = 10s;
+  first.actions.insert(first.actions.end(), {start, failed});
+  auto second = transition(2);
+  second.actions[0].duration = 250ms;
+  {
+    journal::Journal journal(folder_ / "old.sqlite");
+    journal.add(std::move(first));
+    journal.add(std::move(second));
+    ASSERT_TRUE(journal.flush(RealClock::instance().now() + kPatience));
+  }
+  const auto listed = segue({"history", "--slowest", "--journal", "old.sqlite"});
+  EXPECT_EQ(listed.status, 0) << listed.errors;
+  EXPECT_TRUE(contains(listed.output, "segue prepare")) << listed.output;
+  EXPECT_TRUE(contains(listed.output, "move work from on_start to on_configure")) << listed.output;
+  const auto actions = json({"history", "--slowest", "--journal", "old.sqlite"}).as_list();
+  ASSERT_EQ(actions.size(), 2U) << "what failed says nothing about how long it takes";
+  EXPECT_EQ(actions[0].find("action")->as_string(), "configure a");
+  EXPECT_EQ(actions[0].find("count")->as_int(), 2);
+  EXPECT_DOUBLE_EQ(actions[0].find("mean_s")->as_double(), 0.2);
+  EXPECT_DOUBLE_EQ(actions[0].find("most_s")->as_double(), 0.25);
+  EXPECT_EQ(actions[1].find("action")->as_string(), "start b");
+  EXPECT_EQ(json({"history", "--slowest", "-n", "1", "--journal", "old.sqlite"}).as_list().size(), 1U);
+  EXPECT_EQ(segue({"history", "--slowest", "--missions"}).status, 2);
+}
+
 TEST_F(JournalFiles, AGivenFileIsRead) {
   leave("old.sqlite");
   EXPECT_EQ(json({"history", "--journal", "old.sqlite"}).as_list().size(), 3U);
