@@ -4,7 +4,8 @@
 #include <segue/sample_link/sample_form.hpp>
 #include <segue/sample_link/sample_queue.hpp>
 #include <segue/sample_link/word_ring.hpp>
-#include <segue/task/channel.hpp>
+#include <segue/task/port_access.hpp>
+#include <segue/task/sample_pool.hpp>
 #include <segue/type/type.hpp>
 
 #include <atomic>
@@ -14,7 +15,9 @@ namespace segue::sample_link {
 
 namespace {
 
+using task::InputPortAccess;
 using task::InputPortBase;
+using task::OutputPortAccess;
 using task::OutputPortBase;
 using task::SampleRef;
 using task::SampleSlot;
@@ -48,7 +51,7 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   /// section), so only a write that has begun already may still notify the previous one.
   void set_listener(task::SampleListener* listener) override {
     const Lock lock(mutex_);
-    if (listener == nullptr && attached_) from_.wait_until_written();
+    if (listener == nullptr && attached_) OutputPortAccess::wait_until_written(from_);
   }
   [[nodiscard]] bool connected() const override {
     const Lock lock(mutex_);
@@ -107,10 +110,10 @@ Result<std::shared_ptr<PortConnection>> LocalConnection::make(OutputPortBase& fr
                                                               const task::CommitGatePtr& gate) {
   auto connection = std::make_shared<LocalConnection>(from, to, policy, gate);
   // The reader first, so that no sample of the writer goes unnoticed.
-  to.attach(connection);
+  InputPortAccess::attach(to, connection);
   const bool at_once = gate == nullptr;
-  if (auto attached = from.attach(connection, to.full_name(), gate); !attached) {
-    to.detach(*connection);
+  if (auto attached = OutputPortAccess::attach(from, connection, to.full_name(), gate); !attached) {
+    InputPortAccess::detach(to, *connection);
     return std::move(attached.error());
   }
   if (at_once) connection->offer_last();
@@ -120,26 +123,26 @@ Result<std::shared_ptr<PortConnection>> LocalConnection::make(OutputPortBase& fr
 void LocalConnection::offer_last() {
   if (!policy_.init) return;
   latency_.begin_at(monotonic_now());  // how long the last sample has been there is no delay
-  from_.show_last([this](SampleSlot& last) {
+  OutputPortAccess::show_last(from_, [this](SampleSlot& last) {
     if (!queue_.offer_older(last)) return;
     increment(initial_);
-    to_.notify();
+    InputPortAccess::notify(to_);
   });
 }
 
 void LocalConnection::end_at(task::CommitGatePtr gate) {
   const Lock lock(mutex_);
   if (!attached_) return;
-  to_.end_at(*this, gate);
-  from_.end_at(*this, gate);
+  InputPortAccess::end_at(to_, *this, gate);
+  OutputPortAccess::end_at(from_, *this, gate);
   end_ = std::move(gate);
 }
 
 void LocalConnection::settle() {
   const Lock lock(mutex_);
   if (!attached_) return;
-  from_.settle();
-  to_.settle();
+  OutputPortAccess::settle(from_);
+  InputPortAccess::settle(to_);
   if (!gate_ || !gate_->open()) return;
   gate_.reset();
   offer_last();
@@ -160,7 +163,7 @@ void LocalConnection::settle() {
       break;
   }
   // Also where it was refused, so that a reader that has not emptied its buffer gets another turn.
-  to_.notify();
+  InputPortAccess::notify(to_);
   return taken;
 }
 
@@ -192,8 +195,8 @@ SampleRef LocalConnection::pull_object() noexcept {
 void LocalConnection::disconnect() {
   const Lock lock(mutex_);
   if (!attached_) return;
-  from_.detach(*this);
-  to_.detach(*this);
+  OutputPortAccess::detach(from_, *this);
+  InputPortAccess::detach(to_, *this);
   attached_ = false;
   // detach() has waited for a push or pull in progress, and there will be none any more.
   queue_.clear();

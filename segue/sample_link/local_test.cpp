@@ -3,6 +3,7 @@
 #include <segue/sample_link/local.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/manual_executor.hpp>
+#include <segue/task/port_access.hpp>
 #include <segue/task/task.hpp>
 #include <segue/type/describe.hpp>
 
@@ -436,11 +437,11 @@ TEST_F(Local, NobodyNotifiesAListenerThatWasReplaced) {
   InputPort<int> in{reader, "in"};
   ASSERT_NE(connected(out, in), nullptr);
   HeldListener listener;
-  in.set_listener(&listener);
+  task::InputPortAccess::set_listener(in, &listener);
   std::thread writing([&] { out.write(1); });
   listener.inside.wait();
   segue::testing::WaitingCall replacing([&] {
-    in.set_listener(nullptr);
+    task::InputPortAccess::set_listener(in, nullptr);
     EXPECT_TRUE(listener.left) << "the writer still used it";
   });
   EXPECT_TRUE(replacing.waits());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/sample_link/sample_queue.hpp>
+#include <segue/task/sample_pool.hpp>
 #include <segue/type/describe.hpp>
 
 #include <gtest/gtest.h>

@@ -4,6 +4,7 @@
 #include <segue/sample_link/shared_connection.hpp>
 #include <segue/sample_link/shared_input.hpp>
 #include <segue/sample_link/shared_output.hpp>
+#include <segue/task/port_access.hpp>
 #include <segue/type/flat.hpp>
 #include <segue/type/type.hpp>
 
@@ -119,7 +120,8 @@ Result<std::shared_ptr<SharedEndpoint>> attach_output(SharedMemory& memory, cons
   if (!ring) return std::move(ring.error());
   state->drop_ended();
   if (writes_in_place(port) && !place.any_type) {
-    if (auto shared = port.share(state->payload()); !shared) return std::move(shared.error());
+    if (auto shared = task::OutputPortAccess::share(port, state->payload()); !shared)
+      return std::move(shared.error());
   }
   auto endpoint =
       std::make_shared<SharedOutput>(state, std::move(*reader), *ring, place, port, policy, std::move(gate));

@@ -3,11 +3,13 @@
 #include <segue/sample_link/local.hpp>
 #include <segue/sample_link/shared_input.hpp>
 #include <segue/task/executor.hpp>
+#include <segue/task/port_access.hpp>
 #include <segue/type/flat.hpp>
 #include <segue/type/type.hpp>
 
 namespace segue::sample_link {
 
+using task::InputPortAccess;
 using task::SampleRef;
 using task::SampleSlot;
 
@@ -43,7 +45,7 @@ Result<void> SharedInput::open() {
   }
   // Without the mutex, since the port calls set_listener(). Registered afterwards, so that a concurrent
   // forget() of the writer either makes keep() fail or finds this endpoint.
-  port_.attach(shared_from_this());
+  InputPortAccess::attach(port_, shared_from_this());
   auto kept = keep();
   if (!kept) disconnect();
   return kept;
@@ -209,7 +211,7 @@ void SharedInput::disconnect() {
   {
     const Lock lock(mutex_);
     if (!open_) return;
-    port_.detach(*this);
+    InputPortAccess::detach(port_, *this);
     open_ = false;
     (*ring_)->header().closed.store(1, std::memory_order_seq_cst);    // H5: after the last pull()
     (*ring_)->header().doorbell.store(0, std::memory_order_seq_cst);  // H4
@@ -283,7 +285,7 @@ void SharedInput::wake_if_forgotten() noexcept {
   const std::uint64_t read = read_.get();
   const bool waits = pending() && read == read_at_last_look_ && !(gate_ && !gate_->open());
   read_at_last_look_ = read;
-  if (waits) port_.notify();
+  if (waits) InputPortAccess::notify(port_);
 }
 
 void SharedInput::abandon() {
@@ -297,14 +299,14 @@ void SharedInput::abandon() {
 void SharedInput::end_at(task::CommitGatePtr gate) {
   const Lock lock(mutex_);
   if (!open_) return;
-  port_.end_at(*this, gate);
+  InputPortAccess::end_at(port_, *this, gate);
   end_ = std::move(gate);
 }
 
 void SharedInput::settle() {
   const Lock lock(mutex_);
   if (!open_) return;
-  port_.settle();
+  InputPortAccess::settle(port_);
   if (gate_ && gate_->open()) gate_.reset();
 }
 

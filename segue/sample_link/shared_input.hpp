@@ -8,6 +8,7 @@
 #include <segue/sample_link/shared_state.hpp>
 #include <segue/task/channel.hpp>
 #include <segue/task/port.hpp>
+#include <segue/task/sample_pool.hpp>
 
 #include <atomic>
 #include <cstdint>

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/sample_link/shared_output.hpp>
+#include <segue/task/port_access.hpp>
 
 #include <algorithm>
 #include <bit>
 
 namespace segue::sample_link {
+
+using task::OutputPortAccess;
 
 namespace {
 /// For counts with a single writing thread.
@@ -53,7 +56,8 @@ Result<void> SharedOutput::attach() {
 Result<void> SharedOutput::attach_to_port() {
   const Lock lock(mutex_);
   if (auto kept = state_->keep(shared_from_this()); !kept) return kept;
-  if (auto attached = port_.attach(shared_from_this(), reader_port_, gate_); !attached) return attached;
+  if (auto attached = OutputPortAccess::attach(port_, shared_from_this(), reader_port_, gate_); !attached)
+    return attached;
   attached_ = true;
   if (!gate_) show_last();
   return {};
@@ -61,20 +65,20 @@ Result<void> SharedOutput::attach_to_port() {
 
 /// Requires that it is attached.
 void SharedOutput::show_last() {
-  if (policy_.init) port_.show_last([this](task::SampleSlot& last) { offer_last(last); });
+  if (policy_.init) OutputPortAccess::show_last(port_, [this](task::SampleSlot& last) { offer_last(last); });
 }
 
 void SharedOutput::end_at(task::CommitGatePtr gate) {
   const Lock lock(mutex_);
   if (!attached_) return;
-  port_.end_at(*this, gate);
+  OutputPortAccess::end_at(port_, *this, gate);
   end_ = std::move(gate);
 }
 
 void SharedOutput::settle() {
   const Lock lock(mutex_);
   if (!attached_) return;
-  port_.settle();
+  OutputPortAccess::settle(port_);
   if (!gate_ || !gate_->open()) return;
   gate_.reset();
   show_last();
@@ -234,7 +238,7 @@ void SharedOutput::disconnect() {
   {
     const Lock lock(mutex_);
     if (!attached_) return;
-    port_.detach(*this);
+    OutputPortAccess::detach(port_, *this);
     attached_ = false;
     final_ = shown_counters();
   }

@@ -7,7 +7,7 @@
 #include <segue/sample_link/shared_memory.hpp>
 #include <segue/sample_link/shared_ring.hpp>
 #include <segue/task/doorbell.hpp>
-#include <segue/task/sample.hpp>
+#include <segue/task/sample_pool.hpp>
 
 #include <cstddef>
 #include <cstdint>

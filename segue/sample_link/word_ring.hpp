@@ -23,7 +23,7 @@ namespace segue::sample_link {
 /// - R3: with policy circular_buffer, the writer releases head_ after the word, so a reader that sees this
 ///   head sees the word, too, and cannot take the place for empty.
 /// - R4: push(), offer() and pending() are sequentially consistent because they are one side of the wake-up
-///   protocol: the writer stores a word and then loads who listens (N1 in task/port.hpp, H4 in
+///   protocol: the writer stores a word and then loads who listens (N1 in task/port_access.hpp, H4 in
 ///   shared_ring.hpp), a reader that starts to listen stores that and then loads the word; at least one of
 ///   them sees the other's store.
 class WordRing {

@@ -179,10 +179,10 @@ TEST_F(PortDriven, OnlyTriggerPortsTrigger) {
   ASSERT_TRUE((*made)->configure(soon()));
   ASSERT_TRUE((*made)->start(soon()));
   choosy->hooks.clear();
-  choosy->input.notify();
+  InputPortAccess::notify(choosy->input);
   executor->run_ready();
   EXPECT_TRUE(choosy->hooks.empty());
-  choosy->other.notify();
+  InputPortAccess::notify(choosy->other);
   executor->run_ready();
   EXPECT_THAT(choosy->hooks, ElementsAre("update"));
 }
@@ -285,7 +285,7 @@ TEST_F(Threads, VerbThatTimesOutLeavesTheTaskAndWorksLater) {
   };
   ASSERT_TRUE(made.task->configure(soon()));
   ASSERT_TRUE(made.task->start(soon()));
-  made.probe->input.notify();
+  InputPortAccess::notify(made.probe->input);
   inside.wait();
   const Result<void> stopped = made.task->stop(RealClock::instance().now() + 1ms);
   ASSERT_FALSE(stopped);
@@ -308,7 +308,7 @@ TEST_F(Threads, StopWaitsForTheUpdateInProgress) {
   };
   ASSERT_TRUE(made.task->configure(soon()));
   ASSERT_TRUE(made.task->start(soon()));
-  made.probe->input.notify();
+  InputPortAccess::notify(made.probe->input);
   inside.wait();
   std::thread stopper([&] { EXPECT_TRUE(made.task->stop(soon())); });
   go_on.count_down();
@@ -337,7 +337,7 @@ TEST_F(Threads, GroupSharesOneThreadAndEndsWithItsLastTask) {
   for (Made* made : {&first, &second}) {
     ASSERT_TRUE(made->task->configure(soon()));
     ASSERT_TRUE(made->task->start(soon()));
-    made->probe->input.notify();
+    InputPortAccess::notify(made->probe->input);
   }
   updated.wait();
   EXPECT_EQ(one.load(), two.load());
@@ -347,7 +347,7 @@ TEST_F(Threads, GroupSharesOneThreadAndEndsWithItsLastTask) {
     if (hook == "update") again.count_down();
     return {};
   };
-  second.probe->input.notify();
+  InputPortAccess::notify(second.probe->input);
   again.wait();
 }
 
@@ -360,14 +360,14 @@ TEST_F(Threads, TaskMayBeDestroyedByAnotherOfItsGroup) {
   std::latch reaped(1);
   reaper.probe->act = [&](const std::string& hook) -> Result<void> {
     if (hook != "update") return {};
-    victim.probe->input.notify();
+    InputPortAccess::notify(victim.probe->input);
     victim.task.reset();
     reaped.count_down();
     return {};
   };
   ASSERT_TRUE(reaper.task->configure(soon()));
   ASSERT_TRUE(reaper.task->start(soon()));
-  reaper.probe->input.notify();
+  InputPortAccess::notify(reaper.probe->input);
   reaped.wait();
   EXPECT_TRUE(reaper.task->stop(soon()));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/task/channel.hpp>
+#include <segue/task/connection_list.hpp>
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 

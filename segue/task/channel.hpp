@@ -3,7 +3,6 @@
 
 #include <segue/task/sample.hpp>
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -55,11 +54,5 @@ class ReaderEnd {
 
 /// A number for ReaderEnd::number(). Any thread.
 std::uint64_t next_connection_number() noexcept;
-
-namespace detail {
-/// Waits until `section` differs from `begin`. Yields and then sleeps, since the thread inside may need this
-/// processor.
-void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t begin) noexcept;
-}  // namespace detail
 
 }  // namespace segue::task

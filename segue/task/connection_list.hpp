@@ -2,7 +2,6 @@
 #pragma once
 
 #include <segue/base/mutex.hpp>
-#include <segue/task/channel.hpp>
 #include <segue/task/commit_gate.hpp>
 
 #include <atomic>
@@ -13,6 +12,12 @@
 #include <vector>
 
 namespace segue::task {
+
+namespace detail {
+/// Waits until `section` differs from `begin`. Yields and then sleeps, since the thread inside may need this
+/// processor.
+void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t begin) noexcept;
+}  // namespace detail
 
 /// When a connection carries samples, relative to the commit of a transition.
 enum class Lifetime : std::uint8_t { Always, FromCommit, UntilCommit, Never };

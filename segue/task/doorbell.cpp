@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/task/channel.hpp>
+#include <segue/task/connection_list.hpp>
 #include <segue/task/doorbell.hpp>
 #include <segue/task/futex.hpp>
-#include <segue/task/port.hpp>
+#include <segue/task/port_access.hpp>
 #include <segue/task/wake_batch.hpp>
 
 #include <algorithm>
@@ -116,7 +116,7 @@ void Doorbell::wait_until_answered() const noexcept {
     while (lines != 0) {
       // D5: after the store of section_. Pairs with D4.
       InputPortBase* port = ports_[leaf * 64 + take_lowest(lines)].load(std::memory_order_seq_cst);
-      if (port != nullptr) port->notify();
+      if (port != nullptr) InputPortAccess::notify(*port);
     }
   }
   section_.store(count + 2, std::memory_order_release);  // D5: remove() acquires it

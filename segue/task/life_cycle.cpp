@@ -2,6 +2,7 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/task/input_timeout.hpp>
+#include <segue/task/port_access.hpp>
 #include <segue/task/realtime_log.hpp>
 #include <segue/task/task_implementation.hpp>
 
@@ -205,7 +206,7 @@ Result<void> Task::Implementation::arm() {
     }
   }
   for (InputPortBase* input : trigger_inputs)
-    input->set_listener(this);
+    InputPortAccess::set_listener(*input, this);
   for (const int descriptor : descriptors) {
     if (auto watched = executor->watch(*this, descriptor); !watched) return watched;
   }
@@ -218,7 +219,7 @@ Result<void> Task::Implementation::arm() {
 
 void Task::Implementation::disarm() {
   for (InputPortBase* input : trigger_inputs)
-    input->set_listener(nullptr);
+    InputPortAccess::set_listener(*input, nullptr);
   trigger_inputs.clear();
   for (const int descriptor : descriptors)
     executor->unwatch(descriptor);

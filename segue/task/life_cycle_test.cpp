@@ -315,7 +315,7 @@ TEST_F(LifeCycle, UpdatesOnlyWhileRunning) {
   update();
   EXPECT_THAT(probe->hooks, IsEmpty());
   ASSERT_TRUE(task->start(soon()));
-  probe->input.notify();
+  InputPortAccess::notify(probe->input);
   ASSERT_TRUE(task->stop(soon()));
   executor->run_ready();
   EXPECT_THAT(probe->hooks, ElementsAre("start", "stop")) << "a trigger from before the stop is void";

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/task/channel.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/port.hpp>
+#include <segue/task/sample_pool.hpp>
 #include <segue/task/wake_batch.hpp>
 #include <segue/type/flat.hpp>
 
@@ -12,8 +14,6 @@
 namespace segue::task {
 
 namespace {
-
-constexpr std::size_t kWriterSlots = 2;  // the one being written and the last one
 
 std::string declared_name(const type::TypeInfo* type, std::string type_name) {
   return type == nullptr ? std::move(type_name) : std::string(type->name());
@@ -120,6 +120,14 @@ void OutputPortBase::disconnect_all() {
   return slot;
 }
 
+SampleSlot* OutputPortBase::acquire_flat(std::size_t size) {
+  return pool_->acquire_flat(size);
+}
+
+void OutputPortBase::prime_slots(const void* example) {
+  pool_->prime(example);
+}
+
 [[gnu::hot]] WriteResult OutputPortBase::publish(SampleSlot* slot) noexcept {
   increment(written_);
   slot->sequence = written_.load(std::memory_order_relaxed);
@@ -189,50 +197,6 @@ Result<WriteResult> OutputPortBase::write_value(const type::Value& value) {
   return publish(slot);
 }
 
-Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const std::string& reader,
-                                    const CommitGatePtr& gate) {
-  const Lock lock(attach_mutex_);
-  std::size_t slots = kWriterSlots + end->capacity();
-  for (const auto& other : ends_.snapshot()) {
-    if (other->same_as(*end)) {
-      return fail(ErrorCode::AlreadyExists, full_name() + " is already connected to " + reader +
-                                                " with this policy; connect it once, or with another policy");
-    }
-    slots += other->capacity();
-  }
-  if (!pool_->reserve(slots)) return out_of_memory();
-  ends_.add(std::move(end), gate);
-  return {};
-}
-
-Result<void> OutputPortBase::share(const std::shared_ptr<SampleMemory>& memory) {
-  if (!pool_->share(memory)) return out_of_memory();
-  return {};
-}
-
-Error OutputPortBase::out_of_memory() const {
-  return fail(ErrorCode::ResourceExhausted,
-              "the shared memory of this process has no room for the samples of " + full_name() +
-                  "; connect with smaller buffers");
-}
-
-void OutputPortBase::wait_until_written() {
-  const Lock lock(attach_mutex_);
-  ends_.wait_for_reader();
-}
-
-void OutputPortBase::end_at(const WriterEnd& end, const CommitGatePtr& gate) {
-  ends_.end_at(&end, gate);
-}
-
-void OutputPortBase::settle() {
-  ends_.settle();
-}
-
-void OutputPortBase::detach(const WriterEnd& end) {
-  ends_.remove(&end);
-}
-
 std::size_t OutputPortBase::connection_count() const {
   return ends_.snapshot().size();
 }
@@ -256,31 +220,6 @@ InputPortBase::~InputPortBase() {
 void InputPortBase::disconnect_all() {
   for (const auto& end : ends_.snapshot())
     end->disconnect();
-}
-
-void InputPortBase::attach(std::shared_ptr<ReaderEnd> end) {
-  const Lock lock(listener_mutex_);
-  end->set_listener(listener_.load(std::memory_order_relaxed));
-  ends_.add(std::move(end));
-}
-
-void InputPortBase::set_listener(SampleListener* listener) {
-  const Lock lock(listener_mutex_);
-  listener_.store(listener, std::memory_order_seq_cst);  // N1: before the task checks for samples
-  for (const auto& end : ends_.snapshot())
-    end->set_listener(listener);
-}
-
-void InputPortBase::end_at(const ReaderEnd& end, const CommitGatePtr& gate) {
-  ends_.end_at(&end, gate);
-}
-
-void InputPortBase::settle() {
-  ends_.settle();
-}
-
-void InputPortBase::detach(const ReaderEnd& end) {
-  ends_.remove(&end);
 }
 
 std::size_t InputPortBase::connection_count() const {

@@ -18,6 +18,9 @@
 namespace segue::task {
 
 class Component;
+class ReaderEnd;
+class SampleListener;
+class WriterEnd;
 
 enum class Direction : std::uint8_t { Input, Output };
 
@@ -84,6 +87,8 @@ class OutputPortBase : public PortBase {
   [[nodiscard]] std::uint64_t written() const { return written_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t exhausted() const { return exhausted_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::size_t connection_count() const;
+  /// Removes all connections, and waits for a write in progress; not for update paths. A robot makes those of
+  /// its controller again.
   void disconnect_all();
 
   /// Writes a default value (none for any type). Real-time safe once every slot was written.
@@ -93,45 +98,26 @@ class OutputPortBase : public PortBase {
   /// Writes a copy of an object of the port's type. Real-time safe as far as the type's assignment is.
   WriteResult write_object(const void* object);
 
-  /// For links: adds an end, which with a gate gets samples once that opens (AlreadyExists if one leads to
-  /// the same `reader`, "task.port", with the same policy); lets it end when a gate opens; drops gates of a
-  /// transition that has ended; removes it and waits for the write in progress.
-  Result<void> attach(std::shared_ptr<WriterEnd> end, const std::string& reader,
-                      const CommitGatePtr& gate = nullptr);
-  void end_at(const WriterEnd& end, const CommitGatePtr& gate);
-  void settle();
-  void detach(const WriterEnd& end);
-  /// For links: waits until a write or show_last() that is in progress has ended.
-  void wait_until_written();
-  /// For links: from now on samples lie in `memory`, unless another memory was set before. ResourceExhausted.
-  Result<void> share(const std::shared_ptr<SampleMemory>& memory);
-  /// For links: passes the last sample to `accept`, if there is one. The sample is taken out of last_
-  /// meanwhile, so that it cannot be released; it is put back unless the writer has published a newer one.
-  template <class Accept>
-  void show_last(Accept accept) {
-    const Lock lock(attach_mutex_);
-    SampleSlot* last = last_.exchange(nullptr, std::memory_order_acq_rel);  // pairs with K1
-    if (last == nullptr) return;
-    accept(*last);
-    SampleSlot* expected = nullptr;
-    if (!last_.compare_exchange_strong(expected, last, std::memory_order_acq_rel)) last->release();  // K1
-  }
-
  protected:
   /// For the writer: a slot to write to, which publish() or SampleSlot::release() must follow; nullptr,
   /// counted, if none is free. Not for flat ports.
   SampleSlot* acquire() noexcept;
   /// For the writer of a flat port: a slot with room for `size` bytes, which publish() or
   /// SampleSlot::release() must follow. Allocates, so a slot is always free; may throw std::bad_alloc.
-  SampleSlot* acquire_flat(std::size_t size) { return pool_->acquire_flat(size); }
+  SampleSlot* acquire_flat(std::size_t size);
   WriteResult publish(SampleSlot* slot) noexcept;
-  SamplePool& pool() { return *pool_; }
+  /// For the writer: fills every free slot, and all slots that later connections add, with a copy of
+  /// `example`, an object of the port's type. Allocates. Not for flat ports, nor for those of any type.
+  void prime_slots(const void* example);
 
  private:
-  WriteResult write_flat(const void* object);
-  [[nodiscard]] Error out_of_memory() const;
+  friend class OutputPortAccess;
 
-  SamplePool::Handle pool_;
+  /// The slot being written and that of the last sample.
+  static constexpr std::size_t kWriterSlots = 2;
+  WriteResult write_flat(const void* object);
+
+  std::unique_ptr<SamplePool, detail::RetirePool> pool_;
   ConnectionList<WriterEnd> ends_;
   std::atomic<std::uint64_t> written_{0};    ///< relaxed: one thread counts; others may read an older value
   std::atomic<std::uint64_t> exhausted_{0};  ///< relaxed for the same reason, as is read_
@@ -139,7 +125,7 @@ class OutputPortBase : public PortBase {
   /// Owns a reference. Whoever takes a slot out by an exchange owns that reference. K1: exchanges are
   /// acquire-release, so whoever takes a slot out sees its content.
   std::atomic<SampleSlot*> last_{nullptr};
-  Mutex attach_mutex_;  ///< serializes attach() and show_last()
+  Mutex attach_mutex_;  ///< serializes attach() and show_last() of OutputPortAccess
   void* default_value_ = nullptr;
 };
 
@@ -153,7 +139,7 @@ class InputPortBase : public PortBase {
   [[nodiscard]] bool connected() const { return !ends_.empty(); }
   [[nodiscard]] std::uint64_t samples_read() const { return read_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::size_t connection_count() const;
-  void disconnect_all();
+  void disconnect_all();  ///< as that of OutputPortBase, but waits for a read in progress
 
   /// Reads as a dynamic value; untyped samples are null. Allocates; not for update paths.
   ReadStatus read_value(type::Value& value);
@@ -161,21 +147,6 @@ class InputPortBase : public PortBase {
   std::size_t drain() noexcept;
   /// Whether a sample waits. The reader's thread only; real-time safe.
   [[nodiscard]] bool pending() noexcept;
-
-  /// For links. What waits in an end that ends when a gate opens is read before anything newer.
-  void attach(std::shared_ptr<ReaderEnd> end);
-  void end_at(const ReaderEnd& end, const CommitGatePtr& gate);
-  void settle();
-  void detach(const ReaderEnd& end);
-  /// For links: wakes the task if this port triggers it. Real-time safe. N1, sequentially consistent: a link
-  /// stores the sample and then loads the listener, a task that starts stores the listener and then checks
-  /// for samples, so one of them sees the other.
-  void notify() noexcept {
-    if (SampleListener* listener = listener_.load(std::memory_order_seq_cst)) listener->sample_arrived();
-  }
-  /// For the task: sets the listener of notify(); nullptr for none. The previous one is not being called any
-  /// more when this returns.
-  void set_listener(SampleListener* listener);
 
  protected:
   /// The next sample, taking turns among connections; empty if none waits.
@@ -186,6 +157,8 @@ class InputPortBase : public PortBase {
   [[nodiscard]] const SampleRef& last() const { return last_; }
 
  private:
+  friend class InputPortAccess;
+
   ConnectionList<ReaderEnd> ends_;
   Mutex listener_mutex_;  ///< serializes changes of listener_, so that all ends get the same one
   std::atomic<SampleListener*> listener_{nullptr};

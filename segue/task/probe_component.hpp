@@ -4,6 +4,7 @@
 #include <segue/base/virtual_clock.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/manual_executor.hpp>
+#include <segue/task/port_access.hpp>
 #include <segue/task/task.hpp>
 
 #include <gtest/gtest.h>
@@ -123,7 +124,7 @@ class TaskTest : public ::testing::Test {
   }
   /// Makes the task update once, as a sample would.
   void update() {
-    probe->input.notify();
+    InputPortAccess::notify(probe->input);
     executor->run_ready();
   }
 

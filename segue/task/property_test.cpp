@@ -95,14 +95,14 @@ TEST_F(Properties, LiveOnesMaySafelyBeSetWhileUpdatesReadThem) {
     if (hook != "update") return {};
     const std::vector<int>& limits = other->limits.get();
     EXPECT_EQ(limits.front(), limits.back()) << "half of one value, half of another";
-    other->input.notify();
+    InputPortAccess::notify(other->input);
     if (++updates <= 200) enough.count_down();
     return {};
   };
   ASSERT_TRUE((*made)->set_properties(Value::map({{"limits", Value::list({0, 0})}}), soon()));
   ASSERT_TRUE((*made)->configure(soon()));
   ASSERT_TRUE((*made)->start(soon()));
-  other->input.notify();
+  InputPortAccess::notify(other->input);
   for (int i = 0; i < 200; ++i) {
     ASSERT_TRUE((*made)->set_properties(Value::map({{"limits", Value::list({i, 7, i})}}), soon()));
     ASSERT_EQ((*made)->properties().find("limits")->as_list().size(), 3U);

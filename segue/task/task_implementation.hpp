@@ -3,6 +3,7 @@
 
 #include <segue/base/mutex.hpp>
 #include <segue/task/call_queue.hpp>
+#include <segue/task/channel.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/executor.hpp>
 #include <segue/task/ownership.hpp>

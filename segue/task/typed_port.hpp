@@ -80,7 +80,7 @@ class OutputPort : public OutputPortBase {
 
   /// Fills every free slot, and all slots that later connections add, with `example`, so that writing values
   /// that are not larger allocates nothing. For hooks, not for updates.
-  void prime(const T& example) { pool().prime(&example); }
+  void prime(const T& example) { prime_slots(&example); }
 
  private:
   friend class Loan<T>;

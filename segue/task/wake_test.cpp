@@ -138,7 +138,7 @@ class Spinning : public ::testing::TestWithParam<Duration> {
 TEST_P(Spinning, NoTriggerIsLost) {
   start({.trigger = Trigger::PortDriven});
   for (int i = 0; i < 1000; ++i) {
-    probe->input.notify();
+    InputPortAccess::notify(probe->input);
     updated.acquire();
   }
   EXPECT_TRUE(task->stop(soon()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/task/sample.hpp>
+#include <segue/task/sample_pool.hpp>
 
 #include <algorithm>
 #include <new>
@@ -23,6 +23,10 @@ std::size_t alignment_of(const type::TypeInfo* info) {
 }
 
 }  // namespace
+
+void detail::RetirePool::operator()(SamplePool* pool) const noexcept {
+  pool->retire();
+}
 
 SamplePool::Handle SamplePool::create(const type::TypeInfo* info, Holds holds) {
   return Handle(new SamplePool(info, holds));
