@@ -205,8 +205,7 @@ std::vector<Value> ActionEnvironment::inputs(NodeContext& context) const {
   if (planned.role != Role::Action) return values;
   const auto& ports = *plan_.program().node(planned.state).input_ports;
   for (std::size_t i = 0; i < ports.size(); ++i) {
-    if (ports[i].from_world)
-      values[i] = mission::value_of(values[i], mission::placeholder_field(ports[i].name)->path);
+    if (ports[i].from_world) values[i] = mission::value_of(values[i], ports[i].name);
   }
   return values;
 }

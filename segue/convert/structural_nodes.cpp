@@ -41,8 +41,7 @@ void ActionEnvironment::change_value(NodeContext& context, Completions& completi
   };
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto input = mission::position(action.inputs, names[i]);
-    if (!input || !action.inputs[*input].from_world) continue;
-    values[i + 1] = mission::value_of(values[i + 1], mission::placeholder_field(names[i])->path);
+    if (input && action.inputs[*input].from_world) values[i + 1] = mission::value_of(values[i + 1], names[i]);
   }
   auto report = std::make_unique<task_network::Report>();
   report->outputs = std::make_shared<const Value>(

@@ -41,7 +41,7 @@ const GroundFact* World::first_false(std::span<const GroundFact> facts,
 type::Value World::value_of(std::string_view placeholder) const {
   const auto field = placeholder_field(placeholder);
   const auto found = field ? values_.find(field->data) : values_.end();
-  return found == values_.end() ? type::Value() : mission::value_of(found->second, field->path);
+  return found == values_.end() ? type::Value() : mission::value_of(found->second, placeholder);
 }
 
 void World::make(const Change& change) {

@@ -105,8 +105,9 @@ std::optional<WorldField> placeholder_field(std::string_view placeholder) {
   return world_field(placeholder.substr(kWorld.size()));
 }
 
-Value value_of(const Value& data, std::string_view path) {
+Value value_of(const Value& data, std::string_view placeholder) {
   const Value* part = &data;
+  std::string_view path = placeholder_field(placeholder)->path;
   while (part != nullptr && !path.empty()) {
     const std::string_view name = take_part(path);
     if (part->is_list()) {

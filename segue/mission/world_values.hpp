@@ -38,8 +38,8 @@ struct WorldField {
 /// The same of a placeholder "world.scene.arm"; nothing where it is an input's.
 [[nodiscard]] std::optional<WorldField> placeholder_field(std::string_view placeholder);
 
-/// The field of the data; null where they have none.
-[[nodiscard]] type::Value value_of(const type::Value& data, std::string_view path);
+/// The value of the data or of their field, as a placeholder_field() names it; null where there is none.
+[[nodiscard]] type::Value value_of(const type::Value& data, std::string_view placeholder);
 
 /// The placeholders of values in an action: "world.scene" of "{world.scene}" in the arguments of a pool or
 /// controller, or in the values of its changes.
