@@ -83,9 +83,8 @@ struct PlannedNode {
   std::shared_ptr<const mission::ParallelBranch> branch;  ///< null: in no barrier
   std::vector<BranchSource> branches;                     ///< deciders
   std::vector<std::pair<std::uint32_t, task_network::OutcomeId>>
-      joined;  ///< Join: inputs and the values that they must have
-  std::string global;
-  std::string value;                    ///< Change: its name
+      joined;                           ///< Join: inputs and the values that they must have
+  std::string variable;                 ///< Global: its name; Change: that of the value of the world
   std::string refused;                  ///< why the action can never begin
   mission::EnclosingScopePtr around{};  ///< OpaqueSubtree: what is declared around it
   mission::ObservedNeedsPtr observed{};

@@ -22,7 +22,7 @@ using type::Value;
 void ActionEnvironment::hand_on(NodeContext& context, Completions& completions) {
   const PlannedNode& planned = plan_[context.node()];
   Value handed = planned.role == Role::Global
-                     ? globals_of(context.node()).get(planned.global).value_or(Value())
+                     ? globals_of(context.node()).get(planned.variable).value_or(Value())
                      : newest(context, planned.inputs);
   auto report = std::make_unique<task_network::Report>();
   report->outputs =
@@ -34,7 +34,7 @@ void ActionEnvironment::change_value(NodeContext& context, Completions& completi
   const PlannedNode& planned = plan_[context.node()];
   const mission::Program& program = plan_.program();
   const mission::Action& action = program.mission().actions[program.node(planned.state).action];
-  const auto names = mission::sources_of_change(action, planned.value);
+  const auto names = mission::sources_of_change(action, planned.variable);
   std::vector<Value> values = inputs(context);
   const auto port = [&](std::string_view name) -> const Value& {
     return values[1 + static_cast<std::size_t>(std::ranges::find(names, name) - names.begin())];
@@ -46,7 +46,7 @@ void ActionEnvironment::change_value(NodeContext& context, Completions& completi
   auto report = std::make_unique<task_network::Report>();
   report->outputs = std::make_shared<const Value>(
       Value::map({{std::string(kValueOutput),
-                   mission::changed_value(action, planned.value, std::move(values.front()), port)}}));
+                   mission::changed_value(action, planned.variable, std::move(values.front()), port)}}));
   completions.finish_at(completions.now(), context.node(), context.attempt(), std::move(report));
 }
 

@@ -86,7 +86,7 @@ class Replay {
     const PlannedNode& planned = (*again_)[node];
     ValueMap outputs;
     if (planned.role == Role::Global)
-      outputs.append(std::string(kValueOutput), globals_.get(planned.global).value_or(Value()));
+      outputs.append(std::string(kValueOutput), globals_.get(planned.variable).value_or(Value()));
     if (planned.state == mission::kNoState || planned.role == Role::Change)
       return end(node, task_network::kSuccess, &given_.emplace_back(std::move(outputs)));
     const mission::CompiledState& state = plan_.program().node(planned.state);

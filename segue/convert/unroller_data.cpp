@@ -76,7 +76,7 @@ Default Unroller::fallback(const mission::PortSource& supply, BranchEdge at) {
   PlannedNode planned;
   planned.when = at;
   planned.role = Role::Global;
-  planned.global = supply.global;
+  planned.variable = supply.global;
   return {Value(), append(spec, std::move(planned), "$" + supply.global)};
 }
 

@@ -54,7 +54,7 @@ void Unroller::change_world(const StateEntry& entry, const Action& action, NodeI
     planned.role = Role::Change;
     planned.state = entry.state;
     planned.when = when;
-    planned.value = name;
+    planned.variable = name;
     planned.inputs.push_back(connect(spec, world_.value(name, entry.when, paths_), kValueOutput));
     for (const std::string& source : mission::sources_of_change(action, name)) {
       const auto input = mission::position(action.inputs, source);

@@ -14,10 +14,10 @@ using convert::PlannedNode;
 using convert::Role;
 
 std::string note_of(const MissionPlan& plan, const PlannedNode& planned) {
-  if (planned.role == Role::Global) return "the variable " + planned.global;
+  if (planned.role == Role::Global) return "the variable " + planned.variable;
   if (planned.role == Role::Join) return fmt::format("of {} ways", planned.joined.size());
   if (planned.role == Role::Begin) return "begins the container: takes what it blocks";
-  if (planned.role == Role::Change) return "the world's " + planned.value + " as it will be";
+  if (planned.role == Role::Change) return "the world's " + planned.variable + " as it will be";
   if (planned.role != Role::OpaqueSubtree) return {};
   return convert::text_of(plan.subtree_reason(planned.state), plan.program());
 }
