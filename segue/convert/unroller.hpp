@@ -122,6 +122,7 @@ class Unroller {
   Symbol copied(std::vector<Symbol> values, BranchEdge when);
   Symbol read(const ContainerExecution& activation, const std::vector<std::uint32_t>& slots, BranchEdge at);
   task_network::NodeSpec& new_spec();
+  PlannedNode begin_structural(Role role, BranchEdge when);
   task_network::NodeId append(task_network::NodeSpec& spec, PlannedNode node, std::string_view name);
   ValueSource connect(task_network::NodeSpec& spec, const Symbol& symbol, std::string_view name);
   std::optional<task_network::OutcomeId> expected_end(mission::StateIndex state);
@@ -182,9 +183,8 @@ class Unroller {
   std::uint32_t over_before_ = 0;                           ///< all nodes before are over or off the path
   const std::vector<OpaqueSubtreeReason> subtrees_;         ///< by state
   mission::SharedUnits shared_;
-  std::vector<const Track*>
-      before_;  ///< of the states beside and before the one that is being planned: open ones
-  std::vector<std::string> varying_;         ///< patterns of resources that are created or removed
+  std::vector<const Track*> before_;  ///< open ones of the states beside and before the one being planned
+  std::vector<std::string> varying_;  ///< patterns of resources that are created or removed
   std::vector<std::string> blocked_within_;  ///< patterns of mission::resources_blocked_within()
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;

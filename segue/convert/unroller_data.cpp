@@ -69,15 +69,11 @@ ValueSource Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_
 /// A default of the mission. A global variable is read by a separate node, at its place in the program order.
 Default Unroller::fallback(const mission::PortSource& supply, BranchEdge at) {
   if (supply.global.empty()) return {supply.fallback};
-  NodeSpec& spec = new_spec();
-  spec.opaque = true;
-  spec.cannot_fail = true;
-  spec.structural = true;
-  PlannedNode planned;
-  planned.when = at;
-  planned.role = Role::Global;
+  PlannedNode planned = begin_structural(Role::Global, at);
+  spec_.kind = ActionClass::Irreversible;
+  spec_.opaque = true;
   planned.variable = supply.global;
-  return {Value(), append(spec, std::move(planned), "$" + supply.global)};
+  return {Value(), append(spec_, std::move(planned), "$" + supply.global)};
 }
 
 std::vector<Symbol> Unroller::inputs_of(ContainerExecution& activation, StateIndex child, BranchEdge at) {
@@ -138,18 +134,12 @@ Symbol Unroller::read(const ContainerExecution& activation, const std::vector<st
 
 /// The newest of the values that is not null.
 Symbol Unroller::copied(std::vector<Symbol> values, BranchEdge when) {
-  NodeSpec& spec = new_spec();
-  spec.kind = ActionClass::Pure;
-  spec.cannot_fail = true;
-  spec.structural = true;
-  PlannedNode planned;
-  planned.when = when;
-  planned.role = Role::Copy;
+  PlannedNode planned = begin_structural(Role::Copy, when);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::string name = std::string(kValueOutput) + (i == 0 ? "" : "." + std::to_string(i));
-    planned.inputs.push_back(connect(spec, values[i], name));
+    planned.inputs.push_back(connect(spec_, values[i], name));
   }
-  const NodeId id = append(spec, std::move(planned), "copy");
+  const NodeId id = append(spec_, std::move(planned), "copy");
   Symbol result;
   result.candidates.push_back({id, plan_.network_.names.intern(kValueOutput), when, {}});
   return result;
@@ -166,24 +156,18 @@ BranchEdge Unroller::meet(std::vector<BranchEdge> edges) {
 
 /// The edge that is on the path if `around` is, and one of the edges.
 BranchEdge Unroller::add_join(BranchEdge around, std::vector<BranchEdge> edges) {
-  NodeSpec& spec = new_spec();
-  spec.kind = ActionClass::Pure;
-  spec.cannot_fail = true;
-  spec.structural = true;
-  spec.branches = true;
+  PlannedNode planned = begin_structural(Role::Join, around);
+  spec_.branches = true;
   const OutcomeId reached = plan_.network_.outcome("reached");
   const OutcomeId missed = plan_.network_.outcome("missed");
-  spec.expected = reached;
-  PlannedNode planned;
-  planned.role = Role::Join;
-  planned.when = around;
+  spec_.expected = reached;
   const auto output = plan_.network_.names.intern(kOutcomeOutput);
   for (const BranchEdge edge : edges) {
     const auto input = plan_.network_.names.intern(numbered("way", planned.joined.size()));
-    spec.inputs.push_back({paths_.node(edge), output, input});
+    spec_.inputs.push_back({paths_.node(edge), output, input});
     planned.joined.emplace_back(input, edge.outcome);
   }
-  const NodeId id = append(spec, std::move(planned), "join");
+  const NodeId id = append(spec_, std::move(planned), "join");
   return paths_.add_join(id, around, std::move(edges), reached, missed);
 }
 

@@ -88,6 +88,18 @@ NodeSpec& Unroller::new_spec() {
   return spec_;
 }
 
+/// A node that executes nothing and cannot fail; `spec_` is its specification.
+PlannedNode Unroller::begin_structural(Role role, BranchEdge when) {
+  NodeSpec& spec = new_spec();
+  spec.kind = ActionClass::Pure;
+  spec.cannot_fail = true;
+  spec.structural = true;
+  PlannedNode planned;
+  planned.role = role;
+  planned.when = when;
+  return planned;
+}
+
 /// The node is named after its state, or else as given.
 NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name) {
   auto& names = plan_.network_.names;

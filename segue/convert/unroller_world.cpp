@@ -46,25 +46,19 @@ void Unroller::change_world(const StateEntry& entry, const Action& action, NodeI
   if (exit == end.exits.end()) return;
   const BranchEdge when = exit->arrival.when;
   for (const std::string& name : mission::values_changed(action)) {
-    NodeSpec& spec = new_spec();
-    spec.kind = ActionClass::Pure;
-    spec.cannot_fail = true;
-    spec.structural = true;
-    PlannedNode planned;
-    planned.role = Role::Change;
+    PlannedNode planned = begin_structural(Role::Change, when);
     planned.state = entry.state;
-    planned.when = when;
     planned.variable = name;
-    planned.inputs.push_back(connect(spec, world_.value(name, entry.when, paths_), kValueOutput));
+    planned.inputs.push_back(connect(spec_, world_.value(name, entry.when, paths_), kValueOutput));
     for (const std::string& source : mission::sources_of_change(action, name)) {
       const auto input = mission::position(action.inputs, source);
       const auto output = mission::position(action.outputs, source);
       const Symbol symbol = input    ? input_of(entry, action, *input)
                             : output ? end.outputs[*output]
                                      : Symbol();
-      planned.inputs.push_back(connect(spec, symbol, source));
+      planned.inputs.push_back(connect(spec_, symbol, source));
     }
-    const NodeId id = append(spec, std::move(planned), "change of " + name);
+    const NodeId id = append(spec_, std::move(planned), "change of " + name);
     Symbol value;
     value.candidates.push_back({id, plan_.network_.names.intern(kValueOutput), when, {}});
     world_.change(name, when, std::move(value), by, plan_.network_.names.intern(kOutcomeOutput), paths_);
