@@ -63,6 +63,8 @@ struct BranchSource {
   std::vector<BranchEnd> ends;
 };
 
+struct TouchedValues;
+
 /// The meaning of a node of the network in the mission.
 struct PlannedNode {
   Role role = Role::Action;
@@ -73,7 +75,7 @@ struct PlannedNode {
   std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
   std::string loops;            ///< as mission::Execution
   std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
-  /// The sources of inputs, by port; of an OpaqueSubtree, then of the values_within() it. A Copy has the
+  /// The sources of inputs, by port; of an OpaqueSubtree, then of all values in `touched`. A Copy has the
   /// forwarded values, of which the newest that is not null counts; a Change the value as it was, and then
   /// mission::sources_of_change().
   std::vector<ValueSource> inputs;
@@ -87,6 +89,7 @@ struct PlannedNode {
   std::string variable;                 ///< Global: its name; Change: that of the value of the world
   std::string refused;                  ///< why the action can never begin
   mission::EnclosingScopePtr around{};  ///< OpaqueSubtree: what is declared around it
+  std::shared_ptr<const TouchedValues> touched{};  ///< OpaqueSubtree: the values_within() it
   mission::ObservedNeedsPtr observed{};
 };
 

@@ -33,7 +33,7 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission
   mission::WorldValues values;
   const auto ports = static_cast<std::ptrdiff_t>(plan_.program().node(planned.state).input_ports->size());
   auto seen = given.begin() + ports;
-  for (const std::string& name : values_within(plan_.program(), planned.state).all)
+  for (const std::string& name : planned.touched->all)
     values.emplace(name, std::move(*seen++));
   given.resize(static_cast<std::size_t>(ports));
   return {planned.state,
@@ -79,8 +79,7 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
   options.preemption_grace = options_.preemption_grace;
   auto reports = reporter(context.node());
   options.part = part(context, reports->globals);
-  const SubtreeWatch watch(*options.part,
-                           values_within(plan_.program(), plan_[context.node()].state).changed);
+  const SubtreeWatch watch(*options.part, plan_[context.node()].touched->changed);
   auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
   if (!made) {
     return completions.finish_at(completions.now(), context.node(), context.attempt(),

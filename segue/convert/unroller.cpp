@@ -350,7 +350,7 @@ std::vector<Candidate> Unroller::constant(std::string text, BranchEdge when) {
   Default known;
   known.value = type::Value(std::move(text));
   value.rest = with({}, std::move(known));
-  return copied(std::move(value), when).candidates;
+  return copied({&value, 1}, when).candidates;
 }
 
 bool Unroller::step_barrier(Track& track) {

@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -118,8 +119,7 @@ class Unroller {
   StateEnd add_subtree(const StateEntry& entry);
   BranchEdge meet(std::vector<BranchEdge> edges);
   BranchEdge add_join(BranchEdge around, std::vector<BranchEdge> edges);
-  Symbol copied(Symbol value, BranchEdge when);
-  Symbol copied(std::vector<Symbol> values, BranchEdge when);
+  Symbol copied(std::span<const Symbol> values, BranchEdge when);
   Symbol read(const ContainerExecution& activation, const std::vector<std::uint32_t>& slots, BranchEdge at);
   task_network::NodeSpec& new_spec();
   PlannedNode begin_structural(Role role, BranchEdge when);
@@ -182,6 +182,7 @@ class Unroller {
   std::unordered_map<std::string, std::uint32_t> entered_;  ///< by path of a container: how often
   std::uint32_t over_before_ = 0;                           ///< all nodes before are over or off the path
   const std::vector<OpaqueSubtreeReason> subtrees_;         ///< by state
+  std::unordered_map<mission::StateIndex, std::shared_ptr<const TouchedValues>> touched_;  ///< by subtree
   mission::SharedUnits shared_;
   std::vector<const Track*> before_;  ///< open ones of the states beside and before the one being planned
   std::vector<std::string> varying_;  ///< patterns of resources that are created or removed
@@ -192,9 +193,8 @@ class Unroller {
   std::vector<std::uint32_t> copies_;  ///< by name, of TaskNetwork::names
   std::vector<Touch> touches_;         ///< by action
   WorldFlow world_;
-  std::unordered_map<mission::StateIndex, std::optional<std::vector<std::size_t>>>
-      named_by_;                 ///< by container: the inputs that determine what it declares
-  task_network::NodeSpec spec_;  ///< of the current node
+  std::unordered_map<mission::StateIndex, decltype(Touch::named_by)> named_by_;  ///< of containers
+  task_network::NodeSpec spec_;                                                  ///< of the current node
 };
 
 }  // namespace segue::convert

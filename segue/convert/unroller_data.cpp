@@ -112,11 +112,7 @@ void Unroller::store(ContainerExecution& activation, std::uint32_t slot, BranchE
     }
     within = within && one_is_certain;
   }
-  activation.slots.write(slot, when, within ? std::move(value) : copied(std::move(value), when), paths_);
-}
-
-Symbol Unroller::copied(Symbol value, BranchEdge when) {
-  return copied(std::vector<Symbol>{std::move(value)}, when);
+  activation.slots.write(slot, when, within ? std::move(value) : copied({&value, 1}, when), paths_);
 }
 
 /// The value that was written last to the slots. A null hides no older value of another slot; which of them
@@ -129,11 +125,11 @@ Symbol Unroller::read(const ContainerExecution& activation, const std::vector<st
     if (!one.empty()) written.push_back(std::move(one));
   }
   if (written.empty()) return {};
-  return written.size() == 1 ? std::move(written.front()) : copied(std::move(written), at);
+  return written.size() == 1 ? std::move(written.front()) : copied(written, at);
 }
 
 /// The newest of the values that is not null.
-Symbol Unroller::copied(std::vector<Symbol> values, BranchEdge when) {
+Symbol Unroller::copied(std::span<const Symbol> values, BranchEdge when) {
   PlannedNode planned = begin_structural(Role::Copy, when);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::string name = std::string(kValueOutput) + (i == 0 ? "" : "." + std::to_string(i));

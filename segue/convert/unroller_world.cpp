@@ -68,15 +68,17 @@ void Unroller::change_world(const StateEntry& entry, const Action& action, NodeI
 /// A subtree sees the values that actions in it see or change, and says at its end how those are that it has
 /// changed.
 void Unroller::connect_subtree_to_world(const StateEntry& entry, NodeSpec& spec, PlannedNode& planned) {
-  const TouchedValues values = values_within(plan_.program(), entry.state);
-  for (const std::string& name : values.all) {
+  auto& touched = touched_[entry.state];
+  if (!touched) touched = std::make_shared<TouchedValues>(values_within(plan_.program(), entry.state));
+  planned.touched = touched;
+  for (const std::string& name : touched->all) {
     planned.inputs.push_back(connect(spec, world_.value(name, entry.when, paths_), "world." + name));
     wait_for_changes_of(name, entry, spec);
   }
 }
 
 void Unroller::change_world_by_subtree(const StateEntry& entry, NodeId subtree) {
-  for (const std::string& name : values_within(plan_.program(), entry.state).changed) {
+  for (const std::string& name : touched_.at(entry.state)->changed) {
     Symbol value;
     value.candidates.push_back({subtree, plan_.network_.names.intern("world." + name), entry.when, {}});
     world_.change(name, entry.when, std::move(value), subtree, plan_.network_.names.intern(kOutcomeOutput),
