@@ -3,6 +3,8 @@
 #include <segue/deploy/shut_down.hpp>
 #include <segue/task_host/test_support.hpp>
 
+#include <support/network_of.hpp>
+
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -10,7 +12,7 @@
 namespace segue::deploy::detail {
 namespace {
 
-using task_host::testing::network_of;
+using segue::testing::network_of;
 using task_host::testing::soon;
 using task_host::testing::wire;
 using ::testing::ElementsAre;

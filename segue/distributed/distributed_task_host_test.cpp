@@ -12,9 +12,9 @@ TEST(DistributedTaskHost, NetworksGoFromHostToHost) {
     for (const char* next : {kFirst, kSecond, kFirst}) {
       ASSERT_EQ(said(run.switch_to(next)), "done");
       EXPECT_EQ(run.wrong(next), "");
-      EXPECT_TRUE(equivalent(run.host.condensed(run.host.observe()), spread_of(next)));
-      EXPECT_EQ(run.host.connections().size(), spread_of(next).connections.size());
-      EXPECT_EQ(run.host.tasks().size(), spread_of(next).tasks.size());
+      EXPECT_TRUE(equivalent(run.host.condensed(run.host.observe()), network_of(next)));
+      EXPECT_EQ(run.host.connections().size(), network_of(next).connections.size());
+      EXPECT_EQ(run.host.tasks().size(), network_of(next).tasks.size());
     }
     EXPECT_EQ(computers.left.world.find("p1")->tasks.size(), 2U);
     EXPECT_EQ(computers.right.world.find("p2")->tasks.size(), 1U);
@@ -32,7 +32,7 @@ TEST(DistributedTaskHost, APhaseIsOneMessageForEachHost) {
   ASSERT_EQ(said(run.switch_to(kFirst)), "done");
   const auto calls = [&](const char* what) { return computers.left.line.calls(what); };
   const int before = calls("begin_in_order");
-  auto extended = spread_of(kFirst);
+  auto extended = network_of(kFirst);
   extended.tasks.emplace_back(extended.tasks.front()).id = TaskId("f");
   extended.deployments.front().tasks.emplace_back().task = TaskId("f");
   extended.connections.push_back({{TaskId("f"), "out"}, {TaskId("c"), "f"}, {}, {}});
@@ -105,7 +105,7 @@ TEST(DistributedTaskHost, WhatIsWithdrawnLeavesTheFormerNetworkRunning) {
   Commander run(computers);
   ASSERT_EQ(said(run.switch_to(kFirst)), "done");
   const auto observed = run.host.observe();
-  const auto target = run.host.expanded(spread_of(kSecond));
+  const auto target = run.host.expanded(network_of(kSecond));
   const auto transition = run.plan(observed, target);
   run.host.begin_transition(observed, target);
   ASSERT_EQ(said(run.perform(transition, Phase::Prepare)), "done");
@@ -167,7 +167,7 @@ TEST(DistributedTaskHost, ATaskThatMovedFromALostHostIsReportedOnceUnderItsName)
   ASSERT_EQ(said(run.switch_to(kFirst)), "done");
   (void)run.host.tasks();
   computers.left.line.cut();
-  auto moved = spread_of(kFirst);
+  auto moved = network_of(kFirst);
   moved.deployments.front().host = HostName("right");
   ASSERT_EQ(said(run.switch_to(moved)), "done");
   int known = 0;
@@ -186,7 +186,7 @@ TEST(DistributedTaskHost, AHostThatWasLostMeanwhileTakesNoMoreActionsOfATransiti
   Commander run(computers, {}, 10ms);
   ASSERT_EQ(said(run.switch_to(kFirst)), "done");
   const auto observed = run.host.observe();
-  const auto target = run.host.expanded(spread_of(kSecond));
+  const auto target = run.host.expanded(network_of(kSecond));
   const auto transition = run.plan(observed, target);
   run.host.begin_transition(observed, target);
   computers.right.line.cut();
@@ -228,7 +228,7 @@ class CheckHosts : public ::testing::Test {
   std::string findings(const std::string& network, DistributedOptions options = {}) {
     const Commander commander(computers_, std::move(options), 1h, "me", known());
     std::string all;
-    const Diagnostics found = commander.host.check(spread_of(network));
+    const Diagnostics found = commander.host.check(network_of(network));
     for (const auto& finding : found.items()) {
       all += finding.code + ": " + finding.message + "\n";
     }

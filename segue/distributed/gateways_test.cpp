@@ -3,8 +3,8 @@
 #include <segue/distributed/link_counts.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/model/files.hpp>
 #include <segue/task_host/full_id.hpp>
+#include <support/network_of.hpp>
 #include <support/random_networks.hpp>
 
 #include <gtest/gtest.h>
@@ -17,13 +17,7 @@ namespace segue::distributed {
 namespace {
 
 using model::TaskId;
-
-model::Network read_text(std::string_view text) {
-  Diagnostics diagnostics;
-  auto network = model::read_network(text, "test.yaml", diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(model::Network{});
-}
+using segue::testing::network_of;
 
 SampleType no_type(const model::Task& /*writer*/, const std::string& /*port*/) {
   return {};
@@ -89,7 +83,7 @@ connections:
 )";
 
 TEST(Gateways, OneSenderServesAllReadersWithOnePolicy) {
-  const auto spread = read_text(kSpread);
+  const auto spread = network_of(kSpread);
   const auto whole = expand(spread);
   EXPECT_EQ(links(whole),
             (std::set<std::string>{"a.out>", "a.out>>right", "a.out>>localhost", "a.out>buffer_8",
@@ -107,7 +101,7 @@ TEST(Gateways, OneSenderServesAllReadersWithOnePolicy) {
 }
 
 TEST(Gateways, WhoWantsTheLastSampleHasASenderOfItsOwn) {
-  const auto whole = expand(read_text(R"(network: spread
+  const auto whole = expand(network_of(R"(network: spread
 tasks:
   a: {component: test::A}
   b: {component: test::B}
@@ -123,7 +117,7 @@ connections:
 }
 
 TEST(Gateways, EachHalfStaysOnItsHost) {
-  const auto whole = expand(read_text(kSpread));
+  const auto whole = expand(network_of(kSpread));
   const auto processes = model::task_processes(whole);
   const auto host_of = [&](const TaskId& task) {
     const auto found = processes.find(task);
@@ -135,7 +129,7 @@ TEST(Gateways, EachHalfStaysOnItsHost) {
 }
 
 TEST(Gateways, ANetworkOnOneHostStaysAsItIs) {
-  auto network = read_text(kSpread);
+  auto network = network_of(kSpread);
   for (auto& deployment : network.deployments) {
     deployment.host = model::kLocalHost;
   }
@@ -151,7 +145,7 @@ TEST(Gateways, ANetworkOnOneHostStaysAsItIs) {
 }
 
 TEST(Gateways, NetworksOnSeveralHostsHaveThemWithoutConnectionsToo) {
-  auto network = read_text(kSpread);
+  auto network = network_of(kSpread);
   network.connections.clear();
   const auto whole = expand(network);
   EXPECT_TRUE(links(whole).empty());
@@ -160,12 +154,12 @@ TEST(Gateways, NetworksOnSeveralHostsHaveThemWithoutConnectionsToo) {
 }
 
 TEST(Gateways, TwiceIsOnce) {
-  const auto whole = expand(read_text(kSpread));
+  const auto whole = expand(network_of(kSpread));
   EXPECT_EQ(expand(whole), whole);
 }
 
 TEST(Gateways, IdsThatDifferHaveTopicsThatDiffer) {
-  auto network = read_text(R"(network: similar
+  auto network = network_of(R"(network: similar
 tasks:
   left-arm: {component: test::A}
   left_arm: {component: test::A}
@@ -195,7 +189,7 @@ connections:
 }
 
 TEST(Gateways, AProcessThatAFileNamesLikeAGatewayIsNotForgotten) {
-  auto network = read_text(kSpread);
+  auto network = network_of(kSpread);
   network.deployments.front().process = kGatewayProcess;
   EXPECT_EQ(without_gateways(network), network) << "so that it can be refused";
 }
@@ -205,7 +199,7 @@ TEST(Gateways, SamplesHaveTheTypeOfTheirPort) {
   settings.domain = 7;
   settings.addresses = {{model::HostName("left"), "10.0.0.1"}, {model::HostName("right"), "10.0.0.2"}};
   const auto whole =
-      with_gateways(read_text(kSpread), settings, [](const model::Task& writer, const std::string& port) {
+      with_gateways(network_of(kSpread), settings, [](const model::Task& writer, const std::string& port) {
         return SampleType{"/" + writer.id.str() + "/" + port, "lib_" + writer.id.str()};
       });
   for (const char* id : {"a.out>", "a.out>>right", "a.out>buffer_8"}) {
@@ -221,16 +215,16 @@ TEST(Gateways, SamplesHaveTheTypeOfTheirPort) {
 TEST(Gateways, TasksStayAsTheyAreWhereTheRuntimeMovesAndHostsAreAdded) {
   auto settings = gateways_of();
   settings.addresses = {{model::HostName("left"), "10.0.0.1"}, {model::HostName("right"), "10.0.0.2"}};
-  const auto before = expand(read_text(kSpread), settings);
+  const auto before = expand(network_of(kSpread), settings);
   settings.addresses.emplace(model::kLocalHost, "10.0.0.3");
   settings.addresses.emplace(model::HostName("added"), "10.0.0.4");
-  const auto after = expand(read_text(kSpread), settings);
+  const auto after = expand(network_of(kSpread), settings);
   for (const char* id : {"a.out>", "a.out>>right", "a.out>buffer_8"})
     EXPECT_EQ(task_of(after, id), task_of(before, id));
 }
 
 TEST(Gateways, IdsAreThoseThatNoFileCanHave) {
-  for (const auto& id : links(expand(read_text(kSpread)))) {
+  for (const auto& id : links(expand(network_of(kSpread)))) {
     EXPECT_FALSE(is_identifier(id)) << id;
     EXPECT_TRUE(is_link_task(TaskId(id)));
   }
@@ -245,7 +239,7 @@ TEST(Gateways, IdsAreThoseThatNoFileCanHave) {
 }
 
 TEST(Gateways, AConnectionIsThereWhereBothHalvesAre) {
-  const auto spread = read_text(kSpread);
+  const auto spread = network_of(kSpread);
   const auto whole = expand(spread);
   const auto count = [](const model::Network& network, const char* to) {
     return std::count_if(network.connections.begin(), network.connections.end(),

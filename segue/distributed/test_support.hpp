@@ -7,7 +7,6 @@
 
 #include <segue/base/text.hpp>
 #include <segue/distributed/lease.hpp>
-#include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
 #include <segue/task_host/component_library.hpp>
 #include <segue/task_host/early_end.hpp>
@@ -15,6 +14,7 @@
 #include <segue/task_host/local_task_host.hpp>
 #include <support/eventually.hpp>
 #include <support/fake_hosts.hpp>
+#include <support/network_of.hpp>
 #include <support/random_networks.hpp>
 
 #include <gmock/gmock.h>
@@ -35,16 +35,10 @@ using model::Phase;
 using model::TaskId;
 using segue::testing::eventually;
 using segue::testing::kPatience;
+using segue::testing::network_of;
 
 inline TimePoint later(Duration duration = 30s) {
   return RealClock::instance().now() + duration;
-}
-
-inline model::Network spread_of(std::string_view text) {
-  Diagnostics diagnostics;
-  auto network = model::read_network(text, "test.yaml", diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(model::Network{});
 }
 
 const char* const kFirst = R"(network: first
@@ -152,7 +146,7 @@ struct Commander {
     host.conclude(transition);
     return done;
   }
-  Result<void> switch_to(const char* text) { return switch_to(spread_of(text)); }
+  Result<void> switch_to(const char* text) { return switch_to(network_of(text)); }
 
   [[nodiscard]] model::Transition plan(const model::Network& observed, const model::Network& target) const {
     const auto transition = solve::diff(observed, target, catalog, {order, host.side_by_side()});
@@ -184,7 +178,7 @@ struct Commander {
   [[nodiscard]] std::string wrong(const model::Network& shall) const {
     return listed(model::differences(host.expanded(shall), host.observe()));
   }
-  [[nodiscard]] std::string wrong(const char* shall) const { return wrong(spread_of(shall)); }
+  [[nodiscard]] std::string wrong(const char* shall) const { return wrong(network_of(shall)); }
   [[nodiscard]] task_host::ComputerReport computer(const std::string& name) const {
     for (auto& report : host.computers()) {
       if (report.name.str() == name) {

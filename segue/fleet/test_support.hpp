@@ -6,13 +6,13 @@
 #include <segue/fleet/deployed_task_host.hpp>
 
 #include <segue/fleet/process_record.hpp>
-#include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
 #include <segue/task_host/component_library.hpp>
 #include <segue/task_host/full_id.hpp>
 #include <segue/task_host/local_task_host.hpp>
 #include <support/eventually.hpp>
 #include <support/fake_world.hpp>
+#include <support/network_of.hpp>
 
 #include <gmock/gmock.h>
 
@@ -32,16 +32,10 @@ using deploy::testing::Fault;
 using deploy::testing::FaultKind;
 using model::ActionKind;
 using segue::testing::eventually;
+using segue::testing::network_of;
 
 inline TimePoint soon() {
   return RealClock::instance().now() + 60s;
-}
-
-inline model::Network network_of(std::string_view text) {
-  Diagnostics diagnostics;
-  auto network = model::read_network(text, "test.yaml", diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(model::Network{});
 }
 
 const char* const kOne = R"(network: one

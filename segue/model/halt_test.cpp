@@ -3,6 +3,8 @@
 #include <segue/model/robot.hpp>
 #include <segue/model/validate.hpp>
 
+#include <support/network_of.hpp>
+
 #include <gmock/gmock.h>
 
 #include <string>
@@ -11,6 +13,7 @@
 namespace segue::model {
 namespace {
 
+using segue::testing::network_of;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -22,13 +25,6 @@ std::string problem_of(const std::string& halt) {
   Diagnostics diagnostics;
   (void)robot_with(halt, diagnostics);
   return diagnostics.items().empty() ? "" : diagnostics.items().front().message;
-}
-
-Network network_of(const std::string& text) {
-  Diagnostics diagnostics;
-  auto network = read_network(text, "network.yaml", diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(Network{});
 }
 
 std::vector<std::string> problems_together(const std::string& halt, const ComponentCatalog& catalog = {}) {

@@ -3,6 +3,7 @@
 #include <segue/model/controller_names.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/network.hpp>
+#include <support/network_of.hpp>
 #include <support/random_networks.hpp>
 
 #include <gmock/gmock.h>
@@ -153,16 +154,10 @@ TEST(EquivalenceTest, WhatDiffersIsNamedWithBothValues) {
 }
 
 TEST(EquivalenceTest, ChangesAreToldAsAnEdit) {
-  const auto read = [](const char* text) {
-    Diagnostics diagnostics;
-    auto network = read_network(text, "test.yaml", diagnostics);
-    EXPECT_TRUE(network) << to_string(diagnostics);
-    return network.value_or(Network{});
-  };
-  const Network before = read(
+  const Network before = segue::testing::network_of(
       "tasks:\n  a: {component: x::A, properties: {gain: 1}}\n  b: {component: x::B}\n"
       "connections: [a.out -> b.in]\n");
-  const Network after = read(
+  const Network after = segue::testing::network_of(
       "tasks:\n  a: {component: x::A, properties: {gain: 2}}\n  c: {component: x::C}\n"
       "connections: [a.out -> c.in]\n");
   EXPECT_THAT(

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/model/files.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/runtime_options.hpp>
 #include <segue/task_host/local_task_host.hpp>
 
 #include <support/asking_host.hpp>
+#include <support/network_of.hpp>
 
 #include <gtest/gtest.h>
 
@@ -18,13 +18,7 @@
 namespace segue::runtime::testing {
 
 using segue::testing::AskingHost;
-
-inline model::Network network_of(std::string_view text, const std::string& file = "test.yaml") {
-  Diagnostics diagnostics;
-  auto network = model::read_network(text, file, diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(model::Network{});
-}
+using segue::testing::network_of;
 
 /// Makes a random network runnable in one process: transports are chosen automatically.
 inline model::Network runnable(model::Network network) {

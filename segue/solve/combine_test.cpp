@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/model/files.hpp>
 #include <segue/model/network_sets.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/solve/combine.hpp>
@@ -7,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <support/network_of.hpp>
 #include <support/random_networks.hpp>
 
 #include <string>
@@ -15,16 +15,10 @@ namespace segue::solve {
 namespace {
 
 using model::Network;
+using segue::testing::network_of;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-Network written_as(const std::string& text) {
-  Diagnostics diagnostics;
-  auto network = model::read_network(text, "test.yaml", diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics.to_error());
-  return network.value_or(Network{});
-}
 
 const char* const kDrive = R"(
 network: drive
@@ -35,7 +29,7 @@ connections: [follower.command -> base.command]
 )";
 
 std::vector<Conflict> with_drive(const std::string& text) {
-  return conflicts(written_as(kDrive), written_as(text), {});
+  return conflicts(network_of(kDrive), network_of(text), {});
 }
 
 TEST(Combine, NetworksThatShareNothingOrTheSameTasksRunAtOnce) {
@@ -45,7 +39,7 @@ TEST(Combine, NetworksThatShareNothingOrTheSameTasksRunAtOnce) {
 }
 
 TEST(Combine, TheUnionHasTheNamesAndPartsOfAll) {
-  const auto both = combine({written_as(kDrive), written_as(R"(
+  const auto both = combine({network_of(kDrive), network_of(R"(
 network: arm
 tasks: {arm: {component: demo::Arm}, base: {component: demo::Drive, properties: {gain: 1}}}
 connections: [base.state -> arm.base]
@@ -82,13 +76,13 @@ deployments: {arm: {tasks: [base]}}
 }
 
 TEST(Combine, ADeviceIsHeldOnce) {
-  const auto drive = written_as("network: a\ntasks: {x: {component: demo::X, exclusive: [can0]}}");
-  const auto other = written_as("network: b\ntasks: {y: {component: demo::Y, exclusive: [can0]}}");
+  const auto drive = network_of("network: a\ntasks: {x: {component: demo::X, exclusive: [can0]}}");
+  const auto other = network_of("network: b\ntasks: {y: {component: demo::Y, exclusive: [can0]}}");
   const auto found = conflicts(drive, other, {});
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_THAT(found.front().reason, HasSubstr("is held by task 'x' of 'a' and by task 'y' of 'b'"));
   const auto idle =
-      written_as("network: b\ntasks: {y: {component: demo::Y, exclusive: [can0], state: pre_operational}}");
+      network_of("network: b\ntasks: {y: {component: demo::Y, exclusive: [can0], state: pre_operational}}");
   EXPECT_THAT(conflicts(drive, idle, {}), IsEmpty()) << "only configured tasks hold devices";
 }
 
@@ -103,15 +97,15 @@ connections: [{from: stick.command, to: base.command)" +
   const auto found = with_drive(other(""));
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(found.front().what, "input base.command");
-  const auto queued = written_as(other(", policy: buffer, size: 4"));
-  Network drive = written_as(kDrive);
+  const auto queued = network_of(other(", policy: buffer, size: 4"));
+  Network drive = network_of(kDrive);
   drive.connections.front().policy = {BufferKind::Buffer, 4, Transport::Automatic, false};
   EXPECT_THAT(conflicts(drive, queued, {}), IsEmpty());
 }
 
 TEST(Combine, TwoPortsAreConnectedOnce) {
   const auto with = [](const std::string& name, const std::string& policy) {
-    return written_as("network: " + name + "\ntasks: {a: {component: demo::A}, b: {component: demo::B}}\n" +
+    return network_of("network: " + name + "\ntasks: {a: {component: demo::A}, b: {component: demo::B}}\n" +
                       "connections: [{from: a.out, to: b.in, " + policy + "}]");
   };
   const auto found =
@@ -122,8 +116,8 @@ TEST(Combine, TwoPortsAreConnectedOnce) {
 
 TEST(Combine, ANetworkMayInfluenceAnotherThatItDoesNotConflictWith) {
   const auto alone =
-      written_as("network: alone\ntasks: {base: {component: demo::Drive, properties: {gain: 1}}}");
-  const auto drive = written_as(kDrive);
+      network_of("network: alone\ntasks: {base: {component: demo::Drive, properties: {gain: 1}}}");
+  const auto drive = network_of(kDrive);
   EXPECT_THAT(conflicts(drive, alone, {}), IsEmpty());
   EXPECT_EQ(
       influences(drive, alone),
@@ -134,17 +128,17 @@ TEST(Combine, ANetworkMayInfluenceAnotherThatItDoesNotConflictWith) {
 }
 
 TEST(Combine, ProcessesAreStartedInOneWay) {
-  const auto a = written_as(
+  const auto a = network_of(
       "network: a\ntasks: {x: {component: demo::X}}\ndeployments: {p: {tasks: [x], priority: 5, scheduler: "
       "fifo}}");
-  const auto b = written_as("network: b\ntasks: {y: {component: demo::Y}}\ndeployments: {p: {tasks: [y]}}");
+  const auto b = network_of("network: b\ntasks: {y: {component: demo::Y}}\ndeployments: {p: {tasks: [y]}}");
   const auto found = conflicts(a, b, {});
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(found.front().what, "process localhost/p");
 }
 
 TEST(Combine, WhatCannotRunAtOnceIsRefusedWithAllReasons) {
-  const auto both = combine({written_as(kDrive), written_as(R"(
+  const auto both = combine({network_of(kDrive), network_of(R"(
 network: arm
 tasks: {base: {component: demo::Drive}, follower: {component: demo::Other}}
 )")},

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transitions from networks that hold more than what runs: standby tasks, and what earlier requests left.
-#include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
+
+#include <support/network_of.hpp>
 
 #include <gmock/gmock.h>
 
@@ -13,17 +14,11 @@ namespace {
 
 using model::Phase;
 using model::TaskId;
+using segue::testing::network_of;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-model::Network network_of(std::string_view text) {
-  Diagnostics diagnostics;
-  auto network = model::read_network(text, "test.yaml", diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(model::Network{});
-}
 
 std::vector<std::string> phases_and_labels(const model::Transition& transition) {
   std::vector<std::string> all;

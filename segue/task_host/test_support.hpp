@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/model/files.hpp>
+#include <segue/model/transition.hpp>
 #include <segue/task_host/local_task_host.hpp>
 
 #include <gtest/gtest.h>
@@ -15,13 +15,6 @@ namespace segue::task_host::testing {
 
 inline TimePoint soon() {
   return RealClock::instance().now() + std::chrono::seconds(30);
-}
-
-inline model::Network network_of(std::string_view text) {
-  Diagnostics diagnostics;
-  auto network = model::read_network(text, "test.yaml", diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(model::Network{});
 }
 
 inline model::Action on_task(model::ActionKind kind, std::string_view task) {

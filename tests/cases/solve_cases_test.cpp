@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <support/network_of.hpp>
 #include <support/paths.hpp>
 #include <support/strict_machine.hpp>
 
@@ -51,11 +52,7 @@ struct Case {
 };
 
 model::Network network_of(const Value* value, const std::string& file) {
-  if (value == nullptr) return {};
-  Diagnostics diagnostics;
-  const auto network = model::read_network(type::to_yaml(*value), file, diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(model::Network{});
+  return value == nullptr ? model::Network{} : segue::testing::network_of(type::to_yaml(*value), file);
 }
 
 model::ComponentModel component_of(const std::string& name, const Value& value) {

@@ -8,9 +8,9 @@
 #include <segue/base/mutex.hpp>
 #include <segue/base/shared_mutex.hpp>
 #include <segue/base/text.hpp>
-#include <segue/model/files.hpp>
 
 #include <support/eventually.hpp>
+#include <support/network_of.hpp>
 #include <support/number_from.hpp>
 #include <support/sanitizers.hpp>
 
@@ -45,18 +45,13 @@ constexpr Duration kNoLonger = 30s;
 model::Network controller(int number, std::size_t daemons) {
   const std::string other = daemons == 1 ? "h0" : "h1";
   const std::string mine = "t" + std::to_string(number + 1);
-  Diagnostics diagnostics;
-  auto network = model::read_network(
+  return segue::testing::network_of(
       "network: c" + std::to_string(number) + "\ntasks:\n  t0: {component: test::A}\n  " + mine +
-          ": {component: test::B}\n  shared: {component: test::C}\n"
-          "deployments:\n  p: {process: p, host: h0, tasks: [t0]}\n  q" +
-          mine + ": {process: q" + mine + ", host: " + other + ", tasks: [" + mine +
-          "]}\n  r: {process: r, host: " + (number % 2 == 0 ? "h0" : other) +
-          ", tasks: [shared]}\nconnections:\n  - t0.out -> " + mine + ".in\n  - " + mine +
-          ".out -> shared.in\n",
-      "test.yaml", diagnostics);
-  EXPECT_TRUE(network) << to_string(diagnostics);
-  return network.value_or(model::Network{});
+      ": {component: test::B}\n  shared: {component: test::C}\n"
+      "deployments:\n  p: {process: p, host: h0, tasks: [t0]}\n  q" +
+      mine + ": {process: q" + mine + ", host: " + other + ", tasks: [" + mine +
+      "]}\n  r: {process: r, host: " + (number % 2 == 0 ? "h0" : other) +
+      ", tasks: [shared]}\nconnections:\n  - t0.out -> " + mine + ".in\n  - " + mine + ".out -> shared.in\n");
 }
 
 /// What a host has, whatever it is called among others.
