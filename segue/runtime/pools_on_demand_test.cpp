@@ -92,6 +92,17 @@ class PoolsOnDemand : public ::testing::Test {
     callers_.emplace_back(std::move(work));
     return result;
   }
+  /// Has so many instances made, by as many callers whose calls have ended.
+  void grow_to(std::size_t count) {
+    start(with_range("1..3", ", idle_after: 1h"));
+    std::list<std::future<std::string>> results;
+    for (std::size_t i = 0; i < count; ++i)
+      results.push_back(call());
+    ASSERT_TRUE(eventually([&] { return are_busy(count); }));
+    working_.let_work_end();
+    for (auto& result : results)
+      result.wait();
+  }
   PoolReport pool() { return runtime_->pools().at(0); }
   bool are_busy(std::size_t count) {
     const auto now = pool();
@@ -223,14 +234,7 @@ TEST_F(PoolsOnDemand, AreNoPartOfASwitchAndHoldNoneUp) {
 }
 
 TEST_F(PoolsOnDemand, LeaveNothingWhereTheyAreTakenDownWhileTheyGrow) {
-  start(with_range("1..3", ", idle_after: 1h"));
-  std::list<std::future<std::string>> results;
-  for (int i = 0; i < 2; ++i)
-    results.push_back(call());
-  ASSERT_TRUE(eventually([&] { return are_busy(2); }));
-  working_.let_work_end();
-  for (auto& result : results)
-    result.wait();
+  ASSERT_NO_FATAL_FAILURE(grow_to(2));
   ASSERT_EQ(runtime_->take_down().get().outcome, Outcome::Done);
   EXPECT_TRUE(host_.tasks().empty());
   EXPECT_EQ(runtime_->switch_to(testing::network_of(kDrivingBesidePools)).outcome, Outcome::Done);
@@ -239,14 +243,7 @@ TEST_F(PoolsOnDemand, LeaveNothingWhereTheyAreTakenDownWhileTheyGrow) {
 }
 
 TEST_F(PoolsOnDemand, AreTakenOverFromAnEarlierRuntimeWithTheirLeastNumber) {
-  start(with_range("1..3", ", idle_after: 1h"));
-  std::list<std::future<std::string>> results;
-  for (int i = 0; i < 3; ++i)
-    results.push_back(call());
-  ASSERT_TRUE(eventually([&] { return are_busy(3); }));
-  working_.let_work_end();
-  for (auto& result : results)
-    result.wait();
+  ASSERT_NO_FATAL_FAILURE(grow_to(3));
   EXPECT_EQ(host_.tasks().size(), 3U);
   callers_.clear();
   runtime_.reset();
