@@ -308,15 +308,16 @@ class Client final : public RobotService {
     });
   }
 
-  void take_instance(const InstanceQuestion& what, const Wait& wait, InstanceAnswer answered) override {
-    detail::ask_later<TakenInstance>(
+  void take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                     model::InstanceAnswer answered) override {
+    detail::ask_later<model::TakenInstance>(
         *channel_, wait, std::move(answered), [what](RpcChannel::Connection& connection, Duration left) {
           auto request = connection.as<wire::Robot>().takeInstanceRequest();
           request.setPool(as_text(what.pool));
           request.setRatherNot(as_text(what.rather_not));
           request.setTimeout(left.count());
-          return RpcChannel::send<TakenInstance>(request, [](auto& results) {
-            return Result<TakenInstance>({detail::as_string(results.getTask()), results.getPid()});
+          return RpcChannel::send<model::TakenInstance>(request, [](auto& results) {
+            return Result<model::TakenInstance>({detail::as_string(results.getTask()), results.getPid()});
           });
         });
   }

@@ -2,14 +2,12 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/base/result.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/type/value.hpp>
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -45,18 +43,5 @@ struct Sender {
   std::uint64_t lease = 0;      ///< RobotLease::number(); once it is lost, nothing is done with it any more
   bool beside_mission = false;  ///< although somebody else commands the robot
 };
-
-/// A question for an instance of a pool of processes.
-struct InstanceQuestion {
-  std::string pool;
-  std::string rather_not{};  ///< an instance that is taken only where no other one is free
-};
-struct TakenInstance {
-  std::string task;
-  int pid = 0;  ///< tells one life of its process from the next
-  friend bool operator==(const TakenInstance&, const TakenInstance&) = default;
-};
-/// Gets the instance, once, from any thread, also before the function that asks returns. Must not block.
-using InstanceAnswer = std::function<void(Result<TakenInstance>)>;
 
 }  // namespace segue::control

@@ -7,6 +7,7 @@
 #include <segue/control/robot_lease.hpp>
 #include <segue/control/robot_request.hpp>
 #include <segue/control/sample_stream.hpp>
+#include <segue/model/taken_instance.hpp>
 #include <segue/task_host/task_level.hpp>
 #include <segue/type/value.hpp>
 
@@ -162,7 +163,8 @@ class RobotService {
   /// makes further instances for those who wait, as far as the pool's size and the budget permit. Unavailable
   /// where none has been ready for half a minute, or none is likely to come; DeadlineExceeded at the end of
   /// the wait. Returns at once.
-  virtual void take_instance(const InstanceQuestion& what, const Wait& wait, InstanceAnswer answered) = 0;
+  virtual void take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                             model::InstanceAnswer answered) = 0;
   /// Writes a sample to an input port of a task that runs, and waits until that has taken it.
   virtual Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
                              const Sender& sender, const Wait& wait) = 0;

@@ -158,9 +158,10 @@ std::vector<Question> all_questions() {
       {Verb::Call, [](auto& robot) { return outcome(robot.call("t", "echo", Value(), {}, soon())); }},
       {Verb::TakeInstance,
        [](auto& robot) {
-         return outcome(answer_to<TakenInstance>(soon(), [&](const Wait& wait, InstanceAnswer answer) {
-           robot.take_instance({"planner"}, wait, std::move(answer));
-         }));
+         return outcome(
+             answer_to<model::TakenInstance>(soon(), [&](const Wait& wait, model::InstanceAnswer answer) {
+               robot.take_instance({"planner"}, wait, std::move(answer));
+             }));
        }},
       {Verb::Write, [](auto& robot) { return outcome(robot.write("t", "in", Value(1), {}, soon())); }},
       {Verb::ShutDown, [](auto& robot) { return outcome(robot.shut_down()); }},

@@ -5,6 +5,7 @@
 #include <segue/base/result.hpp>
 #include <segue/base/wait.hpp>
 #include <segue/mission/controller_use.hpp>
+#include <segue/model/taken_instance.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -118,18 +119,6 @@ struct PoolView {
   std::uint32_t most = 0;                   ///< how many there are where as many calls wait
 };
 
-/// A question for an instance of a pool.
-struct InstanceQuestion {
-  std::string pool;
-  std::string rather_not{};  ///< an instance that is taken only where no other one is free
-};
-struct TakenInstance {
-  std::string task;
-  int pid = 0;  ///< as of PoolInstanceView
-};
-/// Gets the instance, as TaskAnswer.
-using InstanceAnswer = std::function<void(Result<TakenInstance>)>;
-
 /// The robot as missions command it: it runs in this process or in another one, or is simulated. Functions
 /// may be called from any thread; they block until the robot has answered, as long as their Wait says where
 /// they have one. Whoever is stopped while it waits commands nothing afterwards, and gets Cancelled at once.
@@ -154,7 +143,8 @@ class CommandedRobot {
   /// caller's for its next call(), which must come within seconds. Until there is one, the caller waits, and
   /// the robot makes further instances for those who wait, as far as it may. Unavailable where none is likely
   /// to come; DeadlineExceeded at the deadline. Returns at once.
-  virtual void take_instance(const InstanceQuestion& what, const Wait& /*wait*/, InstanceAnswer answered) {
+  virtual void take_instance(const model::InstanceQuestion& what, const Wait& /*wait*/,
+                             model::InstanceAnswer answered) {
     answered(fail(ErrorCode::NotFound, "the robot has no pool " + what.pool));
   }
   /// Keeps these prepared beside what runs, the likeliest first, in place of those named before, as far as

@@ -49,10 +49,10 @@ class HeldRobot final : public testing::ForwardingCommandedRobot {
     question("conflicts", wait.stop);
     return inner_->conflicts(wait);
   }
-  void take_instance(const InstanceQuestion& /*what*/, const Wait& /*wait*/,
-                     InstanceAnswer answered) override {
+  void take_instance(const model::InstanceQuestion& /*what*/, const Wait& /*wait*/,
+                     model::InstanceAnswer answered) override {
     answer_later("take_instance", [answered = std::move(answered)] {
-      answered(TakenInstance{"planner_1", 1});
+      answered(model::TakenInstance{"planner_1", 1});
     });
   }
   Result<Value> call(const Member& operation, const Value& arguments, const Wait& wait) override {

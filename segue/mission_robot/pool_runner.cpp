@@ -41,19 +41,20 @@ class Instances {
 
   /// Blocks until the robot gives an instance; rather another one than `lost`, which may be there again.
   /// Cancelled when asked to stop.
-  Result<TakenInstance> take(const std::string& pool, const std::string& lost,
-                             const std::stop_token& stop) const {
+  Result<model::TakenInstance> take(const std::string& pool, const std::string& lost,
+                                    const std::stop_token& stop) const {
     while (true) {
-      auto taken = answer_to<TakenInstance>(Wait(RealClock::instance().now() + kPatience, stop),
-                                            [&](const Wait& wait, InstanceAnswer answer) {
-                                              robot_->take_instance({pool, lost}, wait, std::move(answer));
-                                            });
+      auto taken =
+          answer_to<model::TakenInstance>(Wait(RealClock::instance().now() + kPatience, stop),
+                                          [&](const Wait& wait, model::InstanceAnswer answer) {
+                                            robot_->take_instance({pool, lost}, wait, std::move(answer));
+                                          });
       if (taken || taken.error().code != ErrorCode::DeadlineExceeded) return taken;
     }
   }
 
   /// Whether that is why it did not answer. The robot may need a moment to notice.
-  bool is_lost(const std::string& pool, const TakenInstance& instance, const Error& error,
+  bool is_lost(const std::string& pool, const model::TakenInstance& instance, const Error& error,
                const std::stop_token& stop) const {
     const bool has_answered =
         error.code == ErrorCode::DeadlineExceeded || error.code == ErrorCode::HookFailed;
@@ -93,7 +94,7 @@ class InstanceCall {
   };
   struct Job {
     std::string pool;
-    TakenInstance instance;
+    model::TakenInstance instance;
     std::string operation;
     Value arguments;
     Duration timeout{};
@@ -170,7 +171,7 @@ class PoolExecution {
   [[nodiscard]] std::optional<InstanceCall::Outcome> ask(const std::shared_ptr<CommandedRobot>& robot,
                                                          const Instances& instances,
                                                          ExecutionThreads& threads,
-                                                         const TakenInstance& instance,
+                                                         const model::TakenInstance& instance,
                                                          const std::stop_token& stop) const {
     try {
       return InstanceCall::begin(robot, instances, threads,
@@ -189,7 +190,7 @@ class PoolExecution {
   }
 
   /// Names the limit where it was too short.
-  [[nodiscard]] Error explained(const Error& error, const TakenInstance& instance) const {
+  [[nodiscard]] Error explained(const Error& error, const model::TakenInstance& instance) const {
     if (error.code != ErrorCode::DeadlineExceeded) return error;
     return fail(error.code, instance.task + "." + call_.operation +
                                 " has not answered within the action's 'timeout' of " +
@@ -197,7 +198,7 @@ class PoolExecution {
         .because_of(error);
   }
 
-  [[nodiscard]] std::string lost_text(const TakenInstance& instance, std::size_t attempts) const {
+  [[nodiscard]] std::string lost_text(const model::TakenInstance& instance, std::size_t attempts) const {
     return instance.task + " was lost while it worked" +
            (attempts == 1 ? std::string()
                           : ", as were others before: " + std::to_string(attempts) + " attempts have failed");

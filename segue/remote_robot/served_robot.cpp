@@ -361,16 +361,12 @@ Result<std::vector<mission::PoolView>> ServedRobot::pools(const Wait& wait) {
   return pools;
 }
 
-void ServedRobot::take_instance(const mission::InstanceQuestion& what, const Wait& wait,
-                                mission::InstanceAnswer answered) {
-  query_later<mission::TakenInstance>(
-      wait, std::move(answered), [&](const Wait& both, mission::InstanceAnswer answer) {
-        service_.take_instance({what.pool, what.rather_not}, both,
-                               [answer = std::move(answer)](Result<control::TakenInstance> taken) {
-                                 if (!taken) return answer(std::move(taken.error()));
-                                 answer(mission::TakenInstance{std::move(taken->task), taken->pid});
-                               });
-      });
+void ServedRobot::take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                                model::InstanceAnswer answered) {
+  query_later<model::TakenInstance>(wait, std::move(answered),
+                                    [&](const Wait& both, model::InstanceAnswer answer) {
+                                      service_.take_instance(what, both, std::move(answer));
+                                    });
 }
 
 Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, const Wait& wait) {

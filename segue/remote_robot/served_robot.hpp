@@ -58,8 +58,8 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<mission::ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override;
   Result<mission::ControllerConflicts> conflicts(const Wait& wait) override;
   Result<std::vector<mission::PoolView>> pools(const Wait& wait) override;
-  void take_instance(const mission::InstanceQuestion& what, const Wait& wait,
-                     mission::InstanceAnswer answered) override;
+  void take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                     model::InstanceAnswer answered) override;
   Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) override;
   Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
                            const Wait& wait) override;

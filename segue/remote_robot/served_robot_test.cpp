@@ -114,7 +114,7 @@ TEST_F(ServedRobotTest, SeesWhichInstancesOfPoolsWork) {
 
 TEST_F(ServedRobotTest, GetsInstancesOfPools) {
   const auto taken =
-      answer_to<mission::TakenInstance>(soon(), [&](const Wait& wait, mission::InstanceAnswer answer) {
+      answer_to<model::TakenInstance>(soon(), [&](const Wait& wait, model::InstanceAnswer answer) {
         robot_.take_instance({"planner", "planner_2"}, wait, std::move(answer));
       });
   ASSERT_TRUE(taken);

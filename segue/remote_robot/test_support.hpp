@@ -107,9 +107,9 @@ class FakeService final : public control::RobotService {
     changes_wait = wait.stop;
     changes_answered = std::move(answered);
   }
-  void take_instance(const control::InstanceQuestion& what, const Wait& /*wait*/,
-                     control::InstanceAnswer answered) override {
-    answered(control::TakenInstance{what.pool + "_1 rather than " + what.rather_not, 9});
+  void take_instance(const model::InstanceQuestion& what, const Wait& /*wait*/,
+                     model::InstanceAnswer answered) override {
+    answered(model::TakenInstance{what.pool + "_1 rather than " + what.rather_not, 9});
   }
   Result<Value> switch_to(std::string_view controller, const control::RequestOptions& asked,
                           const Wait& wait) override {

@@ -64,8 +64,8 @@ bool InstanceAllocator::works(const Instance& one, TimePoint now) const {
          (one.seen.ready && !calls_.why_abandoned(life).empty());
 }
 
-std::optional<Result<control::TakenInstance>> InstanceAllocator::take(const control::InstanceQuestion& what,
-                                                                      TimePoint since, TimePoint now) {
+std::optional<Result<model::TakenInstance>> InstanceAllocator::take(const model::InstanceQuestion& what,
+                                                                    TimePoint since, TimePoint now) {
   const Lock lock(mutex_);
   State* state = find(what.pool);
   if (state == nullptr) return fail(ErrorCode::NotFound, "the robot has no pool " + quote(what.pool));
@@ -81,7 +81,7 @@ std::optional<Result<control::TakenInstance>> InstanceAllocator::take(const cont
   if (free != nullptr) {
     free->reserved_until = now + kReserved;
     free->last_used = now;
-    return control::TakenInstance{free->seen.task.str(), free->seen.pid};
+    return model::TakenInstance{free->seen.task.str(), free->seen.pid};
   }
   const bool any_ready = reasons.size() < state->instances.size();
   if (any_ready) state->last_ready = now;

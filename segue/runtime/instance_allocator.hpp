@@ -4,8 +4,8 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
-#include <segue/control/robot_request.hpp>
 #include <segue/model/robot.hpp>
+#include <segue/model/taken_instance.hpp>
 #include <segue/runtime/instance_calls.hpp>
 #include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/process_memory.hpp>
@@ -36,8 +36,8 @@ class InstanceAllocator {
   /// An instance that is ready and works for nobody, which is the caller's for its next call; nothing: there
   /// is none yet. Unavailable where none is likely to come, NotFound where there is no such pool. `since`:
   /// when the caller has begun to wait.
-  [[nodiscard]] std::optional<Result<control::TakenInstance>> take(const control::InstanceQuestion& what,
-                                                                   TimePoint since, TimePoint now);
+  [[nodiscard]] std::optional<Result<model::TakenInstance>> take(const model::InstanceQuestion& what,
+                                                                 TimePoint since, TimePoint now);
   /// A caller waits from now on; whether the pool may get another instance for it.
   bool begin_waiting(std::string_view pool);
   void end_waiting(std::string_view pool);

@@ -100,12 +100,11 @@ Result<type::Value> PoolKeeper::call(const model::TaskId& task, std::string_view
   return answer;
 }
 
-void PoolKeeper::take(const control::InstanceQuestion& what, const Wait& wait,
-                      control::InstanceAnswer answered) {
+void PoolKeeper::take(const model::InstanceQuestion& what, const Wait& wait, model::InstanceAnswer answered) {
   using End = task_host::detail::Watches::End;
   waits_.add(wait, [this, what, answered = std::move(answered), since = RealClock::instance().now(),
                     is_counted = false](End end) mutable {
-    std::optional<Result<control::TakenInstance>> answer;
+    std::optional<Result<model::TakenInstance>> answer;
     if (end == End::Stop) {
       answer = no_longer_wanted();
     } else if (end == End::Closed) {

@@ -65,7 +65,7 @@ class PoolKeeper {
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, const Wait& wait);
   /// As ServedRuntime::take_instance().
-  void take(const control::InstanceQuestion& what, const Wait& wait, control::InstanceAnswer answered);
+  void take(const model::InstanceQuestion& what, const Wait& wait, model::InstanceAnswer answered);
   /// Ends all waits with an error.
   void close() { waits_.close(); }
   /// A task or a process has failed or ended.

@@ -74,9 +74,9 @@ class PoolsOnDemand : public ::testing::Test {
     callers_.clear();
   }
   void start(RuntimeOptions options) { runtime_.emplace("robot", working_, catalog_, std::move(options)); }
-  Result<control::TakenInstance> take(const std::stop_token& stop = {}) {
-    return answer_to<control::TakenInstance>(
-        Wait(RealClock::instance().now() + 60s, stop), [&](const Wait& wait, control::InstanceAnswer answer) {
+  Result<model::TakenInstance> take(const std::stop_token& stop = {}) {
+    return answer_to<model::TakenInstance>(
+        Wait(RealClock::instance().now() + 60s, stop), [&](const Wait& wait, model::InstanceAnswer answer) {
           runtime_->served().take_instance({"planner"}, wait, std::move(answer));
         });
   }

@@ -415,8 +415,8 @@ Result<type::Value> RuntimeService::call(std::string_view task, std::string_view
   return runtime_.call(model::TaskId(task), operation, arguments, wait);
 }
 
-void RuntimeService::take_instance(const control::InstanceQuestion& what, const Wait& wait,
-                                   control::InstanceAnswer answered) {
+void RuntimeService::take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                                   model::InstanceAnswer answered) {
   served_.take_instance(what, wait, std::move(answered));
 }
 

@@ -56,8 +56,8 @@ class RuntimeService final : public control::RobotService {
                             const control::Sender& sender, const Wait& wait) override;
   Result<type::Value> call(std::string_view task, std::string_view operation, const type::Value& arguments,
                            const control::Sender& sender, const Wait& wait) override;
-  void take_instance(const control::InstanceQuestion& what, const Wait& wait,
-                     control::InstanceAnswer answered) override;
+  void take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                     model::InstanceAnswer answered) override;
   Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
                      const control::Sender& sender, const Wait& wait) override;
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,

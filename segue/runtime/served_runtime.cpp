@@ -82,8 +82,8 @@ Result<std::vector<ControllerConflict>> ServedRuntime::conflicts(
   return implementation_.controllers.conflicts(controllers);
 }
 
-void ServedRuntime::take_instance(const control::InstanceQuestion& what, const Wait& wait,
-                                  control::InstanceAnswer answered) {
+void ServedRuntime::take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                                  model::InstanceAnswer answered) {
   implementation_.pools.take(what, wait, std::move(answered));
 }
 

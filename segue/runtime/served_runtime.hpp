@@ -6,6 +6,7 @@
 #include <segue/base/wait.hpp>
 #include <segue/control/robot_lease.hpp>
 #include <segue/control/robot_request.hpp>
+#include <segue/model/taken_instance.hpp>
 #include <segue/runtime/controller_conflict.hpp>
 #include <segue/runtime/runtime.hpp>
 
@@ -66,8 +67,7 @@ class ServedRuntime {
       const std::vector<model::NetworkName>& controllers) const;
 
   /// As control::RobotService::take_instance().
-  void take_instance(const control::InstanceQuestion& what, const Wait& wait,
-                     control::InstanceAnswer answered);
+  void take_instance(const model::InstanceQuestion& what, const Wait& wait, model::InstanceAnswer answered);
 
   /// The result of a halt on its way; no future: there is none.
   [[nodiscard]] std::shared_future<HaltResult> halt_on_its_way() const;

@@ -109,10 +109,10 @@ TEST_F(TemporaryHosts, HoldInstancesOfPoolsWhileCallsNeedThem) {
   EXPECT_EQ(on_a(), 0U);
   for (std::size_t count = 1; count <= 2; ++count) {
     const auto taken =
-        answer_to<control::TakenInstance>(RealClock::instance().now() + std::chrono::minutes(1),
-                                          [&](const Wait& wait, control::InstanceAnswer answer) {
-                                            runtime.take_instance({"relay"}, wait, std::move(answer));
-                                          });
+        answer_to<model::TakenInstance>(RealClock::instance().now() + std::chrono::minutes(1),
+                                        [&](const Wait& wait, model::InstanceAnswer answer) {
+                                          runtime.take_instance({"relay"}, wait, std::move(answer));
+                                        });
     ASSERT_TRUE(taken) << to_string(taken.error());
     EXPECT_TRUE(eventually([&] { return on_a() == count; })) << "each keeps its instance for a while";
   }

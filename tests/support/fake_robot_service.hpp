@@ -202,8 +202,9 @@ class FakeRobotService : public RobotService {
     if (!release.wait_until(wait.deadline)) return fail(ErrorCode::DeadlineExceeded, "nobody let me go");
     return type::Value("released");
   }
-  void take_instance(const InstanceQuestion& what, const Wait& /*wait*/, InstanceAnswer answered) override {
-    answered(TakenInstance{what.pool + "_1 rather than " + what.rather_not, 7});
+  void take_instance(const model::InstanceQuestion& what, const Wait& /*wait*/,
+                     model::InstanceAnswer answered) override {
+    answered(model::TakenInstance{what.pool + "_1 rather than " + what.rather_not, 7});
   }
   Result<std::unique_ptr<SampleStream>> open_port(std::string_view, std::string_view port, std::size_t,
                                                   const Wait& /*wait*/) override {

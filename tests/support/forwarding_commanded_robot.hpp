@@ -27,8 +27,8 @@ class ForwardingCommandedRobot : public mission::CommandedRobot {
     return inner_->conflicts(wait);
   }
   Result<std::vector<mission::PoolView>> pools(const Wait& wait) override { return inner_->pools(wait); }
-  void take_instance(const mission::InstanceQuestion& what, const Wait& wait,
-                     mission::InstanceAnswer answered) override {
+  void take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                     model::InstanceAnswer answered) override {
     inner_->take_instance(what, wait, std::move(answered));
   }
   Result<void> prepare(const std::vector<std::string>& controllers, const Wait& wait) override {

@@ -332,15 +332,15 @@ class RobotServer final : public DecodingServer<wire::Robot> {
 
   kj::Promise<void> takeInstance(TakeInstanceContext context) override {
     const auto params = context.getParams();
-    return answer_later<TakenInstance>(
+    return answer_later<model::TakenInstance>(
         role_for(Verb::TakeInstance), caller_, context,
         [&service = service_,
-         what = InstanceQuestion{as_string(params.getPool()), as_string(params.getRatherNot())},
+         what = model::InstanceQuestion{as_string(params.getPool()), as_string(params.getRatherNot())},
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped,
-                                                         InstanceAnswer answered) {
+                                                         model::InstanceAnswer answered) {
           service.take_instance(what, Wait(deadline, dropped), std::move(answered));
         },
-        [](const TakenInstance& taken, auto results) {
+        [](const model::TakenInstance& taken, auto results) {
           results.setTask(as_text(taken.task));
           results.setPid(taken.pid);
         });
