@@ -86,6 +86,7 @@ Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const m
   if (!units) return units.error();
   auto plan = std::unique_ptr<MissionPlan>(new MissionPlan(std::move(program)));
   plan->network_.name = plan->program().mission().name;
+  plan->network_.effects_are_declared = true;
   for (const std::string& fact : *world) {
     const auto known = plan->network_.facts.intern_named(fact);
     if (!known) return known.error();

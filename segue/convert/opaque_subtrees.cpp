@@ -34,6 +34,9 @@ struct Touched {
   std::optional<bool> needs{};  ///< of a fact that it relies on
 };
 
+/// Stands for each of them.
+constexpr std::string_view kAllFacts = "fact {any}";
+
 /// Whether both names may stand for the same.
 bool may_be_same(const std::string& a, const std::string& b) {
   const auto fixed = [](const std::string& name) { return std::string_view(name).substr(0, name.find('{')); };
@@ -47,6 +50,11 @@ bool may_be_same(const std::string& a, const std::string& b) {
 bool conflict(const Touched& a, const Touched& b) {
   const bool agree = a.makes && a.makes == b.makes;
   return (a.changes || b.changes) && !agree && may_be_same(a.name, b.name);
+}
+
+/// The same, but for who looks at all facts.
+bool conflict_by_name(const Touched& a, const Touched& b) {
+  return a.name != kAllFacts && b.name != kAllFacts && conflict(a, b);
 }
 
 /// Whether one of them takes away what the other relies on.
@@ -174,26 +182,33 @@ class Search {
   /// a wait only costs time, unless it decides which state of a preemptive container ends first.
   [[nodiscard]] OpaqueSubtreeReason touching_the_same(StateIndex container) const {
     if (planted(ConversionFault::RacesConflict)) return {};
-    StateIndex reader = kNoState;
-    const StateIndex child = first_beside(container, conflict, &reader);
-    if (reader != kNoState) return {Kind::ReadsWorldBeside, reader};
-    return child == kNoState ? OpaqueSubtreeReason() : OpaqueSubtreeReason{Kind::ConflictBeside, child};
+    const StateIndex child = first_beside(container, conflict);
+    if (child == kNoState) return {};
+    if (const StateIndex by_name = first_beside(container, conflict_by_name); by_name != kNoState)
+      return {Kind::ConflictBeside, by_name};
+    return {Kind::ReadsWorldBeside, first_reader(container)};
+  }
+
+  /// The first state in the container that looks at all facts.
+  [[nodiscard]] StateIndex first_reader(StateIndex container) const {
+    const auto looks = [&](StateIndex child) {
+      std::vector<Touched> own;
+      if (child != node(container).decider) collect(child, own);
+      return std::ranges::find(own, kAllFacts, &Touched::name) != own.end();
+    };
+    const auto found = std::ranges::find_if(node(container).children, looks);
+    return found == node(container).children.end() ? kNoState : *found;
   }
 
   /// The first state in the container that touches something for which, together with something that a state
-  /// before it touches, `stand` is true. `reader` gets the first state up to that one that looks at all
-  /// facts; the search ends there.
+  /// before it touches, `stand` is true.
   [[nodiscard]] StateIndex first_beside(StateIndex container,
-                                        bool (*stand)(const Touched& a, const Touched& b),
-                                        StateIndex* reader = nullptr) const {
+                                        bool (*stand)(const Touched& a, const Touched& b)) const {
     std::vector<Touched> before;
     for (const StateIndex child : node(container).children) {
       if (child == node(container).decider) continue;
       std::vector<Touched> own;
-      if (collect(child, own) && reader != nullptr) {
-        *reader = child;
-        return kNoState;
-      }
+      collect(child, own);
       for (const Touched& touched : own) {
         if (std::ranges::any_of(before, [&](const Touched& other) { return stand(touched, other); }))
           return child;
@@ -203,18 +218,17 @@ class Search {
     return kNoState;
   }
 
-  /// Adds what the actions in the state touch; true if one of them looks at all facts.
-  bool collect(StateIndex state, std::vector<Touched>& touched) const {
+  /// Adds what the actions in the state touch.
+  void collect(StateIndex state, std::vector<Touched>& touched) const {
     const mission::CompiledState& entry = node(state);
     if (entry.kind == StateKind::Library) return collect(entry.library, touched);
     if (mission::is_leaf(entry.kind)) return collect(action(state), touched);
-    bool all = entry.required != nullptr && collect(*entry.required, touched);
+    if (entry.required != nullptr) collect(*entry.required, touched);
     for (const StateIndex child : entry.children)
-      all = collect(child, touched) || all;
-    return all;
+      collect(child, touched);
   }
 
-  bool collect(const Action& action, std::vector<Touched>& touched) const {
+  void collect(const Action& action, std::vector<Touched>& touched) const {
     for (const auto* facts : {&action.preconditions, &action.during}) {
       for (const mission::Fact& fact : *facts)
         touched.push_back({"fact " + to_string(fact), false, {}, fact.positive});
@@ -229,7 +243,7 @@ class Search {
       const auto changed = mission::values_changed(action);
       touched.push_back({"value " + name, std::ranges::binary_search(changed, name)});
     }
-    return action.reads_world;
+    if (action.reads_world) touched.push_back({std::string(kAllFacts), false});
   }
 
   /// Whether units of it are created or removed: then all that use it do so in program order.

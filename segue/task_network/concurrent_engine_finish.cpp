@@ -115,7 +115,7 @@ void ConcurrentEngine::Implementation::park(NodeId node, ReportPtr report) {
 
 void ConcurrentEngine::Implementation::try_commit(NodeId node) {
   if (at(node).lost) return commit_lost(node);
-  if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix calls again
+  if (network_[node].reads_world && !world_is_known_to(node)) return;
   if (has_effects(network_, node)) {
     if (const auto risk = risk_before(node)) return turns_.wait(node, *risk);
   }
@@ -149,6 +149,25 @@ bool ConcurrentEngine::Implementation::turn_has_come(NodeId node) {
     return false;
   }
   return true;
+}
+
+/// The first node that has not passed and may change what the node sees of the world: those before it, but
+/// for what is in parallel and changes nothing.
+std::optional<NodeId> ConcurrentEngine::Implementation::first_that_changes_world_of(NodeId node) const {
+  for (NodeId before{prefix_}; before < node; before = NodeId{index(before) + 1}) {
+    const bool changes_nothing = network_.effects_are_declared && !network_[before].opaque &&
+                                 !has_effects(network_, before) && network_.in_parallel(before, node);
+    if (!at(before).passed && !changes_nothing) return before;
+  }
+  return std::nullopt;
+}
+
+/// Whether the world that the node sees is real. If not, it is checked again once that may be so; in no
+/// branch, advance_prefix() does that.
+bool ConcurrentEngine::Implementation::world_is_known_to(NodeId node) {
+  const auto first = first_that_changes_world_of(node);
+  if (first && network_[node].parallel_branch != kNone) turns_.wait(node, *first);
+  return !first;
 }
 
 /// Commits a node with its changes beside the network. Where a later node has used these already, the run

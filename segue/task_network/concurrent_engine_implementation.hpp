@@ -105,6 +105,8 @@ class ConcurrentEngine::Implementation {
   void park(NodeId node, ReportPtr report);
   void try_commit(NodeId node);
   [[nodiscard]] bool turn_has_come(NodeId node);
+  [[nodiscard]] std::optional<NodeId> first_that_changes_world_of(NodeId node) const;
+  bool world_is_known_to(NodeId node);
   void commit_lost(NodeId node);
   void commit_with_changes(NodeId node);
   [[nodiscard]] NodeOutcome judged(NodeId node) const;
@@ -138,6 +140,7 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool assumed_on_path(NodeId writer, NodeId at) const;
   VersionedWorld projected_world(NodeId at);
   VersionedWorld real_world(NodeId at);
+  VersionedWorld world_before(NodeId at);
   void catch_up_prefix_world();
   void add_effects(VersionedWorld& world, NodeId node) const;
   [[nodiscard]] std::uint32_t input_version(NodeId node, std::size_t place) const;
@@ -165,12 +168,9 @@ class ConcurrentEngine::Implementation {
   std::vector<std::uint8_t> reads_;      ///< by access: 0 not read, else 2 + value
   std::vector<std::uint8_t> writes_;     ///< by access: 0 not yet, 1 nothing, else 2 + value
   std::vector<std::uint32_t> versions_;  ///< by input: that was used; 0: none
-  std::vector<NodeId> running_;
   std::uint32_t at_work_ = 0;  ///< running nodes that have a worker; counted if their number is limited
   std::vector<NodeId> work_;   ///< nodes to check
-  std::vector<NodeId> batch_;
-  std::vector<NodeId> to_skip_;
-  std::vector<NodeId> granted_;
+  std::vector<NodeId> running_, batch_, to_skip_, granted_;
   ReadyNodes ready_;
   std::set<Rank> copying_;
   std::uint32_t copies_ = 0;

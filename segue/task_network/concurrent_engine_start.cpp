@@ -128,7 +128,7 @@ bool ConcurrentEngine::Implementation::waits_again(NodeId node) {
 /// Whether everything that the node depends on has happened.
 bool ConcurrentEngine::Implementation::settled(NodeId node) const {
   const State& state = at(node);
-  return state.commit_gate == 0 && (!state.reads_world || prefix_ == index(node));
+  return state.commit_gate == 0 && (!state.reads_world || !first_that_changes_world_of(node));
 }
 
 /// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, for
@@ -344,7 +344,10 @@ void ConcurrentEngine::Implementation::launch(NodeId node) {
   if (state.speculative) ++statistics_.speculative;
   if (state.attempt > 1) ++statistics_.repeated;
   if (!irreversible(node)) note_what_is_read(node);
-  if (state.reads_world) guesses_.erase(index(node));  // those of the last run
+  if (state.reads_world) {
+    guesses_.erase(index(node));  // those of the last run
+    world_is_known_to(node);      // or it is checked then
+  }
   log(node, LogKind::Start);
   if (state.claims) announce_start(node);
   RunContext context(*this, node);

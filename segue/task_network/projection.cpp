@@ -76,13 +76,18 @@ VersionedWorld ConcurrentEngine::Implementation::projected_world(NodeId node) {
 /// node leave it in program order: the order in which nodes end depends on how long they take.
 VersionedWorld ConcurrentEngine::Implementation::real_world(NodeId node) {
   if (!prefix_world_.has_attachments()) return world_;
-  catch_up_prefix_world();
-  VersionedWorld in_order = prefix_world_;
-  for (NodeId before{prefix_world_at_}; before < node; before = NodeId{index(before) + 1}) {
-    if (at(before).phase == Phase::Done) add_effects(in_order, before);
-  }
   VersionedWorld world = world_;
-  world.take_attachments_of(in_order);
+  world.take_attachments_of(world_before(node));
+  return world;
+}
+
+/// The world as all that has ended before the node leaves it, in program order.
+VersionedWorld ConcurrentEngine::Implementation::world_before(NodeId node) {
+  catch_up_prefix_world();
+  VersionedWorld world = prefix_world_;
+  for (NodeId before{prefix_world_at_}; before < node; before = NodeId{index(before) + 1}) {
+    if (at(before).phase == Phase::Done) add_effects(world, before);
+  }
   return world;
 }
 
@@ -117,16 +122,15 @@ bool ConcurrentEngine::Implementation::inputs_are_valid(NodeId node) const {
   return true;
 }
 
-/// Requires that everything before has passed.
+/// True where the real world is not known yet.
 bool ConcurrentEngine::Implementation::world_is_valid(NodeId node) {
   const auto found = guesses_.find(index(node));
   if (found == guesses_.end() || planted(EngineFault::NeverValidates)) return true;
-  if (prefix_ != index(node)) return true;  // it does not read the world as a whole
-  catch_up_prefix_world();
+  if (!world_is_known_to(node)) return true;
+  const VersionedWorld world = world_before(node);
   // The same facts may have come about in another way, which data attached to them remember.
-  if (prefix_world_.has_attachments()) return prefix_world_.history() == found->second.history;
-  return std::ranges::all_of(found->second.facts,
-                             [&](const Literal& guess) { return prefix_world_.holds(guess); });
+  if (world.has_attachments()) return world.history() == found->second.history;
+  return std::ranges::all_of(found->second.facts, [&](const Literal& guess) { return world.holds(guess); });
 }
 
 }  // namespace segue::task_network

@@ -64,6 +64,33 @@ TEST(Speculation, WithoutItWhoLooksAtTheWorldBeginsWhenAllBeforeHavePassed) {
   EXPECT_EQ(simulate(network, options).nodes[index(node)].started, TimePoint(5s));
 }
 
+/// When a node begins that takes what another one has made of the world, beside a node of ten seconds.
+TimePoint begin_behind_reader(bool effects_are_declared, bool changes_something) {
+  TaskNetwork network;
+  network.effects_are_declared = effects_are_declared;
+  NodeSpec slow;
+  slow.duration = 10s;
+  slow.parallel_branch = network.add_parallel_branch(kNone, 0);
+  if (changes_something) slow.effects = {{*network.facts.intern("f()"), true}};
+  network.append(slow);
+  NodeSpec reader;
+  reader.kind = ActionClass::Pure;
+  reader.reads_world = true;
+  reader.duration = 1s;
+  reader.parallel_branch = network.add_parallel_branch(kNone, 0);
+  NodeSpec user;
+  user.parallel_branch = reader.parallel_branch;
+  user.inputs = {{network.append(reader), 0, 0}};
+  const NodeId node = network.append(user);
+  return simulate(network).nodes[index(node)].started;
+}
+
+TEST(Speculation, WhoLooksAtTheWorldWaitsForWhatIsInParallelIfThatMayChangeIt) {
+  EXPECT_EQ(begin_behind_reader(true, false), TimePoint(1s));
+  EXPECT_EQ(begin_behind_reader(true, true), TimePoint(10s));
+  EXPECT_EQ(begin_behind_reader(false, false), TimePoint(10s)) << "it may do what it does not declare";
+}
+
 // "record" depends on nothing but what is beside the network, which "use" may still change.
 TEST(Speculation, WhoReadsWhatIsBesideTheNetworkGivesBackWhatANodeBeforeItNeeds) {
   TaskNetwork network;

@@ -118,6 +118,7 @@ class TaskNetwork {
   NameTable outcomes;  ///< as OutcomeId; begins with success, aborted, preempted
   VersionedWorld initial_world;
   std::vector<Literal> goal;  ///< required at the end, by OrderRule::Goal; empty: the whole world
+  bool effects_are_declared = false;  ///< nodes that are not opaque have no others
 
   /// Appends to the end of the program order. Requires what NodeSpec says of references.
   NodeId append(const NodeSpec& spec) { return append(spec, names.intern(spec.name)); }

@@ -41,7 +41,18 @@ class RandomMission {
     std::string fact;
     bool guarded =
         false;  ///< a container around it may lack what it needs, so that no state in it begins any more
+    bool is_watched = false;       ///< all states beside it change nothing, so it may read the world
+    bool changes_nothing = false;  ///< since a state beside it reads the world
     [[nodiscard]] bool is_concurrent() const { return !fact.empty(); }
+    [[nodiscard]] Where guarded_if(bool declares) const {
+      Where inner = *this;
+      inner.guarded = guarded || declares;
+      return inner;
+    }
+    /// In a branch of its own.
+    [[nodiscard]] Where branch(std::string own) const {
+      return {std::move(own), guarded, false, changes_nothing};
+    }
   };
   struct Child {
     std::string text;  ///< without its id and transitions
@@ -64,6 +75,7 @@ class RandomMission {
   std::string shared_fact() { return fmt::format("f{}", 1 + under(2)); }
 
   std::string facts(const Where& where) {
+    if (where.changes_nothing) return fmt::format("    preconditions: [\"!{}\"]\n", where.fact);
     if (where.is_concurrent() && chance(8)) return contested_fact();
     if (where.is_concurrent() && chance(25)) return fmt::format("    effects: [+{}]\n", shared_fact());
     const auto fact = [&] {
@@ -151,8 +163,8 @@ class RandomMission {
     text += two ? "    outcomes: [ok, no]\n" : "    outcomes: [ok]\n";
     if (pure) text += "    pure: true\n";
     if (sensing) text += "    sensing: true\n";
-    // The world beside other branches would be a race.
-    if (!where.is_concurrent() && chance(pure ? 20 : 3))
+    // The world beside branches that change it would be a race.
+    if ((!where.is_concurrent() && chance(pure ? 20 : 3)) || (where.is_watched && pure && chance(50)))
       text += "    reads_world: true\n";
     else if (chance(25))
       text += fmt::format("    reads_world: [{}]\n", value_of_world(where));
@@ -160,7 +172,7 @@ class RandomMission {
     const bool opaque = !pure && chance(where.is_concurrent() ? 3 : 15);
     std::string touched;
     if (!opaque && (!pure || chance(60))) touched = facts(where);
-    if (!opaque && !pure && !sensing && chance(30)) change_value(touched, where);
+    if (!opaque && !pure && !sensing && !where.changes_nothing && chance(30)) change_value(touched, where);
     text += touched;
     if (!opaque) text += resources(pure || remembers);  // what creates or removes units is irreversible
     if (chance(60))
@@ -183,7 +195,7 @@ class RandomMission {
     if (kind >= 24 && chance(6)) return aborting(i, size, indent, where);
     if (kind < 24) {
       const std::string declared = kind < 18 ? declarations(indent, where) : "";
-      const Where inner{where.fact, where.guarded || !declared.empty()};
+      const Where inner = where.guarded_if(!declared.empty());
       result.text = kind < 10   ? declared + hierarchy(depth + 1, indent, inner)
                     : kind < 18 ? declared + barrier(depth + 1, indent, inner)
                     : kind < 21 ? preemptive(depth + 1, indent, where)
@@ -216,7 +228,10 @@ class RandomMission {
     actions_ += "    outputs: {y: {type: int, default: 0}}\n    outcomes: [ok]\n";
     if (never) actions_ += "    preconditions: [never]\n";
     if (chance(40)) actions_ += "    pure: true\n";
-    actions_ += fmt::format("    effects: [+{}]\n", shared_fact());
+    if (!where.changes_nothing)
+      actions_ += fmt::format("    effects: [+{}]\n", shared_fact());
+    else if (!never)
+      actions_ += facts(where);
     actions_ += fmt::format("    run: {{simulated: {{duration: {}s, outcomes: [{}ok]}}}}\n", under(3),
                             never        ? ""
                             : chance(50) ? "aborted, "
@@ -300,9 +315,9 @@ class RandomMission {
     for (std::size_t i = 0; i < size; ++i) {
       const std::uint64_t kind = depth < 2 ? under(100) : 100;
       const bool leaf = kind >= 30;
-      Where where{fmt::format("b{}", count_++), around.guarded};
+      Where where = around.branch(fmt::format("b{}", count_++));
       const std::string declared = leaf ? "" : declarations(inner, where);
-      where.guarded = where.guarded || !declared.empty();
+      where = where.guarded_if(!declared.empty());
       leaves.push_back(leaf);
       states += fmt::format("{}  s{}:\n", indent, i);
       states += leaf        ? fmt::format("{}action: {}\n", inner, action(false, chance(40), where))
@@ -330,18 +345,22 @@ class RandomMission {
     const std::string inner = indent + "    ";
     std::string states;
     std::string lines;
-    for (std::size_t i = 0, size = 2 + under(2); i < size; ++i) {
+    const std::size_t size = 2 + under(2);
+    const std::size_t reader = !around.is_concurrent() && chance(40) ? under(size) : size;
+    for (std::size_t i = 0; i < size; ++i) {
       const std::uint64_t kind = depth < 2 ? under(100) : 100;
-      const bool leaf = kind >= 35;
-      Where where{fmt::format("b{}", count_++), around.guarded};
+      const bool leaf = kind >= (i == reader ? 80 : 35);
+      Where where = around.branch(fmt::format("b{}", count_++));
+      where.is_watched = i == reader;
+      where.changes_nothing = where.changes_nothing || (reader < size && i != reader);
       const std::string declared = kind < 25 && chance(10) ? declarations(inner, where) : "";
-      where.guarded = where.guarded || !declared.empty();
+      where = where.guarded_if(!declared.empty());
       const bool watches = leaf && !around.is_concurrent() && chance(15);
       const std::string_view end = chance(70) ? "done" : "other";
       states += fmt::format("{}  s{}:\n", indent, i);
       states += leaf ? fmt::format("{}action: {}\n", inner, watches ? watch() : action(false, false, where))
-                : kind < 25 ? declared + hierarchy(depth + 1, inner, where)
-                            : preemptive(depth + 1, inner, where);
+                : kind < (i == reader ? 70 : 25) ? declared + hierarchy(depth + 1, inner, where)
+                                                 : preemptive(depth + 1, inner, where);
       states += leaf ? fmt::format("{}on: {{ok: return {}", inner, end)
                      : fmt::format("{}on: {{done: return {}, other: return other", inner, end);
       states += chance(20) ? ", aborted: return other}\n" : "}\n";

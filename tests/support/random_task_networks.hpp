@@ -47,6 +47,7 @@ class RandomNetwork {
       units_.push_back(network.resources[id].count);
     }
     if (variety.parallel && mix(seed, 11) % 2 == 0) add_branches();
+    network.effects_are_declared = !variety.undeclared_effects && mix(seed, 12) % 2 == 0;
     for (int i = 0, nodes = pick(1, 16); i < nodes; ++i)
       add_node(i);
   }
