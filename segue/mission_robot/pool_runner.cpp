@@ -133,6 +133,11 @@ class InstanceCall {
   std::optional<Outcome> outcome_;
 };
 
+/// A pool on demand may have none at the moment.
+std::size_t most_instances(const PoolView& pool) {
+  return std::max<std::size_t>(pool.most, pool.instances.size());
+}
+
 /// One execution of an action.
 class PoolExecution {
  public:
@@ -160,7 +165,7 @@ class PoolExecution {
       const auto pool = instances.query(call_.pool, stop);
       // An instance that is not in a state for it, such as one that is being stopped, has not begun.
       const bool may_repeat = may_repeat_ || outcome->answer.error().code == ErrorCode::InvalidState;
-      if (!pool || !may_repeat || attempt > pool->instances.size())
+      if (!pool || !may_repeat || attempt > most_instances(*pool))
         return failed(
             fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(outcome->answer.error()),
             instances, stop);

@@ -22,7 +22,7 @@ struct PoolOptions {
 
 /// Carries out actions that are calls of a pool of processes (PoolCall), each in a thread of its own and on
 /// an instance that the robot gives it, which works for nobody else. Where an instance is lost while it works
-/// for a pure action, another one takes its place: as often as there are instances, and once more. An action
+/// for a pure action, another one takes its place: as often as the pool may have instances. An action
 /// that is preempted ends at once; its instance is free again when it has answered, which is dropped. An
 /// instance that has not answered when nobody waits for it any more is ended by the robot, and free when it
 /// has been started again.

@@ -87,6 +87,11 @@ class PlanningRobot final : public CommandedRobot {
   void start_again(const std::string& instance) {
     change(instance, [](PoolInstanceView& one) { one = {one.task, one.pid + 100, true, false, ""}; });
   }
+  /// Nobody has needed it.
+  void leave(const std::string& instance) {
+    const Lock lock(mutex_);
+    std::erase_if(instances_, [&](const PoolInstanceView& one) { return one.task == instance; });
+  }
   void vanish() {
     const Lock lock(mutex_);
     is_gone_ = true;
@@ -227,6 +232,21 @@ TEST_F(PoolCalls, AreRepeatedABoundedNumberOfTimes) {
   EXPECT_THAT(engine_->result().error, HasSubstr("3 attempts have failed"));
   EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2", "planner_1"))
       << "not by the same one, though it is there again";
+}
+
+TEST_F(PoolCalls, AreRepeatedAsOftenWhereThePoolHasFewerInstancesAtTheMoment) {
+  int calls = 0;
+  begin([this, &calls](const std::string& instance, const Value&) -> Result<Value> {
+    if (++calls == 3) return route("found");
+    robot_->lose(instance);
+    if (calls == 1)
+      robot_->leave(instance);
+    else
+      robot_->start_again(instance);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "found") << engine_->result().error;
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2", "planner_2"));
 }
 
 TEST_F(PoolCalls, AreNotRepeatedUnlessTheActionIsPure) {
