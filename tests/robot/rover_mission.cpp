@@ -39,7 +39,7 @@ class RoverMissionText {
       if (one_in(random_, 2)) mission_.world.insert(fmt::format("f{}", i));
     }
     const Scope scope{"", is_guarded_ ? "        " : "    "};
-    const std::string work = sequence(scope, 4 + up_to(random_, 4), mission_.gets_low);
+    const std::string work = sequence(scope, 5 + up_to(random_, 5), mission_.gets_low);
     mission_.text = fmt::format("mission: random\nworld: [{}]\n", fmt::join(mission_.world, ", "));
     mission_.text += "outcomes: [done, low]\noutputs: {seen: any}\n";
     mission_.text += is_guarded_ ? guarded(work) : unguarded(work);
@@ -171,13 +171,17 @@ class RoverMissionText {
     static constexpr std::array<std::string_view, 3> kValues = {"arm", "base", "box"};
     return *values_.insert(scope.branch.empty() ? any(kValues) : "v_" + scope.branch).first;
   }
+  /// Mostly the one that was changed last, which may be predicted wrongly.
+  std::string value_read_in(const Scope& scope) {
+    return scope.branch.empty() && !changed_.empty() && percent(60) ? changed_ : value_in(scope);
+  }
   std::string fact_in(const Scope& scope) {
     return scope.branch.empty() ? fmt::format("f{}", up_to(random_, kFacts - 1)) : "f_" + scope.branch;
   }
 
   /// From where a value says that something is, or will be.
   void plan(const std::string& name, const Scope& scope) {
-    const std::string from = value_in(scope);
+    const std::string from = value_read_in(scope);
     const std::string pool = one_in(random_, 3) ? "scout" : "planner";
     const std::string more = one_in(random_, 2) ? "reads_world: [" + from + "], " : "";
     add_action(
@@ -193,10 +197,10 @@ class RoverMissionText {
 
   /// Moves arm or base by a controller, in a few milliseconds.
   void move(const std::string& name, const Scope& scope) {
-    static constexpr std::array<std::string_view, 3> kOfArm = {"move_arm", "reach", "grasp"};
+    static constexpr std::array<std::string_view, 4> kOfArm = {"move_arm", "reach", "grasp", "teleop"};
     static constexpr std::array<std::string_view, 3> kOfBase = {"go_to", "explore", "teleop"};
     static constexpr std::array<std::string_view, 2> kSimple = {"drive", "look"};  // not beside `guard`
-    const bool moves_arm = one_in(random_, 2);
+    const bool moves_arm = moved_arm_ = percent(moved_arm_ ? 25 : 75);
     Touches touches{.is_irreversible = true, .expected = "there"};
     touches.controller = !is_guarded_ && one_in(random_, 5) ? any(kSimple)
                          : moves_arm                        ? any(kOfArm)
@@ -206,9 +210,11 @@ class RoverMissionText {
     const std::string part = moves_arm ? "arm" : "base";
     const std::string value = is_apart ? *values_.insert(part).first : value_in(scope);
     touches.changes = {value};
+    if (scope.branch.empty()) changed_ = value;
     const std::string fact = is_apart ? "f_" + part : fact_in(scope);
     touches.makes[fact] = percent(60);
-    if (percent(25)) touches.relies_on[fact_in(scope)] = one_in(random_, 2);
+    if (percent(35))
+      touches.relies_on[is_apart ? moves_arm ? "f_base" : "f_arm" : fact_in(scope)] = one_in(random_, 2);
     std::string needs;
     for (const auto& [needed, holds] : touches.relies_on)
       needs = std::string("preconditions: [\"") + (holds ? "" : "!") + needed + "\"], ";
@@ -223,7 +229,8 @@ class RoverMissionText {
                    std::to_string(1 + up_to(random_, 5)) + "ms, outcome: " + any(kEnds) + "}]}",
                touches);
   }
-  static constexpr std::array<std::string_view, 5> kEnds = {"there", "there", "there", "blocked", "aborted"};
+  static constexpr std::array<std::string_view, 5> kEnds = {"there", "there", "blocked", "blocked",
+                                                            "aborted"};
 
   /// Decides by what it sees of the world.
   void think(const std::string& name, const Scope& scope) {
@@ -232,7 +239,7 @@ class RoverMissionText {
         name,
         "inputs: {n: {type: int, default: " + std::to_string(up_to(random_, 9)) +
             "}}, outputs: {n: {type: int, default: 0}}, outcomes: [ok, no], pure: true, reads_world: " +
-            (sees_all ? std::string("true") : "[" + value_in(scope) + "]") +
+            (sees_all ? std::string("true") : "[" + value_read_in(scope) + "]") +
             ", expect: {duration: 2ms, outcome: ok}, run: {callback: think}",
         {});
   }
@@ -268,7 +275,9 @@ class RoverMissionText {
   const bool is_guarded_;
   RoverMission mission_;
   std::set<std::string> values_;
+  std::string changed_;  ///< the value that a motion outside of barriers has changed last; empty: none
   std::string actions_;
+  bool moved_arm_ = false;  ///< the last motion did
   int number_ = 0;
 };
 

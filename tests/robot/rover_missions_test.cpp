@@ -203,7 +203,7 @@ class Trial {
 };
 
 TEST(RoverMissions, DoConcurrentlyWhatTheyDoAsWrittenWhilePlannersAreKilled) {
-  const int missions = number_from("SEGUE_ROVER_MISSIONS", 12);
+  const int missions = number_from("SEGUE_ROVER_MISSIONS", 30);
   const int first = number_from("SEGUE_SEED", 1);
   MissionRun all;
   int low = 0;
