@@ -243,8 +243,9 @@ states:
 # Values that scripts share, `$NAME` as a default of ports.
 #globals: {home: {type: map, default: {x: 0.0, y: 0.0}}}
 # Resources, of which there is one unit unless it says otherwise; class: system, process, module, world or task; commutes:
-# whoever takes units first makes no difference.
-#resources: {road: {class: system, count: 1, parameters: {}, commutes: false}}
+# whoever takes units first makes no difference; observe: the units are there while a condition holds, as of a fact, or as
+# many as a sample says ({port: load.cores, units: free}).
+#resources: {road: {class: system, count: 1, parameters: {}, commutes: false, observe: {task: drive, state: idle}}}
 # State machines that states use by name.
 #libraries: {detour: {action: drive_to, inputs: {place: {x: 0.5, y: 0.0}}}}
 )yaml";

@@ -213,9 +213,12 @@ Result<void> run_by_robot(RunRequest& request, const LoadedMission& plan,
   of_scripts.unreachable = how.unreachable;
   if (request.scripts)
     request.scripts->robot = std::make_shared<mission::ScriptRobot>(robot, controllers, of_scripts);
-  if (const auto& observed = plan.program()->mission().observed; !observed.empty())
+  if (mission::observes(plan.program()->mission()) && !request.simulate) {
+    mission::FactObserver::Options of_facts;
+    of_facts.unreachable = how.unreachable;
     request.runners.set_observer(
-        std::make_shared<mission::FactObserver>(robot, observed, mission::FactObserver::Options{}));
+        std::make_shared<mission::FactObserver>(robot, plan.program()->mission(), of_facts));
+  }
   return {};
 }
 

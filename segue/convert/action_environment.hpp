@@ -36,6 +36,9 @@ class ActionEnvironment final : public task_network::Environment {
               task_network::Completions& completions) override;
   void ended(task_network::NodeId node, std::uint32_t attempt) override;
   [[nodiscard]] bool outdated(task_network::NodeId node) const override;
+  [[nodiscard]] bool had_begun(task_network::NodeId node) const override {
+    return journal_ != nullptr && journal_->had_begun(node);
+  }
   void passed_before(task_network::NodeId node) override;
   [[nodiscard]] Duration patience() const override { return options_.preemption_grace; }
   /// From any thread: preempts an opaque subtree that occupies the engine's thread, as in virtual time.

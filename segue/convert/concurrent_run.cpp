@@ -64,6 +64,35 @@ void mark_observed(const mission::Mission& mission, task_network::FactTable& fac
   }
 }
 
+/// Hands the units that a robot shows to an engine, while it runs. Shared with who looks at the robot.
+struct LimitReceiver {
+  Mutex mutex;
+  task_network::ConcurrentEngine* engine SEGUE_GUARDED_BY(mutex) = nullptr;
+
+  void limit(task_network::UnitLimits limits) {
+    const Lock lock(mutex);
+    if (engine != nullptr) engine->limit(std::move(limits));
+  }
+  void serve(task_network::ConcurrentEngine* by) {
+    const Lock lock(mutex);
+    engine = by;
+  }
+};
+
+using ObservedResources = std::vector<std::pair<task_network::ResourceId, const mission::Resource*>>;
+
+/// The resources of a plan of which a robot shows the units; none in virtual time.
+ObservedResources observed_resources(const MissionPlan& plan, const mission::Runners& runners,
+                                     const RunOptions& options) {
+  ObservedResources observed;
+  if (!runners.observer() || options.clock == task_network::ClockKind::Virtual) return observed;
+  for (const mission::Resource& resource : plan.program().mission().resources) {
+    if (!resource.observe) continue;
+    if (const auto id = plan.network().resources.find(resource.name)) observed.emplace_back(*id, &resource);
+  }
+  return observed;
+}
+
 }  // namespace
 
 class Run::Implementation {
@@ -76,12 +105,15 @@ class Run::Implementation {
         events_(*plan_, options),
         environment_(*plan_, runners_, std::move(by_action), options, {journal_.get(), &events_}),
         observed_(*plan_, events_, journal_.get()),
+        units_(observed_resources(*plan_, runners_, options)),
         engine_(plan_->network(), observed_, environment_, settings(options)) {
     if (journal_) plan_->set_race_record(journal_->races());
   }
 
   const mission::MissionResult& run() {
+    const auto watched = watch_units();
     network_result_ = engine_.run();
+    limits_->serve(nullptr);
     environment_.close();
     events_.finish(network_result_);
     const mission::Program& program = plan_->program();
@@ -109,6 +141,14 @@ class Run::Implementation {
         told(paths);
       };
     }
+    for (const auto& [id, resource] : units_)
+      made.limited.push_back(id);
+    made.waits_for_units = [this, warn = options.warn](const task_network::ResourcePool::Limited& wait) {
+      const auto is_meant = [&](const auto& one) { return one.first == wait.resource; };
+      const mission::Resource& resource = *std::ranges::find_if(units_, is_meant)->second;
+      const std::string why = unshown_text(resource.name, *resource.observe, wait.count, wait.limit);
+      if (warn) warn(plan_->network().label(wait.node) + ": " + why);
+    };
     made.clock = options.clock;
     made.strict = options.strict;
     made.speculate = options.speculate;
@@ -121,13 +161,28 @@ class Run::Implementation {
     return made;
   }
 
+  /// Has the engine follow the units that the robot shows, until what this returns is gone.
+  [[nodiscard]] std::shared_ptr<void> watch_units() {
+    if (units_.empty()) return nullptr;
+    limits_->serve(&engine_);
+    return runners_.observer()->watch_units(
+        [limits = limits_, units = units_](const mission::ShownUnits& shown) {
+          task_network::UnitLimits now{{}, shown.lost};
+          for (const auto& [id, resource] : units)
+            now.units.emplace_back(id, shown.units.find(resource->name)->second);
+          limits->limit(std::move(now));
+        });
+  }
+
   std::unique_ptr<MissionPlan> plan_;
   const mission::Runners runners_;
   const std::unique_ptr<NodeJournal> journal_;
   RunEvents events_;
   ActionEnvironment environment_;
   ObservedPlan observed_;
+  const ObservedResources units_;
   task_network::ConcurrentEngine engine_;
+  const std::shared_ptr<LimitReceiver> limits_ = std::make_shared<LimitReceiver>();
   task_network::RunResult network_result_;
   mission::MissionResult result_;
 };

@@ -97,6 +97,7 @@ Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const m
         plan->network_.resources[plan->network_.resources.intern(resource.name)];
     entry.kind = static_cast<task_network::ResourceClass>(resource.kind);
     entry.commutes = resource.commutes;
+    entry.observed = resource.observe.has_value();
   }
   for (const auto& [name, count] : *units)
     plan->network_.resources[plan->network_.resources.intern(name)].count = count;

@@ -82,6 +82,11 @@ std::optional<RunJournal::End> NodeJournal::replayed(NodeId node) {
                                is_action ? program.mission().actions[program.node(state).action] : kSubtree);
 }
 
+bool NodeJournal::had_begun(NodeId node) const {
+  if (!records(node)) return !awaited_.empty();
+  return journal_->find(execution(node)) || !journal_->progress(execution(node)).is_null();
+}
+
 void NodeJournal::refused(NodeId node) {
   if (records(node)) awaited_.erase(execution(node));
 }

@@ -38,6 +38,9 @@ class NodeJournal {
   /// How the node, which begins now, ended in the earlier run, or is taken to have ended; nothing if it is to
   /// be executed.
   [[nodiscard]] std::optional<mission::RunJournal::End> replayed(task_network::NodeId node);
+  /// Whether the node had begun in the earlier run, as far as the journal says; of containers it does not,
+  /// and those count as begun that begin before all in the journal has.
+  [[nodiscard]] bool had_begun(task_network::NodeId node) const;
   /// The node does not begin, and aborts, as it did in the earlier run if that had come so far.
   void refused(task_network::NodeId node);
   /// The node begins as soon as this returns. On disk, if it is potentially irreversible; others are not

@@ -114,6 +114,10 @@ class MachineGantt {
     node.status = status_of(item);
     if (item.ended) node.outcome = program_.outcome_name(item.state, item.outcome);
     if (places_[i].before != kNone) node.waits.push_back(wait_for(places_[i].before, from));
+    if (const History::UnitWait* wait = history_.unit_wait(i)) {
+      node.waits.push_back({task_network::Wait::Kind::Resource, task_network::NodeId{kNone}, wait->resource,
+                            since_begin(wait->from), since_begin(wait->until)});
+    }
     for (const mission::ResourceUse& use : action.resources)
       use_resource(node, use.resource);
     if (!places_[i].watches) gantt_.summary.sequential += until - from;

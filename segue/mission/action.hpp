@@ -7,6 +7,7 @@
 #include <segue/base/id.hpp>
 #include <segue/mission/controller_use.hpp>
 #include <segue/mission/mission_port.hpp>
+#include <segue/mission/observed_units.hpp>
 #include <segue/mission/pool_call.hpp>
 #include <segue/type/value.hpp>
 
@@ -42,6 +43,8 @@ struct Resource {
   int count = 1;
   type::Value parameters{type::ValueMap{}};
   bool commutes = false;  ///< the order of its users does not matter
+  /// While a robot shows fewer units than there are, nobody gets the others.
+  std::optional<ObservedUnits> observe{};
   SourcePlace where;
   friend bool operator==(const Resource&, const Resource&) = default;
 };

@@ -368,6 +368,7 @@ Resource read_resource(const std::string& name, const Value& value, const Source
   if (const Value* parameters = fields.find("parameters", Value::Kind::Map))
     resource.parameters = *parameters;
   resource.commutes = fields.boolean("commutes", false);
+  resource.observe = read_observed_units(fields, source);
   fields.finish();
   return resource;
 }

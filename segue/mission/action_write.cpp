@@ -163,6 +163,7 @@ Value write_resource(const Resource& resource) {
   if (resource.count != 1) map.append("count", resource.count);
   if (!is_empty_map(resource.parameters)) map.append("parameters", resource.parameters);
   if (resource.commutes) map.append("commutes", true);
+  if (resource.observe) map.append("observe", write_observed_units(*resource.observe));
   return map;
 }
 

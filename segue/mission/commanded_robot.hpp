@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -135,6 +136,11 @@ class CommandedRobot {
   /// Whether the robot runs that controller, alone or beside others, without faults that could not be
   /// repaired.
   virtual Result<ControllerTrouble> trouble(std::string_view controller, const Wait& wait) = 0;
+  /// Why the mission commands the robot no longer, as a sentence; nothing: it does. Waits for the robot,
+  /// until a stop is requested, which is Cancelled.
+  virtual Result<std::optional<std::string>> lost_command(const std::stop_token& /*stop*/) {
+    return std::optional<std::string>();
+  }
   /// The conflicts between all controllers of the robot.
   virtual Result<ControllerConflicts> conflicts(const Wait& wait) = 0;
   /// The robot's pools of processes.

@@ -109,16 +109,10 @@ ObservedFact read_observed_fact(const std::string& name, const Value& value, con
                  fields.what() + ": expected a fact such as 'holding(box)', without a sign and inputs",
                  value);
   }
-  auto found = read_conditions(fields, source);
+  auto when = read_one_condition(fields, "{task, state}, {port, where} and {call, is}", source);
   observed.settle = read_positive(fields, "settle", ObservedFact::kSettle, source);
   fields.finish();
-  if (found.size() == 1) {
-    observed.when = std::move(found.front());
-  } else {
-    source.error("bad-observe",
-                 fields.what() + ": expected exactly one of {task, state}, {port, where} and {call, is}",
-                 value);
-  }
+  if (when) observed.when = std::move(*when);
   return observed;
 }
 

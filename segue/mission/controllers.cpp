@@ -128,10 +128,15 @@ bool uses_controllers(const Mission& mission) {
                              [](const Action& action) { return !controllers_of(action).empty(); });
 }
 
+bool observes(const Mission& mission) {
+  const auto is_observed = [](const Resource& resource) { return resource.observe.has_value(); };
+  return !mission.observed.empty() || std::ranges::any_of(mission.resources, is_observed);
+}
+
 bool needs_robot(const Mission& mission) {
   const bool has_scripts = std::ranges::any_of(
       mission.actions, [](const Action& action) { return action.controllers.has_value(); });
-  return has_scripts || uses_controllers(mission) || uses_pools(mission) || !mission.observed.empty();
+  return has_scripts || uses_controllers(mission) || uses_pools(mission) || observes(mission);
 }
 
 void claim_controllers(Mission& mission, const ControllerConflicts* conflicts) {

@@ -21,7 +21,9 @@ namespace segue::mission {
 inline constexpr std::string_view kControllerResource = "the robot's controller";
 
 [[nodiscard]] bool uses_controllers(const Mission& mission);
-/// Whether it uses controllers or pools, has scripts that use a robot, or observes facts.
+/// Whether it observes facts or units.
+[[nodiscard]] bool observes(const Mission& mission);
+/// Whether it uses controllers or pools, has scripts that use a robot, or observes facts or units.
 [[nodiscard]] bool needs_robot(const Mission& mission);
 
 /// ControllerUse::controller with the value of each input in place of "{input}"; nothing where one has none.

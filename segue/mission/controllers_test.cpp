@@ -249,5 +249,24 @@ TEST_F(RobotWithControllers, LacksWhatItLacksInEveryControllerThatIsMeant) {
               HasSubstr("has arguments, so a condition cannot ask it"));
 }
 
+TEST_F(RobotWithControllers, LacksWhatShowsTheUnitsOfAResource) {
+  const auto problems = [&](const std::string& observe) {
+    Diagnostics diagnostics;
+    const auto mission =
+        read_mission("mission: m\nresources: {pose: {observe: " + observe + "}}\n", "m.yaml", diagnostics);
+    EXPECT_TRUE(mission) << to_string(diagnostics);
+    if (mission) check_controllers(*mission, networks_, catalog_, diagnostics);
+    return to_string(diagnostics);
+  };
+  EXPECT_EQ(problems("{task: planner, state: arrived}"), "");
+  EXPECT_EQ(problems("{port: planner.status, units: free}"), "");
+  EXPECT_THAT(
+      problems("{task: planer, state: arrived}"),
+      HasSubstr(
+          "the resource 'pose': no controller of the robot has a task 'planer', did you mean 'planner'?"));
+  EXPECT_THAT(problems("{port: planner.stats, units: free}"),
+              HasSubstr("has no output port 'stats', did you mean 'status'? [unknown-port]"));
+}
+
 }  // namespace
 }  // namespace segue::mission

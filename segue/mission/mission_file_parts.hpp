@@ -44,6 +44,11 @@ Action read_action(const std::string& name, const type::Value& value, const Sour
 ControllerUse read_controller(Fields& fields, const Source& source);
 /// Reads 'run' of an action that is a call of a pool.
 PoolCall read_pool_call(Fields& fields, const Source& source);
+/// The condition of an entry that must have one; otherwise an error, which names the forms that it may have.
+std::optional<model::RobotCondition> read_one_condition(Fields& fields, std::string_view forms,
+                                                        const Source& source);
+/// Reads "observe" of a resource, if there is one.
+std::optional<ObservedUnits> read_observed_units(Fields& resource, const Source& source);
 Resource read_resource(const std::string& name, const type::Value& value, const Source& source);
 
 /// The writers append nothing for empty lists.
@@ -58,6 +63,7 @@ type::Value write_pool_call(const PoolCall& call);
 void write_declared_data(type::ValueMap& map, const std::vector<DeclaredData>& data);
 type::Value write_script(const Script& script);
 void write_observed(type::ValueMap& map, const std::vector<ObservedFact>& observed);
+type::Value write_observed_units(const ObservedUnits& observed);
 type::Value write_resource(const Resource& resource);
 
 }  // namespace segue::mission::detail

@@ -76,20 +76,47 @@ std::optional<std::string> Units::shortage(std::span<const UnitUse> uses) const 
   return std::nullopt;
 }
 
-bool Units::are_free(std::span<const UnitUse> uses) const {
-  return std::ranges::all_of(uses, [&](const UnitUse& use) {
-    const Stock there = stock(use.resource);
-    if (use.operation == ResourceOperation::Exists) return there.total >= use.count + there.leaving;
-    const bool removes =
-        use.operation == ResourceOperation::Consume || use.operation == ResourceOperation::Delete;
-    const std::int64_t relied_on = there.relied_on.empty() ? 0 : *there.relied_on.rbegin();
-    if (removes && there.total < use.count + relied_on) return false;
-    return there.total - there.held >= taken(uses, use.resource);
+/// Whether this use, of all `uses` of an execution, need not wait.
+bool Units::is_free(const UnitUse& use, std::span<const UnitUse> uses, Limits limits) const {
+  const Stock there = stock(use.resource);
+  const std::int64_t most = limits == Limits::Passed ? there.total : std::min(there.total, there.limit);
+  if (use.operation == ResourceOperation::Exists) return most >= use.count + there.leaving;
+  const bool removes =
+      use.operation == ResourceOperation::Consume || use.operation == ResourceOperation::Delete;
+  const std::int64_t relied_on = there.relied_on.empty() ? 0 : *there.relied_on.rbegin();
+  if (removes && there.total < use.count + relied_on) return false;
+  const std::int64_t all = taken(uses, use.resource);
+  return all == 0 || most - there.held >= all;
+}
+
+bool Units::are_free(std::span<const UnitUse> uses, Limits limits) const {
+  return std::ranges::all_of(uses, [&](const UnitUse& use) { return is_free(use, uses, limits); });
+}
+
+void Units::limit(const std::string& resource, std::uint32_t units) {
+  stocks_[resource].limit = units;
+}
+
+std::uint32_t Units::limit_of(std::string_view resource) const {
+  return static_cast<std::uint32_t>(stock(resource).limit);
+}
+
+const UnitUse* Units::limited(std::span<const UnitUse> uses) const {
+  const auto found = std::ranges::find_if(uses, [&](const UnitUse& use) {
+    return !is_free(use, uses, Limits::Heeded) && is_free(use, uses, Limits::Passed);
+  });
+  return found == uses.end() ? nullptr : &*found;
+}
+
+bool Units::exceed_limits(std::span<const UnitUse> uses) const {
+  return std::ranges::any_of(uses, [&](const UnitUse& use) {
+    const bool exists = use.operation == ResourceOperation::Exists;
+    return (exists ? std::int64_t{use.count} : taken(uses, use.resource)) > stock(use.resource).limit;
   });
 }
 
-bool Units::take(std::span<const UnitUse> uses) {
-  if (!are_free(uses)) return false;
+bool Units::take(std::span<const UnitUse> uses, Limits limits) {
+  if (!are_free(uses, limits)) return false;
   for (const UnitUse& use : uses) {
     Stock& there = stocks_[use.resource];
     const std::int64_t count = use.count;

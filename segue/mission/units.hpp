@@ -50,11 +50,23 @@ class Units {
   [[nodiscard]] UnitChanges changes_since(const Counts& counts) const;
   /// Why these uses cannot be had even if every execution gave back what it holds; nothing if they can.
   [[nodiscard]] std::optional<std::string> shortage(std::span<const UnitUse> uses) const;
-  /// Whether nobody holds so many that these uses must wait.
-  [[nodiscard]] bool are_free(std::span<const UnitUse> uses) const;
-  /// Takes them for an execution that begins, unless others hold some of them (false), or there is a
-  /// shortage.
-  bool take(std::span<const UnitUse> uses);
+  /// Whether limits of what can be taken matter (limit()): not to who had begun in an earlier run.
+  enum class Limits : std::uint8_t { Heeded, Passed };
+  /// Whether nobody holds so many that these uses must wait, and the limits permit them.
+  [[nodiscard]] bool are_free(std::span<const UnitUse> uses, Limits limits = Limits::Heeded) const;
+  /// Takes them for an execution that begins, unless others hold some of them (false), there is a shortage,
+  /// or a limit does not permit it.
+  bool take(std::span<const UnitUse> uses, Limits limits = Limits::Heeded);
+  /// From now on that many units of the resource can be taken at most, with those that are held; kAllUnits:
+  /// all. Who holds more keeps them. All units count as existing nevertheless.
+  void limit(const std::string& resource, std::uint32_t units);
+  /// The first of these uses that could be had if there were no limits, as far as its own resource is
+  /// concerned; null: limits keep nobody waiting.
+  [[nodiscard]] const UnitUse* limited(std::span<const UnitUse> uses) const;
+  /// Whether a limit is below what these uses need, even if nobody held any units.
+  [[nodiscard]] bool exceed_limits(std::span<const UnitUse> uses) const;
+  /// The units of the resource that can be taken at most.
+  [[nodiscard]] std::uint32_t limit_of(std::string_view resource) const;
   /// A container that has taken units of the resource lends them to what is in it: they exist as units of
   /// `name`.
   void lend(const std::string& resource, std::uint32_t count, const std::string& name);
@@ -74,9 +86,11 @@ class Units {
     std::int64_t held = 0;
     std::int64_t leaving = 0;                 ///< held by executions that delete them
     std::int64_t lent = 0;                    ///< held by containers
+    std::int64_t limit = kAllUnits;           ///< how many can be taken
     std::multiset<std::int64_t> relied_on{};  ///< by running executions to which they must exist
   };
   [[nodiscard]] Stock stock(std::string_view resource) const;
+  [[nodiscard]] bool is_free(const UnitUse& use, std::span<const UnitUse> uses, Limits limits) const;
 
   std::map<std::string, Stock, std::less<>> stocks_;
 };

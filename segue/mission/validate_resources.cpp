@@ -194,6 +194,31 @@ void check_kept(const Mission& mission, Diagnostics& diagnostics) {
   }
 }
 
+/// How many units there are of an observed resource, the robot says alone.
+void check_observed_units(const Mission& mission, Diagnostics& diagnostics) {
+  for (const Resource& resource : mission.resources) {
+    if (!resource.observe) continue;
+    if (resource.count < 1) {
+      diagnostics.error("observed-units",
+                        "resource " + quote(resource.name) +
+                            ": the robot shows at most 'count' units, which must be 1 or more",
+                        resource.where);
+    }
+    for (const Action& action : mission.actions) {
+      for (const ResourceUse& use : action.resources) {
+        const bool only_uses =
+            use.operation == ResourceOperation::Block || use.operation == ResourceOperation::Exists;
+        if ((only_uses && !use.keep) || !meets(use.resource, resource.name)) continue;
+        diagnostics.error("observed-units",
+                          "action " + quote(action.name.str()) + ": the resource " + quote(resource.name) +
+                              " is observed, so the robot says how many units there are; an action can only "
+                              "block units and require that they exist",
+                          use.where);
+      }
+    }
+  }
+}
+
 /// A container only holds and requires units.
 void check_container(const ResourceUse& use, const std::string& what, Diagnostics& diagnostics) {
   const bool fits =
@@ -211,6 +236,7 @@ void check_container(const ResourceUse& use, const std::string& what, Diagnostic
 void check_resources(const Mission& mission, Diagnostics& diagnostics) {
   Creation(mission, diagnostics).run();
   check_kept(mission, diagnostics);
+  check_observed_units(mission, diagnostics);
   std::unordered_map<std::string_view, const Resource*> resources;
   for (const Resource& resource : mission.resources)
     resources.try_emplace(resource.name, &resource);

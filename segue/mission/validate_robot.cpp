@@ -4,7 +4,11 @@
 #include <segue/model/member_check.hpp>
 
 #include <algorithm>
+#include <functional>
+#include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 namespace segue::mission {
 
@@ -26,25 +30,50 @@ void check_use(const ControllerUse& use, model::MemberCheck check) {
     check.port(one.port, model::Direction::Output, one.where);
 }
 
-/// In every controller that has its task, of which there must be one.
-void check_observed(const ObservedFact& observed, const std::vector<model::Network>& controllers,
-                    const model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
-  const std::string what = "the observed fact " + quote(to_string(observed.fact));
-  const std::string task = task_of(observed.when);
+/// Something that the mission observes.
+struct Observed {
+  std::string what;
+  std::string task;
+  SourcePlace where;
+};
+
+/// Calls `check` for every controller that has its task, of which there must be one.
+void check_observed(const Observed& observed, const std::vector<model::Network>& controllers,
+                    const model::ComponentCatalog& catalog, Diagnostics& diagnostics,
+                    const std::function<void(model::MemberCheck)>& check) {
   std::vector<std::string> names;
   bool found = false;
   for (const auto& controller : controllers) {
     for (const auto& one : controller.tasks)
       names.push_back(one.id.str());
-    if (controller.find_task(model::TaskId(task)) == nullptr) continue;
+    if (controller.find_task(model::TaskId(observed.task)) == nullptr) continue;
     found = true;
-    model::MemberCheck(what, controller, catalog, diagnostics).condition(observed.when, observed.where);
+    check(model::MemberCheck(observed.what, controller, catalog, diagnostics));
   }
   if (found) return;
-  diagnostics.error(
-      "unknown-task",
-      what + ": no controller of the robot has a task " + quote(task) + did_you_mean(task, names),
-      observed.where);
+  diagnostics.error("unknown-task",
+                    observed.what + ": no controller of the robot has a task " + quote(observed.task) +
+                        did_you_mean(observed.task, names),
+                    observed.where);
+}
+
+void check_observed(const Mission& mission, const std::vector<model::Network>& controllers,
+                    const model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
+  for (const ObservedFact& fact : mission.observed) {
+    check_observed({"the observed fact " + quote(to_string(fact.fact)), task_of(fact.when), fact.where},
+                   controllers, catalog, diagnostics,
+                   [&](model::MemberCheck check) { check.condition(fact.when, fact.where); });
+  }
+  for (const Resource& resource : mission.resources) {
+    if (!resource.observe) continue;
+    check_observed({"the resource " + quote(resource.name), task_of(*resource.observe), resource.where},
+                   controllers, catalog, diagnostics, [&](model::MemberCheck check) {
+                     if (const auto* counts = std::get_if<SampleCounts>(&*resource.observe))
+                       check.port(counts->port, model::Direction::Output, resource.where);
+                     else
+                       check.condition(std::get<RobotCondition>(*resource.observe), resource.where);
+                   });
+  }
 }
 
 void report_unknown(const Action& action, const std::string& controller,
@@ -92,8 +121,7 @@ void check_controllers(const Mission& mission, const std::vector<model::Network>
     }
     if (!found) report_unknown(action, use->controller, names, diagnostics);
   }
-  for (const ObservedFact& observed : mission.observed)
-    check_observed(observed, controllers, catalog, diagnostics);
+  check_observed(mission, controllers, catalog, diagnostics);
 }
 
 }  // namespace segue::mission

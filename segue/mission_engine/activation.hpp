@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -72,6 +73,7 @@ struct Activation {
   World::Changes changed{};         ///< leaves: the changes this made
   std::vector<UnitUse> asked;       ///< units that it needs
   UnitsUsed units;                  ///< those that it has taken
+  History::UnitWait unit_wait;      ///< while it waits for units that the robot does not show
   EnclosingScopePtr around;         ///< what is declared around it
   EnclosingScopePtr inside;         ///< containers: what is declared around its children
   std::vector<type::Value> inputs;
@@ -100,6 +102,13 @@ struct Timer {
   bool operator<(const Timer& other) const {
     return when == other.when ? order > other.order : when > other.when;
   }
+};
+
+/// The units that a robot shows, as far as an engine knows.
+struct RobotUnits {
+  std::shared_ptr<void> watched;  ///< null: nobody looks at them
+  bool are_known = false;         ///< they have been looked at
+  std::string lost;               ///< why the robot is lost for the mission; empty: it is not
 };
 
 /// The place where a hierarchy goes on once its child has been preempted.

@@ -34,6 +34,7 @@ EngineCore::EngineCore(std::shared_ptr<const Program> program_,
 }
 
 void EngineCore::begin() {
+  watch_units();
   if (options.part) {
     root_ = make(options.part->state, nullptr);
     root_->shown_as = options.part->shown_as;
@@ -62,6 +63,7 @@ Engine::Progress EngineCore::run() {
       return Engine::Progress::Held;
     }
   }
+  robot_units_.watched.reset();
   return Engine::Progress::Ended;
 }
 
@@ -93,7 +95,7 @@ Activation* EngineCore::step(Activation& activation) {
 bool EngineCore::wait() {
   if (replay_next() || begin_postponed() || fire_timers()) return true;
   const bool timed = !timers_.empty();
-  if (!timed && open_calls_ == 0) return mailbox->has_messages();
+  if (!timed && open_calls_ == 0 && !awaits_robot()) return mailbox->has_messages();
   if (timed && virtual_clock_ != nullptr && open_calls_ == 0) {
     virtual_clock_->advance(timers_.top().when - now());
     return true;
@@ -177,6 +179,7 @@ void EngineCore::preempt(Activation& root) {
     if (activation.asks) {
       activation.asks = false;
       activation.refused = true;
+      end_unit_wait(activation);
       ready_.push_back(leave(activation, kPreempted));
       continue;
     }

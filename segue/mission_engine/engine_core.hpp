@@ -25,16 +25,15 @@ namespace segue::mission::detail {
 /// parent; nothing recurses, so nesting costs memory only. Activations that can go on are in `ready_`; each
 /// runs until it has to wait, or for kTurn steps.
 ///
-/// Invariants: an activation is in `ready_` or in `held_`, or waits (Phase::Wait) for its children, a timer
-/// or a completer, or waits for its siblings (Phase::Done). `open_calls_` counts the leaves that a completer
-/// or the journal will end. A timer, a completion or a postponed leaf belongs to one use of an activation:
-/// where the generation has changed since, it is ignored. Everything here belongs to the engine's thread;
-/// other threads reach it only through the mailbox.
+/// Invariants: an activation is in `ready_` or in `held_`, or waits (Phase::Wait) for its children, units, a
+/// timer or a completer, or waits for its siblings (Phase::Done). `open_calls_` counts the leaves that a
+/// completer or the journal will end. A timer, a completion or a postponed leaf belongs to one use of an
+/// activation: where the generation has changed since, it is ignored. Everything here belongs to the engine's
+/// thread; other threads reach it only through the mailbox.
 class EngineCore {
  public:
   EngineCore(std::shared_ptr<const Program> program, std::vector<std::shared_ptr<ActionRunner>> runners,
              World world, Units units, EngineOptions options);
-
   Engine::Progress run();
 
   /// Which hierarchies stop before their next child: none, all, or those that have a mark and all outside of
@@ -69,7 +68,6 @@ class EngineCore {
 
  private:
   class LeafCall;
-
   // engine_core.cpp: scheduling, time, messages
   void begin();
   void go_on(Activation* activation);
@@ -81,7 +79,6 @@ class EngineCore {
   void complete(Activation& activation, const Ending& ending);
   void preempt(Activation& root);
   [[nodiscard]] TimePoint now() const { return options.clock->now(); }
-
   // engine_states.cpp: the semantics of each kind of state
   Activation* enter(Activation& activation);
   Activation* enter_leaf(Activation& activation);
@@ -105,11 +102,10 @@ class EngineCore {
   void tell_around(const Activation& state);
   void tell_end(Activation& activation);
   void first_step(Activation& hierarchy);
-
   // engine_units.cpp: what an action needs before it begins
   Activation* ask(Activation& activation);
   bool look_up(Activation& activation);
-  bool take_units(Activation& leaf);
+  bool take_units(Activation& leaf, Units::Limits limits);
   void give_units_back(Activation& leaf);
   void keep_blocked(Activation& container);
   [[nodiscard]] static std::span<const EnclosingScope::Held> lent_by(const Activation& container);
@@ -120,7 +116,13 @@ class EngineCore {
   [[nodiscard]] bool is_in_turn(const Activation& leaf, bool to_the_end = false);
   [[nodiscard]] bool only_lacks_held(const Activation& leaf);
   [[nodiscard]] bool may_use_more(const Activation& state, StateIndex user);
-
+  [[nodiscard]] Units::Limits limits_for(const Activation& leaf) const;
+  // engine_robot_units.cpp: units that the robot does not show
+  void watch_units();
+  void note_unit_wait(Activation& leaf);
+  void end_unit_wait(Activation& leaf);
+  [[nodiscard]] bool awaits_robot() const;
+  [[nodiscard]] bool lacks_lost_robot(const Activation& leaf) const;
   // engine_data.cpp: activations and the data flow between them
   Activation* make(StateIndex state, Activation* parent);
   void free(Activation& activation);
@@ -135,7 +137,6 @@ class EngineCore {
   [[nodiscard]] type::Value fallback(const PortSource& supply);
   static const Slot* newest(const PortSource& supply, const Activation& container);
   void warn(const Activation& activation, const std::string& message) const;
-
   // engine_journal.cpp: recording and replaying
   Ending call_with_journal(Activation& leaf, bool& under_way);
   Ending begin_with_journal(Activation& leaf, bool& under_way);
@@ -144,7 +145,6 @@ class EngineCore {
   bool begin_postponed();
   void record_begin(const Activation& leaf);
   void record_end(const Activation& leaf);
-
   // engine_control.cpp: holding, stepping and stepping back
   [[nodiscard]] bool holds(Activation& hierarchy);
   [[nodiscard]] bool holds_branch(Activation& branch);
@@ -160,7 +160,6 @@ class EngineCore {
   void undo_leaf(Activation& around, StateIndex state, const UndoRecord& done);
   void undo_all(Activation& kept);
   void forget(Activation& kept);
-
   // engine_position.cpp: where the mission is, what is there, and going on elsewhere
   [[nodiscard]] std::pair<Activation*, std::size_t> innermost(const Path& path, std::size_t depth) const;
   [[nodiscard]] std::vector<type::Value> next_inputs(const CompiledState& node, const Activation& container);
@@ -184,6 +183,7 @@ class EngineCore {
   SharedUnits shared_;
   RetryWatch retries_;
   std::vector<Waiting> asking_;  ///< leaves that wait for units, the first one longest
+  RobotUnits robot_units_;
   std::vector<std::pair<std::uint32_t, Slot>> replaced_;  ///< by the child that ends, for its undo record
   const EnclosingScopePtr around_root_;
   Activation* root_ = nullptr;

@@ -44,6 +44,7 @@ void EngineCore::free(Activation& activation) {
   activation.observed = nullptr;
   activation.asked.clear();
   activation.units = {};
+  activation.unit_wait = {};
   activation.around = activation.inside = nullptr;
   activation.undo.clear();
   free_.push_back(&activation);

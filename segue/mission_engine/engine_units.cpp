@@ -20,16 +20,19 @@ Activation* EngineCore::ask(Activation& activation) {
   if (!look_up(activation)) {
     activation.asks = false;
     activation.refused = true;
+    end_unit_wait(activation);
     return leave(activation, kAborted);
   }
-  if (!take_units(activation)) {
+  if (!take_units(activation, limits_for(activation))) {
     activation.phase = Phase::Wait;
     activation.asks = true;
     activation.effects.clear();
     asking_.emplace_back(&activation, activation.generation);
+    note_unit_wait(activation);
     return nullptr;
   }
   activation.asks = false;
+  end_unit_wait(activation);
   return is_leaf(program->node(activation.state).kind) ? begin_leaf(activation) : begin_container(activation);
 }
 
@@ -58,14 +61,30 @@ bool EngineCore::look_up(Activation& activation) {
       return false;
     }
   }
+  if (lacks_lost_robot(activation)) {
+    activation.error = robot_units_.lost;
+    return false;
+  }
   activation.effects = std::move(own->effects);
   activation.observed = std::move(own->observed);
   return true;
 }
 
-bool EngineCore::take_units(Activation& leaf) {
+/// Who had begun in the run that this one resumes has its units. The journal does not say it of containers,
+/// which count as such while it is replayed.
+Units::Limits EngineCore::limits_for(const Activation& leaf) const {
+  if (options.journal == nullptr || robot_units_.watched == nullptr) return Units::Limits::Heeded;
+  const Execution execution{path(leaf), leaf.iteration};
+  const bool had_begun =
+      is_leaf(program->node(leaf.state).kind)
+          ? options.journal->find(execution) || !options.journal->progress(execution).is_null()
+          : replayed_count_ < options.journal->size();
+  return had_begun ? Units::Limits::Passed : Units::Limits::Heeded;
+}
+
+bool EngineCore::take_units(Activation& leaf, Units::Limits limits) {
   if (leaf.asked.empty()) return true;
-  if (!is_in_turn(leaf) || is_overtaking(leaf) || !units.take(leaf.asked)) return false;
+  if (!is_in_turn(leaf) || is_overtaking(leaf) || !units.take(leaf.asked, limits)) return false;
   leaf.units.uses = std::move(leaf.asked);
   if (!is_leaf(program->node(leaf.state).kind)) keep_blocked(leaf);
   return true;
@@ -93,7 +112,7 @@ std::span<const EnclosingScope::Held> EngineCore::lent_by(const Activation& cont
 /// For a step back into the container.
 void EngineCore::hold_units_again(Activation& container, UnitsUsed& before) {
   container.asked = std::move(before.uses);
-  if (!container.asked.empty()) take_units(container);
+  if (!container.asked.empty()) take_units(container, Units::Limits::Passed);
 }
 
 void EngineCore::give_units_back(Activation& leaf) {
@@ -113,10 +132,12 @@ bool EngineCore::ask_again() {
     Activation& leaf = *waiting.first;
     if (leaf.generation != waiting.second || !leaf.asks) continue;
     const auto overtakes = [&](const UnitUse& use) { return wanted.contains(use.resource); };
-    const bool free =
-        is_in_turn(leaf) && std::ranges::none_of(leaf.asked, overtakes) && units.are_free(leaf.asked);
-    if (!free && !(units.shortage(leaf.asked) && is_in_turn(leaf, true))) {
+    const bool free = is_in_turn(leaf) && std::ranges::none_of(leaf.asked, overtakes) &&
+                      units.are_free(leaf.asked, limits_for(leaf));
+    const bool never = lacks_lost_robot(leaf) || (units.shortage(leaf.asked) && is_in_turn(leaf, true));
+    if (!free && !never) {
       asking_.push_back(waiting);
+      note_unit_wait(leaf);
       if (!only_lacks_held(leaf)) continue;
       for (const UnitUse& use : leaf.asked)
         wanted.insert(use.resource);
@@ -152,9 +173,10 @@ bool EngineCore::give_up_waiting() {
 
 /// Whether the leaf only waits until actions, which are under way, give units back. Then nobody else may take
 /// these units before it does. A leaf that waits for a container keeps no units from others: the container
-/// may need them to end.
+/// may need them to end. Nor does one that needs more than the robot shows, which may go on for ever.
 bool EngineCore::only_lacks_held(const Activation& leaf) {
-  return is_in_turn(leaf) && !units.shortage(leaf.asked) && !units.wait_for_container(leaf.asked);
+  return is_in_turn(leaf) && !units.shortage(leaf.asked) && !units.wait_for_container(leaf.asked) &&
+         !units.exceed_limits(leaf.asked);
 }
 
 /// Whether a leaf that has waited longer needs the same resource, and only waits until it is free.

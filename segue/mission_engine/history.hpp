@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace segue::mission {
@@ -29,7 +30,19 @@ class History {
     TimePoint end{};
   };
 
+  /// The time in which an item waited for units of a resource that a robot did not show.
+  struct UnitWait {
+    std::string resource;
+    TimePoint from{};
+    TimePoint until{};
+  };
+
   [[nodiscard]] const std::vector<Item>& items() const { return items_; }
+  /// Null: it did not wait so.
+  [[nodiscard]] const UnitWait* unit_wait(std::uint32_t item) const {
+    const auto found = unit_waits_.find(item);
+    return found == unit_waits_.end() ? nullptr : &found->second;
+  }
   /// The error with which an item aborted; empty if it did not.
   [[nodiscard]] std::string_view error(std::uint32_t item) const {
     const auto found = errors_.find(item);
@@ -44,6 +57,7 @@ class History {
   }
   /// Sets the begin of an item that had to wait.
   void begin_late(std::uint32_t item, TimePoint when) { items_[item].began = when; }
+  void waited(std::uint32_t item, UnitWait wait) { unit_waits_.insert_or_assign(item, std::move(wait)); }
   void end(std::uint32_t item, Outcome outcome, TimePoint when, const std::string& error) {
     items_[item].outcome = outcome;
     items_[item].ended = true;
@@ -55,6 +69,7 @@ class History {
  private:
   std::vector<Item> items_;
   std::unordered_map<std::uint32_t, std::string> errors_;
+  std::unordered_map<std::uint32_t, UnitWait> unit_waits_;
 };
 
 }  // namespace segue::mission

@@ -16,17 +16,31 @@ TimePoint time_now() {
   return RealClock::instance().now();
 }
 
+/// The port whose samples show it; null: something else does.
+const Member* port_of(const ObservedUnits& observed) {
+  if (const auto* counts = std::get_if<SampleCounts>(&observed)) return &counts->port;
+  const auto* shows = std::get_if<SampleShows>(&std::get<RobotCondition>(observed));
+  return shows == nullptr ? nullptr : &shows->port;
+}
+
 }  // namespace
 
-FactObserver::FactObserver(std::shared_ptr<CommandedRobot> robot, std::vector<ObservedFact> facts,
-                           Options options)
+FactObserver::FactObserver(std::shared_ptr<CommandedRobot> robot, const Mission& mission, Options options)
     : robot_(std::move(robot)),
-      options_(options),
-      tasks_(*robot_, bell_, options.period),
-      port_tasks_(*robot_, bell_, options.period) {
-  for (ObservedFact& fact : facts) {
-    const auto grounded = ground(fact.fact);
-    if (grounded) entries_.emplace(grounded->text, Entry{std::move(fact)});
+      options_(std::move(options)),
+      tasks_(*robot_, bell_, options_.period),
+      port_tasks_(*robot_, bell_, options_.period),
+      changes_(*robot_, bell_) {
+  for (const ObservedFact& fact : mission.observed) {
+    if (const auto grounded = ground(fact.fact))
+      facts_.emplace(grounded->text, Entry{.when = fact.when, .settle = fact.settle});
+  }
+  for (const Resource& resource : mission.resources) {
+    if (resource.observe) resources_.emplace(resource.name, Entry{.when = *resource.observe});
+  }
+  for (auto* entries : {&facts_, &resources_}) {
+    for (auto& [name, entry] : *entries)
+      entries_.push_back(&entry);
   }
   follow_tasks();
   thread_ =
@@ -36,16 +50,20 @@ FactObserver::FactObserver(std::shared_ptr<CommandedRobot> robot, std::vector<Ob
 FactObserver::~FactObserver() = default;
 
 void FactObserver::follow_tasks() {
-  for (const auto& [name, entry] : entries_) {
-    const RobotCondition& when = entry.declared.when;
+  for (const Entry* entry : entries_) {
+    if (const Member* port = port_of(entry->when)) {
+      port_tasks_.follow_if_seen(port->task);
+      continue;
+    }
+    const auto& when = std::get<RobotCondition>(entry->when);
     if (const auto* reaches = std::get_if<TaskReaches>(&when)) tasks_.follow_if_seen(reaches->task);
     if (const auto* answers = std::get_if<OperationAnswers>(&when))
       tasks_.follow_if_seen(answers->operation.task, UINT64_MAX, options_.period);
-    if (const auto* shows = std::get_if<SampleShows>(&when)) port_tasks_.follow_if_seen(shows->port.task);
   }
 }
 
 void FactObserver::work(const std::stop_token& end) {
+  end_ = end;
   while (!end.stop_requested()) {
     // Tasks and ports are asked anew: their last answers may be older than what somebody has been told
     // meanwhile.
@@ -57,21 +75,23 @@ void FactObserver::work(const std::stop_token& end) {
     port_tasks_.ask();
     ports_.ask();
     if (again) tasks_.ask();
+    if (unit_watches_ > 0) changes_.ask();
     const TimePoint next = again ? std::min(*again, tasks_.next_question()) : TimePoint::max();
-    bell_->wait({std::min({next, port_tasks_.next_question(), ports_.next_question()}), end});
+    const TimePoint news = unit_watches_ > 0 ? changes_.next_question() : TimePoint::max();
+    bell_->wait({std::min({next, news, port_tasks_.next_question(), ports_.next_question()}), end});
   }
 }
 
 /// All the time, since what a sample has shown counts until the next one.
 void FactObserver::follow_ports() {
-  for (auto& [name, entry] : entries_) {
+  for (Entry* entry : entries_) {
     const Lock lock(polling_);
-    const auto* shows = std::get_if<SampleShows>(&entry.declared.when);
-    if (shows == nullptr) continue;
-    poll(entry);
-    if (entry.feed && entry.followed == entry.opened) continue;
-    follow_port(entry, shows->port);
-    poll(entry);  // samples that came before it was followed
+    const Member* port = port_of(entry->when);
+    if (port == nullptr) continue;
+    poll(*entry);
+    if (entry->feed && entry->followed == entry->opened) continue;
+    follow_port(*entry, *port);
+    poll(*entry);  // samples that came before it was followed
   }
 }
 
@@ -102,15 +122,26 @@ std::optional<TimePoint> FactObserver::call_watchers() {
   return again;
 }
 
-std::optional<bool> FactObserver::poll(Entry& entry) {
-  const auto seen = std::visit([&](const auto& when) { return poll(entry, when); }, entry.declared.when);
+std::optional<std::uint32_t> FactObserver::poll(Entry& entry) {
+  const auto seen = std::visit([&](const auto& when) { return poll(entry, when); }, entry.when);
   if (seen) entry.value = *seen;
   entry.seen = entry.seen || seen;
   return seen;
 }
 
+std::optional<std::uint32_t> FactObserver::poll(Entry& entry, const RobotCondition& when) {
+  const auto holds = std::visit([&](const auto& one) { return look(entry, one); }, when);
+  if (!holds) return std::nullopt;
+  return *holds ? kAllUnits : 0;
+}
+
+std::optional<std::uint32_t> FactObserver::poll(Entry& entry, const SampleCounts& when) {
+  const type::Value* sample = last_sample(entry, when.port);
+  return sample == nullptr ? std::nullopt : std::optional(units_in(when, *sample));
+}
+
 /// The states that a component declares are those of its task while that runs, or has failed.
-std::optional<bool> FactObserver::poll(Entry& /*entry*/, const TaskReaches& when) {
+std::optional<bool> FactObserver::look(Entry& /*entry*/, const TaskReaches& when) {
   const auto task = robot_->task(when.task, time_now() + options_.answer_deadline);
   if (!task) return std::nullopt;
   if (is_in(*task, when)) return true;
@@ -119,75 +150,80 @@ std::optional<bool> FactObserver::poll(Entry& /*entry*/, const TaskReaches& when
   return std::nullopt;
 }
 
-/// A feed does not say that its task is gone, or is there anew.
-std::optional<bool> FactObserver::poll(Entry& entry, const SampleShows& when) {
-  const auto task = robot_->task(when.port.task, time_now() + options_.answer_deadline);
+std::optional<bool> FactObserver::look(Entry& entry, const SampleShows& when) {
+  const type::Value* sample = last_sample(entry, when.port);
+  return sample == nullptr ? std::nullopt : std::optional(holds(when.what, *sample));
+}
+
+std::optional<bool> FactObserver::look(Entry& /*entry*/, const OperationAnswers& when) {
+  const auto answer = holds(*robot_, when, time_now() + options_.answer_deadline);
+  return answer ? std::optional(*answer) : std::nullopt;
+}
+
+/// The latest sample of the entry's port; null where there is none. A feed does not say that its task is
+/// gone, or is there anew.
+const type::Value* FactObserver::last_sample(Entry& entry, const Member& port) {
+  const auto task = robot_->task(port.task, time_now() + options_.answer_deadline);
   if (!task || task->updates < entry.updates) entry.feed.reset();
   entry.updates = task ? task->updates : 0;
-  if (!task) return std::nullopt;
+  if (!task) return nullptr;
   if (!entry.feed) {
-    auto opened = PortFeed::open(*robot_, when.port, time_now() + options_.answer_deadline);
-    if (!opened) return std::nullopt;
+    auto opened = PortFeed::open(*robot_, port, time_now() + options_.answer_deadline);
+    if (!opened) return nullptr;
     entry.feed = std::move(*opened);
     entry.opened = time_now();
   }
   if (!entry.feed->poll(time_now() + options_.answer_deadline)) {
     entry.feed.reset();
-    return std::nullopt;
+    return nullptr;
   }
-  if (!entry.feed->last) return std::nullopt;
-  return holds(when.what, *entry.feed->last);
+  return entry.feed->last ? &*entry.feed->last : nullptr;
 }
 
-std::optional<bool> FactObserver::poll(Entry& /*entry*/, const OperationAnswers& when) {
-  const auto answer = holds(*robot_, when, time_now() + options_.answer_deadline);
-  return answer ? std::optional(*answer) : std::nullopt;
-}
-
-/// The value of the fact as a poll shows it, or else as it was known last.
+/// Whether the fact holds as a poll shows it, or else as it was known last.
 bool FactObserver::value_now(Entry& entry) {
   while (!poll(entry)) {
-    const bool may_still_come =
-        entry.feed && !entry.feed->last && time_now() < entry.opened + entry.declared.settle;
+    const bool may_still_come = entry.feed && !entry.feed->last && time_now() < entry.opened + entry.settle;
     if (!may_still_come) break;
     wait_for_next_poll(std::chrono::milliseconds(1), {});
   }
-  return entry.value;
+  return entry.value != 0;
 }
 
 void FactObserver::begin(const World::Facts& facts) {
   const Lock lock(polling_);
-  for (auto& [name, entry] : entries_) {
-    if (!entry.seen) entry.value = facts.contains(name);
+  for (auto& [name, entry] : facts_) {
+    if (!entry.seen) entry.value = facts.contains(name) ? kAllUnits : 0;
   }
 }
 
 std::optional<GroundFact> FactObserver::first_false(std::span<const GroundFact> facts) {
   const Lock lock(polling_);
   for (const GroundFact& fact : facts) {
-    const auto found = entries_.find(fact.text);
-    if (found != entries_.end() && value_now(found->second) != fact.holds) return fact;
+    const auto found = facts_.find(fact.text);
+    if (found != facts_.end() && value_now(found->second) != fact.holds) return fact;
   }
   return std::nullopt;
 }
 
 std::optional<bool> FactObserver::observed(std::string_view fact) {
   const Lock lock(polling_);
-  const auto found = entries_.find(fact);
-  return found == entries_.end() ? std::nullopt : poll(found->second);
+  const auto found = facts_.find(fact);
+  const auto value = found == facts_.end() ? std::nullopt : poll(found->second);
+  return value ? std::optional(*value != 0) : std::nullopt;
 }
 
 void FactObserver::assume(std::span<const GroundFact> effects) {
   const Lock lock(polling_);
   for (const GroundFact& effect : effects) {
-    if (const auto found = entries_.find(effect.text); found != entries_.end())
-      found->second.value = effect.holds;
+    if (const auto found = facts_.find(effect.text); found != facts_.end())
+      found->second.value = effect.holds ? kAllUnits : 0;
   }
 }
 
 Duration FactObserver::settle(std::string_view fact) const {
-  const auto found = entries_.find(fact);
-  return found == entries_.end() ? Duration::zero() : found->second.declared.settle;
+  const auto found = facts_.find(fact);
+  return found == facts_.end() ? Duration::zero() : found->second.settle;
 }
 
 void FactObserver::watch(Poll poll) {
@@ -196,6 +232,56 @@ void FactObserver::watch(Poll poll) {
     watches_.push_back(std::move(poll));
   }
   bell_->ring();
+}
+
+std::vector<std::string> FactObserver::resources() const {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : resources_)
+    names.push_back(name);
+  return names;
+}
+
+std::shared_ptr<void> FactObserver::watch_units(std::function<void(const ShownUnits&)> changed) {
+  auto watched = std::make_shared<ShownUnits>();
+  if (resources_.empty()) return watched;
+  watch([this, changed = std::move(changed), weak = std::weak_ptr(watched),
+         has_begun = false]() mutable -> std::optional<TimePoint> {
+    const auto last = weak.lock();
+    if (!last && has_begun) --unit_watches_;
+    if (!last) return std::nullopt;
+    if (!has_begun) ++unit_watches_;
+    ShownUnits now = shown_units();
+    if (std::exchange(has_begun, true) && now == *last) return TimePoint::max();
+    *last = now;
+    changed(now);
+    return TimePoint::max();
+  });
+  return watched;
+}
+
+ShownUnits FactObserver::shown_units() {
+  ShownUnits shown;
+  {
+    const Lock lock(polling_);
+    for (auto& [name, entry] : resources_)
+      shown.units.emplace(name, poll(entry).value_or(0));
+  }
+  shown.lost = why_lost();
+  return shown;
+}
+
+/// Nobody waits for a robot that the mission has lost. It is asked only when something has changed there.
+std::string FactObserver::why_lost() {
+  if (!lost_.empty() || !changes_.take()) return lost_;
+  const auto why = robot_->lost_command(end_);
+  if (why) {
+    lost_ = why->value_or("");
+  } else if (options_.unreachable && !end_.stop_requested()) {
+    options_.unreachable(why.error());  // which ends the run
+  } else {
+    lost_ = why.error().message;
+  }
+  return lost_;
 }
 
 }  // namespace segue::mission

@@ -14,6 +14,8 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +43,10 @@ class FakeCommandedRobot : public CommandedRobot {
     if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     if (taken_over_) return ControllerTrouble{kTakenOver};
     return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_, broken_};
+  }
+  Result<std::optional<std::string>> lost_command(const std::stop_token& /*stop*/) override {
+    const Lock lock(mutex_);
+    return taken_over_ ? std::optional<std::string>(kTakenOver) : std::nullopt;
   }
   Result<ControllerConflicts> conflicts(const Wait& /*wait*/) override { return ControllerConflicts{}; }
   Result<void> prepare(const std::vector<std::string>& /*controllers*/, const Wait& /*wait*/) override {

@@ -56,7 +56,7 @@ class ObservedFacts : public ::testing::TestWithParam<RunMode> {
     request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot_, how));
     if (!simulate) {
       request.runners.set_observer(std::make_shared<mission::FactObserver>(
-          robot_, plan->program()->mission().observed, mission::FactObserver::Options{.period = kNever}));
+          robot_, plan->program()->mission(), mission::FactObserver::Options{.period = kNever}));
     }
     thread_ = std::jthread([this, plan = *plan, request] { run_ = plan.run(request); });
   }

@@ -166,8 +166,11 @@ class SequentialRun final : public FinishedRun {
     for (const mission::ResourceUse& use : action.resources)
       resources.emplace_back(use.resource);
     Value::List waits;
-    for (const task_network::Wait& wait : shown.waits)
-      waits.push_back(task_network::to_value(wait, gantt().nodes[task_network::index(wait.node)].name));
+    for (const task_network::Wait& wait : shown.waits) {
+      const std::uint32_t other = task_network::index(wait.node);
+      waits.push_back(task_network::to_value(
+          wait, other == task_network::kNone ? std::string() : gantt().nodes[other].name));
+    }
     Value node =
         Value::map({{"name", name_of(i)},
                     {"iteration", static_cast<std::uint64_t>(item.iteration)},

@@ -24,20 +24,6 @@ Error malformed(std::string_view text) {
                   "'code == 3 and pose.x < 1.5', or of 'value', the sample itself");
 }
 
-/// "pose.x" as its parts; nothing where one is empty.
-std::optional<std::vector<std::string>> parse_field(std::string_view text) {
-  std::vector<std::string> parts;
-  if (text == kWholeSample) return parts;
-  while (true) {
-    const auto dot = std::min(text.find('.'), text.size());
-    const std::string part(text.substr(0, dot));
-    if (!is_identifier(part)) return std::nullopt;
-    parts.push_back(part);
-    if (dot == text.size()) return parts;
-    text.remove_prefix(dot + 1);
-  }
-}
-
 std::optional<Comparison> parse_comparison(std::string_view text) {
   const auto place = text.find_first_of("=!<>");
   if (place == std::string_view::npos) return std::nullopt;
@@ -74,15 +60,33 @@ bool compares(Comparator comparator, const Value& a, const Value& b) {
 }
 
 bool holds(const Comparison& comparison, const Value& sample) {
-  const Value* value = &sample;
-  for (const std::string& part : comparison.field) {
-    value = value->find(part);
-    if (value == nullptr) return false;
-  }
-  return compares(comparison.comparator, *value, comparison.value);
+  const Value* value = find_field(sample, comparison.field);
+  return value != nullptr && compares(comparison.comparator, *value, comparison.value);
 }
 
 }  // namespace
+
+std::optional<std::vector<std::string>> parse_field(std::string_view text) {
+  std::vector<std::string> parts;
+  if (text == kWholeSample) return parts;
+  while (true) {
+    const auto dot = std::min(text.find('.'), text.size());
+    const std::string part(text.substr(0, dot));
+    if (!is_identifier(part)) return std::nullopt;
+    parts.push_back(part);
+    if (dot == text.size()) return parts;
+    text.remove_prefix(dot + 1);
+  }
+}
+
+const Value* find_field(const Value& sample, const std::vector<std::string>& field) {
+  const Value* value = &sample;
+  for (const std::string& part : field) {
+    value = value->find(part);
+    if (value == nullptr) break;
+  }
+  return value;
+}
 
 Result<Condition> parse_condition(std::string_view text) {
   Condition condition{std::string(text), {}};

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,11 @@ struct Condition {
 
 /// ParseError says what is expected. Constants are written as in YAML.
 Result<Condition> parse_condition(std::string_view text);
+
+/// "pose.x" as its parts, none for "value", the sample itself; nothing where it is neither.
+std::optional<std::vector<std::string>> parse_field(std::string_view text);
+/// The field of the sample; null where it has none of that name.
+const type::Value* find_field(const type::Value& sample, const std::vector<std::string>& field);
 
 /// False too where the sample has no such field, or an order is asked of what has none.
 bool holds(const Condition& condition, const type::Value& sample);

@@ -22,6 +22,16 @@ std::string sentence_of(const OperationAnswers& when) {
   return to_string(when.operation) + " answered " + type::describe(when.is);
 }
 
+std::string denial_of(const TaskReaches& when) {
+  return "task " + quote(when.task) + " is not " + when.state;
+}
+std::string denial_of(const SampleShows& when) {
+  return "no sample of " + to_string(when.port) + " shows " + when.what.text;
+}
+std::string denial_of(const OperationAnswers& when) {
+  return to_string(when.operation) + " does not answer " + type::describe(when.is);
+}
+
 Value written(const TaskReaches& when) {
   return Value::map({{"task", when.task}, {"state", when.state}});
 }
@@ -52,6 +62,10 @@ const std::string& task_of(const RobotCondition& condition) {
 
 std::string sentence(const RobotCondition& condition) {
   return std::visit([](const auto& when) { return sentence_of(when); }, condition);
+}
+
+std::string denial(const RobotCondition& condition) {
+  return std::visit([](const auto& when) { return denial_of(when); }, condition);
 }
 
 namespace detail {

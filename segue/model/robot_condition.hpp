@@ -45,5 +45,7 @@ using RobotCondition = std::variant<TaskReaches, SampleShows, OperationAnswers>;
 const std::string& task_of(const RobotCondition& condition);
 /// The condition as a sentence which says that it holds: "task 'arm' is holding".
 std::string sentence(const RobotCondition& condition);
+/// The condition as a sentence which says that it does not hold: "task 'arm' is not holding".
+std::string denial(const RobotCondition& condition);
 
 }  // namespace segue::model

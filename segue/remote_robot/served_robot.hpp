@@ -56,6 +56,7 @@ class ServedRobot final : public mission::CommandedRobot {
 
   Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override;
+  Result<std::optional<std::string>> lost_command(const std::stop_token& stop) override;
   Result<mission::ControllerConflicts> conflicts(const Wait& wait) override;
   Result<std::vector<mission::PoolView>> pools(const Wait& wait) override;
   void take_instance(const model::InstanceQuestion& what, const Wait& wait,
@@ -82,9 +83,6 @@ class ServedRobot final : public mission::CommandedRobot {
   [[nodiscard]] std::optional<Error> loss() const;
   /// Why nothing may be commanded any more.
   [[nodiscard]] std::optional<Error> refusal() const;
-  /// Why the mission commands the robot no longer, as a sentence; nothing: it does. Cancelled once a stop is
-  /// requested.
-  Result<std::optional<std::string>> lost_command(const std::stop_token& stop);
   [[nodiscard]] std::optional<std::string> lost_by(const control::LeaseStanding& standing) const;
   /// Calls `ask(wait)`, which only looks, and ends, too, where the robot is lost.
   template <class Ask>

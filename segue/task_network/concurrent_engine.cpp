@@ -28,6 +28,9 @@ void ConcurrentEngine::resume() {
 void ConcurrentEngine::step() {
   implementation_->step();
 }
+void ConcurrentEngine::limit(UnitLimits limits) {
+  implementation_->limit(std::move(limits));
+}
 const Order& ConcurrentEngine::order() const {
   return implementation_->order();
 }
@@ -48,11 +51,11 @@ ConcurrentEngine::Implementation::Implementation(const TaskNetwork& network, con
   world_.take_attachments_of({});
 }
 
-ConcurrentEngine::Implementation::Implementation(TaskNetwork& network, Expansion& expansion,
-                                                 Environment& environment, ConcurrentEngineOptions options)
-    : Implementation(network, own_order_, environment, std::move(options)) {
+ConcurrentEngine::Implementation::Implementation(TaskNetwork& network, Expansion& plan, Environment& by,
+                                                 ConcurrentEngineOptions options)
+    : Implementation(network, own_order_, by, std::move(options)) {
   growing_ = &network;
-  expansion_ = &expansion;
+  expansion_ = &plan;
   builder_ = std::make_unique<OrderBuilder>(network, own_order_);
   builder_->extend();  // the nodes that exist already
 }
@@ -161,6 +164,7 @@ void ConcurrentEngine::Implementation::work_off() {
     take_granted();
     take_waiting();
     preempt_for_waiting();
+    note_unit_waits();
     if (work_.empty()) return;
     batch_.swap(work_);
     bool in_program_order = options_.priorities.empty();
@@ -192,8 +196,8 @@ bool ConcurrentEngine::Implementation::take_ends() {
     return index(end.node) < states_.size() && at(end.node).active && at(end.node).attempt == end.attempt;
   };
   const bool holds = hold();
-  auto first =
-      events_.next(holds || !running_.empty(), holds ? TimePoint::max() : patience_.deadline(), counts);
+  const bool awaited = holds || !running_.empty() || !unit_waits_.now().empty();
+  auto first = events_.next(awaited, holds ? TimePoint::max() : patience_.deadline(), counts);
   if (!first) return give_up_lost() || events_.give_up_awaited();
   take_end(*first);
   while (auto end = events_.next_now(counts))
@@ -251,6 +255,8 @@ bool ConcurrentEngine::Implementation::hold() {
 
 RunResult ConcurrentEngine::Implementation::run() {
   events_.begin();
+  for (const ResourceId resource : options_.limited)
+    pool_.limit(resource, 0);
   heed_stop();
   pause_.take(stopped_);
   loop();
@@ -284,6 +290,7 @@ RunResult ConcurrentEngine::Implementation::result() {
   result.makespan = last.time_since_epoch();
   result.own_time = events_.own_time();
   result.wasted = std::move(wasted_);
+  result.unit_waits = unit_waits_.all();
   result.statistics = statistics_;
   result.statistics.looked_at = pool_.looked_at();
   result.log = std::move(log_);

@@ -7,6 +7,7 @@
 #include <segue/task_network/order.hpp>
 #include <segue/task_network/run_result.hpp>
 #include <segue/task_network/task_network.hpp>
+#include <segue/task_network/unit_limits.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -54,6 +55,11 @@ struct ConcurrentEngineOptions {
   /// Called on the engine's thread when it is paused and nothing runs any more, with the nodes that could
   /// begin, those first that are certain to count.
   std::function<void(const std::vector<NodeId>& next)> held{};
+  /// Observed resources, of which nobody can have units before limit() says how many.
+  std::vector<ResourceId> limited{};
+  /// Called on the engine's thread when a node begins to wait for units beyond the limits that limit() has
+  /// said, once for each node.
+  std::function<void(const ResourcePool::Limited& wait)> waits_for_units{};
 };
 
 /// Runs a network concurrently and speculatively, as far as its order, its resources and the predicted world
@@ -85,6 +91,9 @@ class ConcurrentEngine {
   void resume();
   /// Begins one more node during a pause: the first that can.
   void step();
+  /// From now on, nodes get so many units of resources among `options.limited`. Who waits for more is no
+  /// stall: the run goes on when this is called again, or ends by stop(). On any thread, with a real clock.
+  void limit(UnitLimits limits);
 
   /// The order that it runs by: the given one, or that of the network as far as it has grown.
   [[nodiscard]] const Order& order() const;

@@ -27,7 +27,10 @@ bool succeeded(const TaskNetwork& network, NodeId node, const ReportPtr& report)
 void ConcurrentEngine::Implementation::take_end(CompletionQueue::End& end) {
   heed_stop();
   const NodeId node = end.node;
-  if (index(node) == kNone) return pause_.take(stopped_);  // posted by wake()
+  if (index(node) == kNone) {  // posted by wake()
+    pause_.take(stopped_);
+    return unit_waits_.take(pool_);
+  }
   State& state = at(node);
   state.active = false;
   result_of(node).ended = end.when;

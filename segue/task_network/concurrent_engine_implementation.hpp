@@ -21,18 +21,18 @@
 
 namespace segue::task_network {
 
-/// All state belongs to the thread that calls `run`; others only post to `events_`, set `stop_asked_` and ask
-/// `pause_`. An event of a node puts the nodes that it concerns into `work_`.
+/// All state belongs to the thread that calls `run`; others only post to `events_`, set `stop_asked_`, and
+/// ask `pause_` and `unit_waits_`. An event of a node puts the nodes that it concerns into `work_`.
 class ConcurrentEngine::Implementation {
  public:
   Implementation(const TaskNetwork& network, const Order& order, Environment& environment,
                  ConcurrentEngineOptions options);
-  Implementation(TaskNetwork& network, Expansion& expansion, Environment& environment,
-                 ConcurrentEngineOptions options);
+  Implementation(TaskNetwork& network, Expansion& plan, Environment& by, ConcurrentEngineOptions options);
   RunResult run();
   void stop();
   void pause(bool paused);
   void step();
+  void limit(UnitLimits limits);
   [[nodiscard]] const Order& order() const { return order_; }
   [[nodiscard]] std::size_t bytes() const;
 
@@ -40,7 +40,6 @@ class ConcurrentEngine::Implementation {
   using Phase = NodePhase;
   using State = NodeState;
   class RunContext;
-
   // Setting up and the loop (concurrent_engine.cpp).
   void adopt();
   void adopt_node(NodeId node);
@@ -84,6 +83,7 @@ class ConcurrentEngine::Implementation {
   bool refuse_for_shortage(NodeId node);
   void dispatch(NodeId node);
   void launch(NodeId node);
+  void note_unit_waits();
   void take_granted();
   void take_waiting();
   std::optional<NodeId> next_ready();
@@ -150,7 +150,6 @@ class ConcurrentEngine::Implementation {
   // Explaining a stall (stall.cpp).
   [[nodiscard]] Error stall_error() const;
   [[nodiscard]] std::string waits_for(NodeId node) const;
-
   const TaskNetwork& network_;
   const Order& order_;
   Environment& environment_;
@@ -186,6 +185,7 @@ class ConcurrentEngine::Implementation {
   std::optional<NodeId> failed_;
   bool stopped_ = false;
   Pause pause_;
+  UnitWaits unit_waits_;
   Patience patience_;
   VersionedWorld prefix_world_;  ///< at prefix_world_at_, in program order
   std::uint32_t prefix_world_at_ = 0;

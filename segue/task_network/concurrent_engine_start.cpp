@@ -212,6 +212,7 @@ bool ConcurrentEngine::Implementation::admit(NodeId node) {
 
 void ConcurrentEngine::Implementation::claim(NodeId node) {
   const auto claims = network_.claims(node);
+  if (!options_.limited.empty() && environment_.had_begun(node)) pool_.exempt(node);
   if (claims.empty() || pool_.request(rank(node), claims)) return dispatch(node);
   at(node).phase = Phase::Queued;
   if (!refuse_for_shortage(node) && certain(node)) preempt_for_units(node);
@@ -336,6 +337,7 @@ void ConcurrentEngine::Implementation::launch(NodeId node) {
   state.cancelled = false;
   state.speculative = !certain(node);
   result_of(node).started = events_.now();
+  unit_waits_.ended(node, result_of(node).started);
   state.run_place = static_cast<std::uint32_t>(running_.size());
   running_.push_back(node);
   if (needs_worker(node)) ++at_work_;

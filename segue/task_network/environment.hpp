@@ -121,6 +121,12 @@ class Environment {
     (void)node;
     return false;
   }
+  /// Whether the node had begun in an earlier run, which this one resumes: then it has its units, whatever
+  /// their limits (ConcurrentEngine::limit).
+  [[nodiscard]] virtual bool had_begun(NodeId node) const {
+    (void)node;
+    return false;
+  }
   /// All nodes before this one have passed.
   virtual void passed_before(NodeId node) { (void)node; }
   /// How long the engine waits for the end of a cancelled run, on a real clock.

@@ -52,6 +52,7 @@ struct ResourceRecord {
   bool varies = false;      ///< some node creates, consumes or deletes units
   bool grouped = false;     ///< some group lock holds it
   bool lent = false;        ///< its units are part of what group locks hold
+  bool observed = false;    ///< a robot shows how many of the units can be had (ResourcePool::limit)
 };
 
 /// Resources, interned by name. Not thread safe; reading is, while nobody adds.

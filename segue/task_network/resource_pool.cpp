@@ -42,13 +42,31 @@ std::uint64_t ResourcePool::need(std::span<const Claim> claims, ResourceId id) c
   return sum;
 }
 
-bool ResourcePool::fits_but_for_units(const Claim& claim) const {
+/// Units that exist, and that the limit keeps from the node. A group that takes its units again has had them
+/// all along, as far as its members know.
+std::uint64_t ResourcePool::withheld(NodeId node, const Claim& claim) const {
+  const Units& units = units_[index(claim.resource)];
+  if (units.limit >= units.total || exempt_.contains(index(node))) return 0;
+  const bool again = claim.group != kNone && groups_[claim.group].left > 0;
+  return again ? 0 : units.total - units.limit;
+}
+
+/// Whether the node could not have what it claims even if no other node held or wanted anything.
+bool ResourcePool::exceeds_limits(NodeId node, std::span<const Claim> claims) const {
+  return !limited_.empty() && std::ranges::any_of(claims, [&](const Claim& claim) {
+    const bool exists = claim.group == kNone && claim.op == ResourceOp::Exists;
+    const std::uint64_t needed = exists ? claim.count : need(claims, claim.resource);
+    return withheld(node, claim) > 0 && needed > units_[index(claim.resource)].limit;
+  });
+}
+
+bool ResourcePool::fits_but_for_units(const Claim& claim, NodeId node) const {
   const Units& units = units_[index(claim.resource)];
   if (claim.group != kNone)
     return claim.op != ResourceOp::Block || groups_[claim.group].inside >= claim.count;
   switch (claim.op) {
     case ResourceOp::Exists:
-      return units.total >= claim.count + units.leaving;
+      return units.total >= claim.count + units.leaving + withheld(node, claim);
     case ResourceOp::Consume:
     case ResourceOp::Delete:
       return units.total >= claim.count + units.pinned;
@@ -58,11 +76,12 @@ bool ResourcePool::fits_but_for_units(const Claim& claim) const {
 }
 
 /// Whether enough units are free for the claim and for all nodes that wait before it.
-bool ResourcePool::turn(const Rank& rank, std::uint64_t own, ResourceId id) const {
-  const Units& units = units_[index(id)];
-  if (own > units.free) return false;
-  if (own == 0 || units.wanted + own <= units.free) return true;
-  std::uint64_t ahead = own;
+bool ResourcePool::turn(const Rank& rank, std::uint64_t own, const Claim& claim) const {
+  if (own == 0) return true;
+  const Units& units = units_[index(claim.resource)];
+  std::uint64_t ahead = own + withheld(rank.node, claim);
+  if (ahead > units.free) return false;
+  if (units.wanted + ahead <= units.free) return true;
   for (const Waiting& waiting : units.queue) {
     ++looked_at_;
     if (!(waiting.rank < rank)) break;
@@ -74,7 +93,7 @@ bool ResourcePool::turn(const Rank& rank, std::uint64_t own, ResourceId id) cons
 
 bool ResourcePool::grantable(const Rank& rank, std::span<const Claim> claims) const {
   return std::ranges::all_of(claims, [&](const Claim& claim) {
-    return fits_but_for_units(claim) && turn(rank, need(claims, claim.resource), claim.resource);
+    return fits_but_for_units(claim, rank.node) && turn(rank, need(claims, claim.resource), claim);
   });
 }
 
@@ -92,20 +111,20 @@ std::optional<ResourcePool::Shortage> ResourcePool::shortage(std::span<const Cla
 
 const Claim* ResourcePool::obstacle(std::span<const Claim> claims) const {
   const auto found = std::ranges::find_if(claims, [&](const Claim& claim) {
-    return !fits_but_for_units(claim) || need(claims, claim.resource) > free(claim.resource);
+    return !fits_but_for_units(claim, NodeId{kNone}) || need(claims, claim.resource) > free(claim.resource);
   });
   return found == claims.end() ? nullptr : &*found;
 }
 
 std::optional<std::uint64_t> ResourcePool::missing(const Rank& rank, const Claim& claim,
                                                    std::uint64_t most) const {
-  if (!fits_but_for_units(claim)) return std::nullopt;
+  if (!fits_but_for_units(claim, rank.node)) return std::nullopt;
   const Units& units = units_[index(claim.resource)];
   if (!can_wait(claim)) return 0;
   const auto own = units.queue.find({rank, nullptr, 0});
   if (own == units.queue.end()) return std::nullopt;  // it has just been granted
-  std::uint64_t wanted = own->need;
-  if (wanted == 0) return 0;
+  if (own->need == 0) return 0;
+  std::uint64_t wanted = own->need + withheld(rank.node, claim);
   for (const Waiting& waiting : units.queue) {
     ++looked_at_;
     if (!(waiting.rank < rank)) break;
@@ -175,15 +194,18 @@ void ResourcePool::give_back(const Claim& claim, bool done) {
 bool ResourcePool::can_wait(const Claim& claim) const {
   if (claim.op == ResourceOp::Create) return false;
   if (claim.group != kNone) return true;
-  return claim.op != ResourceOp::Release && (claim.op != ResourceOp::Exists || table_[claim.resource].varies);
+  const ResourceRecord& resource = table_[claim.resource];
+  return claim.op != ResourceOp::Release &&
+         (claim.op != ResourceOp::Exists || resource.varies || resource.observed);
 }
 
 void ResourcePool::enqueue(const Rank& rank, std::span<const Claim> claims) {
   const auto own = std::make_shared<const std::vector<Claim>>(claims.begin(), claims.end());
+  const bool keeps_nothing = exceeds_limits(rank.node, claims);
   for (const Claim& claim : claims) {
     if (!can_wait(claim)) continue;
     Units& units = units_[index(claim.resource)];
-    const std::uint64_t needed = need(claims, claim.resource);
+    const std::uint64_t needed = keeps_nothing ? 0 : need(claims, claim.resource);
     if (units.queue.insert({rank, own, needed}).second) units.wanted += needed;
   }
 }
@@ -227,6 +249,51 @@ void ResourcePool::change(ResourceId id, std::int64_t units) {
   own.free = static_cast<std::uint32_t>(own.free + units);
 }
 
+void ResourcePool::limit(ResourceId id, std::uint32_t units) {
+  Units& own = units_[index(id)];
+  if (own.limit == units) return;
+  own.limit = units;
+  if (std::ranges::find(limited_, id) == limited_.end()) limited_.push_back(id);
+  std::set<ResourceId> concerned = {id};
+  const std::vector<Waiting> waiting(own.queue.begin(), own.queue.end());
+  for (const Waiting& one : waiting) {
+    dequeue(one.rank, *one.claims);
+    enqueue(one.rank, *one.claims);  // what it keeps from others may be another
+    for (const Claim& claim : *one.claims)
+      concerned.insert(claim.resource);
+  }
+  for (const ResourceId resource : concerned)
+    grant_waiting(resource, resource == id);
+}
+
+/// The first of these claims that a limit alone keeps from the node; null: none.
+const Claim* ResourcePool::limited_claim(NodeId node, std::span<const Claim> claims) const {
+  const auto found = std::ranges::find_if(claims, [&](const Claim& claim) {
+    const Units& units = units_[index(claim.resource)];
+    const std::uint64_t missing = withheld(node, claim);
+    if (claim.group == kNone && claim.op == ResourceOp::Exists) {
+      const std::uint64_t needed = std::uint64_t{claim.count} + units.leaving;
+      return needed <= units.total && needed + missing > units.total;
+    }
+    const std::uint64_t own = need(claims, claim.resource);
+    return own > 0 && own <= units.free && own + missing > units.free;
+  });
+  return found == claims.end() ? nullptr : &*found;
+}
+
+void ResourcePool::limited(std::vector<Limited>& nodes) const {
+  nodes.clear();
+  for (const ResourceId id : limited_) {
+    const Units& units = units_[index(id)];
+    if (units.limit >= units.total) continue;
+    for (const Waiting& waiting : units.queue) {
+      const Claim* claim = limited_claim(waiting.rank.node, *waiting.claims);
+      if (claim != nullptr && claim->resource == id)
+        nodes.push_back({waiting.rank.node, id, claim->count, units.limit});
+    }
+  }
+}
+
 void ResourcePool::leave_group(std::uint32_t group) {
   Group& left = groups_[group];
   ++left.left;
@@ -238,11 +305,13 @@ void ResourcePool::leave_group(std::uint32_t group) {
 }
 
 /// Grants the nodes that can start now that units of this resource are free. The walk ends once the nodes
-/// seen so far want more than is free, since later ones may not overtake them.
-void ResourcePool::grant_waiting(ResourceId id) {
+/// seen so far want more than is free, since later ones may not overtake them; but for `all`, and below a
+/// limit, since some nodes only need units to exist, and others need not heed it.
+void ResourcePool::grant_waiting(ResourceId id, bool all) {
   Units& units = units_[index(id)];
+  all = all || units.limit < units.total;
   std::uint64_t ahead = 0;
-  for (auto next = units.queue.begin(); next != units.queue.end() && ahead <= units.free;) {
+  for (auto next = units.queue.begin(); next != units.queue.end() && (all || ahead <= units.free);) {
     ++looked_at_;
     const Waiting waiting = *next++;
     if (grantable(waiting.rank, *waiting.claims)) {
@@ -254,7 +323,8 @@ void ResourcePool::grant_waiting(ResourceId id) {
       ahead += waiting.need;
     }
   }
-  if (!units.queue.empty()) still_waiting_.push_back(units.queue.begin()->rank.node);
+  const auto first = std::ranges::find_if(units.queue, [](const Waiting& one) { return one.need > 0; });
+  if (first != units.queue.end()) still_waiting_.push_back(first->rank.node);
 }
 
 void ResourcePool::granted(std::vector<NodeId>& nodes) {

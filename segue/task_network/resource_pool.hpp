@@ -26,8 +26,9 @@ struct Rank {
 
 /// Allocates the units of all resources. A node gets everything that it claims or nothing. Waiting nodes are
 /// not overtaken: a later node is only granted units that would be left if all nodes before it had what they
-/// wait for. The cost of a step grows with the free units, not with the number of waiting nodes. Not thread
-/// safe.
+/// wait for; but a node that needs more units than a limit leaves keeps none from others, whatever it needs
+/// besides. The cost of a step grows with the free units, not with the number of waiting nodes, but for
+/// resources with limits. Not thread safe.
 class ResourcePool {
  public:
   explicit ResourcePool(const ResourceTable& table) : table_(table) { grow(); }
@@ -47,6 +48,22 @@ class ResourcePool {
   void release(std::span<const Claim> claims, bool done);
   /// Adds that many units, or removes them where negative; nobody holds or waits for them.
   void change(ResourceId id, std::int64_t units);
+  /// From now on that many units can be had at most, with those that are held; `kNoLimit`: all. Who holds
+  /// more keeps them. All units count as existing nevertheless (total(), shortage()). The resource must be
+  /// one that is observed.
+  void limit(ResourceId id, std::uint32_t units);
+  static constexpr std::uint32_t kNoLimit = kNone;
+  /// Limits are none for this node, since it has begun in an earlier run.
+  void exempt(NodeId node) { exempt_.insert(index(node)); }
+  /// A node that waits for units which could be had if there were no limit.
+  struct Limited {
+    NodeId node{};
+    ResourceId resource{};
+    std::uint32_t count = 0;  ///< that it claims
+    std::uint32_t limit = 0;
+  };
+  /// Replaces `nodes` by all that there are, by resource and rank.
+  void limited(std::vector<Limited>& nodes) const;
   /// A member of the group has ended, or will never begin.
   void leave_group(std::uint32_t group);
 
@@ -91,6 +108,7 @@ class ResourcePool {
     std::uint32_t pinned = 0;   ///< the largest number of units that a running `exists` relies on
     std::uint32_t pins = 0;
     std::uint64_t wanted = 0;  ///< by all waiting nodes
+    std::uint32_t limit = kNoLimit;
     std::set<Waiting> queue;
   };
   struct Group {
@@ -102,21 +120,26 @@ class ResourcePool {
 
   [[nodiscard]] std::uint32_t need(const Claim& claim) const;
   [[nodiscard]] std::uint64_t need(std::span<const Claim> claims, ResourceId id) const;
-  [[nodiscard]] bool fits_but_for_units(const Claim& claim) const;
+  [[nodiscard]] std::uint64_t withheld(NodeId node, const Claim& claim) const;
+  [[nodiscard]] const Claim* limited_claim(NodeId node, std::span<const Claim> claims) const;
+  [[nodiscard]] bool exceeds_limits(NodeId node, std::span<const Claim> claims) const;
+  [[nodiscard]] bool fits_but_for_units(const Claim& claim, NodeId node) const;
   [[nodiscard]] bool can_wait(const Claim& claim) const;
-  [[nodiscard]] bool turn(const Rank& rank, std::uint64_t own, ResourceId id) const;
+  [[nodiscard]] bool turn(const Rank& rank, std::uint64_t own, const Claim& claim) const;
   [[nodiscard]] bool grantable(const Rank& rank, std::span<const Claim> claims) const;
   void take(const Claim& claim);
   void give_back(const Claim& claim, bool done);
   void enqueue(const Rank& rank, std::span<const Claim> claims);
   void dequeue(const Rank& rank, std::span<const Claim> claims);
-  void grant_waiting(ResourceId id);
+  void grant_waiting(ResourceId id, bool all = false);
 
   const ResourceTable& table_;
   std::vector<Units> units_;
   std::vector<Group> groups_;
   std::vector<NodeId> granted_;
   std::vector<NodeId> still_waiting_;
+  std::vector<ResourceId> limited_;  ///< that have had a limit
+  std::set<std::uint32_t> exempt_;   ///< nodes
   mutable std::uint64_t looked_at_ = 0;
 };
 

@@ -142,10 +142,60 @@ TEST_F(Pool, AGroupThatGrowsTakesItsUnitsAgain) {
   EXPECT_THAT(granted(), testing::ElementsAre(NodeId{5}));
 }
 
+TEST_F(Pool, GrantsNoMoreThanALimitLeaves) {
+  const ResourceId cells = add("cells", 4);
+  const Claims one{{cells}};
+  const Claims two{{cells, ResourceOp::Block, 2}};
+  EXPECT_TRUE(pool().request(rank(0), two));
+  pool().limit(cells, 1);
+  EXPECT_EQ(pool().total(cells), 4U);
+  EXPECT_FALSE(pool().shortage(two)) << "they are there";
+  EXPECT_FALSE(pool().request(rank(1), one)) << "who holds more keeps them, and there is none for others";
+  pool().release(two, true);
+  EXPECT_THAT(granted(), testing::ElementsAre(NodeId{1}));
+  EXPECT_FALSE(pool().request(rank(2), two));
+  pool().limit(cells, 3);
+  EXPECT_THAT(granted(), testing::ElementsAre(NodeId{2}));
+  EXPECT_FALSE(pool().request(rank(3), one));
+  pool().limit(cells, ResourcePool::kNoLimit);
+  EXPECT_THAT(granted(), testing::ElementsAre(NodeId{3}));
+}
+
+TEST_F(Pool, AUnitBeyondALimitDoesNotExistForNow) {
+  const ResourceId pose = add("pose", 1);
+  table_[pose].observed = true;
+  const Claims exists{{pose, ResourceOp::Exists}};
+  pool().limit(pose, 0);
+  EXPECT_FALSE(pool().request(rank(0), exists));
+  EXPECT_FALSE(pool().request(rank(1), exists));
+  std::vector<ResourcePool::Limited> limited;
+  pool().limited(limited);
+  ASSERT_EQ(limited.size(), 2U);
+  EXPECT_EQ(limited[1].node, NodeId{1});
+  EXPECT_EQ(limited[1].resource, pose);
+  pool().exempt(NodeId{2});
+  EXPECT_TRUE(pool().request(rank(2), exists)) << "it has begun before";
+  pool().limit(pose, ResourcePool::kNoLimit);
+  EXPECT_THAT(granted(), testing::ElementsAre(NodeId{0}, NodeId{1}));
+}
+
+TEST_F(Pool, WhoNeedsMoreThanALimitLeavesKeepsNothingFromOthers) {
+  const Claims both{{add("arm", 1)}, {add("pose", 1)}};
+  const Claims arm{{add("arm", 1)}};
+  pool().limit(*table_.find("pose"), 0);
+  EXPECT_FALSE(pool().request(rank(0), both));
+  EXPECT_TRUE(pool().request(rank(1), arm));
+  pool().limit(*table_.find("pose"), 1);
+  EXPECT_FALSE(pool().request(rank(2), arm)) << "now it only waits for the arm";
+  pool().release(arm, true);
+  EXPECT_THAT(granted(), testing::ElementsAre(NodeId{0}));
+}
+
 /// The rule as it is written, looking at everybody each time.
 class NaivePool {
  public:
-  explicit NaivePool(std::vector<std::uint32_t> free) : free_(std::move(free)) {}
+  explicit NaivePool(std::vector<std::uint32_t> free) : free_(free), total_(free), limit_(std::move(free)) {}
+  void limit(std::uint32_t resource, std::uint32_t units) { limit_[resource] = units; }
   void request(std::uint32_t node, const Claims& claims) { waiting_[node] = claims; }
   void withdraw(std::uint32_t node) { waiting_.erase(node); }
   void release(const Claims& claims) {
@@ -158,8 +208,12 @@ class NaivePool {
     for (bool again = true; again;) {
       again = false;
       std::vector<std::int64_t> left(free_.begin(), free_.end());
+      for (std::size_t i = 0; i < left.size(); ++i)
+        left[i] -= total_[i] - std::min(total_[i], limit_[i]);
       for (auto it = waiting_.begin(); it != waiting_.end() && !again; ++it) {
         bool fits = true;
+        const auto exceeds = [&](const Claim& claim) { return claim.count > limit_[index(claim.resource)]; };
+        if (std::ranges::any_of(it->second, exceeds)) continue;  // it keeps nothing from others
         for (const Claim& claim : it->second) {
           left[index(claim.resource)] -= claim.count;
           fits = fits && left[index(claim.resource)] >= 0;
@@ -178,6 +232,8 @@ class NaivePool {
 
  private:
   std::vector<std::uint32_t> free_;
+  std::vector<std::uint32_t> total_;
+  std::vector<std::uint32_t> limit_;
   std::map<std::uint32_t, Claims> waiting_;
 };
 
@@ -196,7 +252,7 @@ RC_GTEST_PROP(ResourcePool, GrantsWhatTheNaiveOneGrants, ()) {
   const auto steps = *rc::gen::inRange(1, 60);
   for (int i = 0; i < steps; ++i) {
     std::vector<NodeId> granted;
-    const int what = *rc::gen::inRange(0, 4);
+    const int what = *rc::gen::inRange(0, 5);
     if (what == 0 && !holding.empty()) {
       const auto place = *rc::gen::inRange<std::size_t>(0, holding.size());
       pool.release(claims[holding[place]], true);
@@ -207,6 +263,11 @@ RC_GTEST_PROP(ResourcePool, GrantsWhatTheNaiveOneGrants, ()) {
       pool.withdraw(rank(waiting[place]), claims[waiting[place]]);
       naive.withdraw(waiting[place]);
       waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(place));
+    } else if (what == 2) {
+      const auto resource = *rc::gen::inRange(0U, 3U);
+      const auto units = *rc::gen::inRange(0U, counts[resource] + 1);
+      pool.limit(ResourceId{resource}, units);
+      naive.limit(resource, units);
     } else {
       const auto node = *rc::gen::inRange(0U, 1000U);
       if (claims.contains(node)) continue;

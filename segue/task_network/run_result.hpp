@@ -31,6 +31,14 @@ struct WastedRun {
   TimePoint ended;
 };
 
+/// A node has waited for units of which nobody could have more (UnitLimits).
+struct UnitWait {
+  NodeId node{};
+  ResourceId resource{};
+  TimePoint from;
+  TimePoint until;
+};
+
 struct RunStatistics {
   std::uint64_t starts = 0;
   std::uint64_t speculative = 0;  ///< runs that began before it was certain that they count
@@ -66,6 +74,7 @@ struct RunResult {
   std::vector<NodeResult> nodes;
   std::vector<std::shared_ptr<const type::Value>> outputs;  ///< of every node; null where it has none
   std::vector<WastedRun> wasted;
+  std::vector<UnitWait> unit_waits;
   RunStatistics statistics;
   RunLog log;  ///< if asked for
   [[nodiscard]] bool done() const { return !failed && !stopped; }

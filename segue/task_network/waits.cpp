@@ -88,6 +88,15 @@ void WaitFinder::add_resource(std::vector<Wait>& waits, NodeId node, TimePoint r
   waits.push_back({Wait::Kind::Resource, last->node, network_.resources.name(resource), ready, last->ended});
 }
 
+/// Nothing else can have kept it waiting longer.
+void WaitFinder::add_limited(std::vector<Wait>& waits, NodeId node) const {
+  for (const UnitWait& wait : result_.unit_waits) {
+    if (wait.node == node)
+      waits.push_back({Wait::Kind::Resource, NodeId{kNone}, network_.resources.name(wait.resource), wait.from,
+                       wait.until});
+  }
+}
+
 void WaitFinder::add_turn(std::vector<Wait>& waits, NodeId node, TimePoint ready) const {
   const TimePoint started = result_.nodes[index(node)].started;
   const Use* last = last_before(ends_, node, started);
@@ -137,6 +146,7 @@ std::vector<Wait> WaitFinder::direct(NodeId node) const {
     wait.from = std::exchange(from, wait.until);
   std::erase_if(waits, [&](const Wait& wait) { return wait.until - wait.from <= result_.own_time; });
   add_resource(waits, node, ready);
+  add_limited(waits, node);
   if (!waits.empty()) ready = waits.back().until;
   add_turn(waits, node, ready);
   return waits;

@@ -13,8 +13,8 @@
 namespace segue::task_network {
 
 /// A period in which a node could not start or not commit, and the reason. World: a precondition that another
-/// node had to make true. Turn: program order beside a node that may touch anything, or a free worker or copy
-/// of the world.
+/// node had to make true. Resource, without a node: units that nobody could have (UnitLimits). Turn: program
+/// order beside a node that may touch anything, or a free worker or copy of the world.
 struct Wait {
   enum class Kind : std::uint8_t { Data, Condition, World, Resource, Turn };
   Kind kind = Kind::Data;
@@ -53,6 +53,7 @@ class WaitFinder {
   [[nodiscard]] static const Use* last_before(const std::vector<Use>& uses, NodeId node, TimePoint started);
   [[nodiscard]] TimePoint met(const Dependency& dependency) const;
   void add_resource(std::vector<Wait>& waits, NodeId node, TimePoint ready) const;
+  void add_limited(std::vector<Wait>& waits, NodeId node) const;
   void add_turn(std::vector<Wait>& waits, NodeId node, TimePoint ready) const;
 
   const TaskNetwork& network_;

@@ -79,6 +79,26 @@ states:
   leave: {on: {success: return left_behind, aborted: return done}}
 )m";
 
+/// Drives to a goal, and does beside that what only begins there.
+constexpr const char* kMeets = R"(mission: meets
+resources:
+  there: {class: module, observe: {task: seeker, state: arrived}}
+actions:
+  drive:
+    run:
+      controller: go_to
+      call: {seeker.set_goal: {goal: {x: 0.4, y: 0.0}}}
+      until: [{task: seeker, state: arrived}]
+  greet: {resources: [{exists: there}], run: {simulated: {}}}
+  done: {run: {decide: [{outcome: success}]}}
+start: both
+states:
+  both:
+    kind: barrier
+    states: {greet: {}, drive: {}, done: {kind: decider, on: {success: return success}}}
+    on: {success: return success}
+)";
+
 class RobotMission : public SystemTest {};
 
 TEST_F(RobotMission, DrivesToItsGoalsInBothModes) {
@@ -109,6 +129,20 @@ TEST_F(RobotMission, ReliesOnFactsThatTheRobotShows) {
     if (mode == "concurrent") continue;  // its nodes do not say why they aborted
     EXPECT_THAT(type::to_json(run), HasSubstr("since !near() does not hold any more"));
     EXPECT_THAT(type::to_json(run), HasSubstr("expected at(sea), which did not become true within 100ms"));
+  }
+}
+
+TEST_F(RobotMission, WaitsForUnitsThatTheRobotShows) {
+  start();
+  write("meets.yaml", kMeets);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
+    EXPECT_EQ(segue({"switch", ""}).status, 0) << "so that nothing has arrived";
+    const auto run = segue({"mission", "run", "meets.yaml", "--mode", mode});
+    EXPECT_EQ(run.status, 0) << run.output << run.errors;
+    EXPECT_THAT(run.errors,
+                HasSubstr("both/greet: waits for 1 unit of the resource 'there', which the robot does not "
+                          "show: task 'seeker' is not arrived"));
   }
 }
 
