@@ -20,7 +20,7 @@ struct SampleCounts {
   friend bool operator==(const SampleCounts&, const SampleCounts&) = default;
 };
 
-/// What a robot shows of the units of a resource: all of them while a condition holds, and none otherwise; or
+/// How a robot shows the units of a resource: all of them while a condition holds, and none otherwise; or
 /// how many there are.
 using ObservedUnits = std::variant<model::RobotCondition, SampleCounts>;
 

@@ -32,7 +32,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// What a run says, as a test waits for it.
+/// The texts that a run tells, for a test that waits for one.
 class Told {
  public:
   void add(std::string text) {

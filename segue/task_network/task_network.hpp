@@ -117,7 +117,7 @@ class TaskNetwork {
   NameTable names;     ///< of nodes, inputs and outputs
   NameTable outcomes;  ///< as OutcomeId; begins with success, aborted, preempted
   VersionedWorld initial_world;
-  std::vector<Literal> goal;  ///< required at the end, by OrderRule::Goal; empty: the whole world
+  std::vector<Literal> goal;          ///< required at the end, by OrderRule::Goal; empty: the whole world
   bool effects_are_declared = false;  ///< nodes that are not opaque have no others
 
   /// Appends to the end of the program order. Requires what NodeSpec says of references.
