@@ -97,10 +97,10 @@ std::set<std::string> RobotWithKilledPlanners::planners() const {
   return names;
 }
 
-void RobotWithKilledPlanners::take_instance(const mission::InstanceQuestion& what, const Wait& wait,
-                                            mission::InstanceAnswer answered) {
+void RobotWithKilledPlanners::take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                                            model::InstanceAnswer answered) {
   inner_->take_instance(what, wait,
-                        [this, answered = std::move(answered)](Result<mission::TakenInstance> taken) {
+                        [this, answered = std::move(answered)](Result<model::TakenInstance> taken) {
                           if (taken) {
                             const Lock lock(mutex_);
                             pids_.insert_or_assign(taken->task, taken->pid);

@@ -53,8 +53,8 @@ class RobotWithKilledPlanners final : public ForwardingCommandedRobot {
   /// The planners that missions were given.
   [[nodiscard]] std::set<std::string> planners() const;
 
-  void take_instance(const mission::InstanceQuestion& what, const Wait& wait,
-                     mission::InstanceAnswer answered) override;
+  void take_instance(const model::InstanceQuestion& what, const Wait& wait,
+                     model::InstanceAnswer answered) override;
   Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
                            const Wait& wait) override;
 
