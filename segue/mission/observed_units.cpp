@@ -74,7 +74,7 @@ std::optional<SampleCounts> read_counts(Fields& fields, const Source& source) {
   }
   if (port == nullptr || !parts) return std::nullopt;
   const std::string text = model::detail::scalar_text(*port).value_or("");
-  return SampleCounts{model::detail::read_member(text, "monitor.load", fields.what(), *port, source),
+  return SampleCounts{model::detail::read_member(text, "computer.load", fields.what(), *port, source),
                       std::move(*parts)};
 }
 
