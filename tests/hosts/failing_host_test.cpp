@@ -76,6 +76,7 @@ TEST_F(FailingHost, HasAFullDiskWhenARuntimeComes) {
   EXPECT_TRUE(eventually([&] {
     return text_in(host_status("b"), "state").find("No space left on device") != std::string::npos;
   })) << segue({"status"}).output;
+  ASSERT_TRUE(wait_until_reachable("a", true)) << "a busy computer may take a while";
   EXPECT_NE(text_in(switch_to("more", "refused"), "error").find("host 'b'"), std::string::npos);
   EXPECT_EQ(all_deployments(), before);
   empty_disk();
