@@ -317,7 +317,7 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
     return completions.finish_at(completions.now(), context.node(), context.attempt(),
                                  refuse(context, planned.refused));
   }
-  if (events_ != nullptr) events_->begins(context.node());
+  if (events_ != nullptr) events_->begins(context.node(), completions.now());
   if (journal_ != nullptr) journal_->began(context.node());
   auto reports = counting_reporter(context);
   if (auto used = reports->globals.pending_changes()) unsure_[index(context.node())] = std::move(used);

@@ -24,7 +24,8 @@ bool is_in(const ContainerRun& inner, const ContainerRun& outer) {
 RunEvents::RunEvents(MissionPlan& plan, const RunOptions& options)
     : plan_(plan), observe_(options.observe), warn_(options.warn) {}
 
-void RunEvents::begins(NodeId node) {
+void RunEvents::begins(NodeId node, TimePoint now) {
+  latest_ = now;
   if (!observe_) return;
   begin_containers(plan_.container_of(node));
   const PlannedNode& planned = plan_[node];
@@ -103,7 +104,7 @@ void RunEvents::tell_end(NodeId node, task_network::OutcomeId ending, const type
   const PlannedNode& planned = plan_[node];
   const bool is_container = planned.role == Role::Begin;
   const mission::Outcome outcome = plan_.outcome(node, ending);
-  const bool tries_again = retries_.ended(planned.state, outcome);
+  const bool tries_again = retries_.ended(planned.state, outcome, latest_);
   if (!observe_ && !(tries_again && warn_)) return;
   const std::string path = is_container ? plan_.network().name_of(node) : std::string(planned.path);
   if (tries_again && warn_) warn_(path + ": " + mission::RetryWatch::warning());

@@ -20,8 +20,8 @@ class RunEvents {
  public:
   RunEvents(MissionPlan& plan, const RunOptions& options);
 
-  /// An action or an opaque subtree begins; the subtree tells of its own states.
-  void begins(task_network::NodeId node);
+  /// An action or an opaque subtree begins, at `now`; the subtree tells of its own states.
+  void begins(task_network::NodeId node, TimePoint now);
   /// The end of the node will be replayed from the run that is being resumed, so nobody is told of it.
   void replays(task_network::NodeId node) { replayed_.insert(node); }
   /// The node's end counts. To be called before the plan is told of it. `outputs` may be null.
@@ -42,6 +42,7 @@ class RunEvents {
   const mission::StateObserver observe_;  ///< null: nobody follows
   const std::function<void(std::string)> warn_;
   mission::RetryWatch retries_;
+  TimePoint latest_;                         ///< when an action or a subtree began last
   std::set<task_network::NodeId> replayed_;  ///< and not ended
   std::set<task_network::NodeId> lost_;      ///< preempted by other states of their containers, and reported
   std::vector<std::shared_ptr<ContainerRun>> begun_;  ///< and not ended; the outer ones first

@@ -85,7 +85,7 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
     return completions.finish_at(completions.now(), context.node(), context.attempt(),
                                  reports->report({kAborted, made.error().message}, {}));
   }
-  if (events_ != nullptr) events_->begins(context.node());
+  if (events_ != nullptr) events_->begins(context.node(), completions.now());
   if (journal_ != nullptr) journal_->began(context.node());
   std::shared_ptr<mission::Engine> engine = std::move(*made);
   const auto carry_out = [engine, reports, watch] {

@@ -215,7 +215,7 @@ void EngineCore::tell_around(const Activation& state) {
 void EngineCore::tell_end(Activation& activation) {
   if (backward_) return;
   const bool is_retried = !std::exchange(activation.told, false);  // or else something in it is
-  if (is_retried && retries_.ended(activation.state, activation.outcome) && options.warn)
+  if (is_retried && retries_.ended(activation.state, activation.outcome, now()) && options.warn)
     warn(activation, RetryWatch::warning());
   if (!options.observe) return;
   tell_around(activation);

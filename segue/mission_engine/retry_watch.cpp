@@ -3,16 +3,16 @@
 
 namespace segue::mission {
 
-bool RetryWatch::ended(StateIndex state, Outcome outcome) {
+bool RetryWatch::ended(StateIndex state, Outcome outcome, TimePoint now) {
   if (outcome != kAborted) {
     if (const auto found = aborting_.find(state); found != aborting_.end()) found->second.count = 0;
     return false;
   }
   Aborts& aborts = aborting_[state];
   if (aborts.told) return false;
-  if (++aborts.count == 1) aborts.first = clock_.now();
+  if (++aborts.count == 1) aborts.first = now;
   if (aborts.count < kAborts) return false;
-  aborts.told = clock_.now() - aborts.first <= kWithin;
+  aborts.told = now - aborts.first <= kWithin;
   aborts.count = 0;
   return aborts.told;
 }

@@ -10,18 +10,16 @@
 
 namespace segue::mission {
 
-/// Notices a state that aborts again and again without a pause: a mission that tries it again at once may do
-/// so for ever, and uses a whole processor. For one thread.
+/// Notices a state that aborts again and again without a pause, by the clock of the run: a mission that tries
+/// it again at once may do so for ever, and uses a whole processor. For one thread.
 class RetryWatch {
  public:
   static constexpr std::uint32_t kAborts = 1000;
   static constexpr Duration kWithin = std::chrono::seconds(10);
 
-  /// `clock` must outlive this.
-  explicit RetryWatch(const Clock& clock = RealClock::instance()) : clock_(clock) {}
-
-  /// The state has ended. True once for each state: it has now aborted kAborts times in a row within kWithin.
-  [[nodiscard]] bool ended(StateIndex state, Outcome outcome);
+  /// The state has ended, at `now`. True once for each state: it has now aborted kAborts times in a row
+  /// within kWithin.
+  [[nodiscard]] bool ended(StateIndex state, Outcome outcome, TimePoint now);
   /// The warning that people then get.
   [[nodiscard]] static std::string warning();
 
@@ -32,7 +30,6 @@ class RetryWatch {
     TimePoint first{};
   };
   std::unordered_map<StateIndex, Aborts> aborting_;
-  const Clock& clock_;
 };
 
 }  // namespace segue::mission

@@ -3,11 +3,16 @@
 
 #include <segue/convert/ahead_of_failures.hpp>
 #include <segue/convert/race_order.hpp>
+#include <segue/convert/world_flow.hpp>
+#include <segue/mission/world_values.hpp>
 #include <segue/task_network/order.hpp>
 #include <support/check_run.hpp>
 #include <support/mission_runs.hpp>
 
+#include <iterator>
 #include <set>
+#include <string>
+#include <vector>
 
 /// Checks that a mission run concurrently is equivalent to the sequential run. For tests only.
 namespace segue::convert {
@@ -138,6 +143,7 @@ class MissionCheck {
     if (text.empty()) text = grants();
     if (text.empty()) text = conflicts();
     if (text.empty()) text = races();
+    if (text.empty()) text = changes();
     return text;
   }
 
@@ -198,6 +204,40 @@ class MissionCheck {
           return fmt::format("{} did not wait for {} ({} {})", network.label(task_network::NodeId{i}),
                              network.label(dependency.from), to_string(dependency.reason()),
                              task_network::subject_text(network, dependency));
+      }
+    }
+    return {};
+  }
+
+  /// The values of the world that the node looks at or changes, or only those that it changes.
+  [[nodiscard]] std::vector<std::string> values_of(task_network::NodeId node, bool only_changed) const {
+    const PlannedNode& planned = run_.plan()[node];
+    if (planned.touched != nullptr) return only_changed ? planned.touched->changed : planned.touched->all;
+    const mission::Action* what = action(node);
+    if (what == nullptr) return {};
+    return only_changed ? mission::values_changed(*what) : mission::values_touched(*what);
+  }
+
+  /// What acts begins after all that change a value which it looks at or changes, those in parallel aside.
+  std::string changes() {
+    const task_network::TaskNetwork& network = run_.plan().network();
+    const auto& nodes = run_.network_result().nodes;
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+      const task_network::NodeId node{i};
+      const bool acts = network[node].kind == ActionClass::Irreversible;
+      if (!acts || nodes[i].attempts == 0 || !run_.plan()[node].refused.empty()) continue;
+      const auto touched = values_of(node, false);
+      for (std::uint32_t j = 0; j < i && !touched.empty(); ++j) {
+        const task_network::NodeId before{j};
+        if (mission::in_parallel(run_.plan()[node].branch.get(), run_.plan()[before].branch.get())) continue;
+        std::vector<std::string> both;
+        std::ranges::set_intersection(touched, values_of(before, true), std::back_inserter(both));
+        const bool over = nodes[j].status == task_network::NodeStatus::Skipped ||
+                          (nodes[j].status != task_network::NodeStatus::NotReached &&
+                           nodes[j].committed <= nodes[i].started);
+        if (!both.empty() && !over)
+          return fmt::format("{} did not wait for {}, which changes {}", network.label(node),
+                             network.label(before), both.front());
       }
     }
     return {};
