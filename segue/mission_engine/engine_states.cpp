@@ -214,8 +214,9 @@ void EngineCore::tell_around(const Activation& state) {
 /// Tells the end of an action or of a container.
 void EngineCore::tell_end(Activation& activation) {
   if (backward_) return;
-  const bool is_retried = !std::exchange(activation.told, false);  // or else something in it is
-  if (is_retried && retries_.ended(activation.state, activation.outcome, now()) && options.warn)
+  const bool is_retried = !std::exchange(activation.told, false);               // or else something in it is
+  const TimePoint when = activation.outcome == kAborted ? now() : TimePoint{};  // the clock costs time
+  if (is_retried && retries_.ended(activation.state, activation.outcome, when) && options.warn)
     warn(activation, RetryWatch::warning());
   if (!options.observe) return;
   tell_around(activation);

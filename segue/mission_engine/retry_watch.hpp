@@ -17,8 +17,8 @@ class RetryWatch {
   static constexpr std::uint32_t kAborts = 1000;
   static constexpr Duration kWithin = std::chrono::seconds(10);
 
-  /// The state has ended, at `now`. True once for each state: it has now aborted kAborts times in a row
-  /// within kWithin.
+  /// The state has ended, at `now`, which matters where it aborted. True once for each state: it has now
+  /// aborted kAborts times in a row within kWithin.
   [[nodiscard]] bool ended(StateIndex state, Outcome outcome, TimePoint now);
   /// The warning that people then get.
   [[nodiscard]] static std::string warning();
