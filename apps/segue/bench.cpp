@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 
@@ -13,6 +12,7 @@
 #include "bench_files.hpp"
 #include "bench_results.hpp"
 #include "command.hpp"
+#include "number_list.hpp"
 #include "output.hpp"
 #include "stop_signal.hpp"
 
@@ -41,20 +41,15 @@ std::vector<std::string> bench_names() {
 
 /// "10,25,50": each between 1 and `highest`.
 Result<void> parse_counts(const std::string& text, std::size_t highest, std::vector<std::size_t>& counts) {
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (true) {
-    std::size_t count = 0;
-    const auto [rest, status] = std::from_chars(at, end, count);
-    if (status != std::errc{} || count < 1 || count > highest || (rest != end && *rest != ',')) {
-      return fail(ErrorCode::InvalidArgument,
-                  fmt::format("expected whole numbers between 1 and {}, separated by commas, got {}", highest,
-                              quote(text)));
-    }
-    counts.push_back(count);
-    if (rest == end) return {};
-    at = rest + 1;
+  const auto numbers = parse_number_list<std::size_t>(text);
+  const auto in_range = [&](std::size_t count) { return count >= 1 && count <= highest; };
+  if (!numbers || !std::ranges::all_of(*numbers, in_range)) {
+    return fail(ErrorCode::InvalidArgument,
+                fmt::format("expected whole numbers between 1 and {}, separated by commas, got {}", highest,
+                            quote(text)));
   }
+  counts.insert(counts.end(), numbers->begin(), numbers->end());
+  return {};
 }
 
 std::vector<const BenchExperiment*> selected(const BenchOptions& options) {

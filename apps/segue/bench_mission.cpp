@@ -59,13 +59,9 @@ Result<void> add_factor(const std::string& text, MissionFactor::Kind kind,
   return {};
 }
 
-Result<void> parse_published(const std::string& text, std::vector<std::string>& published) {
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', from), text.size());
-    published.push_back(text.substr(from, comma - from));
-    from = comma + 1;
-  }
-  return {};
+std::vector<std::string> texts(std::string_view separated_by_commas) {
+  const auto parts = split(separated_by_commas, ',');
+  return {parts.begin(), parts.end()};
 }
 
 /// The run that an earlier combination has made already, since sequential runs are the same for both.
@@ -181,8 +177,7 @@ Result<MissionBenchOptions> with_table(MissionBenchOptions options) {
   if (experiment.seeds.empty()) experiment.seeds = {"seed", "rover.seed"};
   if (experiment.clock.empty()) experiment.clock = "rover.time";
   if (experiment.sequential_pools == 0) experiment.sequential_pools = 1;
-  if (experiment.published.empty() && as_published)
-    (void)parse_published(table.published, experiment.published);
+  if (experiment.published.empty() && as_published) experiment.published = texts(table.published);
   return options;
 }
 
@@ -302,7 +297,10 @@ void add_bench_mission(Verb& bench, Context& context) {
               "seconds in the robot's own time, such as a simulation's");
   verb.option(
       "--published TEXT,...",
-      [&experiment](const std::string& text) { return parse_published(text, experiment.published); },
+      [&experiment](const std::string& text) {
+        experiment.published = texts(text);
+        return Result<void>();
+      },
       "figures to show beside, one for each combination, of which pools vary first");
   verb.option("--out DIR", options->folder, "also write all runs as CSV, and a chart as SVG");
   verb.option("--libraries DIR", experiment.libraries, "folders with the state machines used by the mission");

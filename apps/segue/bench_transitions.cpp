@@ -10,7 +10,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -18,6 +17,7 @@
 #include "bench_experiment.hpp"
 #include "bench_files.hpp"
 #include "command.hpp"
+#include "number_list.hpp"
 #include "output.hpp"
 #include "stop_signal.hpp"
 
@@ -64,17 +64,11 @@ Result<TransitionsOptions> with_paper_table(TransitionsOptions options) {
 }
 
 Result<void> parse_seconds(const std::string& text, std::vector<double>& seconds) {
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (true) {
-    double value = 0;
-    const auto [rest, status] = std::from_chars(at, end, value);
-    if (status != std::errc{} || (rest != end && *rest != ','))
-      return fail(ErrorCode::InvalidArgument, "expected seconds, separated by commas, got " + quote(text));
-    seconds.push_back(value);
-    if (rest == end) return {};
-    at = rest + 1;
-  }
+  const auto numbers = parse_number_list<double>(text);
+  if (!numbers)
+    return fail(ErrorCode::InvalidArgument, "expected seconds, separated by commas, got " + quote(text));
+  seconds.insert(seconds.end(), numbers->begin(), numbers->end());
+  return {};
 }
 
 Result<runtime::EmbeddedRobot> open_robot(const TransitionsOptions& options) {

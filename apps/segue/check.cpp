@@ -270,10 +270,6 @@ class Checker {
   std::size_t files_ = 0;
 };
 
-std::string counted(std::size_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 void print_summary(const Checker& checker) {
   const auto found = [&](Severity severity, std::string_view what) {
     const auto count = std::ranges::count(checker.diagnostics().items(), severity, &Diagnostic::severity);

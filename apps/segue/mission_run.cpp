@@ -111,9 +111,8 @@ void show_executions(const FinishedRun& run) {
   print(table.text());
   if (overview.actions > kMostRows)
     print_note(fmt::format("{} more actions are not shown", overview.actions - kMostRows));
-  print_line(fmt::format("{}: {} after {}, {} action{}", printable(overview.name),
-                         printable(overview.outcome), format_seconds(seconds(overview.makespan)),
-                         overview.actions, overview.actions == 1 ? "" : "s"));
+  print_line(fmt::format("{}: {} after {}, {}", printable(overview.name), printable(overview.outcome),
+                         format_seconds(seconds(overview.makespan)), counted(overview.actions, "action")));
   if (overview.error) print_note(printable(overview.error->message));
 }
 

@@ -80,10 +80,10 @@ int show_mission(control::RobotService& robot, const Context& context) {
     print_json(*doing);
     return kDone;
   }
-  const auto ended = number_at(*doing, "ended");
-  print_line(printable(fmt::format("mission {}: {}; {}; {} action{} ended", printable_at(*doing, "mission"),
-                                   printable_at(*doing, "state"), where(*doing), ended,
-                                   ended == 1 ? " has" : "s have")));
+  const auto ended = static_cast<std::size_t>(number_at(*doing, "ended"));
+  print_line(printable(fmt::format("mission {}: {}; {}; {} {} ended", printable_at(*doing, "mission"),
+                                   printable_at(*doing, "state"), where(*doing), counted(ended, "action"),
+                                   ended == 1 ? "has" : "have")));
   if (const auto paths = texts_at(control_of(*doing), "breakpoints"); !paths.empty())
     print_line(printable("breakpoints: " + listed(paths)));
   return kDone;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_text.hpp"
 
+#include <segue/base/text.hpp>
 #include <segue/model/files.hpp>
 
 #include <fmt/core.h>
@@ -88,16 +89,16 @@ Colour colour_of(const std::string& kind) {
 std::string describe_transition(const Value& transition) {
   static const Value none;
   const Value* counts = transition.find("counts");
-  const Value& counted = counts != nullptr ? *counts : none;
-  const double total = number_at(counted, "total");
+  const Value& numbers = counts != nullptr ? *counts : none;
+  const auto total = static_cast<std::size_t>(number_at(numbers, "total"));
   std::string text = fmt::format("{} -> {}: ", name_or_empty(printable_at(transition, "from")),
                                  name_or_empty(printable_at(transition, "to")));
   if (total == 0) return text + "nothing to do\n";
-  text += fmt::format("{} action{}, {} of them state changes; order {}\n", total, total == 1 ? "" : "s",
-                      number_at(counted, "state_changes"), printable_at(transition, "order"));
+  text += fmt::format("{}, {} of them state changes; order {}\n", counted(total, "action"),
+                      number_at(numbers, "state_changes"), printable_at(transition, "order"));
   for (const auto phase : model::kPhaseNames)
     text += phase_text(transition, phase);
-  return text + "total: " + counts_text(counted) + '\n';
+  return text + "total: " + counts_text(numbers) + '\n';
 }
 
 std::string describe(const model::Transition& transition) {
@@ -105,9 +106,9 @@ std::string describe(const model::Transition& transition) {
 }
 
 std::string outcome_line(const Value& result) {
-  int done = 0;
+  std::size_t done = 0;
   for (const Value& action : list_at(result, "actions"))
-    done += printable_at(action, "outcome") == "done" ? 1 : 0;
+    done += printable_at(action, "outcome") == "done" ? 1U : 0U;
   const std::string cause = printable_at(result, "cause");
   const std::string why = cause.empty() || cause == "request" ? "" : " (" + cause + ")";
   std::string line =
@@ -115,7 +116,7 @@ std::string outcome_line(const Value& result) {
                   name_or_empty(printable_at(result, "to")), why, printable_at(result, "outcome"));
   if (list_at(result, "actions").empty()) return line;
   const std::string leftover = printable_at(result, "leftover").empty() ? "" : ", retire incomplete";
-  return line + fmt::format(", {} action{} in {} (commit {}){}", done, done == 1 ? "" : "s",
+  return line + fmt::format(", {} in {} (commit {}){}", counted(done, "action"),
                             format_seconds(number_at(result, "duration_s")),
                             format_seconds(number_at(result, "commit_s")), leftover);
 }
@@ -123,14 +124,14 @@ std::string outcome_line(const Value& result) {
 std::string saving_of(const Value& result) {
   const Value* ahead = result.find("ahead");
   if (ahead == nullptr) return {};
-  const double tasks = number_at(*ahead, "tasks");
-  return fmt::format("; look-ahead saved {} ({} task{} ready)", format_seconds(number_at(*ahead, "saved_s")),
-                     tasks, tasks == 1 ? " was" : "s were");
+  const auto tasks = static_cast<std::size_t>(number_at(*ahead, "tasks"));
+  return fmt::format("; look-ahead saved {} ({} {} ready)", format_seconds(number_at(*ahead, "saved_s")),
+                     counted(tasks, "task"), tasks == 1 ? "was" : "were");
 }
 
 std::string saving_line(double seconds, std::size_t transitions) {
-  return fmt::format("Look-ahead saved {} of {} transition{}.", format_seconds(seconds), transitions,
-                     transitions == 1 ? "" : "s");
+  return fmt::format("Look-ahead saved {} of {}.", format_seconds(seconds),
+                     counted(transitions, "transition"));
 }
 
 std::string outcome_text(const Value& result) {

@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -24,6 +25,12 @@ std::string did_you_mean(std::string_view word, std::span<const std::string> can
 
 /// "a, b and c"
 std::string listed(std::span<const std::string> items);
+
+/// "1 action", "3 actions": the plural is formed with an s.
+std::string counted(std::size_t count, std::string_view noun);
+
+/// The parts between the separators, empty ones too; at least one. They refer to `text`.
+std::vector<std::string_view> split(std::string_view text, char separator);
 
 /// "100ms", "1.5 s", "20us", "3min"; a number without a unit is refused.
 Result<Duration> parse_duration(std::string_view text);

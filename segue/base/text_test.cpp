@@ -91,6 +91,17 @@ TEST(Listed, JoinsAsInASentence) {
   EXPECT_EQ(listed(std::vector<std::string>{"a"}), "a");
 }
 
+TEST(Counted, OneIsNoPlural) {
+  EXPECT_EQ(counted(0, "action"), "0 actions");
+  EXPECT_EQ(counted(1, "action"), "1 action");
+  EXPECT_EQ(counted(2, "action"), "2 actions");
+}
+
+TEST(Split, KeepsEmptyParts) {
+  EXPECT_EQ(split("a,,b,", ','), (std::vector<std::string_view>{"a", "", "b", ""}));
+  EXPECT_EQ(split("", ','), (std::vector<std::string_view>{""}));
+}
+
 TEST(ParseDuration, NeedsAUnit) {
   EXPECT_EQ(parse_duration("100ms").value(), milliseconds(100));
   EXPECT_EQ(parse_duration("1.5 s").value(), milliseconds(1500));

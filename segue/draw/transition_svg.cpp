@@ -183,7 +183,7 @@ class Picture {
     const std::size_t count = transition_.actions.size();
     svg::text(out_, kMargin, 26, "start", name(transition_.from) + " \u2192 " + name(transition_.to),
               "font-size=\"16\" font-weight=\"bold\"");
-    std::string text = fmt::format("{} action{}", count, count == 1 ? "" : "s");
+    std::string text = counted(count, "action");
     if (count == 0) text = "nothing to do";
     if (count > 0) {
       text += fmt::format(", critical path {}, order {}", length_text(schedule_, schedule_.length()),
@@ -199,11 +199,10 @@ class Picture {
     draw_grid(phase, band);
     svg::line(out_, band.x, kTop, band.x, bottom(), "stroke=\"#999999\"");
     const auto count = std::ranges::count(transition_.actions, phase, &Action::phase);
+    const std::string actions = counted(static_cast<std::size_t>(count), "action");
     const double length = schedule_.phases.at(static_cast<std::size_t>(phase)).length();
     svg::text(out_, band.x + 8, kTop + 16, "start", to_string(phase), "font-weight=\"bold\"");
-    svg::text(out_, band.x + 8, kTop + 31, "start",
-              fmt::format("{} action{}, {}", count, count == 1 ? "" : "s", length_text(schedule_, length)),
-              kSmall);
+    svg::text(out_, band.x + 8, kTop + 31, "start", actions + ", " + length_text(schedule_, length), kSmall);
   }
 
   void draw_grid(Phase phase, const Band& band) {

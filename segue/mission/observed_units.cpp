@@ -39,8 +39,7 @@ const std::string& task_of(const ObservedUnits& observed) {
 
 std::string unshown_text(std::string_view resource, const ObservedUnits& observed, std::uint32_t needed,
                          std::uint32_t shown) {
-  const std::string text = "waits for " + std::to_string(needed) + (needed == 1 ? " unit" : " units") +
-                           " of the resource " + quote(resource);
+  const std::string text = "waits for " + counted(needed, "unit") + " of the resource " + quote(resource);
   if (const auto* counts = std::get_if<SampleCounts>(&observed)) {
     return text + ", of which the robot shows " + std::to_string(shown) + ": " + field_text(*counts) +
            " of " + to_string(counts->port);

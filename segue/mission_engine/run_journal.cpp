@@ -77,12 +77,12 @@ ValueMap event(const std::string& kind, const Execution& execution) {
 }
 
 std::string count_of_ended(std::size_t count) {
-  return std::to_string(count) + (count == 1 ? " action" : " actions") + " had ended";
+  return counted(count, "action") + " had ended";
 }
 
 std::string cut_text(const RunJournalFile::Contents& contents) {
-  return "the end of the journal was damaged, as an interruption leaves it: " + std::to_string(contents.cut) +
-         (contents.cut == 1 ? " line" : " lines") + " behind " +
+  return "the end of the journal was damaged, as an interruption leaves it: " +
+         counted(contents.cut, "line") + " behind " +
          (contents.entries.empty() ? "its beginning" : "entry " + std::to_string(contents.entries.size())) +
          (contents.cut == 1 ? " was" : " were") + " cut off";
 }

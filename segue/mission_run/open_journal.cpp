@@ -78,8 +78,7 @@ Result<RunJournal::Start> open_journal(const mission::Mission& mission, const Ru
   if (auto same = check_unchanged(start, (*found)->start()); !same) return same.error();
   journal = std::move(*found);
   if (request.note) {
-    request.note("the run is resumed: " + std::to_string(journal->size()) +
-                 (journal->size() == 1 ? " action" : " actions") + " had ended");
+    request.note("the run is resumed: " + counted(journal->size(), "action") + " had ended");
   }
   return journal->start();
 }

@@ -22,7 +22,8 @@ std::string first_line(const std::string& text) {
 }
 
 std::string attempts_text(int attempts) {
-  return std::to_string(attempts) + (attempts == 1 ? " attempt has" : " attempts have") + " not helped";
+  return counted(static_cast<std::size_t>(attempts), "attempt") + (attempts == 1 ? " has" : " have") +
+         " not helped";
 }
 
 /// The errors of tasks that have failed: the first of each id and of each process.

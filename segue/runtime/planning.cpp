@@ -16,10 +16,6 @@ namespace segue::runtime::detail {
 
 namespace {
 
-std::string counted(std::size_t count, std::string_view what) {
-  return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
-}
-
 std::optional<Error> refusal_for(const model::Network& network, const task_host::TaskHost& host,
                                  const model::ComponentCatalog& catalog) {
   Diagnostics findings = check_runnable(network, host, catalog);

@@ -354,7 +354,7 @@ std::string PoolKeeper::reason_of(const DetectedFault& fault) const {
   }
   const int attempts = repairs_.attempts(fault);
   return attempts == 0 ? why
-                       : why + "; " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts") +
+                       : why + "; " + counted(static_cast<std::size_t>(attempts), "attempt") +
                              " to start it have not helped";
 }
 

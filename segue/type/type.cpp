@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/type/type.hpp>
 #include <segue/type/type_graph.hpp>
 
@@ -59,7 +60,7 @@ bool is_known_in_itself(const Type& type) {
 
 std::string bytes(std::size_t size) {
   if (size == 0) return "size not fixed";
-  return std::to_string(size) + (size == 1 ? " byte" : " bytes");
+  return counted(size, "byte");
 }
 
 std::string name_of(const Type* type) {
