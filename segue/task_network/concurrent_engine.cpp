@@ -47,6 +47,7 @@ ConcurrentEngine::Implementation::Implementation(const TaskNetwork& network, con
       events_(options_.clock),
       pool_(network.resources),
       world_(network.initial_world),
+      copies_(options_.world_copies),
       prefix_world_(network.initial_world) {
   world_.take_attachments_of({});
 }

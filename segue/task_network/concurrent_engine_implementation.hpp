@@ -12,9 +12,9 @@
 #include <segue/task_network/resource_pool.hpp>
 #include <segue/task_network/turns.hpp>
 #include <segue/task_network/world_changes.hpp>
+#include <segue/task_network/world_copies.hpp>
 
 #include <atomic>
-#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -69,6 +69,7 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool waits_again(NodeId node);
   void try_start(NodeId node);
   [[nodiscard]] bool settled(NodeId node) const;
+  bool sees_reality(NodeId node);
   [[nodiscard]] bool certain(NodeId node) const;
   [[nodiscard]] std::uint16_t unlikely(NodeId node) const;
   [[nodiscard]] bool may_run_ahead(NodeId node) const;
@@ -171,8 +172,7 @@ class ConcurrentEngine::Implementation {
   std::vector<NodeId> work_;   ///< nodes to check
   std::vector<NodeId> running_, batch_, to_skip_, granted_;
   ReadyNodes ready_;
-  std::set<Rank> copying_;
-  std::uint32_t copies_ = 0;
+  WorldCopies copies_;
   PreemptibleUnits preemptible_;
   std::uint32_t preempted_workers_ = 0;  ///< held by cancelled runs that have not ended
   std::uint32_t passed_count_ = 0;

@@ -107,8 +107,8 @@ bool ConcurrentEngine::Implementation::waits_again(NodeId node) {
       if (ready_.remove_speculative(rank(node))) make_ready(node);
       return false;
     case Phase::Copying:
-      if (!open) return false;
-      copying_.erase(rank(node));
+      if (!sees_reality(node)) return false;
+      copies_.give_up(rank(node));
       break;
     case Phase::Queued:
       if (false_precondition(node) == nullptr) {
@@ -194,18 +194,24 @@ void ConcurrentEngine::Implementation::refuse(NodeId node, const Error& error) {
   commit(node, judged(node));
 }
 
-/// Reserves a copy of the world for a speculative run; false if none is free. Runs with an open gate need
-/// none, so the holder of a copy never blocks the node that its own result waits for.
+/// Whether all is real that the node depends on. If not, it is checked again once that may be so.
+bool ConcurrentEngine::Implementation::sees_reality(NodeId node) {
+  return at(node).commit_gate == 0 && (!at(node).reads_world || world_is_known_to(node));
+}
+
+/// Reserves a copy of the world for a run on the projected world; false if none is free. Who sees reality
+/// needs none, so the holder of a copy never blocks the node that its own result waits for.
 bool ConcurrentEngine::Implementation::admit(NodeId node) {
   State& state = at(node);
-  if (options_.world_copies == 0 || state.commit_gate == 0 || network_[node].kind != ActionClass::Pure)
-    return true;
-  if (copies_ >= options_.world_copies) {
-    copying_.insert(rank(node));
+  if (!copies_.are_limited() || network_[node].kind != ActionClass::Pure) return true;
+  if (copies_.are_all_taken()) {
+    if (sees_reality(node)) return true;
+    copies_.wait(rank(node));
     state.phase = Phase::Copying;
     return false;
   }
-  ++copies_;
+  if (settled(node)) return true;
+  copies_.take();
   state.has_copy = true;
   return true;
 }
@@ -288,12 +294,10 @@ void ConcurrentEngine::Implementation::take_waiting() {
     if (!node) break;
     launch(*node);
   }
-  for (std::uint32_t copies = copies_; !copying_.empty() && copies < options_.world_copies; ++copies) {
-    const NodeId node = copying_.begin()->node;
-    copying_.erase(copying_.begin());
+  copies_.for_each_that_may_try([this](NodeId node) {
     at(node).phase = Phase::Waiting;
     work_.push_back(node);
-  }
+  });
 }
 
 /// The first precondition that is false, in reality or, for a pure node, as projected. Those that are
@@ -361,12 +365,12 @@ void ConcurrentEngine::Implementation::return_copy(NodeId node) {
   State& state = at(node);
   if (!state.has_copy) return;
   state.has_copy = false;
-  --copies_;
+  copies_.put_back();
 }
 
 /// The copy of the world behind a result is kept until all consumers of the result have ended.
 void ConcurrentEngine::Implementation::return_copies_of_producers(NodeId node) {
-  if (options_.world_copies == 0) return;
+  if (!copies_.are_limited()) return;
   for (const DataInput& input : network_.inputs(node)) {
     if (!at(input.producer).has_copy) continue;
     bool needed = false;

@@ -42,7 +42,7 @@ void ConcurrentEngine::Implementation::abandon(NodeId node) {
   const State& state = at(node);
   switch (state.phase) {
     case Phase::Copying:
-      copying_.erase(rank(node));
+      copies_.give_up(rank(node));
       break;
     case Phase::Queued:
       pool_.withdraw(rank(node), network_.claims(node));

@@ -29,12 +29,15 @@ FactId append_drive(TaskNetwork& network, Duration duration) {
   return there;
 }
 
-/// How many of `planners` run ahead while the robot still drives, with so many copies of the world.
-std::uint32_t running_ahead(std::uint32_t planners, std::uint32_t copies) {
+/// How many of `planners` run ahead while the robot still drives, with so many copies of the world. They rely
+/// on where it drives to, or look at the whole world.
+std::uint32_t running_ahead(std::uint32_t planners, std::uint32_t copies, bool reads_world = false) {
   TaskNetwork network;
   NodeSpec plan;
   plan.kind = ActionClass::Pure;
-  plan.preconditions = {{append_drive(network, 10s), true}};
+  const Literal there{append_drive(network, 10s), true};
+  if (!reads_world) plan.preconditions = {there};
+  plan.reads_world = reads_world;
   plan.duration = 1s;
   for (std::uint32_t i = 0; i < planners; ++i)
     network.append(plan);
@@ -49,6 +52,33 @@ std::uint32_t running_ahead(std::uint32_t planners, std::uint32_t copies) {
 TEST(Speculation, AsManyRunAheadAsThereAreCopiesOfTheWorld) {
   EXPECT_EQ(running_ahead(5, 1), 1U);
   EXPECT_EQ(running_ahead(5, 4), 4U);
+}
+
+TEST(Speculation, WhoLooksAtTheWholeWorldNeedsACopyToo) {
+  EXPECT_EQ(running_ahead(5, 1, true), 1U);
+  EXPECT_EQ(running_ahead(5, 4, true), 4U);
+}
+
+TEST(Speculation, InABranchWhoLooksAtTheWorldBeginsWithoutACopyOnceItIsReal) {
+  TaskNetwork network;
+  NodeSpec drive;
+  drive.effects = {{*network.facts.intern("there()"), true}};
+  drive.duration = 5s;
+  drive.parallel_branch = network.add_parallel_branch(kNone, 0);
+  network.append(drive);
+  network.effects_are_declared = true;
+  NodeSpec survey;
+  survey.kind = ActionClass::Pure;
+  survey.reads_world = true;
+  survey.duration = 20s;
+  survey.parallel_branch = network.add_parallel_branch(kNone, 0);
+  network.append(survey);
+  survey.parallel_branch = network.add_parallel_branch(kNone, 0);
+  survey.duration = 1s;
+  const NodeId second = network.append(survey);
+  ConcurrentEngineOptions options;
+  options.world_copies = 1;
+  EXPECT_EQ(simulate(network, options).nodes[index(second)].started, TimePoint(5s));
 }
 
 TEST(Speculation, WithoutItWhoLooksAtTheWorldBeginsWhenAllBeforeHavePassed) {
