@@ -21,15 +21,14 @@ constexpr std::size_t kMostEdges = 64;
 
 }  // namespace
 
-std::uint32_t PathConditions::add(NodeId node, BranchEdge around, std::vector<OutcomeId> outcomes,
-                                  std::vector<double> likelihoods, std::optional<OutcomeId> expected) {
+std::uint32_t PathConditions::add(NodeId node, BranchEdge around, std::shared_ptr<const BranchEnds> ends,
+                                  std::optional<OutcomeId> expected) {
   const auto number = static_cast<std::uint32_t>(branches_.size());
   Branch& branch = branches_.emplace_back();
   branch.node = node;
   branch.around = around;
   branch.depth = depth(around) + 1;
-  branch.outcomes = std::move(outcomes);
-  branch.likelihoods = std::move(likelihoods);
+  branch.ends = std::move(ends);
   branch.expected = expected;
   by_node_.resize(std::max<std::size_t>(by_node_.size(), index(node) + 1), kNone);
   by_node_[index(node)] = number;
@@ -43,9 +42,9 @@ BranchEdge PathConditions::add_join(NodeId node, BranchEdge around, std::vector<
   double reaches = 0;
   for (const BranchEdge& edge : edges)
     reaches += likelihood(edge, around);
-  reaches = std::min(reaches, 1.0);
-  const std::uint32_t number = add(node, around, {reached, missed}, {reaches, 1 - reaches},
-                                   likely ? std::nullopt : std::optional(missed));
+  if (join_ends_ == nullptr) join_ends_ = std::make_shared<BranchEnds>(BranchEnds{{reached, missed}, {}});
+  const std::uint32_t number = add(node, around, join_ends_, likely ? std::nullopt : std::optional(missed));
+  branches_[number].reaches = std::min(reaches, 1.0);
   branches_[number].narrows =
       !std::ranges::all_of(edges, [&](const BranchEdge& edge) { return implies(edge, around); });
   branches_[number].meaning = std::move(edges);
@@ -56,8 +55,11 @@ BranchEdge PathConditions::add_join(NodeId node, BranchEdge around, std::vector<
 double PathConditions::likelihood(BranchEdge edge) const {
   const Branch& branch = branches_[edge.branch];
   if (branch.decided) return *branch.decided == edge.outcome ? 1 : 0;
-  const auto outcome = std::ranges::find(branch.outcomes, edge.outcome) - branch.outcomes.begin();
-  return branch.likelihoods[static_cast<std::size_t>(outcome)];
+  const auto& outcomes = branch.ends->outcomes;
+  if (branch.ends == join_ends_)
+    return edge.outcome == outcomes.front() ? branch.reaches : 1 - branch.reaches;
+  const auto outcome = std::ranges::find(outcomes, edge.outcome) - outcomes.begin();
+  return branch.ends->likelihoods[static_cast<std::size_t>(outcome)];
 }
 
 /// How likely the edge is on the path, if `outer`, which it implies, is.
@@ -104,7 +106,7 @@ std::optional<BranchEdge> PathConditions::live_within(BranchEdge edge) {
 bool PathConditions::off_path(BranchEdge edge) {
   for (BranchEdge at = edge; !at.always(); at = branches_[at.branch].around) {
     Branch& join = branches_[at.branch];
-    if (!join.narrows || join.decided || at.outcome != join.outcomes.front()) continue;
+    if (!join.narrows || join.decided || at.outcome != join.ends->outcomes.front()) continue;
     if (join.dead) break;
     join.dead = std::ranges::none_of(join.meaning, [this](BranchEdge way) { return live(way).has_value(); });
     if (join.dead) ++changes_;
@@ -160,7 +162,7 @@ bool PathConditions::reduce(std::vector<BranchEdge>& edges) {
     const Branch& branch = branches_[edge.branch];
     const auto ways = std::ranges::count(edges, edge.branch, &BranchEdge::branch);
     const bool all = (planted(ConversionFault::MergesHalfBranches) && ways > 1) ||
-                     std::ranges::all_of(branch.outcomes, [&](OutcomeId outcome) {
+                     std::ranges::all_of(branch.ends->outcomes, [&](OutcomeId outcome) {
                        return std::ranges::find(edges, BranchEdge{edge.branch, outcome}) != edges.end();
                      });
     if (!all) continue;
@@ -177,7 +179,8 @@ bool PathConditions::expand(std::vector<BranchEdge>& edges) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (edges[i].always()) continue;
     const Branch& branch = branches_[edges[i].branch];
-    if (branch.meaning.empty() || branch.narrows || edges[i].outcome != branch.outcomes.front()) continue;
+    if (branch.meaning.empty() || branch.narrows || edges[i].outcome != branch.ends->outcomes.front())
+      continue;
     const std::vector<BranchEdge> meaning = branch.meaning;
     edges.erase(edges.begin() + static_cast<std::ptrdiff_t>(i));
     for (const BranchEdge edge : meaning) {

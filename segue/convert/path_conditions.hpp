@@ -4,6 +4,7 @@
 #include <segue/task_network/task_network.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -18,15 +19,20 @@ struct BranchEdge {
   friend bool operator==(const BranchEdge&, const BranchEdge&) = default;
 };
 
+/// The ways in which a branch may end.
+struct BranchEnds {
+  std::vector<task_network::OutcomeId> outcomes;
+  std::vector<double> likelihoods;  ///< by outcome, between 0 and 1
+};
+
 /// The branches of a plan: nodes whose outcomes lead to different places. They form a tree, since each lies
 /// on one edge of another. A place that several edges lead to has a branch of its own, a join. Decisions are
 /// taken into account as they become known. Not thread safe.
 class PathConditions {
  public:
-  /// Adds a branch: `node` lies on `around` and ends with one of `outcomes`, and as likely as `likelihoods`
-  /// says (between 0 and 1, in the same order). If one is expected, the others are not.
-  std::uint32_t add(task_network::NodeId node, BranchEdge around,
-                    std::vector<task_network::OutcomeId> outcomes, std::vector<double> likelihoods,
+  /// Adds a branch: `node` lies on `around` and ends in one of `ends`. If an outcome is expected, the others
+  /// are not.
+  std::uint32_t add(task_network::NodeId node, BranchEdge around, std::shared_ptr<const BranchEnds> ends,
                     std::optional<task_network::OutcomeId> expected);
   /// Adds a join, which lies on `around`: `node` ends with `reached` if one of `edges` is on the path.
   BranchEdge add_join(task_network::NodeId node, BranchEdge around, std::vector<BranchEdge> edges,
@@ -42,7 +48,7 @@ class PathConditions {
   }
   /// The outcome of a join where one of its edges is on the path.
   [[nodiscard]] task_network::OutcomeId reached(std::uint32_t branch) const {
-    return branches_[branch].outcomes.front();
+    return branches_[branch].ends->outcomes.front();
   }
   [[nodiscard]] task_network::NodeId node(BranchEdge edge) const { return branches_[edge.branch].node; }
   /// The edge without decided branches; nothing if it is off the path.
@@ -74,10 +80,10 @@ class PathConditions {
     task_network::NodeId node{};
     BranchEdge around;
     std::uint32_t depth = 0;
-    std::vector<task_network::OutcomeId> outcomes;
-    std::vector<double> likelihoods;  ///< by outcome
-    std::vector<BranchEdge> meaning;  ///< joins: the edges
-    bool narrows = false;             ///< joins: an edge may be on the path although `around` is not
+    std::shared_ptr<const BranchEnds> ends;  ///< many branches have the same
+    std::vector<BranchEdge> meaning;         ///< joins: the edges
+    double reaches = 0;                      ///< joins: the likelihood that one of these is on the path
+    bool narrows = false;                    ///< joins: an edge may be on the path although `around` is not
     std::optional<task_network::OutcomeId> decided;
     std::optional<task_network::OutcomeId> expected;
     bool dead = false;
@@ -93,6 +99,7 @@ class PathConditions {
   bool expand(std::vector<BranchEdge>& edges);
 
   std::vector<Branch> branches_;
+  std::shared_ptr<const BranchEnds> join_ends_;  ///< of all joins, without likelihoods
   std::uint64_t changes_ = 1;  ///< how often branches were decided or turned out to be off the path
   std::vector<std::uint32_t> by_node_;
   std::vector<std::uint32_t> way_;  ///< of live()

@@ -22,7 +22,8 @@ class TreeOfPaths {
  public:
   BranchEdge add(BranchEdge around, OutcomeId outcome = kLeft) {
     const NodeId node{paths_.size()};
-    return {paths_.add(node, around, {kLeft, kRight}, {0.5, 0.5}, std::nullopt), outcome};
+    const auto ends = std::make_shared<BranchEnds>(BranchEnds{{kLeft, kRight}, {0.5, 0.5}});
+    return {paths_.add(node, around, ends, std::nullopt), outcome};
   }
   BranchEdge join(BranchEdge around, std::vector<BranchEdge> edges) {
     return paths_.add_join(NodeId{paths_.size()}, around, std::move(edges), kLeft, kRight);

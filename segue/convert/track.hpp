@@ -9,6 +9,7 @@
 #include <segue/mission/program.hpp>
 #include <segue/task_network/resource.hpp>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -151,6 +152,8 @@ struct Touch {
   std::vector<task_network::Literal> effects{};
   std::vector<task_network::Claim> claims{};
   mission::ObservedNeedsPtr observed{};
+  /// How its nodes may end; and where aborts are handled.
+  std::array<std::shared_ptr<const BranchEnds>, 2> ends{};
 };
 
 }  // namespace segue::convert

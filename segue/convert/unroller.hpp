@@ -126,7 +126,7 @@ class Unroller {
   task_network::NodeId append(task_network::NodeSpec& spec, PlannedNode node, std::string_view name);
   ValueSource connect(task_network::NodeSpec& spec, const Symbol& symbol, std::string_view name);
   std::optional<task_network::OutcomeId> expected_end(mission::StateIndex state);
-  [[nodiscard]] std::vector<double> likelihoods_of(const StateEntry& entry, std::size_t count) const;
+  std::shared_ptr<const BranchEnds> branch_ends(const StateEntry& entry);
   StateEnd ends_of(const StateEntry& entry, task_network::NodeId node, const task_network::NodeSpec& spec);
   void count(task_network::NodeSpec& spec, PlannedNode& node, const StateEntry& entry);
   void store(ContainerExecution& activation, std::uint32_t slot, BranchEdge when, Symbol value);

@@ -62,12 +62,11 @@ void Unroller::begin_container(ContainerExecution& activation) {
   const NodeId id = append(spec, std::move(planned), entry.path);
   put_in(activation.run, id);
   if (!entry.aborts_handled) return;
-  std::vector<task_network::OutcomeId> outcomes{task_network::kSuccess, task_network::kAborted};
-  if (scope_ == PlanScope::EveryEnd) outcomes.push_back(task_network::kPreempted);
-  std::vector<double> likelihoods{1, 0};  // what it declares holds, as a rule
-  likelihoods.resize(outcomes.size());
+  // As a rule, its declarations hold.
+  BranchEnds ends{{task_network::kSuccess, task_network::kAborted, task_network::kPreempted}, {1, 0, 0}};
+  if (scope_ != PlanScope::EveryEnd) ends.outcomes.pop_back();
   const auto branch =
-      paths_.add(id, entry.when, std::move(outcomes), std::move(likelihoods), task_network::kSuccess);
+      paths_.add(id, entry.when, std::make_shared<const BranchEnds>(std::move(ends)), task_network::kSuccess);
   activation.inside = {branch, task_network::kSuccess};
   if (scope_ == PlanScope::EveryEnd)
     activation.exits.push_back({mission::kPreempted, {{branch, task_network::kPreempted}, false, {}}});

@@ -242,19 +242,26 @@ std::optional<OutcomeId> Unroller::expected_end(StateIndex state) {
   return plan_.network_.outcome(expected);
 }
 
-/// How likely the state ends with each of `count` outcomes: its own, and then `aborted` and `preempted` as
-/// far as they are among them. A subtree ends well as any action of which nothing is said.
-std::vector<double> Unroller::likelihoods_of(const StateEntry& entry, std::size_t count) const {
-  std::vector<double> likelihoods;
-  if (mission::is_leaf(node(entry.state).kind)) {
-    likelihoods = mission::outcome_likelihoods(action(entry.state), entry.aborts_handled);
-  } else {
-    Action subtree;
-    subtree.outcomes = *node(entry.state).outcomes;
-    likelihoods = mission::outcome_likelihoods(subtree, entry.aborts_handled);
-  }
-  likelihoods.resize(count);
-  return likelihoods;
+/// The state's own outcomes, and then `aborted` and `preempted` as far as it may end so. A subtree ends well
+/// as any action of which nothing is said.
+std::shared_ptr<const BranchEnds> Unroller::branch_ends(const StateEntry& entry) {
+  const mission::CompiledState& state = node(entry.state);
+  std::shared_ptr<const BranchEnds> unknown;
+  const bool leaf = mission::is_leaf(state.kind);
+  auto& known = leaf ? touches_[state.action].ends.at(entry.aborts_handled ? 1 : 0) : unknown;
+  if (known != nullptr) return known;
+  auto ends = std::make_shared<BranchEnds>();
+  for (const std::string& outcome : *state.outcomes)
+    ends->outcomes.push_back(plan_.network_.outcome(outcome));
+  if (entry.aborts_handled) ends->outcomes.push_back(task_network::kAborted);
+  if (scope_ == PlanScope::EveryEnd) ends->outcomes.push_back(task_network::kPreempted);
+  Action subtree;
+  subtree.outcomes = *state.outcomes;
+  ends->likelihoods =
+      mission::outcome_likelihoods(leaf ? action(entry.state) : subtree, entry.aborts_handled);
+  ends->likelihoods.resize(ends->outcomes.size());
+  known = std::move(ends);
+  return known;
 }
 
 StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& spec) {
@@ -275,14 +282,11 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
     end.exits.push_back({0, {entry.when, false, told(entry.when)}});
     return end;
   }
-  std::vector<OutcomeId> outcomes;
-  for (Outcome i = 0; i < own; ++i)
-    outcomes.push_back(plan_.network_.outcome((*state.outcomes)[static_cast<std::size_t>(i)]));
-  if (entry.aborts_handled) outcomes.push_back(task_network::kAborted);
-  if (scope_ == PlanScope::EveryEnd) outcomes.push_back(task_network::kPreempted);
-  const auto branch =
-      paths_.add(id, entry.when, outcomes, likelihoods_of(entry, outcomes.size()), expected_end(entry.state));
-  const auto ended = [&](Outcome i) { return BranchEdge{branch, outcomes[static_cast<std::size_t>(i)]}; };
+  const auto ends = branch_ends(entry);
+  const auto branch = paths_.add(id, entry.when, ends, expected_end(entry.state));
+  const auto ended = [&](Outcome i) {
+    return BranchEdge{branch, ends->outcomes[static_cast<std::size_t>(i)]};
+  };
   for (Outcome i = 0; i < own; ++i)
     end.exits.push_back({i, {ended(i), false, told(ended(i))}});
   if (scope_ == PlanScope::EveryEnd)
