@@ -68,6 +68,8 @@ const std::string_view kControllerFile = R"yaml(# Nobody commands the drive, so 
 #
 # This file explains all keys of controllers. Lines that begin with '#' and no space are keys that you may set, see robot.yaml.
 network: hold                           # its name, as in `segue switch hold`; by default the file's
+# Files of which it has the tasks, deployments and connections too; those here are in place of theirs.
+#include: [explore.yaml]
 tasks:
   drive:
     component: "demo::Drive"            # `segue component show demo::Drive` lists its ports, properties and operations
@@ -221,6 +223,8 @@ flows: [back.pose -> outputs.pose]      # STATE.OUTPUT -> STATE.INPUT; also inpu
 #notes: {}
 # True: every action in it waits, in concurrent runs, until nothing before it can fail any more.
 #strict: false
+# True: a concurrent run executes all of it sequentially, as one action.
+#routine: false
 states:
   there:
     action: drive_to                    # by default the action of the state's name
@@ -234,6 +238,11 @@ states:
 
 # These keys are the mission's alone. The robot comes to rest at its end unless it succeeds (halt), or never (keep).
 #at_end: halt
+# What facts may consist of, if that is to be checked: predicates and the types of their arguments (object, number, boolean,
+# text or one under `types`), objects and their types, and types with the types that they are kinds of.
+#types: {table: object}
+#objects: {dock: object}
+#predicates: {at: [text, object], charging: [text]}
 # Facts that hold at the beginning; all others do not.
 #world: ["at(robot, dock)"]
 # Facts that the robot shows by themselves, once a condition has held (or not) for the time `settle`.

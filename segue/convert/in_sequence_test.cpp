@@ -72,6 +72,28 @@ states:
               IsEmpty());
 }
 
+TEST(InSequence, AStateThatIsDeclaredARoutineRunsAsOneAction) {
+  const std::string text = R"x(
+mission: m
+actions:
+  c: {effects: [+f], run: {simulated: {duration: 1s}}}
+  d: {effects: [+g], run: {simulated: {duration: 1s}}}
+start: both
+states:
+  both:
+    start: one
+    states:
+      one: {action: c, on: {success: two}}
+      two: {action: d, on: {success: return success}}
+    on: {success: return success}
+)x";
+  EXPECT_EQ(VirtualRun(text).network_result().makespan, std::chrono::seconds(1));
+  std::string routine = text;
+  routine.replace(routine.find("    start: one"), 0, "    routine: true\n");
+  EXPECT_EQ(VirtualRun(routine).network_result().makespan, std::chrono::seconds(2));
+  EXPECT_THAT(causes_of(routine), ElementsAre("both runs sequentially, since it is declared a routine"));
+}
+
 TEST(InSequence, AnActionAloneInItsMissionWaitsForNobody) {
   EXPECT_THAT(causes_of(R"x(
 mission: m

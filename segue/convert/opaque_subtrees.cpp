@@ -113,6 +113,7 @@ class Search {
 
   /// `opaque`: the state in it that may touch anything, if there is one.
   [[nodiscard]] OpaqueSubtreeReason reason_of(StateIndex state, StateIndex opaque) const {
+    if (program_.state(state).routine) return {Kind::Routine, state};
     const mission::CompiledState& entry = node(state);
     if (entry.kind == StateKind::Hierarchy) {
       const auto handler = std::ranges::find_if(entry.children, [&](StateIndex child) {
@@ -273,6 +274,8 @@ bool is_opaque(const Action& action) {
 std::string text_of(const OpaqueSubtreeReason& reason, const mission::Program& program) {
   const std::string id = reason.state == kNoState ? "" : program.state(reason.state).id.str();
   switch (reason.kind) {
+    case Kind::Routine:
+      return "since it is declared a routine";
     case Kind::UsesUnfinished:
       return "since it uses outputs of " + id + ", which may be preempted in the middle";
     case Kind::HandlesPreemption:

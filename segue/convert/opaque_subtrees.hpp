@@ -14,6 +14,7 @@ namespace segue::convert {
 struct OpaqueSubtreeReason {
   enum class Kind : std::uint8_t {
     None,
+    Routine,            ///< it is declared so
     UsesUnfinished,     ///< a preemptive container whose outputs come from `state` in it, which has states
     HandlesPreemption,  ///< `state` in it has a transition for its preemption
     OpaqueBeside,       ///< a barrier or preemptive container, and `state` in it may touch anything

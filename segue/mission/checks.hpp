@@ -17,6 +17,8 @@ Diagnostics validate(const MissionIndex& index);
 /// Actions on their own: values, outcomes and placeholders.
 void check_actions(const Mission& mission, Diagnostics& diagnostics);
 /// Facts that contradict each other, are listed twice, or can never become as an action needs them.
+/// Whether types, objects and predicates refer to each other as they should.
+void check_vocabulary(const FactVocabulary& vocabulary, Diagnostics& diagnostics);
 void check_facts(const Mission& mission, Diagnostics& diagnostics);
 /// Data that follow facts: their names and functions, and whether anything concerns them.
 void check_declared_data(const Mission& mission, Diagnostics& diagnostics);

@@ -94,7 +94,10 @@ class Grounding {
       if (!text) return text.error();
       arguments.push_back(std::move(*text));
     }
-    return ground_text(fact.predicate, arguments);
+    const auto problem = mission_.vocabulary.problem(fact.predicate, arguments);
+    std::string text = ground_text(fact.predicate, arguments);
+    if (problem) return fail(ErrorCode::InvalidArgument, where() + ": its fact " + text + " " + *problem);
+    return text;
   }
 
   /// Every placeholder is replaced once; the text of a value is never taken for a placeholder.

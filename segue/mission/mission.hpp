@@ -3,6 +3,7 @@
 
 #include <segue/mission/action.hpp>
 #include <segue/mission/declared_data.hpp>
+#include <segue/mission/fact_vocabulary.hpp>
 #include <segue/mission/state_index.hpp>
 
 #include <array>
@@ -77,7 +78,8 @@ struct State {
   std::string description;
   StateKind kind = StateKind::Execution;
   StateIndex parent = kNoState;
-  bool strict = false;  ///< as Action::strict, for every action in it; of the root: of the mission
+  bool strict = false;   ///< as Action::strict, for every action in it; of the root: of the mission
+  bool routine = false;  ///< a concurrent run executes it sequentially, as one node; no leaf
   std::vector<StateTransition> transitions;  ///< of its own outcomes
 
   ActionName action;                     ///< Execution, Decider
@@ -131,6 +133,7 @@ struct ObservedFact {
 struct Mission {
   std::string name;
   std::vector<Port> globals;
+  FactVocabulary vocabulary;
   std::vector<Fact> world;               ///< the facts that hold at the beginning, without inputs
   std::vector<DeclaredData> world_data;  ///< that follow the facts
   std::vector<ObservedFact> observed;
@@ -144,9 +147,10 @@ struct Mission {
   AtEnd at_end = AtEnd::Halt;
   std::string file;
   friend bool operator==(const Mission& a, const Mission& b) {
-    return a.name == b.name && a.globals == b.globals && a.world == b.world && a.world_data == b.world_data &&
-           a.observed == b.observed && a.resources == b.resources && a.actions == b.actions &&
-           a.states == b.states && a.libraries == b.libraries && a.at_end == b.at_end;
+    return a.name == b.name && a.globals == b.globals && a.vocabulary == b.vocabulary && a.world == b.world &&
+           a.world_data == b.world_data && a.observed == b.observed && a.resources == b.resources &&
+           a.actions == b.actions && a.states == b.states && a.libraries == b.libraries &&
+           a.at_end == b.at_end;
   }
 
   [[nodiscard]] const State& root() const { return states.front(); }

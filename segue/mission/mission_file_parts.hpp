@@ -26,6 +26,8 @@ std::vector<PortValue> read_values(Fields& fields, std::string_view key, const S
 std::vector<std::string> read_outcomes(Fields& fields, const Source& source);
 /// Reads "world": facts without inputs.
 std::vector<Fact> read_world(Fields& fields, const Source& source);
+/// Reads "types", "objects" and "predicates".
+FactVocabulary read_vocabulary(Fields& fields, const Source& source);
 /// Reads "observe": facts without inputs, and what they are bound to.
 std::vector<ObservedFact> read_observed(Fields& fields, const Source& source);
 /// Reads "preconditions" and "resources", of an action or a container.
@@ -54,6 +56,7 @@ Resource read_resource(const std::string& name, const type::Value& value, const 
 /// The writers append nothing for empty lists.
 void write_ports(type::ValueMap& map, std::string_view key, const std::vector<Port>& ports);
 void write_values(type::ValueMap& map, std::string_view key, const std::vector<PortValue>& values);
+void write_vocabulary(type::ValueMap& map, const FactVocabulary& vocabulary);
 void write_outcomes(type::ValueMap& map, const std::vector<std::string>& outcomes);
 void write_needs(type::ValueMap& map, const std::vector<Fact>& preconditions,
                  const std::vector<ResourceUse>& resources);

@@ -25,6 +25,7 @@ class Reader {
     mission_.file = source_.file();
     mission_.name = fields.required_name("mission", "give it a name");
     mission_.globals = detail::read_ports(fields, "globals", source_);
+    mission_.vocabulary = detail::read_vocabulary(fields, source_);
     mission_.world = detail::read_world(fields, source_);
     mission_.world_data = detail::read_declared_data(fields, source_);
     mission_.observed = detail::read_observed(fields, source_);
@@ -96,6 +97,7 @@ class Reader {
     const bool root = parent == kNoState;
     state.kind = kind_of(fields, container);
     state.strict = fields.boolean("strict", false);
+    if (!is_leaf(state.kind)) state.routine = fields.boolean("routine", false);
     if (const Value* notes = fields.find("notes", Value::Kind::Map)) state.notes = *notes;
     read_transitions(state, fields);
     if (is_container(state.kind)) {

@@ -66,6 +66,7 @@ void write_state(ValueMap& map, const Mission& mission, StateIndex index) {
   if (!state.script_id.empty()) map.append("id", state.script_id);
   if (!state.description.empty()) map.append("description", state.description);
   if (state.strict) map.append("strict", true);
+  if (state.routine) map.append("routine", true);
   if (!plain) map.append("kind", kStateKindNames[static_cast<std::size_t>(state.kind)]);
   container ? write_container(map, state) : write_use(map, state);
   write_transitions(map, state);
@@ -96,6 +97,7 @@ std::string write_mission(const Mission& mission) {
   map.append("mission", mission.name);
   if (mission.at_end == Mission::AtEnd::Keep) map.append("at_end", "keep");
   detail::write_ports(map, "globals", mission.globals);
+  detail::write_vocabulary(map, mission.vocabulary);
   if (!mission.world.empty()) {
     Value::List world;
     for (const Fact& fact : mission.world)

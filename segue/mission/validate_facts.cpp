@@ -36,6 +36,7 @@ class FactCheck {
   }
 
   void run() {
+    check_vocabulary(mission_.vocabulary, diagnostics_);
     check_world();
     check_observed();
     for (const Action& action : mission_.actions) {
@@ -99,6 +100,7 @@ class FactCheck {
         diagnostics_.error("duplicate-fact", "the mission: 'observe' has " + fact_text(one.fact) + " twice",
                            one.where);
       }
+      check_arguments(one.fact, "the mission: 'observe'", one.where);
     }
   }
 
@@ -124,7 +126,13 @@ class FactCheck {
         diagnostics_.warning("duplicate-fact", "the mission: 'world' has " + fact_text(fact) + " twice",
                              fact.where);
       }
+      check_arguments(fact, "the mission: 'world'", fact.where);
     }
+  }
+
+  void check_arguments(const Fact& fact, const std::string& what, const SourcePlace& where) {
+    if (const auto problem = mission_.vocabulary.problem(fact.predicate, fact.arguments))
+      diagnostics_.error("bad-fact", what + ": " + fact_text(fact) + " " + *problem, where);
   }
 
   /// Facts from a reader are always well-formed; those that a program has built may not be.
@@ -135,10 +143,12 @@ class FactCheck {
             const bool input = argument.size() > 2 && is_placeholder(argument) && argument.back() == '}';
             return is_fact_argument(input ? argument.substr(1, argument.size() - 2) : argument);
           });
-      if (fits) continue;
-      diagnostics_.error("bad-fact",
-                         what + ": " + fact_text(fact) + " is not a fact such as 'at(robot,{place})'",
-                         fact.where);
+      if (fits)
+        check_arguments(fact, what, fact.where);
+      else
+        diagnostics_.error("bad-fact",
+                           what + ": " + fact_text(fact) + " is not a fact such as 'at(robot,{place})'",
+                           fact.where);
     }
   }
 

@@ -66,6 +66,7 @@ void declare(Action& action, const RafconState& state, Diagnostics& diagnostics)
 void declare(State& container, const RafconState& state, Diagnostics& diagnostics) {
   with_declarations(state, diagnostics, [&](Fields& fields, const Source& source) {
     container.strict = fields.boolean("strict", container.strict);
+    container.routine = fields.boolean("routine", container.routine);
     read_needs(container.preconditions, container.resources, fields, source);
   });
 }
@@ -73,6 +74,7 @@ void declare(State& container, const RafconState& state, Diagnostics& diagnostic
 void declare_library(State& library, const RafconState& state, Diagnostics& diagnostics) {
   with_declarations(state, diagnostics, [&](Fields& fields, const Source& source) {
     library.strict = fields.boolean("strict", library.strict);
+    library.routine = fields.boolean("routine", library.routine);
     const bool root = state.kind != StateKind::Library;
     if (root) fields.ignore("world");
     const Value* resources = fields.find("resources");

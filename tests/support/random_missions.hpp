@@ -214,6 +214,7 @@ class RandomMission {
         result.on += ", no: " + target(i + 1 + under(3), size);
     }
     if (chance(6)) result.text += indent + "strict: true\n";
+    if (kind < 24 && chance(4)) result.text += indent + "routine: true\n";
     if (chance(25)) result.on += ", aborted: " + target(i + 1 + under(2), size);
     if (chance(2)) result.on += ", preempted: " + target(i + 1 + under(2), size);
     return result;
