@@ -2,6 +2,7 @@
 #include "models.hpp"
 
 #include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/controller_names.hpp>
 #include <segue/model/files.hpp>
@@ -118,6 +119,24 @@ std::optional<model::Network> load_valid_network(const std::string& files,
   if (all) return std::move(*all);
   diagnostics.error(std::string(to_string(all.error().code)), to_string(all.error()), {});
   return std::nullopt;
+}
+
+Result<std::string> network_text(const std::string& file) {
+  auto text = read_input_file(file);
+  if (!text) return text;
+  bool refers_to_others = false;
+  Diagnostics found;
+  const model::ReadFile read = [&](const std::filesystem::path& other) -> std::optional<std::string> {
+    refers_to_others = true;
+    auto content = read_input_file(other);
+    if (content) return std::move(*content);
+    found.error("unreadable-file", content.error().message, {other.string(), 0, 0});
+    return std::nullopt;
+  };
+  const auto network = model::read_network(*text, file, found, read);
+  if (!refers_to_others) return text;  // the runtime reports what is wrong with it
+  if (!network) return found.to_error();
+  return model::write_network(*network);
 }
 
 int report_failure(const Context& context, Diagnostics& diagnostics) {

@@ -38,6 +38,10 @@ std::optional<model::Network> load_valid_network(const std::string& files,
                                                  const model::ComponentCatalog& catalog,
                                                  Diagnostics& diagnostics);
 
+/// The text of a network file for a runtime, which cannot read the files that it refers to: as it is, or
+/// where it includes files or names sections of property files, the network that these make.
+Result<std::string> network_text(const std::string& file);
+
 /// Prints diagnostics on standard error, and with JSON on standard output too. Returns kFailed.
 int report_failure(const Context& context, Diagnostics& diagnostics);
 /// Prints the diagnostics that the error carries, in the same way.

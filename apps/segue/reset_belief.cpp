@@ -11,7 +11,7 @@ namespace {
 
 /// `file`: of the network that is expected from now on; empty: what is observed.
 int reset_belief(control::RobotService& robot, const std::string& file, const Context& context) {
-  const auto text = file.empty() ? Result<std::string>(std::string()) : read_input_file(file);
+  const auto text = file.empty() ? Result<std::string>(std::string()) : network_text(file);
   if (!text) return failed(context, text.error());
   const auto done = robot.reset_belief(*text, file);
   if (!done) return failed(context, done.error());

@@ -194,7 +194,7 @@ Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptio
                            : robot.switch_to(controller, asked, deadline);
   }
   const std::string& file = options.network.empty() ? options.transition : options.network;
-  const auto text = read_input_file(file);
+  const auto text = options.network.empty() ? read_input_file(file) : network_text(file);
   if (!text) return text.error();
   if (options.network.empty()) return robot.apply_transition(*text, file, deadline);
   return options.dry_run ? robot.diff_to_network(*text, file, asked, deadline)

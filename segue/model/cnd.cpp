@@ -198,7 +198,7 @@ bool is_cnd(const Value& root, const std::string& file) {
   return file.find(".cnd") != std::string::npos;
 }
 
-Network read_cnd(const Value& root, const Source& source) {
+NetworkPart read_cnd(const Value& root, const Source& source) {
   Fields fields(root, "the network", source);
   Network network;
   read_section(fields, "tasks", [&](const std::string& id, const Value& value) {
@@ -212,10 +212,9 @@ Network read_cnd(const Value& root, const Source& source) {
       network.connections.push_back(std::move(*connection));
     }
   });
-  warn_of_sections(network, "config", source);
-  refuse_include(fields, source);
+  auto includes = read_includes(fields, source);
   fields.finish();
-  return network;
+  return {std::move(network), std::move(includes)};
 }
 
 }  // namespace segue::model::detail

@@ -156,7 +156,9 @@ bool read_components(std::string_view text, const std::string& file, ComponentCa
                      Diagnostics& diagnostics) {
   const Source source(file, diagnostics);
   const std::size_t errors_before = diagnostics.error_count();
-  if (is_xml(text)) {
+  if (detail::is_orogen(file)) {
+    detail::read_orogen(text, catalog, source.foreign());
+  } else if (is_xml(text)) {
     read_registry(text, catalog, source);
   } else if (const auto root = source.parse(text)) {
     if (detail::is_rock_interface(*root)) {

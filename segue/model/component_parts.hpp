@@ -21,6 +21,11 @@ void read_rock_interface(const type::Value& root, ComponentCatalog& catalog, con
 bool is_rock_export(const type::Value& root);
 void read_rock_export(const type::Value& root, ComponentCatalog& catalog, const Source& source);
 
+/// An .orogen file: the project's components in Ruby, of which its declarations are read, and nothing is
+/// evaluated.
+bool is_orogen(const std::string& file);
+void read_orogen(std::string_view text, ComponentCatalog& catalog, const Source& source);
+
 /// Converts a type name of Rock to ours. A leading '?' (a guess) makes the model incomplete; an unreadable
 /// name becomes "" (fits everything) with a warning.
 std::string rock_type_name(const std::string& written, ComponentModel& model, const type::Value& at,

@@ -30,11 +30,21 @@ struct Scheduling {
 Scheduling read_scheduling(Fields& fields, const Source& source);
 void write_scheduling(type::ValueMap& map, Scheduler scheduler, int priority, const std::vector<int>& cpus);
 
-/// A warning where tasks have Rock's configuration sections, which nothing reads; `values` is the key that
-/// takes values instead.
-void warn_of_sections(const Network& network, std::string_view values, const Source& source);
-/// An error where the network has the key `include`, which would leave it incomplete.
-void refuse_include(Fields& fields, const Source& source);
+/// A file that a network includes: its path from the folder of the file that includes it.
+struct Include {
+  std::string file;
+  SourceLocation where;
+};
+/// The part of a network that stands in one file.
+struct NetworkPart {
+  Network network;
+  std::vector<Include> includes;
+};
+/// The key `include`: the path of a file, or a list of them.
+std::vector<Include> read_includes(Fields& fields, const Source& source);
+
+/// A warning where tasks name sections of Rock's property files that were not found.
+void warn_of_sections(const Network& network, Diagnostics& diagnostics);
 
 /// Reads the keys component, config_names, properties, activity, exclusive and on_failure.
 void read_definition(Fields& fields, Task& task, const Source& source);
@@ -68,6 +78,6 @@ type::Value text_list(const std::vector<std::string>& texts);
 /// Whether it is a Rock component network definition (CND): by the keys of its entries, else by the file
 /// name.
 bool is_cnd(const type::Value& root, const std::string& file);
-Network read_cnd(const type::Value& root, const Source& source);
+NetworkPart read_cnd(const type::Value& root, const Source& source);
 
 }  // namespace segue::model::detail

@@ -8,6 +8,7 @@
 #include <segue/model/transition.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,14 +19,19 @@
 /// exact inverses.
 namespace segue::model {
 
+/// Reads a further file; nothing, and a diagnostic, where it cannot be read.
+using ReadFile = std::function<std::optional<std::string>(const std::filesystem::path& file)>;
+
 /// A network file: Segue's YAML or a Rock CND file, told apart by content. A network without a name gets
-/// `file`'s stem.
-std::optional<Network> read_network(std::string_view text, const std::string& file, Diagnostics& diagnostics);
+/// `file`'s stem. Files that it includes, and the property files whose sections its tasks name, are read with
+/// `read`; without it, an `include` is an error.
+std::optional<Network> read_network(std::string_view text, const std::string& file, Diagnostics& diagnostics,
+                                    const ReadFile& read = {});
 std::optional<Network> load_network(const std::filesystem::path& file, Diagnostics& diagnostics);
 /// The parts of a network file that could be read, also where it has errors; nothing only where it cannot be
 /// parsed or is not a network. To look for further problems with validate_references(), never to run.
 std::optional<Network> read_network_parts(std::string_view text, const std::string& file,
-                                          Diagnostics& diagnostics);
+                                          Diagnostics& diagnostics, const ReadFile& read = {});
 std::string write_network(const Network& network);
 /// Converts a process to and from its form in `deployments`, with its name under `process`.
 type::Value to_value(const Deployment& deployment);

@@ -139,7 +139,7 @@ TEST(CndTest, ConfigurationSectionsAreKeptAndReportedAsNotRead) {
   }
 }
 
-TEST(CndTest, ANetworkThatIncludesOthersIsRefused) {
+TEST(CndTest, ANetworkThatIncludesOthersIsRefusedWhereTheyAreNotAtHand) {
   for (const auto& [text, file] : {std::pair("include: [b.cnd]\ntasks:\n  a: {type: x::T}\n", "x.cnd"),
                                    std::pair("network: n\ninclude: b.yaml\n", "x.yaml")}) {
     const Read result = read(text, file);

@@ -88,6 +88,7 @@ bool is_pddl(std::string_view text) {
 
 FileKind kind_of_file(const std::filesystem::path& file, std::string_view text) {
   const std::string name = file.filename().string();
+  if (name.ends_with(".orogen")) return FileKind::Components;
   const auto first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   if (first == std::string_view::npos) return kind_of_name(name);
   if (text[first] == '<') {

@@ -2,6 +2,7 @@
 #include <segue/base/sha256.hpp>
 #include <segue/model/file_parts.hpp>
 #include <segue/model/files.hpp>
+#include <segue/model/network_sources.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
@@ -91,7 +92,7 @@ void read_connections(const Value& list, Network& network, const Source& source)
   }
 }
 
-Network read_own_network(const Value& root, const Source& source) {
+detail::NetworkPart read_own_network(const Value& root, const Source& source) {
   Fields fields(root, "the network", source);
   Network network;
   network.name = NetworkName(fields.name("network"));
@@ -111,10 +112,9 @@ Network read_own_network(const Value& root, const Source& source) {
   } else if (fields.find("connections", Value::Kind::List) != nullptr) {
     read_connections(*connections, network, source);
   }
-  detail::warn_of_sections(network, "properties", source);
-  detail::refuse_include(fields, source);
+  auto includes = detail::read_includes(fields, source);
   fields.finish();
-  return network;
+  return {std::move(network), std::move(includes)};
 }
 
 /// The kind of a file that is not a network, as a sentence that says what to do about it; "" for networks.
@@ -134,7 +134,7 @@ std::string other_kind(const Value& root) {
 
 /// Why a file that says nothing of a network is none: as one it would be empty, and take down what runs.
 std::string missing_network(const Value& root) {
-  constexpr std::string_view kKeys[] = {"network", "tasks", "deployments", "connections"};
+  constexpr std::string_view kKeys[] = {"network", "tasks", "deployments", "connections", "include"};
   if (root.is_null()) return "this file is empty; a network without tasks says `tasks: {}`";
   const bool says = std::ranges::any_of(kKeys, [&](auto key) { return root.find(key) != nullptr; });
   if (says || !root.is_map()) return {};
@@ -204,6 +204,21 @@ Value write_connections(const Network& network) {
   return list;
 }
 
+std::optional<detail::NetworkPart> read_part(std::string_view text, const std::string& file,
+                                             Diagnostics& diagnostics) {
+  const Source source(file, diagnostics);
+  const auto root = source.parse(text);
+  if (!root) return std::nullopt;
+  auto problem = other_kind(*root);
+  if (problem.empty()) problem = missing_network(*root);
+  if (!problem.empty()) {
+    source.error("no-network", std::move(problem), *root);
+    return std::nullopt;
+  }
+  return detail::is_cnd(*root, file) ? detail::read_cnd(*root, source.foreign())
+                                     : read_own_network(*root, source);
+}
+
 }  // namespace
 
 Value to_value(const Deployment& deployment) {
@@ -223,35 +238,42 @@ std::optional<Deployment> read_deployment(const Value& value, const std::string&
   return good ? std::optional(std::move(deployment)) : std::nullopt;
 }
 
-std::optional<Network> read_network(std::string_view text, const std::string& file,
-                                    Diagnostics& diagnostics) {
+std::optional<Network> read_network(std::string_view text, const std::string& file, Diagnostics& diagnostics,
+                                    const ReadFile& read) {
   const std::size_t errors_before = diagnostics.error_count();
-  auto network = read_network_parts(text, file, diagnostics);
+  auto network = read_network_parts(text, file, diagnostics, read);
   return diagnostics.error_count() > errors_before ? std::nullopt : std::move(network);
 }
 
 std::optional<Network> read_network_parts(std::string_view text, const std::string& file,
-                                          Diagnostics& diagnostics) {
-  const Source source(file, diagnostics);
-  const auto root = source.parse(text);
-  if (!root) return std::nullopt;
-  auto problem = other_kind(*root);
-  if (problem.empty()) problem = missing_network(*root);
-  if (!problem.empty()) {
-    source.error("no-network", std::move(problem), *root);
-    return std::nullopt;
+                                          Diagnostics& diagnostics, const ReadFile& read) {
+  auto part = read_part(text, file, diagnostics);
+  if (!part) return std::nullopt;
+  std::string sources(text);
+  if (read) {
+    detail::NetworkSources others(read, read_part, diagnostics);
+    part->network = others.complete(std::move(*part), file);
+    sources += others.contents();
+  } else if (!part->includes.empty()) {
+    diagnostics.error("no-include",
+                      "the network includes files, which are not at hand where only its text was passed on; "
+                      "pass all of it as one text",
+                      part->includes.front().where);
   }
-  Network network = detail::is_cnd(*root, file) ? detail::read_cnd(*root, source.foreign())
-                                                : read_own_network(*root, source);
+  Network& network = part->network;
+  detail::warn_of_sections(network, diagnostics);
   if (network.name.empty()) network.name = NetworkName(name_from_file(file));
   network.file = file;
-  network.version = version_of(text);
-  return network;
+  network.version = version_of(sources);
+  return std::move(network);
 }
 
 std::optional<Network> load_network(const std::filesystem::path& file, Diagnostics& diagnostics) {
-  const auto text = detail::read_text(file, diagnostics);
-  return text ? read_network(*text, file.string(), diagnostics) : std::nullopt;
+  const ReadFile read = [&](const std::filesystem::path& path) {
+    return detail::read_text(path, diagnostics);
+  };
+  const auto text = read(file);
+  return text ? read_network(*text, file.string(), diagnostics, read) : std::nullopt;
 }
 
 Value to_value(const Task& task) {

@@ -166,32 +166,26 @@ std::optional<FailurePolicy> read_failure_policy(Fields& fields) {
   return choice ? std::optional(static_cast<FailurePolicy>(*choice)) : std::nullopt;
 }
 
-void warn_of_sections(const Network& network, std::string_view values, const Source& source) {
-  const Task* first = nullptr;
-  std::size_t count = 0;
-  for (const Task& task : network.tasks) {
-    if (task.config_names.empty()) continue;
-    if (first == nullptr) first = &task;
-    ++count;
-  }
-  if (first == nullptr) return;
-  const std::string others = count == 1 ? "" : " and " + std::to_string(count - 1) + " more";
-  source.diagnostics().warning(
-      "sections-not-read",
-      "task " + quote(first->id.str()) + others +
-          ": the configuration sections that 'config_names' lists are not read; write " +
-          "their values under " + quote(values),
-      first->where);
+std::vector<Include> read_includes(Fields& fields, const Source& source) {
+  std::vector<Include> includes;
+  const Value* value = fields.find("include");
+  for (std::string& file : fields.texts("include"))
+    includes.push_back({std::move(file), source.at(*value)});
+  return includes;
 }
 
-void refuse_include(Fields& fields, const Source& source) {
-  const Value* include = fields.find("include");
-  if (include == nullptr) return;
-  source.error("no-include",
-               fields.what() +
-                   ": 'include' is not supported, so tasks and connections would be missing; write " +
-                   "those of all files into one",
-               *include);
+void warn_of_sections(const Network& network, Diagnostics& diagnostics) {
+  const auto names_sections = [](const Task& task) { return !task.config_names.empty(); };
+  const auto first = std::ranges::find_if(network.tasks, names_sections);
+  if (first == network.tasks.end()) return;
+  const auto count = std::count_if(first, network.tasks.end(), names_sections);
+  const std::string others = count == 1 ? "" : " and " + std::to_string(count - 1) + " more";
+  diagnostics.warning("sections-not-read",
+                      "task " + quote(first->id.str()) + others +
+                          ": the configuration sections that 'config_names' lists are not read: no file "
+                          "config/orogen/" +
+                          first->component.str() + ".yml was found in the network's folder or one around it",
+                      first->where);
 }
 
 void read_definition(Fields& fields, Task& task, const Source& source) {

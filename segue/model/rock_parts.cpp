@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/component_parts.hpp>
 #include <segue/model/port_pattern.hpp>
+#include <segue/model/rock_symbol.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
@@ -22,10 +23,6 @@ std::string balanced(const std::string& written) {
 std::string without_guess_mark(const std::string& written) {
   const auto start = written.find_first_not_of("? ");
   return start == std::string::npos ? std::string{} : written.substr(start);
-}
-
-bool is_symbol(const std::string& text) {
-  return text.size() > 1 && text.front() == ':' && is_identifier(std::string_view(text).substr(1));
 }
 
 }  // namespace
@@ -56,11 +53,7 @@ std::string rock_type_name(const std::string& written, ComponentModel& model, co
 
 Value rock_default(const Value& written, const PropertyModel& property, const Source& source) {
   static const type::TypeRegistry numbers;
-  if (written.is_string() && is_symbol(written.as_string())) {
-    Value symbol(written.as_string().substr(1));
-    symbol.set_mark(written.mark());
-    return symbol;
-  }
+  if (is_symbol(written)) return symbol_text(written);
   const type::Type* type = property.type.empty() ? nullptr : numbers.find(property.type);
   if (type == nullptr || type->kind != type::TypeKind::Numeric) return written;
   const bool boolean = type->category == type::NumericCategory::Bool;

@@ -104,10 +104,12 @@ std::optional<RobotFiles> read_robot_files(const fs::path& file, Diagnostics& di
   ControllerSet set;
   set.fallback = robot->fallback;
   set.halt = robot->halt;
+  const model::ReadFile further = [&](const fs::path& path) { return reader.read(path); };
   for (const auto& pattern : robot->controllers) {
     for (const auto& path : files_of(*robot, pattern, "controllers", diagnostics)) {
       const auto content = reader.read(path);
-      auto network = content ? model::read_network(*content, path.string(), diagnostics) : std::nullopt;
+      auto network =
+          content ? model::read_network(*content, path.string(), diagnostics, further) : std::nullopt;
       if (network) set.controllers.push_back(std::move(*network));
     }
   }

@@ -35,6 +35,16 @@ std::vector<model::Network> other_networks(const model::Robot& robot, const std:
   return networks;
 }
 
+/// Reads the files of a folder and no others: whoever may only look may name them in a text that is checked.
+model::ReadFile reader_within(const FileFolder& folder, const fs::path& root, Diagnostics& found) {
+  return [&folder, &found, root](const fs::path& file) -> std::optional<std::string> {
+    auto content = folder.read(file.lexically_normal().lexically_relative(root).generic_string());
+    if (content) return std::move(content->text);
+    found.error("unreadable-file", content.error().message, {file.string(), 0, 0});
+    return std::nullopt;
+  };
+}
+
 /// Whether whoever may only look may have this pattern looked at.
 bool stays_within(const std::string& pattern, const fs::path& root, const FileFolder& folder) {
   const fs::path path(pattern);
@@ -343,7 +353,10 @@ Result<Value> FileVerbs::check(const Command& command) {
   if (file->kind == RobotFileKind::Robot) {
     found = check_robot(place, texts->at(1), parts ? &*parts : nullptr, *folder);
   } else if (file->kind == RobotFileKind::Network) {
-    found = check_network(parts ? &*parts : nullptr, place, texts->at(1));
+    Diagnostics unreadable;
+    const auto read = reader_within(*folder, robot->parent_path(), unreadable);
+    found = check_network(parts ? &*parts : nullptr, place, texts->at(1), read);
+    found.append(unreadable);
   } else {
     found =
         check_mission(parts ? &*parts : nullptr, *file, texts->at(1), within(*folder, robot->parent_path()));
@@ -356,9 +369,9 @@ Result<Value> FileVerbs::check(const Command& command) {
 }
 
 Diagnostics FileVerbs::check_network(const model::Robot* robot, const std::string& file,
-                                     const std::string& text) {
+                                     const std::string& text, const model::ReadFile& read) {
   Diagnostics found;
-  const auto network = model::read_network_parts(text, file, found);
+  const auto network = model::read_network_parts(text, file, found, read);
   if (!network) return found;
   Diagnostics elsewhere;
   const auto known = catalog(robot != nullptr ? *robot : model::Robot{}, false, elsewhere);

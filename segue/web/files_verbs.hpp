@@ -6,6 +6,7 @@
 #include <segue/base/result.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/model/component_model.hpp>
+#include <segue/model/files.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>
@@ -66,7 +67,8 @@ class FileVerbs {
   Result<std::filesystem::path> robot_file();
   std::shared_ptr<const model::ComponentCatalog> catalog(const model::Robot& robot, bool anew,
                                                          Diagnostics& diagnostics);
-  Diagnostics check_network(const model::Robot* robot, const std::string& file, const std::string& text);
+  Diagnostics check_network(const model::Robot* robot, const std::string& file, const std::string& text,
+                            const model::ReadFile& read);
   Diagnostics check_robot(const std::string& file, const std::string& text, const model::Robot* saved,
                           const FileFolder& folder);
   Diagnostics check_mission(const model::Robot* robot, const RobotFile& file, const std::string& text,

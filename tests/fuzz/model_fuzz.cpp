@@ -4,6 +4,7 @@
 #include "require.hpp"
 
 #include <segue/model/files.hpp>
+#include <segue/model/rock_properties.hpp>
 #include <segue/model/validate.hpp>
 
 #include <algorithm>
@@ -60,10 +61,16 @@ void robot(std::string_view text) {
   if (robot) (void)validate(*robot, {});
 }
 
-void components(std::string_view text) {
+void property_sections(std::string_view text) {
+  Diagnostics diagnostics;
+  const auto sections = detail::read_property_sections(text, "f.yml", diagnostics);
+  require(sections.has_value() != diagnostics.has_errors(), "sections or errors");
+}
+
+void components(std::string_view text, const std::string& file) {
   Diagnostics diagnostics;
   ComponentCatalog catalog;
-  const bool fine = read_components(text, "f.yaml", catalog, diagnostics);
+  const bool fine = read_components(text, file, catalog, diagnostics);
   require(fine != diagnostics.has_errors(), "success or errors");
   resolve_inheritance(catalog, diagnostics);
   if (diagnostics.has_errors()) return;
@@ -89,7 +96,7 @@ void components(std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 1) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
-  switch (data[0] % 4) {
+  switch (data[0] % 6) {
     case 0:
       segue::model::network(text);
       break;
@@ -99,8 +106,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 2:
       segue::model::robot(text);
       break;
+    case 3:
+      segue::model::components(text, "f.yaml");
+      break;
+    case 4:
+      segue::model::components(text, "f.orogen");
+      break;
     default:
-      segue::model::components(text);
+      segue::model::property_sections(text);
   }
   return 0;
 }

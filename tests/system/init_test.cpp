@@ -111,7 +111,7 @@ std::set<std::string> keys_read_by(const std::vector<std::string>& sources) {
 }
 
 /// Of Rock's files only, or refused with advice.
-const std::set<std::string> kForeign = {"config_names", "include"};
+const std::set<std::string> kForeign = {"config_names"};
 
 class InitKeys : public InitTest {
  protected:
