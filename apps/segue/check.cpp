@@ -134,12 +134,7 @@ class Checker {
 
   std::optional<Parts> read_parts(const std::string& text, const std::string& file) {
     const std::size_t errors_before = diagnostics_.error_count();
-    const model::ReadFile read = [this](const std::filesystem::path& other) {
-      auto content = read_input_file(other);
-      if (!content) diagnostics_.error("unreadable-file", content.error().message, {other.string(), 0, 0});
-      return content ? std::optional(std::move(*content)) : std::nullopt;
-    };
-    auto network = model::read_network_parts(text, file, diagnostics_, read);
+    auto network = model::read_network_parts(text, file, diagnostics_, read_input_file);
     if (!network) return std::nullopt;
     return Parts{std::move(*network), diagnostics_.error_count() == errors_before};
   }

@@ -125,14 +125,11 @@ Result<std::string> network_text(const std::string& file) {
   auto text = read_input_file(file);
   if (!text) return text;
   bool refers_to_others = false;
-  Diagnostics found;
-  const model::ReadFile read = [&](const std::filesystem::path& other) -> std::optional<std::string> {
+  const model::ReadFile read = [&](const std::filesystem::path& other) {
     refers_to_others = true;
-    auto content = read_input_file(other);
-    if (content) return std::move(*content);
-    found.error("unreadable-file", content.error().message, {other.string(), 0, 0});
-    return std::nullopt;
+    return read_input_file(other);
   };
+  Diagnostics found;
   const auto network = model::read_network(*text, file, found, read);
   if (!refers_to_others) return text;  // the runtime reports what is wrong with it
   if (!network) return found.to_error();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
+#include <segue/base/result.hpp>
 #include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
@@ -19,8 +20,8 @@
 /// exact inverses.
 namespace segue::model {
 
-/// Reads a further file; nothing, and a diagnostic, where it cannot be read.
-using ReadFile = std::function<std::optional<std::string>(const std::filesystem::path& file)>;
+/// Reads a further file.
+using ReadFile = std::function<Result<std::string>(const std::filesystem::path& file)>;
 
 /// A network file: Segue's YAML or a Rock CND file, told apart by content. A network without a name gets
 /// `file`'s stem. Files that it includes, and the property files whose sections its tasks name, are read with

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/input_file.hpp>
 #include <segue/base/sha256.hpp>
 #include <segue/model/file_parts.hpp>
 #include <segue/model/files.hpp>
@@ -269,11 +270,8 @@ std::optional<Network> read_network_parts(std::string_view text, const std::stri
 }
 
 std::optional<Network> load_network(const std::filesystem::path& file, Diagnostics& diagnostics) {
-  const ReadFile read = [&](const std::filesystem::path& path) {
-    return detail::read_text(path, diagnostics);
-  };
-  const auto text = read(file);
-  return text ? read_network(*text, file.string(), diagnostics, read) : std::nullopt;
+  const auto text = detail::read_text(file, diagnostics);
+  return text ? read_network(*text, file.string(), diagnostics, read_input_file) : std::nullopt;
 }
 
 Value to_value(const Task& task) {

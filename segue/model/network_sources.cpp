@@ -51,16 +51,21 @@ Network NetworkSources::complete(NetworkPart part, const std::string& file) {
   return whole;
 }
 
-std::optional<std::string> NetworkSources::read(const fs::path& file) {
+/// An error has the place of whatever wants the file.
+std::optional<std::string> NetworkSources::read(const fs::path& file, const SourceLocation& wanted_at) {
   auto text = read_(file);
-  if (text) contents_ += *text;
-  return text;
+  if (!text) {
+    diagnostics_.error("unreadable-file", text.error().message, wanted_at);
+    return std::nullopt;
+  }
+  contents_ += *text;
+  return std::move(*text);
 }
 
 std::optional<Network> NetworkSources::included(const Include& include, const fs::path& folder) {
   const fs::path file = folder / include.file;
   if (is_read_already(include, file)) return std::nullopt;
-  const auto text = read(file);
+  const auto text = read(file, include.where);
   auto part = text ? parse_(*text, file.string(), diagnostics_) : std::nullopt;
   if (!part) return std::nullopt;
   return complete(std::move(*part), file.string());
@@ -87,7 +92,7 @@ void NetworkSources::apply_sections(Network& network, const fs::path& folder) {
 
 /// The task's own properties are above those of the sections.
 void NetworkSources::apply_sections(Task& task, const fs::path& file) {
-  const auto* sections = sections_of(file);
+  const auto* sections = sections_of(file, task);
   if (sections == nullptr) return;
   type::Value values{type::ValueMap()};
   for (const std::string& name : task.config_names) {
@@ -109,10 +114,10 @@ void NetworkSources::apply_sections(Task& task, const fs::path& file) {
 }
 
 /// Null where they cannot be read, which is reported once.
-const std::vector<PropertySection>* NetworkSources::sections_of(const fs::path& file) {
+const std::vector<PropertySection>* NetworkSources::sections_of(const fs::path& file, const Task& task) {
   auto known = sections_.find(file);
   if (known == sections_.end()) {
-    const auto text = read(file);
+    const auto text = read(file, task.where);
     known =
         sections_
             .emplace(file, text ? read_property_sections(*text, file.string(), diagnostics_) : std::nullopt)

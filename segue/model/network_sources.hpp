@@ -34,12 +34,12 @@ class NetworkSources {
   [[nodiscard]] const std::string& contents() const { return contents_; }
 
  private:
-  std::optional<std::string> read(const std::filesystem::path& file);
+  std::optional<std::string> read(const std::filesystem::path& file, const SourceLocation& wanted_at);
   std::optional<Network> included(const Include& include, const std::filesystem::path& folder);
   bool is_read_already(const Include& include, const std::filesystem::path& file);
   void apply_sections(Network& network, const std::filesystem::path& folder);
   void apply_sections(Task& task, const std::filesystem::path& file);
-  const std::vector<PropertySection>* sections_of(const std::filesystem::path& file);
+  const std::vector<PropertySection>* sections_of(const std::filesystem::path& file, const Task& task);
 
   ReadFile read_;
   Parse parse_;

@@ -27,20 +27,25 @@ constexpr auto kTick = std::chrono::milliseconds(100);
 /// Reads files and remembers what they were.
 class FileReader {
  public:
-  FileReader(const ReadFile& read, Diagnostics& diagnostics) : read_(read), diagnostics_(diagnostics) {}
+  FileReader(const model::ReadFile& read, Diagnostics& diagnostics)
+      : read_(read), diagnostics_(diagnostics) {}
 
   /// Nothing and a diagnostic where the file cannot be read.
   std::optional<std::string> read(const fs::path& path, bool is_model = false) {
+    auto text = read_other(path, is_model);
+    if (text) return std::move(*text);
+    diagnostics_.error("unreadable-file", text.error().message, {path.string(), 0, 0});
+    return std::nullopt;
+  }
+
+  /// A file that another one refers to.
+  Result<std::string> read_other(const fs::path& path, bool is_model = false) {
     const auto now = std::chrono::system_clock::now();
     const auto stamp = stamp_of(path);
+    if (!stamp) return stamp.error();
     auto text = read_ ? read_(path) : read_input_file(path);
-    if (!stamp || !text) {
-      const Error& error = text ? stamp.error() : text.error();
-      diagnostics_.error("unreadable-file", error.message, {path.string(), 0, 0});
-      return std::nullopt;
-    }
-    files_.push_back({path, sha256(*text), *stamp, now, is_model});
-    return std::move(*text);
+    if (text) files_.push_back({path, sha256(*text), *stamp, now, is_model});
+    return text;
   }
 
   /// Reports files that have changed since they were read.
@@ -59,7 +64,7 @@ class FileReader {
   std::vector<LoadedFile> take() { return std::move(files_); }
 
  private:
-  const ReadFile& read_;
+  const model::ReadFile& read_;
   Diagnostics& diagnostics_;
   std::vector<LoadedFile> files_;
 };
@@ -96,7 +101,7 @@ std::string_view to_string(FileChange::Kind kind) {
 }
 
 std::optional<RobotFiles> read_robot_files(const fs::path& file, Diagnostics& diagnostics,
-                                           const ReadFile& read) {
+                                           const model::ReadFile& read) {
   FileReader reader(read, diagnostics);
   const auto text = reader.read(file);
   auto robot = text ? model::read_robot(*text, file.string(), diagnostics) : std::nullopt;
@@ -104,7 +109,7 @@ std::optional<RobotFiles> read_robot_files(const fs::path& file, Diagnostics& di
   ControllerSet set;
   set.fallback = robot->fallback;
   set.halt = robot->halt;
-  const model::ReadFile further = [&](const fs::path& path) { return reader.read(path); };
+  const model::ReadFile further = [&](const fs::path& path) { return reader.read_other(path); };
   for (const auto& pattern : robot->controllers) {
     for (const auto& path : files_of(*robot, pattern, "controllers", diagnostics)) {
       const auto content = reader.read(path);

@@ -4,11 +4,11 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/file_stamp.hpp>
 #include <segue/base/result.hpp>
+#include <segue/model/files.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/runtime/controller_set.hpp>
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,15 +22,13 @@ struct RobotFiles {
   ControllerSet controllers;
 };
 
-using ReadFile = std::function<Result<std::string>(const std::filesystem::path&)>;
-
 /// Reads a robot file and all controllers that it names; notes its component model files. Problems of all
 /// files go to `diagnostics`. Nothing where the robot file has errors; where others have, whatever could be
 /// read. A file that changes before the last one is read is an error (`file-changed`), because the files
 /// would not be those of one moment. `read` reads one file (base/input_file.hpp unless a test gives another).
 /// Blocks; from any thread.
 std::optional<RobotFiles> read_robot_files(const std::filesystem::path& file, Diagnostics& diagnostics,
-                                           const ReadFile& read = {});
+                                           const model::ReadFile& read = {});
 
 /// How a file differs from what was loaded.
 struct FileChange {

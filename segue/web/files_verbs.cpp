@@ -36,12 +36,11 @@ std::vector<model::Network> other_networks(const model::Robot& robot, const std:
 }
 
 /// Reads the files of a folder and no others: whoever may only look may name them in a text that is checked.
-model::ReadFile reader_within(const FileFolder& folder, const fs::path& root, Diagnostics& found) {
-  return [&folder, &found, root](const fs::path& file) -> std::optional<std::string> {
+model::ReadFile reader_within(const FileFolder& folder, const fs::path& root) {
+  return [&folder, root](const fs::path& file) -> Result<std::string> {
     auto content = folder.read(file.lexically_normal().lexically_relative(root).generic_string());
-    if (content) return std::move(content->text);
-    found.error("unreadable-file", content.error().message, {file.string(), 0, 0});
-    return std::nullopt;
+    if (!content) return content.error();
+    return std::move(content->text);
   };
 }
 
@@ -353,10 +352,8 @@ Result<Value> FileVerbs::check(const Command& command) {
   if (file->kind == RobotFileKind::Robot) {
     found = check_robot(place, texts->at(1), parts ? &*parts : nullptr, *folder);
   } else if (file->kind == RobotFileKind::Network) {
-    Diagnostics unreadable;
-    const auto read = reader_within(*folder, robot->parent_path(), unreadable);
-    found = check_network(parts ? &*parts : nullptr, place, texts->at(1), read);
-    found.append(unreadable);
+    found = check_network(parts ? &*parts : nullptr, place, texts->at(1),
+                          reader_within(*folder, robot->parent_path()));
   } else {
     found =
         check_mission(parts ? &*parts : nullptr, *file, texts->at(1), within(*folder, robot->parent_path()));
@@ -368,19 +365,23 @@ Result<Value> FileVerbs::check(const Command& command) {
   return Value::map({{"problems", std::move(problems)}});
 }
 
+/// Problems of files that it includes are only counted: whoever may only look may not see what these say.
 Diagnostics FileVerbs::check_network(const model::Robot* robot, const std::string& file,
                                      const std::string& text, const model::ReadFile& read) {
-  Diagnostics found;
-  const auto network = model::read_network_parts(text, file, found, read);
-  if (!network) return found;
+  Diagnostics all;
+  const auto network = model::read_network_parts(text, file, all, read);
+  const bool is_whole = !all.has_errors();
   Diagnostics elsewhere;
-  const auto known = catalog(robot != nullptr ? *robot : model::Robot{}, false, elsewhere);
-  if (found.has_errors()) {
-    found.append(model::validate_references(*network, *known, model::Depth::Full));
-    return found;
+  if (network) {
+    const auto known = catalog(robot != nullptr ? *robot : model::Robot{}, false, elsewhere);
+    all.append(is_whole ? model::validate(*network, *known, model::Depth::Full)
+                        : model::validate_references(*network, *known, model::Depth::Full));
   }
-  found.append(model::validate(*network, *known, model::Depth::Full));
-  if (robot == nullptr) return found;
+  Diagnostics found;
+  add_those_of(file, all, found);
+  if (const std::size_t others = all.error_count() - found.error_count(); others > 0)
+    found.error("bad-include", "files that it includes have " + counted(others, "error"), {file, 1, 1});
+  if (!network || !is_whole || robot == nullptr) return found;
   auto networks = other_networks(*robot, file);
   networks.push_back(*network);
   add_those_of(file, model::validate(*robot, networks), found);

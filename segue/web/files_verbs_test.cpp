@@ -102,6 +102,26 @@ TEST_F(FileVerbsTest, AMissionOfABrowserNamesOnlyFilesOfTheRobot) {
     EXPECT_EQ(problems("m.yaml", with(path)), std::vector<std::string>{"error bad-name 3:23"}) << path;
 }
 
+TEST_F(FileVerbsTest, ANetworkOfABrowserIncludesOnlyFilesOfTheRobot) {
+  const auto with = [](const std::string& included) {
+    return "network: a\ninclude: '" + included + "'\ntasks: {}\n";
+  };
+  fs::remove(home_ / "networks" / "link.yaml");
+  write("networks/a.yaml", with("../base.yaml"));
+  write("base.yaml", "network: base\ntasks: {}\n");
+  write("../secret.yaml", "network: secret\ntasks: {}\n");
+  ASSERT_EQ(::mkfifo((home_ / "pipe.yaml").c_str(), 0600), 0);
+  EXPECT_EQ(problems("networks/a.yaml", with("../base.yaml")), std::vector<std::string>{});
+  for (const std::string outside : {"../pipe.yaml", "../../secret.yaml", "/etc/passwd", "../gone.yaml"})
+    EXPECT_EQ(problems("networks/a.yaml", with(outside)),
+              std::vector<std::string>{"error unreadable-file 2:10"})
+        << outside;
+  write("base.yaml", "password: hidden\ntasks: 3\n");
+  EXPECT_EQ(problems("networks/a.yaml", with("../base.yaml")),
+            std::vector<std::string>{"error bad-include 1:1"})
+      << "what other files say is not shown";
+}
+
 TEST_F(FileVerbsTest, ListsTheFilesOfTheRobotAndWhyOthersAreClosed) {
   const Value answer = result("files", nothing_, Role::Observe);
   EXPECT_EQ(*answer.find("folder"), Value(home_.string()));

@@ -259,6 +259,20 @@ TEST_F(SentNetwork, ARobotSwitchesToANetworkThatIsSent) {
       << versions.output;
 }
 
+TEST_F(SentNetwork, ItIsSentWithTheFilesThatItIncludes) {
+  run_explore();
+  write("slow.yaml",
+        "network: slow\ninclude: rover/controllers/explore.yaml\n"
+        "tasks:\n  wanderer: {component: \"demo::Wanderer\", properties: {speed: 0.1}}\n");
+  const auto result = json({"switch", "--network", "slow.yaml"});
+  EXPECT_EQ(result.find("outcome")->as_string(), "done");
+  EXPECT_EQ(result.find("actions")->as_list().size(), 1U) << "only the speed differs";
+  write("slow.yaml", "network: slow\ninclude: gone.yaml\n");
+  const auto refused = segue({"switch", "--network", "slow.yaml"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_TRUE(contains(refused.errors, "slow.yaml:2:10: cannot read 'gone.yaml'")) << refused.errors;
+}
+
 TEST_F(SentNetwork, ItsNameMustNotBeThatOfAnotherController) {
   run_explore();
   write("mine.yaml", "network: manual\ntasks:\n  drive: {component: \"demo::Drive\"}\n");
