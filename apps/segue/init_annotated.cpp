@@ -81,7 +81,8 @@ tasks:
     #activity: port_driven
     #activity: {periodic: 10ms}
     #activity: {trigger: periodic, period: 10ms}
-    #activity: {port_driven: true}
+    #activity: {port_driven: true}     # when a sample arrives at an input that the component names
+    #activity: {port_driven: [command]}   # at one of these inputs, whatever the component says
     #activity: {fd_driven: true}       # when a descriptor can be read that the component names when it starts
     # or has all of its keys:
     #activity:

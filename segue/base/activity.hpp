@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,6 +50,8 @@ struct Activity {
   /// How long the thread goes on looking for work before it sleeps, occupying its processor meanwhile; at
   /// most kLongestSpin. 0: it sleeps at once.
   Duration spin{0};
+  /// PortDriven only: the inputs whose samples trigger an update. Empty: those that the component names.
+  std::set<std::string> trigger_ports{};
 
   friend bool operator==(const Activity&, const Activity&) = default;
 };

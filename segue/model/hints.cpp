@@ -68,9 +68,11 @@ class HintSearch {
     std::set<std::string> written;
     for (const Connection* connection : ends_[task.id].in)
       written.insert(connection->to.port);
+    const auto& own = model.trigger_ports;
+    const auto& named = activity_of(task)->trigger_ports;
     const auto triggers = [&](const std::string& port) {
-      return model.trigger_ports.empty() ||
-             std::ranges::find(model.trigger_ports, port) != model.trigger_ports.end();
+      if (!named.empty()) return named.contains(port);
+      return own.empty() || std::ranges::find(own, port) != own.end();
     };
     std::vector<std::string> unwritten;
     for (const PortModel& port : model.ports) {

@@ -10,7 +10,23 @@ using type::Value;
 
 namespace {
 
-/// `{trigger: port_driven}`, `{periodic: 100ms}`, `{port_driven: true}`; exactly one of them.
+/// `port_driven: true`, or the inputs whose samples trigger an update: `port_driven: [scan]`.
+bool read_port_driven(Fields& fields, Activity& activity, const Source& source) {
+  const Value* value = fields.find("port_driven");
+  if (value == nullptr || !value->is_list()) return fields.boolean("port_driven", false);
+  for (std::string& port : fields.texts("port_driven")) {
+    if (!activity.trigger_ports.insert(port).second)
+      source.error("bad-activity", fields.what() + ": 'port_driven' names " + quote(port) + " twice", *value);
+  }
+  if (value->as_list().empty()) {
+    source.error("bad-activity",
+                 fields.what() + ": 'port_driven' names no input; leave the list out for all of them",
+                 *value);
+  }
+  return true;
+}
+
+/// `{trigger: port_driven}`, `{periodic: 100ms}`, `{port_driven: [scan]}`; exactly one of them.
 std::optional<Trigger> read_trigger(Fields& fields, Activity& activity, const Source& source) {
   std::vector<Trigger> given;
   if (auto period = fields.duration("periodic")) {
@@ -19,7 +35,7 @@ std::optional<Trigger> read_trigger(Fields& fields, Activity& activity, const So
   } else if (fields.find("periodic") != nullptr) {
     return std::nullopt;
   }
-  if (fields.boolean("port_driven", false)) given.push_back(Trigger::PortDriven);
+  if (read_port_driven(fields, activity, source)) given.push_back(Trigger::PortDriven);
   if (fields.boolean("fd_driven", false)) given.push_back(Trigger::FileDescriptorDriven);
   if (auto choice = fields.choice("trigger", kTriggerNames, "bad-activity")) {
     given.push_back(static_cast<Trigger>(*choice));
@@ -118,6 +134,9 @@ std::optional<std::string> problem_of(const Activity& activity) {
   if (periodic && activity.period <= Duration::zero()) return "the period must be longer than nothing";
   if (auto problem = problem_of_deadline(activity.update_deadline)) return problem;
   if (auto problem = problem_of_spin(activity)) return problem;
+  if (activity.trigger != Trigger::PortDriven && !activity.trigger_ports.empty())
+    return "only a port-driven task has inputs that trigger it, and this one is " +
+           std::string(to_string(activity.trigger));
   return problem_of_priority(activity.scheduler, activity.priority);
 }
 

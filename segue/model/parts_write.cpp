@@ -21,6 +21,9 @@ Value write_activity(const Activity& activity) {
   ValueMap map;
   if (activity.trigger == Trigger::Periodic) {
     map.append("periodic", format_duration(activity.period));
+  } else if (!activity.trigger_ports.empty()) {
+    map.append("port_driven",
+               Value(Value::List(activity.trigger_ports.begin(), activity.trigger_ports.end())));
   } else {
     map.append("trigger", to_string(activity.trigger));
   }
@@ -31,7 +34,7 @@ Value write_activity(const Activity& activity) {
     map.append("update_deadline", format_duration(activity.update_deadline));
   }
   if (activity.spin > Duration::zero()) map.append("spin", format_duration(activity.spin));
-  const bool plain = map.size() == 1 && activity.trigger != Trigger::Periodic;
+  const bool plain = map.size() == 1 && map.find("trigger") != nullptr;
   return plain ? Value(to_string(activity.trigger)) : Value(std::move(map));
 }
 

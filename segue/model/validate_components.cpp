@@ -32,6 +32,7 @@ class ComponentCheck {
     for (const Task& task : network_.tasks) {
       check_component(task);
       check_properties(task);
+      check_triggers(task);
       check_devices(task);
     }
     for (const Connection& connection : network_.connections)
@@ -91,6 +92,20 @@ class ComponentCheck {
       const Type* type = property->type.empty() ? nullptr : catalog_.types().find(property->type);
       if (type == nullptr || (is_stand_in && !type->is_complete())) continue;
       type::check_value(value, *type, task.id.str() + "." + name, where.file, diagnostics_);
+    }
+  }
+
+  /// A stand-in without a model has the inputs that are connected.
+  void check_triggers(const Task& task) {
+    const ComponentIndex* component = index_.component(task.component);
+    if (component == nullptr || !task.activity) return;
+    for (const std::string& port : task.activity->trigger_ports) {
+      if (!component->find_ports(port, Direction::Input).empty()) continue;
+      report(component->model().incomplete, "unknown-port",
+             "task " + quote(task.id.str()) + " is driven by " + quote(port) + ", but component " +
+                 quote(task.component.str()) + " has no such input port" +
+                 did_you_mean(port, component->port_names(Direction::Input)),
+             task.where);
     }
   }
 

@@ -18,6 +18,7 @@ struct Activity {
   thread @6 :Text;
   updateDeadline @7 :Int64;
   spin @8 :Int64;
+  triggerPorts @9 :List(Text);
 }
 
 struct PortRef {

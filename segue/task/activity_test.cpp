@@ -167,24 +167,50 @@ TEST_F(OverdueUpdate, OfAnErrorIsNamedAsSuch) {
 
 using PortDriven = test::TaskTest;
 
-TEST_F(PortDriven, OnlyTriggerPortsTrigger) {
-  struct Choosy : test::Probe {
-    InputPort<int> other{*this, "other"};
-    Choosy() : Probe({.trigger_on = {"other"}}) {}
-  };
-  auto component = std::make_unique<Choosy>();
-  Choosy* choosy = component.get();
-  auto made = Task::create("choosy", std::move(component), Activity{}, executor);
+struct Choosy : test::Probe {
+  InputPort<int> other{*this, "other"};
+  Choosy() : Probe({.trigger_on = {"other"}}) {}
+};
+
+class TriggerPorts : public PortDriven {
+ protected:
+  /// The hooks that run because a sample has arrived at `input`, where the activity names `ports`.
+  std::vector<std::string> hooks_after(InputPort<int> Choosy::*input, std::set<std::string> ports) {
+    auto component = std::make_unique<Choosy>();
+    Choosy* choosy = component.get();
+    auto made =
+        Task::create("choosy", std::move(component), Activity{.trigger_ports = std::move(ports)}, executor);
+    if (!made || !(*made)->configure(soon()) || !(*made)->start(soon())) return {"did not start"};
+    choosy->hooks.clear();
+    InputPortAccess::notify(choosy->*input);
+    executor->run_ready();
+    return choosy->hooks;
+  }
+};
+
+TEST_F(TriggerPorts, OfTheComponentTriggerAlone) {
+  EXPECT_THAT(hooks_after(&Choosy::other, {}), ElementsAre("update"));
+}
+
+TEST_F(TriggerPorts, OtherInputsTriggerNothing) {
+  EXPECT_TRUE(hooks_after(static_cast<InputPort<int> Choosy::*>(&Choosy::input), {}).empty());
+}
+
+TEST_F(TriggerPorts, OfTheActivityTakeThePlaceOfTheComponents) {
+  const auto input = static_cast<InputPort<int> Choosy::*>(&Choosy::input);
+  EXPECT_THAT(hooks_after(input, {"input"}), ElementsAre("update"));
+  EXPECT_TRUE(hooks_after(&Choosy::other, {"input"}).empty());
+}
+
+TEST_F(PortDriven, DoesNotStartWithoutTheInputThatTriggersIt) {
+  auto made =
+      Task::create("choosy", std::make_unique<Choosy>(), Activity{.trigger_ports = {"othr"}}, executor);
   ASSERT_TRUE(made);
   ASSERT_TRUE((*made)->configure(soon()));
-  ASSERT_TRUE((*made)->start(soon()));
-  choosy->hooks.clear();
-  InputPortAccess::notify(choosy->input);
-  executor->run_ready();
-  EXPECT_TRUE(choosy->hooks.empty());
-  InputPortAccess::notify(choosy->other);
-  executor->run_ready();
-  EXPECT_THAT(choosy->hooks, ElementsAre("update"));
+  const auto started = (*made)->start(soon());
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error().message,
+              HasSubstr("no input port 'othr' to trigger the task, did you mean 'other'?"));
 }
 
 class Descriptor : public ::testing::Test {

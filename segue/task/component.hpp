@@ -64,7 +64,8 @@ struct ComponentOptions {
   std::string doc{};
   Activity activity = detail::port_driven();  ///< unless the network says otherwise
   std::vector<std::string> claims{};          ///< devices that one configured task at a time may hold
-  std::vector<std::string> trigger_on{};      ///< inputs that trigger a port-driven task; empty: all
+  std::vector<std::string>
+      trigger_on{};  ///< inputs that trigger a port-driven task unless the network names others; empty: all
 };
 
 /// A unit of robot software: derive, add ports, properties and operations as members, override hooks, and

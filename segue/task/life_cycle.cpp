@@ -188,10 +188,12 @@ Result<void> Task::Implementation::refused(std::string_view hook_name, Error why
 Result<void> Task::Implementation::arm() {
   trigger_inputs.clear();
   if (activity.trigger == Trigger::PortDriven) {
-    const std::vector<std::string>& wanted = component->options().trigger_on;
+    const std::vector<std::string>& own = component->options().trigger_on;
+    const std::set<std::string> wanted =
+        activity.trigger_ports.empty() ? std::set(own.begin(), own.end()) : activity.trigger_ports;
     const std::vector<InputPortBase*> inputs = component->inputs();
     for (InputPortBase* input : inputs) {
-      if (wanted.empty() || std::ranges::find(wanted, input->name()) != wanted.end()) {
+      if (wanted.empty() || wanted.contains(input->name())) {
         trigger_inputs.push_back(input);
       }
     }
