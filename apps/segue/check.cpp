@@ -6,6 +6,7 @@
 #include <segue/model/hints.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/pddl/pddl.hpp>
+#include <segue/solve/check_transitions.hpp>
 #include <segue/task_host/stand_in.hpp>
 
 #include <fmt/core.h>
@@ -162,8 +163,26 @@ class Checker {
       networks.push_back(parts.network);
     check_missions(*robot, complete ? &networks : nullptr);
     check_robot(*robot, networks, complete);
+    const auto depth = options_.structure ? Depth::Structure : Depth::Full;
     for (const auto& parts : controllers)
-      check(parts, options_.structure ? Depth::Structure : Depth::Full);
+      check(parts, depth);
+    const auto transitions = read_transitions(*robot);
+    // Where anything else has errors, these may follow from it.
+    if (diagnostics_.error_count() == errors_before)
+      diagnostics_.append(solve::check_transitions(transitions, networks, catalog_, depth));
+  }
+
+  std::vector<model::Transition> read_transitions(const model::Robot& robot) {
+    std::vector<model::Transition> transitions;
+    for (const std::string& pattern : robot.transitions) {
+      for (const auto& path : files_of(robot, pattern, diagnostics_)) {
+        const auto text = text_of(path.string());
+        auto given = text ? model::read_transition(*text, path.string(), diagnostics_) : std::nullopt;
+        if (given) transitions.push_back(std::move(*given));
+      }
+    }
+    model::check_names(transitions, diagnostics_);
+    return transitions;
   }
 
   /// Without networks (nullptr), what missions ask of them is not checked.

@@ -22,6 +22,10 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kVerbsWit
      {"set", "properties"},
      {"call", "operations"}}};
 
+/// The option whose value is a name of the running robot, too, and its kind.
+constexpr std::string_view kOptionWithName = "--transition";
+constexpr std::string_view kKindOfOption = "transitions";
+
 std::string option_words(const Verb& verb) {
   return fmt::format("{}", fmt::join(verb.option_names(), " "));
 }
@@ -56,11 +60,12 @@ _segue() {{
   fi
   case "${{COMP_WORDS[1]}}" in
 {}  esac
+  [ "${{COMP_WORDS[COMP_CWORD-1]}}" = {} ] && words=$(segue complete-names {} 2>/dev/null)
   COMPREPLY=( $(compgen -W "$words" -- "$current") )
 }}
 complete -o default -F _segue segue
 )",
-                     verb_words(app), option_words(app), cases);
+                     verb_words(app), option_words(app), cases, kOptionWithName, kKindOfOption);
 }
 
 std::string single_quoted(std::string text) {
@@ -91,12 +96,13 @@ _segue() {{
   fi
   case "$words[2]" in
 {}  esac
+  [[ "$words[CURRENT-1]" == {} ]] && words_of_verb=($(segue complete-names {} 2>/dev/null))
   compadd -- $words_of_verb
   _files
 }}
 compdef _segue segue
 )",
-                     verbs, cases);
+                     verbs, cases, kOptionWithName, kKindOfOption);
 }
 
 void add_members(const type::Value& task, const std::string& id, const std::string& kind,
@@ -122,8 +128,9 @@ int complete_names(const std::string& kind) {
   const auto robot = socket ? control::connect(*socket, std::chrono::seconds(3)) : socket.error();
   const auto status = robot ? (*robot)->status() : Result<type::Value>(robot.error());
   if (!status) return kDone;
-  std::vector<std::string> names = kind == "controllers" ? controller_names(*status) : task_names(*status);
-  if (kind != "controllers" && kind != "tasks") {
+  const bool is_listed = kind == "controllers" || kind == "transitions";
+  std::vector<std::string> names = is_listed ? names_at(*status, kind) : task_names(*status);
+  if (!is_listed && kind != "tasks") {
     const auto tasks = std::exchange(names, {});
     for (const std::string& id : tasks) {
       if (const auto task = (*robot)->task(id)) add_members(*task, id, kind, names);

@@ -55,9 +55,9 @@ int with_robot(Context& context, const std::function<int(control::RobotService&)
   return robot ? use(*robot) : status;
 }
 
-std::vector<std::string> controller_names(const Value& status) {
+std::vector<std::string> names_at(const Value& status, std::string_view key) {
   std::vector<std::string> names;
-  for (const Value& name : list_at(status, "controllers")) {
+  for (const Value& name : list_at(status, key)) {
     if (name.is_string()) names.push_back(name.as_string());
   }
   return names;

@@ -32,8 +32,8 @@ struct Address {
 };
 Result<Address> resolve(control::RobotService& robot, std::string_view text, std::string_view what);
 
-/// Names from a status: "controllers", or the ids of "tasks".
-std::vector<std::string> controller_names(const type::Value& status);
+/// Names from a status: "controllers" and "transitions", or the ids of "tasks".
+std::vector<std::string> names_at(const type::Value& status, std::string_view key);
 std::vector<std::string> task_names(const type::Value& status);
 
 /// The sender of a command; `beside`: it may be carried out although somebody else commands the robot.

@@ -36,6 +36,8 @@ hosts:
 
 # Models of components that are not installed here, so that their networks can be checked, and run with stand-ins.
 #models: []                             # such as [models/*.yaml]
+# Transitions that are written by hand, for `segue switch --transition NAME`. There are none by default.
+#transitions: [transitions/*.yaml]
 # The controller to run if a fault calls for it (`on_failure: fallback`). There is none by default.
 #fallback: hold
 # The reaction to faults, unless a task or a deployment has its own `on_failure`.

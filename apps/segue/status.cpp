@@ -122,7 +122,7 @@ std::string files_text(const Value& status) {
 }
 
 std::string other_controllers(const Value& status) {
-  auto names = controller_names(status);
+  auto names = names_at(status, "controllers");
   std::erase(names, printable_at(status, "controller"));
   return names.empty() ? std::string() : fmt::format("can switch to: {}\n", printable(listed(names)));
 }

@@ -25,7 +25,7 @@ using type::Value;
 struct SwitchVerbOptions {
   std::string controller;
   std::string network;     ///< a file; empty: to the controller
-  std::string transition;  ///< a file; empty: to the controller
+  std::string transition;  ///< a file, or a name of the robot's; empty: to the controller
   std::string order;
   bool dry_run = false;
   bool force = false;
@@ -147,7 +147,7 @@ int show_requested(const SwitchVerbOptions& options, const Context& context) {
 void suggest_controllers(control::RobotService& robot, const std::string& controller) {
   const auto status = robot.status();
   if (!status) return;
-  const auto names = controller_names(*status);
+  const auto names = names_at(*status, "controllers");
   const bool all_known = std::ranges::all_of(model::controllers_in(controller), [&](const auto& one) {
     return std::ranges::find(names, one.str()) != names.end();
   });
@@ -161,7 +161,7 @@ std::string name_for(control::RobotService& robot, const std::string& said) {
   if (said == "-") return {};
   if (said != kEmptyNetwork) return said;
   const auto status = robot.status();
-  const bool is_controller = status && std::ranges::count(controller_names(*status), said) > 0;
+  const bool is_controller = status && std::ranges::count(names_at(*status, "controllers"), said) > 0;
   return is_controller ? said : std::string();
 }
 
@@ -175,6 +175,12 @@ Result<control::PropertySetting> parse_property(const std::string& text) {
   if (!value) return value.error();
   return control::PropertySetting{model::TaskId(text.substr(0, dot)), text.substr(dot + 1, equals - dot - 1),
                                   std::move(*value)};
+}
+
+/// Whether this names a file, and no transition of the robot: it has a folder or an ending.
+bool is_file(const std::string& transition) {
+  const auto ends = [&](std::string_view ending) { return transition.ends_with(ending); };
+  return transition.find('/') != std::string::npos || ends(".yaml") || ends(".yml") || ends(".json");
 }
 
 Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptions& options) {
@@ -193,10 +199,12 @@ Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptio
     return options.dry_run ? robot.diff(controller, asked, deadline)
                            : robot.switch_to(controller, asked, deadline);
   }
+  if (!options.transition.empty() && !is_file(options.transition))
+    return robot.apply_transition({.name = options.transition}, asked, deadline);
   const std::string& file = options.network.empty() ? options.transition : options.network;
   const auto text = options.network.empty() ? read_input_file(file) : network_text(file);
   if (!text) return text.error();
-  if (options.network.empty()) return robot.apply_transition(*text, file, deadline);
+  if (options.network.empty()) return robot.apply_transition({.text = *text, .file = file}, asked, deadline);
   return options.dry_run ? robot.diff_to_network(*text, file, asked, deadline)
                          : robot.switch_to_network(*text, file, asked, deadline);
 }
@@ -225,8 +233,9 @@ void add_what(Verb& verb, SwitchVerbOptions& options) {
   const Option name =
       verb.option("NAME", options.controller,
                   "the controller, or several at once (drive+arm); `empty` is the empty network");
-  const Option file = verb.option("--transition FILE", options.transition,
-                                  "execute this transition file instead of a switch to NAME")
+  const Option file = verb.option("--transition NAME|FILE", options.transition,
+                                  "execute this transition of the robot, or of this file (which has a folder "
+                                  "or an ending in its name), instead of a switch to NAME")
                           .excludes(name);
   const Option network =
       verb.option("--network FILE", options.network,
@@ -241,10 +250,9 @@ void add_what(Verb& verb, SwitchVerbOptions& options) {
               "a property in place of the network's, until the next switch; may be repeated")
       .excludes(file);
   verb.flag("--take-over", options.take_over,
-            "also where somebody else, such as a mission, commands the robot; ends what that does")
-      .excludes(file);
+            "also where somebody else, such as a mission, commands the robot; ends what that does");
   add_order_option(verb, options.order).excludes(file);
-  verb.require_any({name, file, network}, "NAME, --network FILE or --transition FILE");
+  verb.require_any({name, file, network}, "NAME, --network FILE or --transition NAME|FILE");
 }
 
 }  // namespace
@@ -257,12 +265,12 @@ void add_switch(Verb& app, Context& context) {
       "  segue switch drive+arm            # two controllers at once\n"
       "  segue switch drive --set planner.speed=0.4   # a variant of it\n"
       "  segue switch --network try.yaml   # a network that is none of the robot's controllers\n"
-      "  segue switch --transition t.yaml  # execute a transition file\n\n"
+      "  segue switch --transition restart # execute a transition of the robot, or of a file: t.yaml\n\n"
       "Ctrl-C cancels the request (see `segue cancel`); a second one ends the command and leaves the request "
       "to\nthe robot.",
       [options, &context] {
         std::optional<StopSignal> signal;  // before any other thread
-        if (options->wait && !options->dry_run && options->transition.empty()) signal.emplace();
+        if (options->wait && !options->dry_run) signal.emplace();
         return with_robot(context, [&](control::RobotService& robot) {
           return switch_robot(robot, *options, signal ? &*signal : nullptr, context);
         });

@@ -55,8 +55,9 @@ TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
   const double left = switched.find("left_s")->as_double();
   EXPECT_GT(left, 1.0);
   EXPECT_LE(left, std::chrono::duration<double>(kLong).count());
-  EXPECT_EQ(robot->apply_transition("transition: {}", "a.yaml", soon()).value(),
-            Value::map({{"text", "transition: {}"}, {"file", "a.yaml"}}));
+  EXPECT_EQ(
+      robot->apply_transition({"restart", "transition: {}", "a.yaml"}, {.who = "a test"}, soon()).value(),
+      Value::map({{"name", "restart"}, {"text", "transition: {}"}, {"file", "a.yaml"}, {"who", "a test"}}));
   EXPECT_EQ(robot->prepare({"drive", "dock"}, 0, soon()).value(), Value::list({"drive", "dock"}));
   EXPECT_EQ(robot->conflicts({"drive", "dock"}).value(), Value::list({"drive", "dock"}));
   EXPECT_TRUE(robot->write("planner", "goal", 7, {}, soon()));

@@ -237,16 +237,15 @@ class Client final : public RobotService {
     });
   }
 
-  Result<Value> apply_transition(std::string_view transition, std::string_view file,
+  Result<Value> apply_transition(const GivenTransition& transition, const RequestOptions& options,
                                  TimePoint deadline) override {
-    if (auto fits = check_text(transition); !fits) return fits.error();
-    const Duration left = time_left(deadline);
-    return channel_->ask(left + kGrace, [&, file = std::string(file)](RpcChannel::Connection& connection) {
-      auto request = connection.as<wire::Robot>().applyTransitionRequest();
-      request.setText(detail::as_data(transition));
-      request.setFile(as_text(file));
-      request.setTimeout(left.count());
-      return RpcChannel::send(request);
+    if (auto fits = check_text(transition.text); !fits) return fits.error();
+    return request(deadline, options, [&](wire::Robot::Client robot) {
+      auto request = robot.applyTransitionRequest();
+      request.setName(as_text(transition.name));
+      request.setText(detail::as_data(transition.text));
+      request.setFile(as_text(transition.file));
+      return request;
     });
   }
 

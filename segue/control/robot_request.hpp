@@ -36,6 +36,14 @@ struct RequestOptions {
   bool take_over = false;
 };
 
+/// A transition that is applied as it is: one of the robot's by its name, or else the text of a transition
+/// file of 4 MiB at most, with its name for messages.
+struct GivenTransition {
+  std::string name{};
+  std::string text{};
+  std::string file{};
+};
+
 /// Who sets a property, calls an operation or writes a sample. Whoever holds the robot's lease says so; where
 /// somebody else does, it is refused unless it is wanted beside what that is doing, which is an event.
 struct Sender {

@@ -43,7 +43,8 @@ class RobotService {
   virtual ~RobotService() = default;
 
   /// {"robot", "file" (the robot file; null: none), "controller", "version", "loaded_version",
-  /// "changed_files", "state", "controllers", "requests" (not ended: {"request", "to", "who", "state"
+  /// "changed_files", "state", "controllers", "transitions", "requests" (not ended: {"request", "to", "who",
+  /// "state"
   /// ("waiting", "planning", "prepare", "commit", "retire", "undo"), "cancelled_by"}), "pools", "pid",
   /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "lost", "doing", "halt" (null, or
   /// {"who", "why", "time_s" (since 1970), "state" ("halting", "at_rest", "not_at_rest"), "stopped",
@@ -148,9 +149,10 @@ class RobotService {
   /// when that is done. NotFound where no such request is open, InvalidState where it goes on. `who` for the
   /// journal.
   virtual Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) = 0;
-  /// Applies a given transition (the text of a transition file, `file` for messages).
-  virtual Result<type::Value> apply_transition(std::string_view text, std::string_view file,
-                                               TimePoint deadline) = 0;
+  /// Applies a given transition, each action of which is checked before the first one is executed; answers as
+  /// switch_to(). NotFound where the robot has none of that name. Order, force and properties do not count.
+  virtual Result<type::Value> apply_transition(const GivenTransition& transition,
+                                               const RequestOptions& options, TimePoint deadline) = 0;
   /// Expects this network to run from now on (the text of a network file, `file` for messages),
   /// or where the text is empty, what is observed now. ParseError where the network has errors.
   virtual Result<void> reset_belief(std::string_view network, std::string_view file) = 0;

@@ -32,6 +32,11 @@ const PropertyModel* ComponentModel::find_property(std::string_view property) co
   return found == properties.end() ? nullptr : &*found;
 }
 
+const OperationModel* ComponentModel::find_operation(std::string_view operation) const {
+  auto found = std::ranges::find(operations, operation, &OperationModel::name);
+  return found == operations.end() ? nullptr : &*found;
+}
+
 bool ComponentModel::has_dynamic_ports() const {
   return std::ranges::any_of(ports, &PortModel::dynamic);
 }

@@ -86,6 +86,7 @@ struct ComponentModel {
   /// only).
   [[nodiscard]] std::vector<const PortModel*> find_ports(std::string_view port, Direction direction) const;
   [[nodiscard]] const PropertyModel* find_property(std::string_view property) const;
+  [[nodiscard]] const OperationModel* find_operation(std::string_view operation) const;
   [[nodiscard]] bool has_dynamic_ports() const;
 };
 

@@ -70,6 +70,9 @@ std::optional<FailurePolicy> read_failure_policy(Fields& fields);
 void read_process(Fields& fields, Deployment& deployment, const Source& source);
 void write_process(type::ValueMap& map, const Deployment& deployment);
 
+/// The name of what a file holds, where the file does not say it: "controllers/goal.cnd.yml" holds "goal".
+std::string name_from_file(const std::string& file);
+
 /// "localhost" and "local" are the same host.
 HostName host_named(std::string name);
 

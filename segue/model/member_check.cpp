@@ -54,8 +54,7 @@ void MemberCheck::property(const Member& member, const SourceLocation& where) {
 const OperationModel* MemberCheck::find_operation(const Member& member, const SourceLocation& where) {
   const auto* component = component_of(member.task, where);
   if (component == nullptr) return nullptr;
-  const auto found = std::ranges::find(component->operations, member.name, &OperationModel::name);
-  if (found != component->operations.end()) return &*found;
+  if (const auto* found = component->find_operation(member.name)) return found;
   no_member("operation", member, names_of(component->operations), where);
   return nullptr;
 }

@@ -144,15 +144,6 @@ std::string missing_network(const Value& root) {
          "tasks says `tasks: {}`";
 }
 
-/// "controllers/goal.cnd.yml" names the network "goal".
-std::string name_from_file(const std::string& file) {
-  std::string name = std::filesystem::path(file).filename().string();
-  for (const std::string_view suffix : {".yaml", ".yml", ".json", ".cnd"}) {
-    if (name.size() > suffix.size() && name.ends_with(suffix)) name.resize(name.size() - suffix.size());
-  }
-  return name;
-}
-
 /// Long enough for the versions of a robot's controllers, short enough to be read.
 constexpr std::size_t kVersionDigits = 12;
 
@@ -263,7 +254,7 @@ std::optional<Network> read_network_parts(std::string_view text, const std::stri
   }
   Network& network = part->network;
   detail::warn_of_sections(network, diagnostics);
-  if (network.name.empty()) network.name = NetworkName(name_from_file(file));
+  if (network.name.empty()) network.name = NetworkName(detail::name_from_file(file));
   network.file = file;
   network.version = version_of(sources);
   return std::move(network);

@@ -2,6 +2,7 @@
 #include <segue/model/file_parts.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 namespace segue::model::detail {
@@ -191,6 +192,14 @@ std::vector<Include> read_includes(Fields& fields, const Source& source) {
   for (std::string& file : fields.texts("include"))
     includes.push_back({std::move(file), source.at(*value)});
   return includes;
+}
+
+std::string name_from_file(const std::string& file) {
+  std::string name = std::filesystem::path(file).filename().string();
+  for (const std::string_view suffix : {".yaml", ".yml", ".json", ".cnd"}) {
+    if (name.size() > suffix.size() && name.ends_with(suffix)) name.resize(name.size() - suffix.size());
+  }
+  return name;
 }
 
 void warn_of_sections(const Network& network, Diagnostics& diagnostics) {

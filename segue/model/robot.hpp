@@ -81,6 +81,7 @@ struct Robot {
   std::vector<std::string> models;       ///< component model files (patterns) beyond those of the libraries
   std::vector<std::string> controllers;  ///< network files (patterns)
   std::vector<std::string> missions;
+  std::vector<std::string> transitions;  ///< files of transitions that are written by hand (patterns)
   std::optional<NetworkName> fallback;
   std::optional<Halt> halt;
   Policies policies;

@@ -120,6 +120,7 @@ Robot read_robot_body(const Value& root, const Source& source) {
   check_libraries(robot, fields, source);
   robot.models = fields.texts("models");
   robot.controllers = fields.texts("controllers");
+  robot.transitions = fields.texts("transitions");
   robot.missions = fields.texts("missions");
   if (const std::string fallback = fields.name("fallback"); !fallback.empty()) {
     robot.fallback = NetworkName(fallback);

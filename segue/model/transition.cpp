@@ -30,6 +30,11 @@ std::string subject(const HandOverAction& action) {
 
 }  // namespace
 
+bool operator==(const Transition& a, const Transition& b) {
+  return a.from == b.from && a.to == b.to && a.order == b.order && a.actions == b.actions &&
+         a.removes == b.removes && a.redefines == b.redefines;
+}
+
 const TaskId* Action::task() const {
   if (const auto* action = std::get_if<TaskAction>(&what)) return &action->task;
   if (const auto* action = std::get_if<ConfigAction>(&what)) return &action->definition.id;

@@ -127,9 +127,14 @@ struct Transition {
   std::vector<Action> actions;
   std::vector<TaskId> removes;  ///< tasks that leave the network (their processes may stay)
   std::vector<Task> redefines;  ///< kept tasks whose definition changes without an action (e.g. takes_over)
+  /// The name by which a robot that has it can be asked for it: that of its file, where that says no other.
+  /// Empty where it was computed. Not compared, and neither is the rest.
+  std::string name{};
+  std::string file{};                    ///< where it was read from
+  std::vector<SourceLocation> places{};  ///< of its actions, there
 
   [[nodiscard]] ActionCounts counts() const;
-  friend bool operator==(const Transition&, const Transition&) = default;
+  friend bool operator==(const Transition& a, const Transition& b);
 };
 
 }  // namespace segue::model

@@ -120,6 +120,9 @@ std::optional<Action> read_action(const Value& value, int id, Ids& ids, const So
 Transition read_transition_body(const Value& value, const Source& source) {
   Fields fields(value, "the transition", source);
   Transition transition;
+  transition.file = source.file();
+  transition.name = fields.name("name");
+  if (transition.name.empty()) transition.name = detail::name_from_file(source.file());
   transition.from = NetworkName(fields.name("from"));
   transition.to = NetworkName(fields.name("to"));
   if (auto order = fields.choice("order", kOrderNames, "bad-order")) {
@@ -129,7 +132,10 @@ Transition read_transition_body(const Value& value, const Source& source) {
     Ids ids;
     for (const Value& item : actions->as_list()) {
       const int id = static_cast<int>(transition.actions.size()) + 1;
-      if (auto action = read_action(item, id, ids, source)) transition.actions.push_back(std::move(*action));
+      auto action = read_action(item, id, ids, source);
+      if (!action) continue;
+      transition.actions.push_back(std::move(*action));
+      transition.places.push_back(source.at(item));
     }
   }
   for (std::string& task : fields.texts("removes"))
@@ -188,6 +194,7 @@ Value write_counts(const ActionCounts& counts) {
 
 ValueMap write_body(const Transition& transition) {
   ValueMap map;
+  if (!transition.name.empty()) map.append("name", transition.name);
   map.append("from", transition.from.str());
   map.append("to", transition.to.str());
   map.append("order", to_string(transition.order));

@@ -103,6 +103,18 @@ Diagnostics validate_references(const Network& parts, const ComponentCatalog& ca
   return diagnostics;
 }
 
+void check_names(const std::vector<Transition>& transitions, Diagnostics& diagnostics) {
+  std::unordered_map<std::string, const Transition*> seen;
+  for (const Transition& transition : transitions) {
+    const auto [first, fresh] = seen.try_emplace(transition.name, &transition);
+    if (fresh) continue;
+    diagnostics.error("duplicate-transition",
+                      "two transitions are named " + quote(transition.name) + "; the other is in " +
+                          quote(first->second->file),
+                      {transition.file, 0, 0});
+  }
+}
+
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks) {
   Diagnostics diagnostics;
   check_hosts(robot, diagnostics);

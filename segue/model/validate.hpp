@@ -5,8 +5,10 @@
 #include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
+#include <segue/model/transition.hpp>
 
 #include <functional>
+#include <vector>
 
 namespace segue::model {
 
@@ -38,6 +40,9 @@ Diagnostics validate_references(const Network& parts, const ComponentCatalog& ca
 /// All problems of a robot and its networks together: unknown hosts, controllers of one name, tasks and
 /// processes that belong to a pool ...
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks);
+
+/// An error for each transition of a robot that has the name of another one.
+void check_names(const std::vector<Transition>& transitions, Diagnostics& diagnostics);
 
 /// The problems of a robot's halt, if it has one: conditions that name states, ports and operations that do
 /// not exist.

@@ -171,7 +171,8 @@ class FakeService final : public control::RobotService {
   Result<Value> cancel(std::uint64_t /*request*/, std::string_view /*who*/, TimePoint /*deadline*/) override {
     return no();
   }
-  Result<Value> apply_transition(std::string_view /*text*/, std::string_view /*file*/,
+  Result<Value> apply_transition(const control::GivenTransition& /*transition*/,
+                                 const control::RequestOptions& /*options*/,
                                  TimePoint /*deadline*/) override {
     return no();
   }

@@ -30,7 +30,9 @@ interface Robot {
   status @0 () -> (answer :Wire.Answer);
   task @1 (id :Text) -> (answer :Wire.Answer);
   switchTo @2 (controller :Text, dryRun :Bool, timeout :Int64, options :RequestOptions) -> (answer :Wire.Answer);
-  applyTransition @3 (text :Data, file :Text, timeout :Int64) -> (answer :Wire.Answer);
+  # `name` of one of the robot's, or else `text`.
+  applyTransition @3 (text :Data, file :Text, timeout :Int64, name :Text, options :RequestOptions)
+      -> (answer :Wire.Answer);
   resetBelief @4 (network :Data, file :Text) -> (answer :Wire.Answer);
   setProperty @5 (task :Text, property :Text, value :Wire.Value, timeout :Int64,
       sender :Sender) -> (answer :Wire.Answer);

@@ -118,6 +118,14 @@ std::optional<RobotFiles> read_robot_files(const fs::path& file, Diagnostics& di
       if (network) set.controllers.push_back(std::move(*network));
     }
   }
+  for (const auto& pattern : robot->transitions) {
+    for (const auto& path : files_of(*robot, pattern, "transitions", diagnostics)) {
+      const auto content = reader.read(path);
+      auto given = content ? model::read_transition(*content, path.string(), diagnostics) : std::nullopt;
+      if (given) set.transitions.push_back(std::move(*given));
+    }
+  }
+  model::check_names(set.transitions, diagnostics);
   for (const auto& pattern : robot->models) {
     for (const auto& path : files_of(*robot, pattern, "models", diagnostics))
       reader.read(path, true);
@@ -195,7 +203,7 @@ std::vector<FileChange> ControllerFiles::changes(const std::vector<LoadedFile>& 
       found.emplace(file.path, FileChange::Kind::Changed);
     }
   }
-  for (const auto* patterns : {&robot_.controllers, &robot_.models}) {
+  for (const auto* patterns : {&robot_.controllers, &robot_.transitions, &robot_.models}) {
     for (const std::string& pattern : *patterns) {
       for (const auto& path : glob_files(robot_.folder / pattern)) {
         if (!known.contains(path) && is_there(path)) found.emplace(path, FileChange::Kind::Added);

@@ -16,17 +16,17 @@
 
 namespace segue::runtime {
 
-/// A robot file and the controllers that it names, as all these files were at one moment.
+/// A robot file and the controllers and transitions that it names, as all these files were at one moment.
 struct RobotFiles {
   model::Robot robot;
   ControllerSet controllers;
 };
 
-/// Reads a robot file and all controllers that it names; notes its component model files. Problems of all
-/// files go to `diagnostics`. Nothing where the robot file has errors; where others have, whatever could be
-/// read. A file that changes before the last one is read is an error (`file-changed`), because the files
-/// would not be those of one moment. `read` reads one file (base/input_file.hpp unless a test gives another).
-/// Blocks; from any thread.
+/// Reads a robot file and all controllers and transitions that it names; notes its component model files.
+/// Problems of all files go to `diagnostics`. Nothing where the robot file has errors; where others have,
+/// whatever could be read. A file that changes before the last one is read is an error (`file-changed`),
+/// because the files would not be those of one moment. `read` reads one file (base/input_file.hpp unless a
+/// test gives another). Blocks; from any thread.
 std::optional<RobotFiles> read_robot_files(const std::filesystem::path& file, Diagnostics& diagnostics,
                                            const model::ReadFile& read = {});
 

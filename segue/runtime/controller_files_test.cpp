@@ -85,6 +85,22 @@ TEST_F(ControllerFilesTest, AllProblemsOfAllFilesAreReported) {
     EXPECT_THAT(found, HasSubstr(part));
 }
 
+TEST_F(ControllerFilesTest, TransitionsAreReadWithTheControllers) {
+  write("robot.yaml", "robot: rover\ncontrollers: [controllers/*.yaml]\ntransitions: [transitions/*.yaml]\n");
+  fs::create_directories(folder_ / "transitions");
+  write("transitions/brake.yaml", "transition: {from: go, to: stay, actions: []}\n");
+  Diagnostics diagnostics;
+  auto read = read_robot_files(folder_ / "robot.yaml", diagnostics);
+  ASSERT_TRUE(read && diagnostics.empty()) << to_string(diagnostics);
+  ASSERT_EQ(read->controllers.transitions.size(), 1U);
+  EXPECT_EQ(read->controllers.transitions[0].name, "brake");
+  started_ = std::move(*read);
+  write("transitions/other.yaml", "transition: {name: brake, from: go, to: stay, actions: []}\n");
+  EXPECT_THAT(changes(),
+              ElementsAre(FileChange{folder_ / "transitions/other.yaml", FileChange::Kind::Added}));
+  EXPECT_THAT(problems(), HasSubstr("other.yaml: error: two transitions are named 'brake'"));
+}
+
 TEST_F(ControllerFilesTest, AFileWithoutContentIsNoController) {
   for (const char* text : {"", "# saved in part\n"}) {
     write("controllers/go.yaml", text);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/controller_registry.hpp>
 
+#include <segue/base/text.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/recognition.hpp>
 #include <segue/solve/combine.hpp>
@@ -95,6 +96,26 @@ std::vector<LoadedFile> ControllerRegistry::files() const {
   return now_.files;
 }
 
+std::vector<std::string> ControllerRegistry::transitions() const {
+  const Lock lock(mutex_);
+  std::vector<std::string> names;
+  for (const auto& [name, transition] : now_.transitions) {
+    names.push_back(name);
+  }
+  return names;
+}
+
+Result<model::Transition> ControllerRegistry::transition(const std::string& name) const {
+  const auto names = transitions();
+  const Lock lock(mutex_);
+  const auto found = now_.transitions.find(name);
+  if (found == now_.transitions.end()) {
+    return fail(ErrorCode::NotFound,
+                "the robot has no transition " + quote(name) + did_you_mean(name, names));
+  }
+  return found->second;
+}
+
 Diagnostics ControllerRegistry::check(const ControllerSet& set) const {
   Diagnostics findings;
   for (const auto& network : set.controllers) {
@@ -152,13 +173,16 @@ std::optional<model::Network> ControllerRegistry::running_controller(const model
 }
 
 Definitions ControllerRegistry::with(const ControllerSet& set) const {
-  Definitions all{now_.controllers, {}, set.fallback, halt_of(set, now_.halt), set.files};
+  Definitions all{now_.controllers, {}, set.fallback, halt_of(set, now_.halt), {}, set.files};
   for (const auto& name : now_.loaded) {
     all.controllers.erase(name);
   }
   for (const auto& network : set.controllers) {
     all.loaded.insert(network.name);
     all.controllers.insert_or_assign(network.name, network);
+  }
+  for (const auto& transition : set.transitions) {
+    all.transitions.insert_or_assign(transition.name, transition);
   }
   return all;
 }

@@ -11,9 +11,11 @@
 #include <segue/runtime/runtime.hpp>
 #include <segue/task_host/task_host.hpp>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 namespace segue::runtime::detail {
@@ -24,6 +26,7 @@ struct Definitions {
   std::set<model::NetworkName> loaded;  ///< those that came from files, which the next files replace
   std::optional<model::NetworkName> fallback;
   std::shared_ptr<const model::Halt> halt;  ///< null: the robot does not say how it comes to rest
+  std::map<std::string, model::Transition> transitions;  ///< by name
   std::vector<LoadedFile> files;
 };
 
@@ -37,7 +40,8 @@ class ControllerRegistry {
 
   /// Adds a controller that came from no file, or replaces the one of its name.
   void add(model::Network controller);
-  /// Controllers of files, fallback, halt and files are those of `set` from now on. Returns what was before.
+  /// Controllers of files, transitions, fallback, halt and files are those of `set` from now on. Returns what
+  /// was before.
   Definitions replace(const ControllerSet& set);
   /// Puts definitions in force again that replace() has returned.
   void restore(Definitions before);
@@ -54,6 +58,9 @@ class ControllerRegistry {
   [[nodiscard]] std::shared_ptr<const model::Halt> halt() const;
   [[nodiscard]] std::vector<model::NetworkName> names() const;
   [[nodiscard]] std::vector<LoadedFile> files() const;
+  /// The transition of that name; NotFound, with a similar name, where there is none.
+  [[nodiscard]] Result<model::Transition> transition(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> transitions() const;
 
   /// Findings about running the controllers of `set` here.
   [[nodiscard]] Diagnostics check(const ControllerSet& set) const;

@@ -5,6 +5,7 @@
 #include <segue/base/result.hpp>
 #include <segue/model/halt.hpp>
 #include <segue/model/network.hpp>
+#include <segue/model/transition.hpp>
 #include <segue/runtime/controller_change.hpp>
 
 #include <chrono>
@@ -29,11 +30,12 @@ struct LoadedFile {
   bool is_model = false;  ///< component models, which a running robot does not load anew
 };
 
-/// The controllers of a robot, from all its files at one moment.
+/// The controllers of a robot and what belongs to them, from all its files at one moment.
 struct ControllerSet {
   std::vector<model::Network> controllers;
   std::optional<model::NetworkName> fallback;
   std::optional<model::Halt> halt{};
+  std::vector<model::Transition> transitions{};  ///< that are written by hand, of different names
   std::vector<LoadedFile> files{};
 };
 

@@ -64,25 +64,6 @@ Result<void> set_member(model::Task& task, const PropertySetting& setting,
   return {};
 }
 
-/// Phases are executed in sequence, so no action may wait for one of a later phase.
-Result<void> check_phases(const model::Transition& transition) {
-  std::map<int, const model::Action*> by_id;
-  for (const auto& action : transition.actions) {
-    for (const int id : action.after) {
-      const auto before = by_id.find(id);
-      if (before != by_id.end() && before->second->phase > action.phase) {
-        return fail(ErrorCode::InvalidArgument,
-                    quote(action.label()) + " is of the phase " + std::string(to_string(action.phase)) +
-                        " but comes after " + quote(before->second->label()) + ", which is of " +
-                        std::string(to_string(before->second->phase)),
-                    transition.to.str());
-      }
-    }
-    by_id.emplace(action.id, &action);
-  }
-  return {};
-}
-
 }  // namespace
 
 Diagnostics check_runnable(const model::Network& network, const task_host::TaskHost& host,
@@ -225,9 +206,6 @@ Result<SwitchPlan> plan_network(const model::Network& current, model::Network co
 
 Result<SwitchPlan> plan_transition(const model::Network& current, model::Transition transition,
                                    const task_host::TaskHost& host, const model::ComponentCatalog& catalog) {
-  if (auto ordered = check_phases(transition); !ordered) {
-    return std::move(ordered.error());
-  }
   auto target = solve::predict(current, transition, catalog);
   if (!target) {
     return fail(ErrorCode::InvalidArgument,

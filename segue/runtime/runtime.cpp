@@ -83,6 +83,14 @@ std::optional<model::Network> Runtime::controller(const model::NetworkName& name
   return implementation_->controllers.known(name);
 }
 
+std::vector<std::string> Runtime::transitions() const {
+  return implementation_->controllers.transitions();
+}
+
+Result<model::Transition> Runtime::transition(const std::string& name) const {
+  return implementation_->controllers.transition(name);
+}
+
 std::shared_future<HaltResult> Runtime::halt(HaltRequest request) {
   return implementation_->halts.begin(std::move(request));
 }

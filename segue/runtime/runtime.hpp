@@ -89,6 +89,9 @@ class Runtime {
   [[nodiscard]] std::string version() const;
   [[nodiscard]] std::vector<model::NetworkName> controllers() const;
   [[nodiscard]] std::optional<model::Network> controller(const model::NetworkName& name) const;
+  /// The names of the transitions that were loaded or applied, and one of them, to be requested; NotFound.
+  [[nodiscard]] std::vector<std::string> transitions() const;
+  [[nodiscard]] Result<model::Transition> transition(const std::string& name) const;
 
   /// Brings the robot to rest, for anybody, whoever commands it: the lease ends, what waits is cancelled,
   /// what is prepared or undone gives way, and only a commit in progress is finished first. Then the

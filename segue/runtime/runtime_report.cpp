@@ -402,6 +402,7 @@ Value status_of(Runtime& runtime) {
        {"requests", list_of(runtime.open_requests(), [](const OpenRequest& one) { return to_value(one); })},
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
+       {"transitions", list_of(runtime.transitions(), [](const std::string& name) { return Value(name); })},
        {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},
        {"pools", list_of(now.pools, [](const PoolReport& pool) { return to_value(pool); })},
        {"hosts", list_of(now.computers, [](const auto& report) { return to_value(report); })},

@@ -26,6 +26,15 @@ Result<type::Value> answer_of(const Result<model::Transition>& planned) {
   return planned ? Result<type::Value>(model::to_value(*planned)) : planned.error();
 }
 
+Result<model::Transition> read_given(const control::GivenTransition& given) {
+  Diagnostics diagnostics;
+  auto transition = model::read_transition(given.text, given.file, diagnostics);
+  if (!transition) {
+    return diagnostics.to_error(ErrorCode::ParseError);
+  }
+  return *std::move(transition);
+}
+
 Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view target, const Wait& wait) {
   if (!has_answered(future, wait)) {
     return fail(ErrorCode::DeadlineExceeded,
@@ -369,15 +378,15 @@ Result<type::Value> RuntimeService::cancel(std::uint64_t request, std::string_vi
   return to_value(future->get());
 }
 
-Result<type::Value> RuntimeService::apply_transition(std::string_view text, std::string_view file,
-                                                     TimePoint deadline) {
-  Diagnostics diagnostics;
-  auto transition = model::read_transition(text, std::string(file), diagnostics);
+Result<type::Value> RuntimeService::apply_transition(const control::GivenTransition& given,
+                                                     const RequestOptions& options, TimePoint deadline) {
+  auto transition = given.name.empty() ? read_given(given) : runtime_.transition(given.name);
   if (!transition) {
-    return diagnostics.to_error(ErrorCode::ParseError);
+    return std::move(transition.error());
   }
   const std::string target = transition->to.str();
-  return answer_of(runtime_.request(std::move(*transition)), target, deadline);
+  let_rest(deadline);
+  return answer_of(runtime_.request(*std::move(transition), options), target, deadline);
 }
 
 Result<void> RuntimeService::reset_belief(std::string_view network, std::string_view file) {

@@ -49,8 +49,8 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> stop(std::string_view who, TimePoint deadline) override;
   Result<void> release_stop(std::string_view who) override;
   Result<type::Value> cancel(std::uint64_t request, std::string_view who, TimePoint deadline) override;
-  Result<type::Value> apply_transition(std::string_view text, std::string_view file,
-                                       TimePoint deadline) override;
+  Result<type::Value> apply_transition(const control::GivenTransition& transition,
+                                       const RequestOptions& options, TimePoint deadline) override;
   Result<void> reset_belief(std::string_view network, std::string_view file) override;
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
                             const control::Sender& sender, const Wait& wait) override;

@@ -101,6 +101,27 @@ TEST_F(Service, CountsWhateverChangesWhatRunsOrWhoCommandsIt) {
     seen = count(seen);
 }
 
+TEST_F(Service, ExecutesTransitionsOfTheRobotByTheirNames) {
+  Diagnostics found;
+  const auto restart = model::read_transition(
+      "{from: only, to: only, actions: [{kind: stop, task: a}, {kind: start, task: a, after: [1]}]}",
+      "transitions/restart.yaml", found);
+  ASSERT_TRUE(restart) << to_string(found);
+  ControllerSet set;
+  set.transitions = {*restart};
+  ASSERT_FALSE(robot_.runtime.load(set).has_errors());
+  EXPECT_EQ(*service_.status()->find("transitions"), type::Value::list({"restart"}));
+  ASSERT_TRUE(service_.switch_to("only", {}, soon()));
+  const auto done = service_.apply_transition({.name = "restart"}, {.who = "ann"}, soon());
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->find("outcome")->as_string(), "done");
+  EXPECT_EQ(done->find("actions")->as_list().size(), 2U);
+  EXPECT_EQ(robot_.runtime.history().back().who, "ann");
+  const auto unknown = service_.apply_transition({.name = "restrat"}, {}, soon());
+  ASSERT_FALSE(unknown);
+  EXPECT_THAT(unknown.error().message, HasSubstr("no transition 'restrat', did you mean 'restart'?"));
+}
+
 TEST_F(Service, AnswersASwitchWithItsOutcome) {
   const auto planned = service_.diff("only", {}, soon());
   ASSERT_TRUE(planned);
@@ -113,7 +134,7 @@ TEST_F(Service, AnswersASwitchWithItsOutcome) {
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->find("outcome")->as_string(), "refused");
   EXPECT_THAT(refused->find("error")->as_string(), HasSubstr("did you mean 'only'"));
-  EXPECT_FALSE(service_.apply_transition("actions: 3", "t.yaml", soon()));
+  EXPECT_FALSE(service_.apply_transition({.text = "actions: 3", .file = "t.yaml"}, {}, soon()));
   EXPECT_EQ(service_.history()->as_list().size(), 2U);
   EXPECT_FALSE(service_.events(0, {})->as_list().empty());
 }

@@ -21,6 +21,7 @@ class KnownComponents {
   explicit KnownComponents(const model::ComponentCatalog& catalog)
       : catalog_(&catalog), names_(catalog.size()) {}
 
+  [[nodiscard]] const type::TypeRegistry& types() const { return catalog_->types(); }
   ComponentFacts of(const model::ComponentName& name) {
     if (catalog_->size() == 0) return {};
     const int number = names_.intern(name.str());

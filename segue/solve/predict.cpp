@@ -9,7 +9,8 @@ namespace segue::solve {
 
 namespace {
 
-/// An action may only wait for actions that stand before it in the list.
+/// An action may only wait for actions that stand before it in the list, and for none of a later phase, since
+/// phases are executed in sequence.
 class Order {
  public:
   explicit Order(const std::vector<model::Action>& actions) : actions_(actions), seen_(actions.size()) {}
@@ -17,12 +18,20 @@ class Order {
   /// Checks each action in list order.
   Result<> check(const model::Action& action) {
     for (const int id : action.after) {
-      if (!has_seen(id)) {
+      const model::Action* before = seen(id);
+      if (before == nullptr) {
         return fail(ErrorCode::InvalidState, "it waits for action " + std::to_string(id) +
                                                  ", which does not stand before it in the list");
       }
+      if (before->phase > action.phase) {
+        return fail(ErrorCode::InvalidState, "it is of the phase " + std::string(to_string(action.phase)) +
+                                                 ", but waits for action " + std::to_string(id) + " (" +
+                                                 before->label() + "), which is of " +
+                                                 std::string(to_string(before->phase)));
+      }
     }
-    if (has_seen(action.id)) return fail(ErrorCode::InvalidState, "another action before it has the same id");
+    if (seen(action.id) != nullptr)
+      return fail(ErrorCode::InvalidState, "another action before it has the same id");
     seen_.insert(hash(action.id), static_cast<int>(&action - actions_.data()));
     return {};
   }
@@ -30,9 +39,11 @@ class Order {
  private:
   static std::size_t hash(int id) { return (static_cast<std::uint32_t>(id) * 0x9e3779b97f4a7c15ULL) >> 32; }
 
-  [[nodiscard]] bool has_seen(int id) const {
+  /// The action of that id that stands before; nullptr: none does.
+  [[nodiscard]] const model::Action* seen(int id) const {
     const auto is_it = [&](int place) { return actions_[detail::as_index(place)].id == id; };
-    return seen_.find(hash(id), is_it) != detail::kNone;
+    const int place = seen_.find(hash(id), is_it);
+    return place == detail::kNone ? nullptr : &actions_[detail::as_index(place)];
   }
 
   const std::vector<model::Action>& actions_;

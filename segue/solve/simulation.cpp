@@ -2,6 +2,7 @@
 #include <segue/solve/simulation.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/solve/call_check.hpp>
 #include <segue/solve/component_facts.hpp>
 #include <segue/solve/plan.hpp>
 #include <segue/solve/transition_index.hpp>
@@ -71,6 +72,9 @@ Result<> Simulation::execute(const model::Action& action) {
     case ActionKind::HandOver:
       if (const auto* what = std::get_if<model::HandOverAction>(&action.what)) return hand_over(*what);
       break;
+    case ActionKind::CallOperation:
+      if (const auto* what = std::get_if<model::CallAction>(&action.what)) return call(*what);
+      break;
     default:
       if (action.task() != nullptr) return change_state(action);
   }
@@ -86,7 +90,6 @@ Result<> Simulation::change_state(const model::Action& action) {
     return std::find(allowed.begin(), allowed.end(), before) != allowed.end();
   };
   using enum TaskState;
-  if (action.kind == ActionKind::CallOperation) return {};
   if (action.kind == ActionKind::Recover && from({RunTimeError, Exception})) {
     state = before == RunTimeError ? Running : PreOperational;
     return {};
@@ -103,6 +106,13 @@ Result<> Simulation::change_state(const model::Action& action) {
   if (action.kind == ActionKind::Configure && from({PreOperational})) return claim_devices(number);
   return refuse(state_of(*action.task(), before) + ", which does not allow " +
                 std::string(to_string(action.kind)));
+}
+
+Result<> Simulation::call(const model::CallAction& action) const {
+  const int number = find_newest(action.task);
+  if (number == kNone) return refuse("there is no task " + quote(action.task.str()));
+  const auto* component = task(number).component.model;
+  return component == nullptr ? Result<>() : check_call(action, *component, components_.types());
 }
 
 Result<> Simulation::hand_over(const model::HandOverAction& action) const {

@@ -74,6 +74,7 @@ class Simulation {
 
   Result<> change_state(const model::Action& action);
   Result<> hand_over(const model::HandOverAction& action) const;
+  Result<> call(const model::CallAction& action) const;
   Result<> leave_configured(int task);
   Result<> claim_devices(int task);
   void release_devices(int task);

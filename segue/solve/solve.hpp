@@ -40,7 +40,8 @@ Result<model::Transition> diff(const model::Network& current, const model::Netwo
                                const model::ComponentCatalog& catalog, const Options& options = {});
 
 /// The network that results from executing `transition` on `current`. Checks every action against the life
-/// cycle, in list order; the first one that is not allowed is the error, with its id as subject.
+/// cycle, in list order, and calls also against what their components say of the operation and its arguments;
+/// the first one that is not allowed is the error, with its id as subject.
 Result<model::Network> predict(const model::Network& current, const model::Transition& transition,
                                const model::ComponentCatalog& catalog);
 

@@ -3,6 +3,7 @@
 #include <segue/model/files.hpp>
 #include <segue/model/hints.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/solve/check_transitions.hpp>
 #include <segue/type/yaml.hpp>
 #include <support/expected_diagnostics.hpp>
 #include <support/paths.hpp>
@@ -54,7 +55,9 @@ Diagnostics examine(const Case& test) {
     if (robot) found.append(validate(*robot, networks));
   }
   if (test.root.find("transition") != nullptr) {
-    (void)read_transition(test.text("transition"), "transition", found);
+    const auto transition = read_transition(test.text("transition"), "transition", found);
+    if (transition && !found.has_errors() && !networks.empty())
+      found.append(solve::check_transitions({*transition}, networks, catalog, Depth::Full));
   }
   found.sort();
   return found;

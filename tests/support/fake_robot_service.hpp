@@ -169,8 +169,12 @@ class FakeRobotService : public RobotService {
                              {"who", who},
                              {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
   }
-  Result<type::Value> apply_transition(std::string_view text, std::string_view file, TimePoint) override {
-    return type::Value::map({{"text", text}, {"file", file}});
+  Result<type::Value> apply_transition(const control::GivenTransition& transition,
+                                       const control::RequestOptions& options, TimePoint) override {
+    return type::Value::map({{"name", transition.name},
+                             {"text", transition.text},
+                             {"file", transition.file},
+                             {"who", options.who}});
   }
   Result<void> reset_belief(std::string_view network, std::string_view file) override {
     {

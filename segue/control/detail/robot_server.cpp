@@ -276,12 +276,13 @@ class RobotServer final : public DecodingServer<wire::Robot> {
 
   kj::Promise<void> applyTransition(ApplyTransitionContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        role_for(Verb::ApplyTransition), context,
-        [&service = service_, text = as_string(params.getText()), file = as_string(params.getFile()),
-         deadline = deadline_after(params.getTimeout())] {
-          return service.apply_transition(text, file, deadline);
-        });
+    return answer_request(Verb::ApplyTransition, context,
+                          [&service = service_,
+                           given = GivenTransition{as_string(params.getName()), as_string(params.getText()),
+                                                   as_string(params.getFile())}](
+                              const RequestOptions& options, const Wait& wait) {
+                            return service.apply_transition(given, options, wait.deadline);
+                          });
   }
 
   kj::Promise<void> resetBelief(ResetBeliefContext context) override {
