@@ -36,12 +36,14 @@ struct PendingApply {
 
 model::NetworkName name_of(const Request& request);
 
-/// Privileges that the runtime gives its own requests only.
+/// Differences of requests that the runtime makes itself, or for a task, to those of others.
 struct Privileges {
   bool although_halted = false;  ///< accepted although the robot is halted, or lost to another runtime
   /// Tasks on computers that cannot be reached are left as they are, in place of a refusal.
   bool leaves_lost_hosts = false;
   bool leaves_faulty = false;  ///< see KeptNetworks
+  /// Refused after a halt, as long as nobody else has commanded the robot: of requests of tasks.
+  bool yields_to_halt = false;
   /// Pools of processes end, too, and are not started again before the next request.
   bool ends_pools = false;
 };

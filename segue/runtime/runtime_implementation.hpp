@@ -8,6 +8,7 @@
 #include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/supervisor.hpp>
 #include <segue/runtime/switching.hpp>
+#include <segue/runtime/task_requests.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -81,7 +82,11 @@ struct Runtime::Implementation : detail::RuntimeParts {
   void on_event(const task_host::LossEvent& event);
 
   detail::Halts halts{host, log, ways_to_rest()};
-  detail::Switching switching{*this, halts};
+  detail::TaskRequests task_requests{
+      host, log, [this](const std::string& controller, const std::string& who) {
+        accept(model::NetworkName(controller), {.who = who}, {.yields_to_halt = true});
+      }};
+  detail::Switching switching{*this, halts, task_requests};
   detail::Supervisor supervisor{*this, switching, halts};
   ServedRuntime served{*this};
   std::thread worker;

@@ -122,6 +122,11 @@ std::optional<Error> Runtime::Implementation::refusal_of(const RequestOptions& r
   if (auto refusal = privileges.although_halted ? std::nullopt : halts.refusal()) {
     return refusal;
   }
+  const auto halted = privileges.yields_to_halt ? halts.halted() : std::nullopt;
+  if (halted) {
+    return fail(ErrorCode::InvalidState, "the robot was halted by " + halted->request.who +
+                                             ", and requests of tasks do not end that; `segue switch` does");
+  }
   return leases.refusal_of(request_options);
 }
 

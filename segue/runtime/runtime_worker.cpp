@@ -38,6 +38,7 @@ Runtime::Implementation::Implementation(std::string robot, task_host::TaskHost& 
 }
 
 Runtime::Implementation::~Implementation() {
+  task_requests.end();
   host.set_listener({});
   auto left = queue.stop();
   log.close();

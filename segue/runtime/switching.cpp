@@ -241,6 +241,7 @@ void Switching::look_at_what_runs() {
     }
   }
   halts_.look_at(tasks);
+  task_requests_.look_at(held.controller);
   parts_.changes.add();
 }
 

@@ -9,6 +9,7 @@
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/runtime_parts.hpp>
+#include <segue/runtime/task_requests.hpp>
 #include <segue/runtime/transaction.hpp>
 
 #include <functional>
@@ -24,8 +25,9 @@ namespace segue::runtime::detail {
 /// not const is called by the worker, but for reset().
 class Switching {
  public:
-  /// Both must outlive this.
-  Switching(RuntimeParts& parts, Halts& halts) : parts_(parts), halts_(halts) {}
+  /// All must outlive this.
+  Switching(RuntimeParts& parts, Halts& halts, TaskRequests& task_requests)
+      : parts_(parts), halts_(halts), task_requests_(task_requests) {}
 
   // Plans
   [[nodiscard]] Result<SwitchPlan> plan(const model::Network& current, const Request& request,
@@ -53,7 +55,8 @@ class Switching {
   void reset(std::optional<model::Network> network);
   /// Leaves the state Executing, and performs a reset of the belief that was requested meanwhile.
   void settle(RuntimeState next);
-  /// Conditions of the halt look at the tasks of the running controller, as the belief has it now.
+  /// Conditions of the halt, and what watches the requests of tasks, look at the tasks of the running
+  /// controller, as the belief has it now.
   void look_at_what_runs();
   /// From what should run, with reasons that are known; without `reports` the host is asked for them.
   [[nodiscard]] std::vector<std::string> differences_from(
@@ -92,6 +95,7 @@ class Switching {
 
   RuntimeParts& parts_;
   Halts& halts_;
+  TaskRequests& task_requests_;
   const TransitionContext context_{parts_.host, parts_.catalog, parts_.log};
   // Of the worker.
   model::Network standby_;
