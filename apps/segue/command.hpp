@@ -65,6 +65,7 @@ void add_prepare(Verb& app, Context& context);
 void add_status(Verb& app, Context& context);
 void add_top(Verb& app, Context& context);
 void add_task(Verb& app, Context& context);
+void add_chain(Verb& app, Context& context);
 void add_read(Verb& app, Context& context);
 void add_set(Verb& app, Context& context);
 void add_write(Verb& app, Context& context);

@@ -301,10 +301,10 @@ TEST(Gateways, LatenciesOfTheHalvesAddUp) {
   detail::LinkCounts counts;
   Halves both = halves(10, 10);
   counts.note(both, true);
-  both[0].latency = {5, 1us, 2us};
+  both[0].latency = {5, 1us, 2us, 2us};
   EXPECT_EQ(counts.condense(both).at(0).latency, sample_link::Latency{}) << "nothing has arrived yet";
-  both[1].latency = {3, 10us, 20us};
-  EXPECT_EQ(counts.condense(both).at(0).latency, (sample_link::Latency{3, 11us, 22us}));
+  both[1].latency = {3, 10us, 20us, 15us};
+  EXPECT_EQ(counts.condense(both).at(0).latency, (sample_link::Latency{3, 11us, 22us, 17us}));
 }
 
 TEST(Gateways, WhatASenderTookBeforeTheReceiverWasThereWasNotForIt) {

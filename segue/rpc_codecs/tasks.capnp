@@ -116,6 +116,7 @@ struct Latency {
   measured @0 :UInt64;
   mean @1 :Int64;
   worst @2 :Int64;
+  p99 @3 :Int64;
 }
 
 struct ConnectionReport {

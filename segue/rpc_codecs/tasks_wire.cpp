@@ -128,10 +128,12 @@ void encode(const sample_link::Latency& latency, wire::Latency::Builder builder)
   builder.setMeasured(latency.measured);
   builder.setMean(latency.mean.count());
   builder.setWorst(latency.worst.count());
+  builder.setP99(latency.p99.count());
 }
 
 sample_link::Latency decode(wire::Latency::Reader reader) {
-  return {reader.getMeasured(), Duration(reader.getMean()), Duration(reader.getWorst())};
+  return {reader.getMeasured(), Duration(reader.getMean()), Duration(reader.getWorst()),
+          Duration(reader.getP99())};
 }
 
 void encode(const task_host::ConnectionReport& report, wire::ConnectionReport::Builder builder) {

@@ -163,9 +163,9 @@ TEST(WireTest, SnapshotsTravelWithConnectionsEndpointsAndMemory) {
   Random random(11);
   deploy::Snapshot sent;
   sent.network = segue::testing::random_network(random, everything());
-  sent.connections.push_back({some_connection(), 1, 2, 3, {4, Duration(5), Duration(6)}});
+  sent.connections.push_back({some_connection(), 1, 2, 3, {4, Duration(5), Duration(6), Duration(7)}});
   sent.endpoints.push_back({some_connection(), deploy::Side::Input, 99, some_place(), {4, 5, 6, 7}});
-  sent.endpoints[0].latency = {UINT64_MAX, Duration(8), Duration(9)};
+  sent.endpoints[0].latency = {UINT64_MAX, Duration(8), Duration(9), Duration(10)};
   sent.memory = {1, 2, 3, 4, 5};
   sent.hanging = {model::TaskId("h1"), model::TaskId("h2")};
   const auto got = travel<wire::Snapshot>(sent);

@@ -303,6 +303,7 @@ Value to_value(const task_host::ConnectionReport& report) {
                      {"dropped", report.dropped},
                      {"measured", report.latency.measured},
                      {"latency_us", microseconds(report.latency.mean)},
+                     {"latency_p99_us", microseconds(report.latency.p99)},
                      {"latency_worst_us", microseconds(report.latency.worst)}});
 }
 

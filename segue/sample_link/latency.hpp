@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/task/duration_histogram.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -14,11 +15,12 @@ struct Latency {
   std::uint64_t measured = 0;
   Duration mean{0};
   Duration worst{0};
+  Duration p99{0};  ///< 99 of 100 took no longer; rounded up to the end of a bin (task::DurationHistogram)
   friend bool operator==(const Latency&, const Latency&) = default;
 };
 
-/// The latency of samples that pass through both, one after the other. The worst is a bound: it may have been
-/// two samples.
+/// The latency of samples that pass through both, one after the other. The worst and the 99th percentile are
+/// bounds: they may have been those of two samples.
 Latency in_series(const Latency& first, const Latency& second);
 
 /// Collects a Latency: the reader adds, any thread reads. All is relaxed with one writer, so the figures of
@@ -43,6 +45,7 @@ class LatencyRecorder {
   std::atomic<std::uint64_t> measured_{0};
   std::atomic<std::uint64_t> total_{0};
   std::atomic<std::int64_t> worst_{0};
+  task::detail::HistogramRecorder histogram_;
 };
 
 }  // namespace segue::sample_link

@@ -20,7 +20,18 @@ TEST(LatencyTest, HasTheMeanAndTheWorst) {
   EXPECT_EQ(recorder.read(), Latency{});
   recorder.add(at(0us), at(2us));
   recorder.add(at(10us), at(16us));
-  EXPECT_EQ(recorder.read(), (Latency{2, 4us, 6us}));
+  EXPECT_EQ(recorder.read(), (Latency{2, 4us, 6us, 6us}));
+}
+
+TEST(LatencyTest, OneOfAHundredMayTakeLongerThanThe99thPercentile) {
+  LatencyRecorder recorder;
+  recorder.add(at(0us), at(1ms));
+  for (int i = 1; i < 100; ++i)
+    recorder.add(at(0us), at(2us));
+  EXPECT_EQ(recorder.read().worst, 1ms);
+  EXPECT_EQ(recorder.read().p99, 2048ns) << "the end of its bin";
+  recorder.add(at(0us), at(1ms));
+  EXPECT_EQ(recorder.read().p99, 1ms);
 }
 
 TEST(LatencyTest, WhatIsNotToBeMeasuredDoesNotCount) {
@@ -30,7 +41,7 @@ TEST(LatencyTest, WhatIsNotToBeMeasuredDoesNotCount) {
   recorder.add(at(4us), at(20us));
   EXPECT_EQ(recorder.read(), Latency{}) << "written before the connection";
   recorder.add(at(5us), at(7us));
-  EXPECT_EQ(recorder.read(), (Latency{1, 2us, 2us}));
+  EXPECT_EQ(recorder.read(), (Latency{1, 2us, 2us, 2us}));
 }
 
 TEST(LatencyTest, TimesThatCannotBeDoNotCount) {
@@ -43,8 +54,8 @@ TEST(LatencyTest, TimesThatCannotBeDoNotCount) {
 }
 
 TEST(LatencyTest, OfTwoConnectionsInARowIsTheirSum) {
-  const Latency first{10, 2us, 9us};
-  EXPECT_EQ(in_series(first, {4, 1us, 2us}), (Latency{4, 3us, 11us}));
+  const Latency first{10, 2us, 9us, 8us};
+  EXPECT_EQ(in_series(first, {4, 1us, 2us, 2us}), (Latency{4, 3us, 11us, 10us}));
   EXPECT_EQ(in_series(first, {}), Latency{});
   EXPECT_EQ(in_series({}, first), Latency{});
 }

@@ -357,6 +357,7 @@ TEST_F(RunningRobot, EveryVerbThatTalksToItPrintsJson) {
   const std::vector<std::vector<std::string>> lines = {{"status"},
                                                        {"top", "--once"},
                                                        {"task", "drive"},
+                                                       {"chain", "odometry", "drive"},
                                                        {"read", "odometry.pose"},
                                                        {"read", "odometry.pose", "-n", "3"},
                                                        {"set", "drive.max_speed=0.25"},
