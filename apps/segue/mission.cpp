@@ -67,10 +67,11 @@ int import_rafcon(const ImportOptions& options, const Context& context) {
 
 int import_pddl(const ImportOptions& options, const Context& context) {
   Diagnostics diagnostics;
-  auto network = pddl::load_pddl(options.pddl[0], options.pddl[1], options.pddl[2], diagnostics);
-  if (!network) return report_failure(context, diagnostics);
+  auto plan = pddl::load_pddl(options.pddl[0], options.pddl[1], options.pddl[2], diagnostics);
+  if (!plan) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
-  return write_or_print(context, options.output, task_network::write_flat_network({std::move(*network), {}}));
+  return write_or_print(context, options.output,
+                        task_network::write_flat_network({std::move(plan->network), {}}));
 }
 
 int import_plan(const ImportOptions& options, const Context& context) {

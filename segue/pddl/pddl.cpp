@@ -17,28 +17,26 @@ std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics) 
   return terms->front().list[1].begins_with("problem") ? PddlPart::Problem : PddlPart::Domain;
 }
 
-std::optional<task_network::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
-                                                   const PddlText& plan, Diagnostics& diagnostics) {
+std::optional<PddlPlan> read_pddl(const PddlText& domain, const PddlText& problem, const PddlText& plan,
+                                  Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.error_count();
   const auto failed = [&] { return diagnostics.error_count() > before; };
   const auto domain_terms = detail::parse_pddl(domain.text, domain.file, diagnostics);
   const auto problem_terms = detail::parse_pddl(problem.text, problem.file, diagnostics);
   const auto steps = detail::parse_plan(plan.text, plan.file, diagnostics);
   if (!domain_terms || !problem_terms || !steps) return std::nullopt;
-  std::optional<task_network::TaskNetwork> network(std::in_place);
-  detail::PddlTask task(*network, diagnostics);
+  std::optional<PddlPlan> read(std::in_place);
+  detail::PddlTask task(*read, diagnostics);
   // A mistake in one text makes others look wrong.
   task.read_domain(*domain_terms);
   if (!failed()) task.read_problem(*problem_terms);
   if (!failed()) task.read_plan(*steps);
   if (failed()) return std::nullopt;
-  return network;
+  return read;
 }
 
-std::optional<task_network::TaskNetwork> load_pddl(const std::filesystem::path& domain,
-                                                   const std::filesystem::path& problem,
-                                                   const std::filesystem::path& plan,
-                                                   Diagnostics& diagnostics) {
+std::optional<PddlPlan> load_pddl(const std::filesystem::path& domain, const std::filesystem::path& problem,
+                                  const std::filesystem::path& plan, Diagnostics& diagnostics) {
   std::string texts[3];
   const std::filesystem::path* files[3] = {&domain, &problem, &plan};
   for (std::size_t i = 0; i < 3; ++i) {

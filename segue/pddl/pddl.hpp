@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace segue::pddl {
 
@@ -21,21 +22,37 @@ enum class PddlPart { Domain, Problem, Plan };
 /// The kind of a text; nothing, and diagnostics, where it cannot be parsed.
 std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics);
 
+/// A step of a plan, which is a node of its network.
+struct PlannedStep {
+  std::string action;
+  std::vector<std::string> objects;
+  std::vector<task_network::Literal> during;    ///< hold until it has ended ("over all")
+  std::vector<task_network::FactId> meanwhile;  ///< it changes them at its start, and back at its end
+};
+
+/// A plan as a task network. `steps` are its nodes, in their order.
+struct PddlPlan {
+  task_network::TaskNetwork network;
+  std::vector<PlannedStep> steps;
+};
+
 /// A domain, a problem and a sequential or time-stamped plan, as planners write it, as a network: each step
-/// is an irreversible node of 1 s that uses no resource; the goal is that of the problem. Supports STRIPS
-/// with typing (including `either`), negative preconditions, equality, constants, conditional and `forall`
-/// effects; numeric costs are ignored. Everything else that PDDL has (constraints, numeric conditions,
-/// processes, ...) is refused by name. Steps are in the order of their times, of which and of durations
-/// nothing else is kept. Names are case-insensitive. A conditional effect becomes the effect that it has at
-/// its place in the plan, with the facts that decide it as preconditions. The plan is simulated step by step:
-/// a precondition or a goal that does not hold is an error with its place. If there are errors, nothing is
-/// returned.
-std::optional<task_network::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
-                                                   const PddlText& plan, Diagnostics& diagnostics);
+/// is an irreversible node; the goal is that of the problem. Supports STRIPS with typing (including
+/// `either`), negative preconditions, equality, constants, conditional and `forall` effects, and durative
+/// actions; numeric costs are ignored. Everything else that PDDL has (constraints, numeric conditions,
+/// processes, ...) is refused by name. Names are case-insensitive. A conditional effect becomes the effect
+/// that it has at its place in the plan, with the facts that decide it as preconditions.
+///
+/// A step takes as long as the plan says if its action is durative, otherwise 1 s. It requires all conditions
+/// of its action when it begins, and has all effects when it ends; who touches a fact that others change only
+/// meanwhile blocks a resource of the fact's name ("task:free(arm)"). Steps are in the order in which they
+/// begin, and the plan is simulated in that order, one after the other: a precondition or a goal that does
+/// not hold is an error with its place, so plans are refused in which steps must overlap. If there are
+/// errors, nothing is returned.
+std::optional<PddlPlan> read_pddl(const PddlText& domain, const PddlText& problem, const PddlText& plan,
+                                  Diagnostics& diagnostics);
 /// Reads a domain, a problem and a plan from files. Blocks.
-std::optional<task_network::TaskNetwork> load_pddl(const std::filesystem::path& domain,
-                                                   const std::filesystem::path& problem,
-                                                   const std::filesystem::path& plan,
-                                                   Diagnostics& diagnostics);
+std::optional<PddlPlan> load_pddl(const std::filesystem::path& domain, const std::filesystem::path& problem,
+                                  const std::filesystem::path& plan, Diagnostics& diagnostics);
 
 }  // namespace segue::pddl

@@ -60,7 +60,7 @@ bool is_timed_literal(const PddlTerm& term) {
 }
 
 void check_sections(const std::vector<PddlTerm>& definition, std::initializer_list<std::string_view> known,
-                    std::string_view repeated, Diagnostics& diagnostics) {
+                    std::initializer_list<std::string_view> repeated, Diagnostics& diagnostics) {
   std::set<std::string> seen;
   for (std::size_t i = 2; i < definition.size(); ++i) {
     const PddlTerm& section = definition[i];
@@ -72,7 +72,7 @@ void check_sections(const std::vector<PddlTerm>& definition, std::initializer_li
                             ? name + " is not supported"
                             : "a section such as (:init ...) was expected here",
                         section.where);
-    } else if (name != repeated && !seen.insert(name).second) {
+    } else if (std::ranges::find(repeated, name) == repeated.end() && !seen.insert(name).second) {
       diagnostics.error("duplicate-section", "a second section " + name, section.where);
     }
   }

@@ -24,7 +24,7 @@ bool is_timed_literal(const PddlTerm& term);
 /// Refuses sections of a definition that are not in `known`, and second ones of those that may be there once:
 /// all but `repeated`.
 void check_sections(const std::vector<PddlTerm>& definition, std::initializer_list<std::string_view> known,
-                    std::string_view repeated, Diagnostics& diagnostics);
+                    std::initializer_list<std::string_view> repeated, Diagnostics& diagnostics);
 
 /// Refuses a name that a task network cannot have.
 void check_name(const std::string& name, const SourceLocation& where, Diagnostics& diagnostics);

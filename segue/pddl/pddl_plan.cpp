@@ -4,7 +4,6 @@
 #include <segue/base/text.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <span>
 #include <utility>
 
@@ -14,15 +13,6 @@ namespace {
 
 /// The line that FF prints before the steps of its plan.
 constexpr std::string_view kFfBegin = "found legal plan as follows";
-
-/// The number in a text, which has no sign and is not infinite.
-std::optional<double> number(std::string_view text) {
-  if (text.empty() || text.front() < '0' || text.front() > '9') return std::nullopt;
-  double value = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 /// Whether a line of FF's output has a step: "step    0: MOVE A B", "        1: MOVE B C".
 bool is_step_of_ff(std::string_view line) {
@@ -56,7 +46,7 @@ class PlanParser {
  public:
   explicit PlanParser(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  std::optional<std::vector<PddlTerm>> parse(const std::vector<PddlTerm>& terms) {
+  std::optional<std::vector<PddlStep>> parse(const std::vector<PddlTerm>& terms) {
     for (std::size_t begin = 0; begin < terms.size();) {
       std::size_t end = begin + 1;
       while (end < terms.size() && terms[end].where.line == terms[begin].where.line)
@@ -64,24 +54,17 @@ class PlanParser {
       if (!read_line(std::span(terms).subspan(begin, end - begin))) return std::nullopt;
       begin = end;
     }
-    const auto timed = [](const Step& step) { return step.time.has_value(); };
+    const auto timed = [](const PddlStep& step) { return step.begin.has_value(); };
     const auto untimed = std::ranges::find_if_not(steps_, timed);
     if (untimed != steps_.end() && std::ranges::any_of(steps_, timed)) {
       refuse("this step has no time, but others have", untimed->action.where);
       return std::nullopt;
     }
-    std::ranges::stable_sort(steps_, {}, [](const Step& step) { return step.time.value_or(0); });
-    std::vector<PddlTerm> result;
-    for (Step& step : steps_)
-      result.push_back(std::move(step.action));
-    return result;
+    std::ranges::stable_sort(steps_, {}, [](const PddlStep& step) { return step.begin.value_or(0); });
+    return std::move(steps_);
   }
 
  private:
-  struct Step {
-    PddlTerm action;
-    std::optional<double> time;
-  };
   using Line = std::span<const PddlTerm>;
 
   bool refuse(std::string message, const SourceLocation& where) {
@@ -113,7 +96,7 @@ class PlanParser {
       word.remove_suffix(1);
     else
       return false;
-    const auto time = number(word);
+    const auto time = number_in(word);
     if (!time) return false;
     time_ = time;
     line = rest.subspan(used);
@@ -125,6 +108,7 @@ class PlanParser {
     const bool timed = take_time(line);
     const auto duration =
         std::ranges::find_if(line, [](const PddlTerm& term) { return term.word.starts_with('['); });
+    if (!read_duration({duration, line.end()})) return false;
     line = line.first(static_cast<std::size_t>(duration - line.begin()));
     if (line.empty()) return true;  // a time or a duration in a line of its own
     const bool read =
@@ -138,17 +122,32 @@ class PlanParser {
                where);
   }
 
+  /// "[1]", "[ 1 ]", or "[D:1.0000", of which a comment is the rest; nothing where the plan gives none.
+  bool read_duration(Line rest) {
+    duration_.reset();
+    if (rest.empty()) return true;
+    std::string_view word = rest.front().word;
+    word.remove_prefix(1);
+    if (word.empty() && rest.size() > 1) word = rest[1].word;
+    if (word.starts_with("d:")) word.remove_prefix(2);
+    if (word.ends_with(']')) word.remove_suffix(1);
+    duration_ = number_in(word);
+    return duration_ || refuse("a duration is a number of seconds, such as [1.5]", rest.front().where);
+  }
+
+  void add(PddlTerm action) { steps_.push_back({std::move(action), time_, duration_}); }
+
   /// "(move a b)"
   bool read_lists(Line line) {
     if (!std::ranges::all_of(line, &PddlTerm::is_list)) return false;
     for (const PddlTerm& term : line)
-      steps_.push_back({term, time_});
+      add(term);
     return true;
   }
 
   /// "move(a,b)", without a blank before the parenthesis.
   bool read_calls(Line line) {
-    std::vector<Step> calls;
+    std::vector<PddlTerm> calls;
     for (std::size_t i = 0; i < line.size(); i += 2) {
       const bool call =
           i + 1 < line.size() && !line[i].is_list() && line[i + 1].is_list() &&
@@ -157,9 +156,10 @@ class PlanParser {
       PddlTerm action{{}, {line[i]}, line[i].where};
       for (const PddlTerm& argument : line[i + 1].list)
         add_arguments(action, argument);
-      calls.push_back({std::move(action), time_});
+      calls.push_back(std::move(action));
     }
-    steps_.insert(steps_.end(), calls.begin(), calls.end());
+    for (PddlTerm& action : calls)
+      add(std::move(action));
     return true;
   }
 
@@ -181,19 +181,20 @@ class PlanParser {
   /// "MOVE A B" after a number, as FF writes it, or an action without objects of unified-planning.
   bool read_words(Line line, bool timed) {
     if (std::ranges::any_of(line, &PddlTerm::is_list) || (!timed && line.size() > 1)) return false;
-    steps_.push_back({PddlTerm{{}, {line.begin(), line.end()}, line.front().where}, time_});
+    add(PddlTerm{{}, {line.begin(), line.end()}, line.front().where});
     return true;
   }
 
   Diagnostics& diagnostics_;
-  std::vector<Step> steps_;
+  std::vector<PddlStep> steps_;
   std::optional<double> time_;
+  std::optional<double> duration_;
   bool lists_calls_ = false;
 };
 
 }  // namespace
 
-std::optional<std::vector<PddlTerm>> parse_plan(std::string_view text, const std::string& file,
+std::optional<std::vector<PddlStep>> parse_plan(std::string_view text, const std::string& file,
                                                 Diagnostics& diagnostics) {
   const auto terms = parse_pddl(only_steps_of_ff(text), file, diagnostics);
   return terms ? PlanParser(diagnostics).parse(*terms) : std::nullopt;

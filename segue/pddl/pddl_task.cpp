@@ -25,8 +25,10 @@ void PddlTask::read_domain(const std::vector<PddlTerm>& terms) {
   const auto* sections = definition(terms, "domain");
   if (sections == nullptr) return;
   if ((*sections)[1].list.size() > 1) domain_ = (*sections)[1].list[1].word;
-  check_sections(*sections, {":requirements", ":types", ":constants", ":predicates", ":functions", ":action"},
-                 ":action", diagnostics_);
+  check_sections(
+      *sections,
+      {":requirements", ":types", ":constants", ":predicates", ":functions", ":action", ":durative-action"},
+      {":action", ":durative-action"}, diagnostics_);
   for (const PddlTerm& section : *sections) {
     if (section.begins_with(":types")) read_types(section);
   }
@@ -35,7 +37,7 @@ void PddlTask::read_domain(const std::vector<PddlTerm>& terms) {
     if (section.begins_with(":predicates")) read_predicates(section);
   }
   for (const PddlTerm& section : *sections) {
-    if (section.begins_with(":action")) read_action(section);
+    if (section.begins_with(":action") || section.begins_with(":durative-action")) read_action(section);
   }
 }
 
@@ -109,30 +111,55 @@ void PddlTask::read_action(const PddlTerm& section) {
       if (!network_.facts.has_type(type)) error("bad-type", "no type " + quote(type), parameter.where);
     }
   }
-  PddlForms forms(arities_, diagnostics_);
-  forms.check_condition(action.precondition, action.parameters);
-  forms.check_effect(action.effect, action.parameters);
+  check_action(action);
   if (!actions_.emplace(parts[1].word, std::move(action)).second)
     error("bad-action", "a second action " + quote(parts[1].word), section.where);
 }
 
+void PddlTask::check_action(const Action& action) {
+  PddlForms forms(arities_, diagnostics_);
+  for (const PddlTerm* part :
+       {&action.condition.at_start, &action.condition.over_all, &action.condition.at_end})
+    forms.check_condition(*part, action.parameters);
+  for (const PddlTerm* part : {&action.effect.at_start, &action.effect.at_end})
+    forms.check_effect(*part, action.parameters);
+}
+
+void PddlTask::note_changed_functions(const PddlTerm& effect) {
+  if (is_numeric_effect(effect) && effect.list.size() > 1 && !effect.list[1].list.empty())
+    changed_functions_.insert(effect.list[1].list.front().word);
+  for (const PddlTerm& part : effect.list)
+    note_changed_functions(part);
+}
+
 void PddlTask::read_parts(Action& action, const PddlTerm& section) {
   const auto& parts = section.list;
+  const bool durative = section.begins_with(":durative-action");
   std::set<std::string> seen;
   for (std::size_t i = 2; i < parts.size(); i += 2) {
     const std::string& name = parts[i].word;
     if (i + 1 == parts.size()) return error("bad-action", "nothing follows " + quote(name), parts[i].where);
     if (!seen.insert(name).second) error("bad-action", "a second part " + quote(name), parts[i].where);
+    const PddlTerm& part = parts[i + 1];
+    if (name == ":effect") note_changed_functions(part);
     if (name == ":parameters")
-      action.parameters = read_typed_list(parts[i + 1].list, 0, diagnostics_);
-    else if (name == ":precondition")
-      action.precondition = parts[i + 1];
+      action.parameters = read_typed_list(part.list, 0, diagnostics_);
+    else if (name == ":precondition" && !durative)
+      action.condition.at_start = part;
+    else if (name == ":effect" && !durative)
+      action.effect.at_end = part;
+    else if (name == ":condition" && durative)
+      action.condition = timed_condition(part, diagnostics_);
     else if (name == ":effect")
-      action.effect = parts[i + 1];
+      action.effect = timed_effect(part, diagnostics_);
+    else if (name == ":duration" && durative)
+      action.duration = part;
     else
       error("bad-action", "unknown part " + quote(name) + " of action " + quote(parts[1].word),
             parts[i].where);
   }
+  if (durative && !action.duration)
+    error("bad-action", "a durative action needs a ':duration' such as (= ?duration 5)", section.where);
 }
 
 void PddlTask::check_domain_name(const std::vector<PddlTerm>& sections) {
@@ -175,7 +202,10 @@ void PddlTask::read_problem(const std::vector<PddlTerm>& terms) {
 void PddlTask::read_initial(const PddlTerm& section) {
   for (std::size_t i = 1; i < section.list.size(); ++i) {
     const PddlTerm& entry = section.list[i];
-    if (entry.begins_with("=") && entry.list.size() == 3 && entry.list[1].is_list()) continue;  // costs
+    if (entry.begins_with("=") && entry.list.size() == 3 && entry.list[1].is_list()) {
+      read_value(entry);
+      continue;
+    }
     if (is_timed_literal(entry)) {
       error("unsupported", "a timed initial literal is not supported", entry.where);
       continue;
@@ -238,24 +268,24 @@ void PddlTask::demand(Step& step, const task_network::Literal& literal) {
   if (std::ranges::find(all, literal) == all.end()) all.push_back(literal);
 }
 
-void PddlTask::add_effect(const PddlTerm& effect, const Binding& binding, Step& step) {
+void PddlTask::add_effect(const PddlTerm& effect, const Binding& binding, Step& step, Effects& effects) {
   if (effect.is_list() && effect.list.empty()) return;
   if (effect.begins_with("and")) {
     for (std::size_t i = 1; i < effect.list.size(); ++i)
-      add_effect(effect.list[i], binding, step);
+      add_effect(effect.list[i], binding, step, effects);
     return;
   }
   if (is_numeric_effect(effect)) return;
-  if (effect.begins_with("when")) return add_conditional(effect, binding, step);
-  if (effect.begins_with("forall")) return add_for_all(effect, binding, step);
+  if (effect.begins_with("when")) return add_conditional(effect, binding, step, effects);
+  if (effect.begins_with("forall")) return add_for_all(effect, binding, step, effects);
   const bool positive = !(effect.begins_with("not") && effect.list.size() == 2);
   const auto fact = ground(positive ? effect : effect.list[1], binding);
-  if (fact) step.spec.effects.push_back({*fact, positive});
+  if (fact) effects.push_back({*fact, positive});
 }
 
 /// Adds preconditions that preserve the truth of the condition: all its literals if it holds, else a false
 /// one.
-void PddlTask::add_conditional(const PddlTerm& effect, const Binding& binding, Step& step) {
+void PddlTask::add_conditional(const PddlTerm& effect, const Binding& binding, Step& step, Effects& effects) {
   if (effect.list.size() != 3) return error("bad-effect", "expected (when CONDITION EFFECT)", effect.where);
   std::vector<task_network::Literal> condition;
   const std::size_t before = diagnostics_.error_count();
@@ -266,81 +296,21 @@ void PddlTask::add_conditional(const PddlTerm& effect, const Binding& binding, S
   if (unmet != condition.end()) return demand(step, {unmet->fact, !unmet->value});
   for (const task_network::Literal& literal : condition)
     demand(step, literal);
-  add_effect(effect.list[2], binding, step);
+  add_effect(effect.list[2], binding, step, effects);
 }
 
-void PddlTask::add_for_all(const PddlTerm& effect, const Binding& binding, Step& step, std::size_t variable) {
+void PddlTask::add_for_all(const PddlTerm& effect, const Binding& binding, Step& step, Effects& effects,
+                           std::size_t variable) {
   if (effect.list.size() != 3)
     return error("bad-effect", "expected (forall (VARIABLES) EFFECT)", effect.where);
   const auto variables = read_typed_list(effect.list[1].list, 0, diagnostics_);
-  if (variable == variables.size()) return add_effect(effect.list[2], binding, step);
+  if (variable == variables.size()) return add_effect(effect.list[2], binding, step, effects);
   for (const std::string& object : objects_) {
     if (!network_.facts.is_a(object, variables[variable].types)) continue;
     Binding inner = binding;
     inner[variables[variable].name] = object;
-    add_for_all(effect, inner, step, variable + 1);
+    add_for_all(effect, inner, step, effects, variable + 1);
   }
-}
-
-bool PddlTask::bind(const Action& action, const PddlTerm& term, Binding& binding) {
-  if (term.list.size() != action.parameters.size() + 1) {
-    error("bad-step",
-          "the action takes " + std::to_string(action.parameters.size()) + " arguments, not " +
-              std::to_string(term.list.size() - 1),
-          term.where);
-    return false;
-  }
-  for (std::size_t i = 0; i < action.parameters.size(); ++i) {
-    const PddlTerm& argument = term.list[i + 1];
-    if (!network_.facts.is_a(argument.word, action.parameters[i].types)) {
-      error("bad-step",
-            quote(argument.word) + " is not an object of type " + listed(action.parameters[i].types),
-            argument.where);
-      return false;
-    }
-    binding[action.parameters[i].name] = argument.word;
-  }
-  return true;
-}
-
-void PddlTask::read_plan(const std::vector<PddlTerm>& steps) {
-  std::uint32_t number = 0;
-  for (const PddlTerm& step : steps)
-    read_step(step, number++);
-  for (const task_network::Literal& literal : network_.goal) {
-    if (!world_.holds(literal)) {
-      error("goal-missed", "the plan does not reach the goal " + network_.facts.text(literal),
-            steps.empty() ? SourceLocation{} : steps.back().where);
-    }
-  }
-}
-
-void PddlTask::read_step(const PddlTerm& term, std::uint32_t number) {
-  const auto found = term.list.empty() ? actions_.end() : actions_.find(term.list.front().word);
-  if (found == actions_.end())
-    return error("unknown-action", "a step is a list of an action of the domain and its objects", term.where);
-  Binding binding;
-  if (!bind(found->second, term, binding)) return;
-  Step step;
-  step.before = world_;
-  for (const PddlTerm& word : term.list)
-    step.spec.name += (step.spec.name.empty() ? "" : " ") + word.word;
-  step.spec.iteration = number;
-  step.spec.duration = std::chrono::seconds(1);
-  collect(found->second.precondition, binding, true, step.spec.preconditions);
-  add_effect(found->second.effect, binding, step);
-  for (const task_network::Literal& literal : step.spec.preconditions) {
-    if (!world_.holds(literal))
-      error("false-precondition", network_.facts.text(literal) + " does not hold before this step",
-            term.where);
-  }
-  for (const task_network::Literal& literal : step.spec.effects) {
-    if (!literal.value) world_.set(literal);
-  }
-  for (const task_network::Literal& literal : step.spec.effects) {
-    if (literal.value) world_.set(literal);
-  }
-  network_.append(step.spec);
 }
 
 }  // namespace segue::pddl::detail

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 
 namespace segue::pddl::detail {
 
@@ -113,6 +114,14 @@ std::vector<std::string> read_types(const PddlTerm& term, Diagnostics& diagnosti
 std::optional<std::vector<PddlTerm>> parse_pddl(std::string_view text, const std::string& file,
                                                 Diagnostics& diagnostics) {
   return Parser(text, file, diagnostics).parse();
+}
+
+std::optional<double> number_in(std::string_view text) {
+  if (text.empty() || text.front() < '0' || text.front() > '9') return std::nullopt;
+  double value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
 }
 
 bool begins_with_definition(std::string_view text) {

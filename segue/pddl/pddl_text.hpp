@@ -23,6 +23,9 @@ struct PddlTerm {
   }
 };
 
+/// The number that a text is, if it has no sign and is not infinite.
+std::optional<double> number_in(std::string_view text);
+
 /// Whether the text, after comments and a byte order mark, begins with "(define".
 bool begins_with_definition(std::string_view text);
 

@@ -17,12 +17,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t second = first == std::string_view::npos ? first : text.find('%', first + 1);
   if (second == std::string_view::npos) return 0;
   Diagnostics diagnostics;
-  const auto network = pddl::read_pddl({text.substr(0, first), "domain"},
-                                       {text.substr(first + 1, second - first - 1), "problem"},
-                                       {text.substr(second + 1), "plan"}, diagnostics);
-  require(network.has_value() != diagnostics.has_errors(), "a refusal says why");
-  if (!network) return 0;
+  const auto plan = pddl::read_pddl({text.substr(0, first), "domain"},
+                                    {text.substr(first + 1, second - first - 1), "problem"},
+                                    {text.substr(second + 1), "plan"}, diagnostics);
+  require(plan.has_value() != diagnostics.has_errors(), "a refusal says why");
+  if (!plan) return 0;
+  require(plan->steps.size() == plan->network.size(), "every step is a node");
   for (const auto rule : {task_network::OrderRule::Epoch, task_network::OrderRule::Goal})
-    require(task_network::derive_order(*network, rule).size() == network->size(), "every node has its place");
+    require(task_network::derive_order(plan->network, rule).size() == plan->network.size(),
+            "every node has its place");
   return 0;
 }
