@@ -80,6 +80,12 @@ Result<void> ChildProcess::open_null(int number) {
   return hand_over(null.get(), number);
 }
 
+Result<void> ChildProcess::set_folder(const std::string& folder) {
+  const int reason = ::posix_spawn_file_actions_addchdir_np(&actions_, folder.c_str());
+  if (reason != 0) return system_error("cannot start a process in " + quote(folder), reason);
+  return {};
+}
+
 Result<pid_t> ChildProcess::start(const std::string& program, std::vector<std::string> words,
                                   const std::string& what) {
   ::posix_spawn_file_actions_addclosefrom_np(&actions_, first_free_);

@@ -28,6 +28,8 @@ class ChildProcess {
   /// The child gets `source` as descriptor `number`, whatever numbers are in use in this process.
   Result<void> hand_over(int source, int number);
   Result<void> open_null(int number);
+  /// The child begins in that folder.
+  Result<void> set_folder(const std::string& folder);
   /// Adds to, or overrides in, the environment inherited from this process.
   void set_environment(std::vector<std::pair<std::string, std::string>> more) { more_ = std::move(more); }
 

@@ -17,6 +17,17 @@ std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics) 
   return terms->front().list[1].begins_with("problem") ? PddlPart::Problem : PddlPart::Domain;
 }
 
+std::optional<PddlDomain> read_domain(const PddlText& text, Diagnostics& diagnostics) {
+  const std::size_t before = diagnostics.error_count();
+  const auto terms = detail::parse_pddl(text.text, text.file, diagnostics);
+  if (!terms) return std::nullopt;
+  PddlPlan plan;
+  detail::PddlTask task(plan, diagnostics);
+  task.read_domain(*terms);
+  if (diagnostics.error_count() > before) return std::nullopt;
+  return task.domain();
+}
+
 std::optional<PddlPlan> read_pddl(const PddlText& domain, const PddlText& problem, const PddlText& plan,
                                   Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.error_count();

@@ -22,6 +22,30 @@ enum class PddlPart { Domain, Problem, Plan };
 /// The kind of a text; nothing, and diagnostics, where it cannot be parsed.
 std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics);
 
+/// A variable of an action or a predicate, without its '?'.
+struct DomainParameter {
+  std::string name;
+  std::vector<std::string> types;  ///< its objects are of any of them
+};
+struct DomainPredicate {
+  std::string name;
+  std::vector<DomainParameter> parameters;
+};
+struct DomainAction {
+  std::string name;
+  std::vector<DomainParameter> parameters;
+  bool durative = false;
+};
+/// The declarations of a domain, sorted by name.
+struct PddlDomain {
+  std::string name;
+  std::vector<DomainAction> actions;
+  std::vector<DomainPredicate> predicates;
+  task_network::FactTable facts;  ///< with its types, constants and predicates
+};
+/// Reads a domain. If there are errors, nothing is returned.
+std::optional<PddlDomain> read_domain(const PddlText& text, Diagnostics& diagnostics);
+
 /// A step of a plan, which is a node of its network.
 struct PlannedStep {
   std::string action;

@@ -86,10 +86,12 @@ void PddlTask::read_predicates(const PddlTerm& section) {
       continue;
     }
     std::vector<std::vector<std::string>> parameters;
-    for (const PddlTyped& parameter : read_typed_list(predicate.list, 1, diagnostics_))
-      parameters.push_back(parameter.types);
+    const auto variables = read_typed_list(predicate.list, 1, diagnostics_);
+    for (const PddlTyped& variable : variables)
+      parameters.push_back(variable.types);
     check_name(predicate.list.front().word, predicate.where, diagnostics_);
     arities_.emplace(predicate.list.front().word, parameters.size());
+    predicates_.emplace(predicate.list.front().word, variables);
     const auto declared =
         network_.facts.declare_predicate(predicate.list.front().word, std::move(parameters));
     if (!declared) error("bad-predicate", declared.error().message, predicate.where);
@@ -160,6 +162,21 @@ void PddlTask::read_parts(Action& action, const PddlTerm& section) {
   }
   if (durative && !action.duration)
     error("bad-action", "a durative action needs a ':duration' such as (= ?duration 5)", section.where);
+}
+
+PddlDomain PddlTask::domain() const {
+  const auto parameters = [](const std::vector<PddlTyped>& variables) {
+    std::vector<DomainParameter> result;
+    for (const PddlTyped& variable : variables)
+      result.push_back({variable.name.substr(variable.name.starts_with('?') ? 1 : 0), variable.types});
+    return result;
+  };
+  PddlDomain result{domain_, {}, {}, network_.facts};
+  for (const auto& [name, action] : actions_)
+    result.actions.push_back({name, parameters(action.parameters), action.duration.has_value()});
+  for (const auto& [name, variables] : predicates_)
+    result.predicates.push_back({name, parameters(variables)});
+  return result;
 }
 
 void PddlTask::check_domain_name(const std::vector<PddlTerm>& sections) {

@@ -12,7 +12,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 namespace segue::pddl::detail {
@@ -25,11 +24,9 @@ class PddlTask {
       : plan_(plan), network_(plan.network), diagnostics_(diagnostics) {}
   void read_domain(const std::vector<PddlTerm>& terms);
   void read_problem(const std::vector<PddlTerm>& terms);
-  /// Requires a domain and a problem without errors. `steps` as of parse_plan().
-  void read_plan(const std::vector<PddlStep>& steps);
+  /// The declarations of the domain that was read.
+  [[nodiscard]] PddlDomain domain() const;
 
- private:
-  using Binding = std::map<std::string, std::string>;
   /// An action without duration requires all at its start and changes all at its end.
   struct Action {
     std::vector<PddlTyped> parameters;
@@ -37,6 +34,17 @@ class PddlTask {
     PddlTimed effect;
     std::optional<PddlTerm> duration;  ///< of a durative one
   };
+  [[nodiscard]] const std::map<std::string, Action>& actions() const { return actions_; }
+  [[nodiscard]] const std::vector<std::string>& objects() const { return objects_; }
+  /// With types, facts, initial world and goal of the problem that was read.
+  [[nodiscard]] const task_network::TaskNetwork& network() const { return network_; }
+  /// Of functions at first: "distance a b".
+  [[nodiscard]] const std::map<std::string, double>& values() const { return values_; }
+  /// Requires a domain and a problem without errors. `steps` as of parse_plan().
+  void read_plan(const std::vector<PddlStep>& steps);
+
+ private:
+  using Binding = std::map<std::string, std::string>;
   /// A step of the plan, with the world before it.
   struct Step {
     task_network::NodeSpec spec;
@@ -81,10 +89,11 @@ class PddlTask {
   PddlPlan& plan_;
   task_network::TaskNetwork& network_;
   Diagnostics& diagnostics_;
-  std::unordered_map<std::string, Action> actions_;
+  std::map<std::string, Action> actions_;
   std::vector<std::string> objects_;
   std::string domain_;
   PddlForms::Arities arities_;
+  std::map<std::string, std::vector<PddlTyped>> predicates_;
   std::map<std::string, std::vector<std::string>> constants_;  ///< with their types
   std::map<std::string, double> values_;                       ///< of functions: "distance a b"
   std::set<std::string> changed_functions_;                    ///< by some action

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/pddl/pddl.hpp>
+#include <segue/pddl/pddl_problem.hpp>
 #include <segue/task_network/concurrent_engine.hpp>
 #include <segue/task_network/critical_path.hpp>
 #include <segue/task_network/flat_file.hpp>
@@ -271,6 +272,22 @@ std::string steps_of(std::string_view plan) {
   for (std::uint32_t i = 0; i < network->size(); ++i)
     names += (i == 0 ? "" : "; ") + network->names.name((*network)[NodeId{i}].name);
   return names;
+}
+
+TEST(PddlProblem, TakesWhatWasObservedInPlaceOfWhatItSays) {
+  Diagnostics diagnostics;
+  const std::vector<ObservedAtom> facts = {{{"at", "a"}, false}, {{"at", "b"}, true}, {{"free"}, true}};
+  const auto changed = problem_with({"(define (problem P) (:domain d) ; now\n (:init (at a) (= (far a b) 2) "
+                                     "(not (free)) (at c)) (:goal (at c)))",
+                                     "problem"},
+                                    facts, diagnostics);
+  ASSERT_TRUE(changed) << to_string(diagnostics);
+  EXPECT_EQ(*changed,
+            "(define (problem p)\n  (:domain d)\n  (:init (= (far a b) 2) (at c) (at b) (free))\n  (:goal "
+            "(at c)))\n");
+  EXPECT_FALSE(problem_with({"(define (problem p) (:domain d))", "problem"}, facts, diagnostics));
+  EXPECT_EQ(to_string(diagnostics),
+            "problem:1:1: error: expected (define (problem ...) ... (:init ...) ...) [bad-definition]\n");
 }
 
 TEST(PddlPlan, IsInTheOrderOfItsTimes) {
