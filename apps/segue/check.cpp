@@ -2,6 +2,7 @@
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/journal/journal_reader.hpp>
+#include <segue/mission_plan/plan_mapping.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/hints.hpp>
 #include <segue/model/validate.hpp>
@@ -105,6 +106,9 @@ class Checker {
       case FileKind::StandIns:
         (void)task_host::StandInTable::load(file, diagnostics_);
         return;
+      case FileKind::PlanMapping:
+        (void)mission::load_mapping(file, diagnostics_);
+        return;
       case FileKind::Pddl:
         pddl_.emplace_back(file, *text);
         return;
@@ -128,8 +132,9 @@ class Checker {
     if (broken) return diagnostics_.append(parsing);
     diagnostics_.error(
         "unknown-kind",
-        "this is not a network, robot, mission, task network, transition, component model, stand-in, PDDL or "
-        ".tlb file; a network has `tasks:`, a robot file `robot:`, a mission `mission:` at its top",
+        "this is not a network, robot, mission, task network, transition, component model, stand-in, PDDL, "
+        "mapping or .tlb file; a network has `tasks:`, a robot file `robot:`, a mission `mission:` at its "
+        "top",
         {file, 0, 0});
   }
 
@@ -332,7 +337,7 @@ void add_check(Verb& app, Context& context) {
                         [options, &context] { return check_files(*options, context); });
   verb.option("FILE", options->files,
               "networks, robots (with all files that they name), missions, RAFCON folders, task networks, "
-              "transitions, component models, .tlb files, stand-ins, PDDL, journals")
+              "transitions, component models, .tlb files, stand-ins, PDDL, mappings of plans, journals")
       .required();
   verb.flag("--structure", options->structure,
             "check names and references only, not components, ports and types");

@@ -51,6 +51,11 @@ hosts:
 #look_ahead:
 #  processes: 8
 #  memory: 2GB
+# The program that `segue mission plan` asks for plans; by default a small planner that is built in.
+#planner:
+#  command: [my-planner, "{domain}", "{problem}"]  # it prints the plan, or writes it into "{plan}"
+#  timeout: 60s                         # how long it may take
+#  memory: 4GB                          # of each of its processes; by default there is no limit
 # Tasks that run beside every controller, each in a process of its own; missions call their operations.
 #pools:
 #  planner:

@@ -11,6 +11,7 @@
 
 #include "checked_missions.hpp"
 #include "mission_convert.hpp"
+#include "mission_plan.hpp"
 #include "mission_request.hpp"
 #include "mission_run.hpp"
 #include "mission_steering.hpp"
@@ -232,6 +233,7 @@ void add_mission(Verb& app, Context& context) {
   importer.option("-o,--output FILE", source->output, "write to a file instead of standard output");
   add_gantt(verb, context);
   add_convert(verb, context);
+  add_mission_plan(verb, context);
   add_mission_steering(verb, context);
 }
 

@@ -79,7 +79,8 @@ enum class FileKind {
   Components,
   Typelib,
   StandIns,
-  Pddl,  ///< a domain, a problem or a plan
+  Pddl,         ///< a domain, a problem or a plan
+  PlanMapping,  ///< of PDDL plans to missions
   Unknown
 };
 /// Determined by content (top-level keys), then by name.

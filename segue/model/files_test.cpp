@@ -278,6 +278,24 @@ TEST(RobotFileTest, DefaultsAreModest) {
   EXPECT_EQ(robot->look_ahead, LookAhead{});
 }
 
+TEST(RobotFileTest, NamesThePlannerOfItsMissions) {
+  Diagnostics diagnostics;
+  const auto robot =
+      read_robot("robot: r\nplanner: {command: [lama, \"{domain}\"], timeout: 5s, memory: 1MB}\n", "r.yaml",
+                 diagnostics);
+  ASSERT_TRUE(robot) << to_string(diagnostics);
+  ASSERT_TRUE(robot->planner);
+  EXPECT_EQ(robot->planner->command, (std::vector<std::string>{"lama", "{domain}"}));
+  EXPECT_EQ(robot->planner->timeout, std::chrono::seconds(5));
+  EXPECT_EQ(robot->planner->memory, 1'000'000U);
+  EXPECT_FALSE(read_robot("robot: r\nplanner: {timeout: 0s}\n", "r.yaml", diagnostics));
+  EXPECT_EQ(
+      to_string(diagnostics),
+      "r.yaml:2:10: error: the planner needs a 'command', such as [my-planner, \"{domain}\", \"{problem}\"] "
+      "[no-command]\n"
+      "r.yaml:2:20: error: the planner: 'timeout' must be longer than nothing [bad-duration]\n");
+}
+
 TEST(RobotFileTest, LibrariesAreNamesNeverPaths) {
   Diagnostics diagnostics;
   EXPECT_FALSE(read_robot("robot: r\nlibraries: [../evil.so]\n", "r.yaml", diagnostics));
@@ -303,6 +321,8 @@ TEST(KindOfFileTest, ByContentThenByName) {
   EXPECT_EQ(kind_of_file("a.json", R"({"name": "x", "nodes": []})"), FileKind::TaskNetwork);
   EXPECT_EQ(kind_of_file("a.yaml", "stand_ins: {default: {rate: 1}}"), FileKind::StandIns);
   EXPECT_EQ(kind_of_file("a.yaml", "stand_ins: [\n"), FileKind::StandIns);
+  EXPECT_EQ(kind_of_file("a.yaml", "plan_mapping: rover\nactions: {}"), FileKind::PlanMapping);
+  EXPECT_EQ(kind_of_file("a.yaml", "plan_mapping: [\n"), FileKind::PlanMapping);
   EXPECT_EQ(kind_of_file("plan", "; cost 2\n(move a b)\n"), FileKind::Pddl);
   for (const char* plan :
        {"\xef\xbb\xbf(define (domain d))", "0.000: (move a b) [1]\n", "STEP 0: move(a,b)\n",

@@ -25,6 +25,7 @@ FileKind kind_of_map(const Value& root, const std::string& name) {
   auto has = [&](std::string_view key) { return root.find(key) != nullptr; };
   if (has("robot")) return FileKind::Robot;
   if (has("mission")) return FileKind::Mission;
+  if (has("plan_mapping")) return FileKind::PlanMapping;
   if (has("stand_ins")) return FileKind::StandIns;
   if (has("transition") || (has("actions") && has("from") && has("to"))) return FileKind::Transition;
   if (has("components") || has("component") || detail::is_rock_interface(root)) return FileKind::Components;
@@ -41,11 +42,12 @@ FileKind kind_of_map(const Value& root, const std::string& name) {
 /// reports the errors.
 FileKind kind_of_broken(std::string_view text, const std::string& name) {
   constexpr std::pair<std::string_view, FileKind> kKeys[] = {
-      {"network:", FileKind::Network},       {"robot:", FileKind::Robot},
-      {"mission:", FileKind::Mission},       {"transition:", FileKind::Transition},
-      {"components:", FileKind::Components}, {"component:", FileKind::Components},
-      {"tasks:", FileKind::Network},         {"connections:", FileKind::Network},
-      {"deployments:", FileKind::Network},   {"stand_ins:", FileKind::StandIns}};
+      {"network:", FileKind::Network},         {"robot:", FileKind::Robot},
+      {"mission:", FileKind::Mission},         {"transition:", FileKind::Transition},
+      {"components:", FileKind::Components},   {"component:", FileKind::Components},
+      {"tasks:", FileKind::Network},           {"connections:", FileKind::Network},
+      {"deployments:", FileKind::Network},     {"stand_ins:", FileKind::StandIns},
+      {"plan_mapping:", FileKind::PlanMapping}};
   if (kind_of_name(name) != FileKind::Unknown) return kind_of_name(name);
   for (std::size_t start = 0; start < text.size();) {
     const std::string_view line = text.substr(start, text.find('\n', start) - start);

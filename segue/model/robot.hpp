@@ -73,6 +73,14 @@ TaskId instance_of(const Pool& pool, int number);
 /// The most instances of all pools; without a name.
 Network pool_network(const std::vector<Pool>& pools);
 
+/// The program that makes plans for missions (planner::PlannerCommand).
+struct PlannerProgram {
+  std::vector<std::string> command;
+  Duration timeout = std::chrono::seconds(60);
+  std::uint64_t memory = 0;  ///< bytes; 0: no limit
+  friend bool operator==(const PlannerProgram&, const PlannerProgram&) = default;
+};
+
 /// A robot file: its hosts, libraries, controllers and missions. Paths are relative to `folder`.
 struct Robot {
   std::string name;
@@ -88,6 +96,7 @@ struct Robot {
   LookAhead look_ahead;
   std::vector<Pool> pools;
   PoolBudget pool_budget;
+  std::optional<PlannerProgram> planner;  ///< nothing: the built-in one
   std::filesystem::path folder;
   SourceLocation where;
 };

@@ -99,6 +99,26 @@ void read_look_ahead(Fields& robot, Robot& result, const Source& source) {
   fields.finish();
 }
 
+void read_planner(Fields& robot, Robot& result, const Source& source) {
+  const Value* planner = robot.find("planner", Value::Kind::Map);
+  if (planner == nullptr) return;
+  Fields fields(*planner, "the planner", source);
+  PlannerProgram program;
+  program.command = fields.texts("command");
+  if (program.command.empty() || program.command.front().empty()) {
+    source.error("no-command",
+                 "the planner needs a 'command', such as [my-planner, \"{domain}\", \"{problem}\"]",
+                 *planner);
+  }
+  program.timeout = fields.duration("timeout").value_or(program.timeout);
+  if (program.timeout <= Duration::zero())
+    source.error("bad-duration", "the planner: 'timeout' must be longer than nothing",
+                 *fields.find("timeout"));
+  program.memory = fields.size("memory", "bad-value").value_or(program.memory);
+  fields.finish();
+  result.planner = std::move(program);
+}
+
 /// Libraries are names, never paths: they are loaded from the folders that the host is configured with.
 void check_libraries(const Robot& robot, Fields& fields, const Source& source) {
   for (const std::string& library : robot.libraries) {
@@ -130,6 +150,7 @@ Robot read_robot_body(const Value& root, const Source& source) {
   read_look_ahead(fields, robot, source);
   robot.pools = detail::read_pools(fields, source);
   robot.pool_budget = detail::read_pool_budget(fields, source);
+  read_planner(fields, robot, source);
   fields.finish();
   return robot;
 }

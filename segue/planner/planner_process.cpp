@@ -159,8 +159,8 @@ class Run {
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ)
       return fail(ErrorCode::ResourceExhausted, "the planner wrote more than 64 MB into one file" + said);
     if (WIFSIGNALED(status))
-      return fail(ErrorCode::Unavailable, "signal " + std::to_string(WTERMSIG(status)) + " (" +
-                                              ::strsignal(WTERMSIG(status)) + ") ended the planner" + said);
+      return fail(ErrorCode::IoError, "signal " + std::to_string(WTERMSIG(status)) + " (" +
+                                          ::strsignal(WTERMSIG(status)) + ") ended the planner" + said);
     const std::string how = "the planner ended with status " + std::to_string(WEXITSTATUS(status));
     const bool writes = std::ranges::any_of(
         command_.words, [](const std::string& word) { return word.find("{plan}") != std::string::npos; });

@@ -25,7 +25,7 @@ struct PlannerCommand {
 /// Runs the planner in a folder and a process group of its own, both of which are gone afterwards, and
 /// returns the text of its plan, of which only the reader of plans knows whether it is one. Blocks. Errors:
 /// NotFound where it cannot be started or ends without a plan; DeadlineExceeded after the timeout; Cancelled;
-/// Unavailable where a signal ends it; ResourceExhausted where it writes more than 64 MB into one file. Their
+/// IoError where a signal ends it; ResourceExhausted where it writes more than 64 MB into one file. Their
 /// messages have the last line that it has written.
 Result<std::string> run_planner(const PlannerCommand& command, std::string_view domain,
                                 std::string_view problem, const std::stop_token& stop);

@@ -53,10 +53,9 @@ TEST(PlannerProcess, ThatFindsNothingOrDiesIsReported) {
   EXPECT_EQ(planned_by("exit 0"), "not-found: the planner ended with status 0 and printed no plan");
   EXPECT_EQ(planned_by("echo '(half a plan'; exit 7"),
             "not-found: the planner ended with status 7; the last that it wrote: '(half a plan'");
-  EXPECT_THAT(
-      planned_by("echo begins; kill -SEGV $$"),
-      HasSubstr("unavailable: signal 11 (Segmentation fault) ended the planner; the last that it wrote: "
-                "'begins'"));
+  EXPECT_THAT(planned_by("echo begins; kill -SEGV $$"),
+              HasSubstr("io-error: signal 11 (Segmentation fault) ended the planner; the last that it wrote: "
+                        "'begins'"));
   const auto missing = run_planner(of({"no-such-planner"}), "", "", {});
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message,
