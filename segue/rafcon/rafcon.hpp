@@ -39,7 +39,7 @@ struct RafconImport {
   RafconCounts counts;
 };
 
-/// The text of a file.
+/// The text of a file; NotFound where there is none.
 using ReadText = std::function<Result<std::string>(const std::filesystem::path&)>;
 
 /// Reads the machine in `folder` (with its statemachine.json) and the libraries that it uses. Ids are derived

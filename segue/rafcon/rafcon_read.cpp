@@ -286,9 +286,10 @@ class Loader {
       state.script = text_of(script).value_or("");
     }
     const path notes = folder / "semantic_data.json";
-    if (!std::filesystem::is_regular_file(notes, ignored)) return;
-    const auto text = text_of(notes);
-    auto read = type::parse_json(text.value_or("{}"), notes.string());
+    const auto text = read_text(notes);
+    if (!text && text.error().code == ErrorCode::NotFound) return;
+    if (!text) return diagnostics_.error("unreadable-file", text.error().message, {notes.string(), 0, 0});
+    auto read = type::parse_json(*text, notes.string());
     if (!read) {
       diagnostics_.error("parse-error", read.error().message, read.error().where);
     } else if (read->is_map()) {
@@ -310,8 +311,10 @@ class Loader {
     }
   }
 
+  Result<std::string> read_text(const path& file) { return read_ ? read_(file) : read_input_file(file); }
+
   std::optional<std::string> text_of(const path& file) {
-    auto text = read_ ? read_(file) : read_input_file(file);
+    auto text = read_text(file);
     if (text) return std::move(*text);
     diagnostics_.error("unreadable-file", text.error().message, {file.string(), 0, 0});
     return std::nullopt;
