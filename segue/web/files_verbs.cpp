@@ -9,6 +9,7 @@
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/type/scalar_text.hpp>
+#include <segue/web/machine_files.hpp>
 #include <segue/web/mission_files.hpp>
 
 #include <algorithm>
@@ -80,24 +81,23 @@ void add_those_of(const std::string& file, const Diagnostics& from, Diagnostics&
   }
 }
 
-Value to_problem(const Diagnostic& item) {
-  return Value::map({{"severity", std::string(to_string(item.severity))},
-                     {"code", item.code},
-                     {"message", item.message},
-                     {"line", item.where.line},
-                     {"column", item.where.column}});
-}
-
 Result<Value> read_machine(const FileFolder& folder, const fs::path& robot, const std::string& path) {
   const auto machine = import_machine(folder, robot.parent_path(), files_of(robot), path);
   if (!machine) return machine.error();
   Value::List notes;
   for (const Diagnostic& item : machine->notes.items())
     notes.push_back(item.message);
-  return Value::map({{"path", path}, {"text", machine->text}, {"version", ""}, {"notes", std::move(notes)}});
+  type::ValueMap folders;
+  for (const auto& [state, place] : machine->folders)
+    folders.append(state, place);
+  return Value::map({{"path", path},
+                     {"text", machine->text},
+                     {"version", ""},
+                     {"notes", std::move(notes)},
+                     {"folders", std::move(folders)}});
 }
 
-/// Machines of RAFCON are only read.
+/// Of machines of RAFCON, only the semantic data are written.
 Result<void> may_change(const RobotFile& file) {
   if (file.kind != RobotFileKind::Machine) return {};
   return fail(ErrorCode::Unsupported,
@@ -358,10 +358,19 @@ Result<Value> FileVerbs::check(const Command& command) {
     found =
         check_mission(parts ? &*parts : nullptr, *file, texts->at(1), within(*folder, robot->parent_path()));
   }
+  return to_problems(std::move(found));
+}
+
+Value FileVerbs::to_problems(Diagnostics found) {
   found.sort();
   Value::List problems;
-  for (const Diagnostic& item : found.items())
-    problems.push_back(to_problem(item));
+  for (const Diagnostic& item : found.items()) {
+    problems.push_back(Value::map({{"severity", std::string(to_string(item.severity))},
+                                   {"code", item.code},
+                                   {"message", item.message},
+                                   {"line", item.where.line},
+                                   {"column", item.where.column}}));
+  }
   return Value::map({{"problems", std::move(problems)}});
 }
 

@@ -18,6 +18,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace segue::web {
 
@@ -36,7 +37,7 @@ class FileVerbs {
   /// (why it cannot be edited; "")}]}
   Result<type::Value> list(const Command& command);
   /// path -> {"path", "text", "version", "notes"}; of a machine of RAFCON the mission that it becomes, with
-  /// notes on what could not be kept.
+  /// notes on what could not be kept, and "folders" ({path of a state: its folder within the machine}).
   Result<type::Value> read(const Command& command);
   /// path, text -> {"problems": [{"severity", "code", "message", "line", "column"}]}: what `segue check`
   /// would find in that file if it had this text, with the other files as they are.
@@ -50,6 +51,16 @@ class FileVerbs {
   Result<type::Value> rename(const Command& command);
   /// path, version; robot_text and robot_version as of create().
   Result<type::Value> remove(const Command& command);
+  /// The semantic data of a state of a machine of RAFCON: path, state (its folder within the machine) ->
+  /// {"data", "version" ("": there is no file yet)}.
+  Result<type::Value> semantic_data(const Command& command);
+  /// path, state, version, edits ([{"keys", "value" (none: the entry is removed)}]) -> {"problems"}: the
+  /// errors that the machine would have by them and has not yet, as of check(). Refused as
+  /// save_semantic_data().
+  Result<type::Value> check_semantic_data(const Command& command);
+  /// path, state, version, edits -> {"version"}; InvalidState where the file is of another version,
+  /// InvalidArgument where the edits cannot be made or the machine would have errors by them.
+  Result<type::Value> save_semantic_data(const Command& command);
   /// path -> {"libraries"}: of libraries_for().
   Result<type::Value> libraries(const Command& command);
   /// {"components": {name: model}}, read anew.
@@ -63,10 +74,16 @@ class FileVerbs {
     std::string version;
     FileFolder folder;
   };
+  struct SemanticData;
   Result<Changed> file_to_change(const Command& command);
+  Result<SemanticData> semantic_data_of(const Command& command);
+  /// The semantic data that the command names, and their text with its edits.
+  Result<std::pair<SemanticData, std::string>> edited(const Command& command);
   Result<std::filesystem::path> robot_file();
   std::shared_ptr<const model::ComponentCatalog> catalog(const model::Robot& robot, bool anew,
                                                          Diagnostics& diagnostics);
+  /// {"problems": [{"severity", "code", "message", "line", "column"}]}
+  static type::Value to_problems(Diagnostics found);
   Diagnostics check_network(const model::Robot* robot, const std::string& file, const std::string& text,
                             const model::ReadFile& read);
   Diagnostics check_robot(const std::string& file, const std::string& text, const model::Robot* saved,

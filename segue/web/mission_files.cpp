@@ -3,10 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/mission/mission_io.hpp>
-#include <segue/rafcon/rafcon.hpp>
 
-#include <algorithm>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -16,8 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using type::Value;
-
-constexpr std::size_t kLargestMachine = 50'000'000;
 
 Value to_value(const std::vector<mission::Port>& ports) {
   Value::List list;
@@ -80,43 +75,6 @@ Value libraries_for(const FileFolder& folder, const RobotFiles& files, const std
                                {"outcomes", std::move(outcomes)}}));
   }
   return list;
-}
-
-Result<ImportedMachine> import_machine(const FileFolder& folder, const fs::path& root,
-                                       const RobotFiles& files, const std::string& path) {
-  std::set<fs::path> folders;  // around machines: any of them may be an entry of RAFCON's library paths
-  for (const RobotFile& file : files.files) {
-    if (file.kind != RobotFileKind::Machine) continue;
-    for (fs::path around = fs::path(file.path).parent_path();; around = around.parent_path()) {
-      folders.insert(root / around);
-      if (around.empty()) break;
-    }
-  }
-  std::vector<mission::RafconLibraryPath> libraries;
-  for (const fs::path& one : folders)
-    libraries.push_back({one.filename().string(), one});
-  for (const fs::path& one : folders)
-    libraries.push_back({"", one});
-
-  std::size_t bytes = 0;
-  const auto read = [&](const fs::path& file) -> Result<std::string> {
-    auto content = folder.read(file.lexically_relative(root).generic_string());
-    if (!content) return content.error();
-    bytes += content->text.size();
-    if (bytes > kLargestMachine)
-      return fail(ErrorCode::ResourceExhausted,
-                  "the machine is too large to be shown here; use segue mission import --rafcon");
-    return std::move(content->text);
-  };
-  ImportedMachine imported;
-  const auto machine = mission::import_rafcon(root / path, libraries, imported.notes, read);
-  if (!machine) return imported.notes.to_error();
-  imported.text = mission::write_mission(machine->mission);
-  if (imported.text.size() > FileFolder::kLongestFile)
-    return fail(ErrorCode::ResourceExhausted,
-                "the mission that the machine becomes is too large to be edited here (" +
-                    format_size(imported.text.size()) + "); use segue mission import --rafcon");
-  return imported;
 }
 
 }  // namespace segue::web

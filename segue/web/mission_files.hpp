@@ -27,14 +27,4 @@ Diagnostics check_mission(const std::filesystem::path& file, const std::string& 
 /// "default"}), "outcomes"}. Those with errors are left out.
 type::Value libraries_for(const FileFolder& folder, const RobotFiles& files, const std::string& path);
 
-/// A machine of RAFCON as a mission.
-struct ImportedMachine {
-  std::string text;
-  Diagnostics notes;  ///< what could not be kept
-};
-/// Its libraries are found below any folder within the robot's. All files are read through `folder`, by its
-/// rules. ResourceExhausted where the machine or the mission is too large for pages.
-Result<ImportedMachine> import_machine(const FileFolder& folder, const std::filesystem::path& root,
-                                       const RobotFiles& files, const std::string& path);
-
 }  // namespace segue::web

@@ -248,6 +248,13 @@ const std::vector<VerbEntry>& verb_entries() {
        &FileVerbs::remove},
       {{"libraries", Verb::LookAtFiles, {"path"}}, nullptr, &FileVerbs::libraries},
       {{"models", Verb::LookAtFiles, {}}, nullptr, &FileVerbs::models},
+      {{"semantic_data", Verb::LookAtFiles, {"path", "state"}}, nullptr, &FileVerbs::semantic_data},
+      {{"check_semantic_data", Verb::LookAtFiles, {"path", "state", "version", "edits"}},
+       nullptr,
+       &FileVerbs::check_semantic_data},
+      {{"save_semantic_data", Verb::ChangeFiles, {"path", "state", "version", "edits"}},
+       nullptr,
+       &FileVerbs::save_semantic_data},
       {{"plan_files", Verb::Plan, {"force", "order", "timeout_s"}}, ask_plan},
       {{"apply_files", Verb::Apply, {"force", "order", "take_over", "timeout_s"}}, do_apply},
   };

@@ -14,7 +14,7 @@
 /// Which files pages can name: those that belong to a robot. Functions block on files.
 namespace segue::web {
 
-/// Machine: the folder of a state machine of RAFCON, which is only read.
+/// Machine: the folder of a state machine of RAFCON, whose semantic data alone are written.
 enum class RobotFileKind : std::uint8_t { Robot, Network, Mission, Machine };
 std::string_view to_string(RobotFileKind kind);  ///< "robot", "network", "mission", "rafcon"
 
