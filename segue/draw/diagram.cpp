@@ -81,6 +81,11 @@ class DiagramMaker {
       made.role = Diagram::Role::OpaqueSubtree;
     else if (entry.kind != ActionClass::Irreversible)
       made.role = entry.kind == ActionClass::Pure ? Diagram::Role::Pure : Diagram::Role::Sensing;
+    for (const task_network::Claim& claim : network_.claims(node)) {
+      const auto name = network_.resources.name(claim.resource);
+      if (std::ranges::find(made.units, name, &Diagram::Units::resource) == made.units.end())
+        made.units.push_back({name, network_.resources[claim.resource].observed});
+    }
     return made;
   }
 

@@ -39,6 +39,10 @@ struct Diagram {
     bool implied = false;       ///< others lead from the one to the other anyway
     bool holds_start = true;    ///< else it may run ahead, and only its result waits
   };
+  struct Units {
+    std::string resource;
+    bool observed = false;  ///< a robot shows how many there are
+  };
   struct Node {
     std::string name;
     Role role = Role::Irreversible;
@@ -48,6 +52,7 @@ struct Diagram {
     Duration duration{};  ///< expected
     bool strict = false;  ///< it starts when nothing before it can fail any more
     std::vector<Dependency> before{};
+    std::vector<Units> units{};  ///< that it needs to begin
   };
 
   std::string name;

@@ -99,10 +99,14 @@ Value nodes_of(const Diagram& diagram) {
                                   {"because", because(dependency.causes)},
                                   {"holds_start", dependency.holds_start}}));
     }
+    Value::List units;
+    for (const Diagram::Units& one : node.units)
+      units.push_back(Value::map({{"resource", one.resource}, {"observed", one.observed}}));
     nodes.push_back(Value::map({{"name", node.name},
                                 {"in", node.container},
                                 {"role", std::string(to_string(node.role))},
-                                {"after", std::move(after)}}));
+                                {"after", std::move(after)},
+                                {"units", std::move(units)}}));
   }
   return nodes;
 }

@@ -18,7 +18,9 @@ inline constexpr std::size_t kMostShownStates = 5000;
 /// its container)}, "flows": of containers, a list of {"from", "to" (paths), "what"}}. "nodes": of
 /// `concurrent`, null without it: in program order, each {"name", "in", "role", "after": what it waits for,
 /// as far as it is not implied: a list of {"node" (its position), "kind",
-/// "subject" (of a condition: the outcome that leads here), "because", "holds_start"}}.
+/// "subject" (of a condition: the outcome that leads here), "because", "holds_start"}, "units": of which
+/// resources it needs units to begin: a list of {"resource", "observed" (the robot shows how many there
+/// are)}}.
 type::Value shown_plan(const mission::Program& program, const Diagram* concurrent);
 
 }  // namespace segue::draw

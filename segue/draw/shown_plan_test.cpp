@@ -77,6 +77,21 @@ TEST(ShownPlan, SaysWhatNodesWaitFor) {
       R"([{"node":0,"kind":"condition","subject":"success","because":"data pose -> pose; condition success","holds_start":true}])");
 }
 
+TEST(ShownPlan, SaysOfWhichResourcesNodesNeedUnits) {
+  const auto program = mission::Program::compile(mission_of(R"j(mission: dock
+resources: {localized: {observe: {task: localization, state: LOCALIZED}}}
+actions: {dock: {resources: [{block: arm}, {exists: localized}, {block: localized}], run: {simulated: {duration: 1s}}}}
+start: dock
+states: {dock: {on: {success: return success}}}
+)j"))
+                           .value();
+  const auto made = convert::MissionPlan::create(program).value();
+  ASSERT_TRUE(convert::plan_ahead(*made, 1000));
+  const Diagram diagram = diagram_of(*made);
+  EXPECT_EQ(type::to_json(at(shown_plan(*program, &diagram), "nodes", 0, "units"), -1),
+            R"([{"resource":"arm","observed":false},{"resource":"localized","observed":true}])");
+}
+
 TEST(ShownPlan, IsBounded) {
   std::string text = "mission: many\nactions: {a: {}}\nkind: barrier\nstates:\n";
   for (std::size_t i = 0; i < kMostShownStates; ++i)

@@ -121,12 +121,14 @@ async function driveMission(page) {
   const state = (path) => page.locator('.react-flow__node[data-id="state:' + path + '"]');
   await seen(state('outward/far').locator('.life-running'));
   await seen(state('outward/near').locator('.life-done'));
-  await seen(state('home').locator('.life-idle'));
+  await seen(state('home').locator('.life-waiting', { hasText: 'waits for outward/far (' }));
+  await seen(page.getByRole('group', { name: 'Legend' }).getByText('waits', { exact: true }));
   await seen(state('outward').locator('.life-running'));
   await page.getByPlaceholder('Find nodes').fill('home');
   await page.getByPlaceholder('Find nodes').press('Enter');
   const home = page.getByRole('complementary', { name: 'State home' });
   await seen(home.getByText('waiting'));
+  await seen(home.getByText('waits for outward/far ('));
   await page.getByPlaceholder('Find nodes').fill('');
   await capture(page, 'missions');
   await home.getByRole('button', { name: /outward\/far/ }).click();

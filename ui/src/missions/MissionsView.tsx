@@ -9,9 +9,10 @@ import { GanttChart } from './GanttChart';
 import { livesOf, missionOf, planOf, planProblem, type Life, type Mission, type PlanState } from './mission';
 import { NodeFacts, NodePanel } from './NodePanel';
 import { breakpointsAfter, useRequests } from './requests';
-import { runOfFile, runOfMission, type Run } from './run';
+import { runOfFile, runOfMission, stateOf, type Run } from './run';
 import { StatePanel } from './StatePanel';
 import { States, useOpen } from './States';
+import { waitsOf, withWaiting } from './waiting';
 import { useValues, type KnownValues } from './values';
 import './missions.css';
 
@@ -33,9 +34,6 @@ function FileButton({ onRun, onProblem }: { onRun: (run: Run) => void; onProblem
   );
 }
 
-/** The state of which a row of the chart is one turn. */
-const stateOf = (label: string): string => label.replace(/#\d+$/, '');
-
 /** The element that was clicked on: a row of the chart by its label, or a state by its path. */
 interface Choice {
   row?: string;
@@ -55,11 +53,12 @@ function useMission() {
   const mission = useMemo(() => missionOf(shown?.value), [shown]);
   const control = useMemo(() => controlOf(mission), [mission]);
   const live = useMemo(() => (mission ? runOfMission(mission) : null), [mission]);
-  const lives = useMemo(() => (mission ? livesOf(mission, control?.at ?? []) : new Map<string, Life>()), [mission, control]);
+  const waits = useMemo(() => (mission && live ? waitsOf(mission, live) : new Map<string, string[]>()), [mission, live]);
+  const lives = useMemo(() => (mission ? withWaiting(livesOf(mission, control?.at ?? []), waits) : new Map<string, Life>()), [mission, control, waits]);
   const requests = useRequests(mission, control);
   const breakpoints = useMemo(() => (control ? breakpointsAfter(requests.asked, control) : []), [requests.asked, control]);
   const breaks = (path: string) => requests.ask({ what: 'break', at: withToggled(breakpoints, path) });
-  return { isHeard: shown !== undefined, mission, control, live, lives, requests, breakpoints, breaks };
+  return { isHeard: shown !== undefined, mission, control, live, lives, waits, requests, breakpoints, breaks };
 }
 type Current = ReturnType<typeof useMission>;
 
@@ -136,14 +135,14 @@ function Banners({ mission, requests }: Current) {
 
 /** The panel of the state that is selected, or of a row of the chart that is no state of the plan. */
 function SidePanel({ state, current, planned, run, chosen, known }: { state: PlanState | undefined; current: Current; planned: ReturnType<typeof usePlan>; run: Run | null; chosen: Chosen; known: KnownValues | null }) {
-  const { mission, control, lives, requests, breakpoints, breaks } = current;
+  const { mission, control, lives, waits, requests, breakpoints, breaks } = current;
   const { kinds, open, toggle } = planned;
   const { selected, select, choose } = chosen;
   const row = run?.rows[selected];
   if (!state || !mission) return !state && run && row ? <NodePanel run={run} row={row} index={selected} onSelect={select} /> : null;
   return (
     <StatePanel
-      key={state.path} state={state} mission={mission} control={control} lives={lives} kinds={kinds} requests={requests} breakpoints={breakpoints} onBreak={breaks}
+      key={state.path} state={state} mission={mission} control={control} lives={lives} waits={lives.get(state.path) === 'waiting' ? waits.get(state.path) : undefined} kinds={kinds} requests={requests} breakpoints={breakpoints} onBreak={breaks}
       isOpen={open.has(state.path)} onToggle={toggle} known={known} onClose={() => choose(null)}
     >
       {run && row && (
@@ -158,7 +157,7 @@ function SidePanel({ state, current, planned, run, chosen, known }: { state: Pla
 
 export function MissionsView() {
   const current = useMission();
-  const { isHeard, mission, control, live, lives, requests, breakpoints, breaks } = current;
+  const { isHeard, mission, control, live, lives, waits, requests, breakpoints, breaks } = current;
   const [recorded, setRecorded] = useState<Run | null>(null);
   const [problem, setProblem] = useState('');
   const run = recorded ?? live;
@@ -182,7 +181,7 @@ export function MissionsView() {
         {!run && isHeard && <p className="empty">No mission has commanded the robot since its runtime began. Start one: segue mission run FILE</p>}
         {plan && mission && (
           <States
-            plan={plan} mission={mission} control={control} lives={lives} selected={path} onSelect={choose}
+            plan={plan} mission={mission} control={control} lives={lives} waits={waits} selected={path} onSelect={choose}
             breakpoints={breakpoints} mayBreak={requests.may} onBreak={breaks} open={open} onOpen={setOpen} onToggle={toggle}
             peeked={peeked} onPeek={setPeeked} valuesOf={valuesOf}
           />

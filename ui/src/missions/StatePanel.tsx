@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type ReactNode } from 'react';
 import { preemptedBy, whyNotAt, type Control } from './control';
-import type { Life, Mission, PlanState } from './mission';
+import { lifeWords, type Life, type Mission, type PlanState } from './mission';
 import type { Requests } from './requests';
 import { isContainer } from './states';
 import type { KnownValues } from './values';
 import { ValuesTable } from './ValuesTable';
 
-const words: Record<Life, string> = { idle: 'has not begun', running: 'running', next: 'next', done: 'has ended', failed: 'failed' };
-const tones: Record<Life, string> = { idle: 'idle', running: 'come', next: 'warn', done: 'good', failed: 'bad' };
+const tones: Record<Life, string> = { idle: 'idle', running: 'come', waiting: 'wait', next: 'warn', done: 'good', failed: 'bad' };
 
 function GoOn({ path, lives, kinds, requests }: { path: string; lives: Map<string, Life>; kinds: Map<string, string>; requests: Requests }) {
   const [confirms, setConfirms] = useState(false);
@@ -42,6 +41,8 @@ interface Props {
   mission: Mission;
   control: Control | null;
   lives: Map<string, Life>;
+  /** For what the state waits; undefined: it does not. */
+  waits: string[] | undefined;
   /** The kinds of all states of the plan, by path. */
   kinds: Map<string, string>;
   requests: Requests;
@@ -56,7 +57,7 @@ interface Props {
 }
 
 /** A state of the mission: what it is, its values, and what can be done with it. */
-export function StatePanel({ state, mission, control, lives, kinds, requests, breakpoints, onBreak, isOpen, onToggle, known, onClose, children }: Props) {
+export function StatePanel({ state, mission, control, lives, waits, kinds, requests, breakpoints, onBreak, isOpen, onToggle, known, onClose, children }: Props) {
   const { path } = state;
   const life = lives.get(path) ?? 'idle';
   const steps = control?.steps ?? false;
@@ -74,11 +75,12 @@ export function StatePanel({ state, mission, control, lives, kinds, requests, br
         {[path === state.title ? '' : path, state.kind, action, library].filter((part) => part !== '').join(', ')}
       </p>
       <p className="row">
-        <span className={'badge tone-' + tones[life]}>{words[life]}</span>
+        <span className={'badge tone-' + tones[life]}>{lifeWords[life]}</span>
         {isContainer(state) && path !== '' && (
           <button type="button" className="small" aria-expanded={isOpen} onClick={() => onToggle(path)}>{isOpen ? 'Close in the graph' : 'Open in the graph'}</button>
         )}
       </p>
+      {waits && <ul className="plain waits">{waits.map((wait) => <li key={wait}>waits for {wait}</li>)}</ul>}
       {steps && path !== '' && (
         <p className="row">
           <label className="break">

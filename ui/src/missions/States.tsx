@@ -2,7 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { Graph } from '../network/Graph';
 import type { Control } from './control';
-import { type Life, type Mission, type Plan } from './mission';
+import { lifeWords, type Life, type Mission, type Plan } from './mission';
 import { idOf, isContainer, openAtFirst, openFor, pathOf, stateGraphOf } from './states';
 import type { KnownValues } from './values';
 import { ValuesTip } from './ValuesTable';
@@ -16,6 +16,7 @@ interface Props {
   mission: Mission;
   control: Control | null;
   lives: Map<string, Life>;
+  waits: Map<string, string[]>;
   selected: string | null;
   onSelect: (path: string | null) => void;
   /** The breakpoints as they will be once all requests are answered. */
@@ -38,6 +39,12 @@ function Unsteppable() {
       A concurrent run can only be paused. To step it, and for breakpoints and values, run it with --mode sequential.
     </span>
   );
+}
+
+const shownLives = [['running', 'come'], ['waiting', 'wait'], ['next', 'warn'], ['done', 'good'], ['failed', 'bad']] as const;
+
+function Legend() {
+  return <span className="legend" role="group" aria-label="Legend">{shownLives.map(([life, tone]) => <span key={life} className={'badge tone-' + tone}>{lifeWords[life]}</span>)}</span>;
 }
 
 /** Hands on where the pointer rests, not what it passes. */
@@ -75,12 +82,12 @@ function tipOf({ control, mayBreak, peeked, selected, valuesOf }: Props) {
 
 /** The states as nested graph: which run, come next and have breakpoints. */
 export function States(props: Props) {
-  const { plan, mission, control, lives, selected, onSelect, breakpoints, mayBreak, onBreak, open, onOpen, onToggle, onPeek } = props;
+  const { plan, mission, control, lives, waits, selected, onSelect, breakpoints, mayBreak, onBreak, open, onOpen, onToggle, onPeek } = props;
   const [withFlows, setWithFlows] = useState(false);
   const [follows, setFollows] = useState(true);
   const steps = control?.steps ?? false;
   const breaks = useMemo(() => (steps ? { at: breakpoints, fixed: !mayBreak } : null), [steps, breakpoints, mayBreak]);
-  const graph = useMemo(() => stateGraphOf(plan, lives, open, withFlows, breaks), [plan, lives, open, withFlows, breaks]);
+  const graph = useMemo(() => stateGraphOf(plan, { lives, waits }, open, withFlows, breaks), [plan, lives, waits, open, withFlows, breaks]);
   const containers = useMemo(() => new Set(plan.states.filter((state) => state.path !== '' && isContainer(state)).map((state) => state.path)), [plan]);
   const peek = usePeek(onPeek);
   useFollow(props, follows);
@@ -97,6 +104,7 @@ export function States(props: Props) {
         <button type="button" className="small" onClick={() => onOpen(containers)}>open all</button>
         <button type="button" className="small" onClick={() => onOpen(new Set())}>close all</button>
         {control && !control.steps && mission.state !== 'ended' && <Unsteppable />}
+        <Legend />
       </div>
       <Graph
         label="Graph of states" groups={graph.groups} nodes={graph.nodes} edges={graph.edges}

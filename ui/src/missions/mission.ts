@@ -19,6 +19,8 @@ export interface PlanNode {
   in: string;
   role: string;
   after: { node: number; kind: string; subject: string; because: string; holds_start: boolean }[];
+  /** The resources of which it needs units to begin; `observed`: the robot shows how many there are. */
+  units?: { resource: string; observed: boolean }[];
 }
 
 export interface Plan {
@@ -69,6 +71,8 @@ function isState(value: Json): boolean {
 
 function isNode(value: Json): boolean {
   if (!isMap(value) || !isText(value['name']) || !isText(value['role']) || !Array.isArray(value['after'])) return false;
+  const { units } = value;
+  if (units !== undefined && !(Array.isArray(units) && units.every((one) => isMap(one) && isText(one['resource'])))) return false;
   return value['after'].every((one) => isMap(one) && typeof one['node'] === 'number' && isText(one['kind']) && isText(one['because']));
 }
 
@@ -106,11 +110,14 @@ export function containersIn(entries: Entry[]): Set<string> {
   return new Set(entries.flatMap((entry) => pathsTo(entry.action).slice(0, -1)));
 }
 
-export type Life = 'idle' | 'running' | 'next' | 'done' | 'failed';
+export type Life = 'idle' | 'running' | 'waiting' | 'next' | 'done' | 'failed';
 
 function worse(outcome: string): boolean {
   return outcome === 'aborted' || outcome === 'preempted' || outcome === 'lost';
 }
+
+/** How states are called in boxes, panels and the legend. */
+export const lifeWords: Record<Life, string> = { idle: 'has not begun', running: 'running', waiting: 'waits', next: 'next', done: 'has ended', failed: 'failed' };
 
 /**
  * How each state is: a container runs from its begin to its end, and while something in it does or the mission is held in it, `at` states that come

@@ -46,6 +46,9 @@ export interface Run {
   until: number;
 }
 
+/** The state of which a row of the chart is one turn. */
+export const stateOf = (label: string): string => label.replace(/#\d+$/, '');
+
 const noRole = new Set(['join', 'copy', 'global']);
 
 interface Look {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { livesOf, type Plan } from './mission';
+import { livesOf, type Life, type Plan } from './mission';
 import { openAtFirst, openFor, stateGraphOf } from './states';
 import { mission } from './testing';
 
@@ -14,9 +14,17 @@ const plan: Plan = {
   ],
 };
 
+const progress = (lives = new Map<string, Life>(), waits = new Map<string, string[]>()) => ({ lives, waits });
+
 describe('the graph of states', () => {
+  it('says for what a state waits', () => {
+    const graph = stateGraphOf(plan, progress(new Map([['put', 'waiting'], ['get', 'running']]), new Map([['put', ['look (data pose)', 'arm (fact free())']], ['get', ['nothing']]])), new Set(), false);
+    expect(graph.nodes.map((node) => [node.look, node.detail])).toEqual([
+      ['life-running', 'running · barrier, closed'], ['life-waiting', 'waits for look (data pose); arm (fact free())'],
+    ]);
+  });
   it('is nested where containers are open', () => {
-    const graph = stateGraphOf(plan, new Map([['get', 'running'], ['get/look', 'running']]), openAtFirst(plan), true);
+    const graph = stateGraphOf(plan, progress(new Map([['get', 'running'], ['get/look', 'running']])), openAtFirst(plan), true);
     expect(graph.groups).toEqual([{ id: 'state:get', group: undefined, title: '▶ Get it (barrier, running)', look: 'life-running', expanded: true }]);
     expect(graph.nodes.map((node) => [node.id, node.group, node.detail])).toEqual([['state:put', undefined, '↩ done'.replace('↩', 'success ↩')], ['state:get/look', 'state:get', 'running']]);
     expect(graph.edges.map((edge) => [edge.source, edge.target, edge.label, edge.look])).toEqual([
@@ -24,25 +32,25 @@ describe('the graph of states', () => {
     ]);
   });
   it('hides what is in closed containers', () => {
-    const graph = stateGraphOf(plan, new Map(), new Set(), false);
+    const graph = stateGraphOf(plan, progress(), new Set(), false);
     expect(graph.nodes.map((node) => [node.title, node.expanded])).toEqual([['▶ Get it', false], ['put', undefined]]);
     expect(graph.edges).toHaveLength(1);
   });
   it('marks breakpoints, also those in closed containers, and what is next', () => {
     const lives = livesOf(mission(null, { entries: {} }), ['put']);
-    const graph = stateGraphOf(plan, lives, new Set(), false, { at: ['get/look', 'put'], fixed: false });
+    const graph = stateGraphOf(plan, progress(lives), new Set(), false, { at: ['get/look', 'put'], fixed: false });
     expect(graph.nodes.map((node) => [node.detail, node.look, node.mark])).toEqual([
       ['barrier, closed · ● inside', 'life-idle', { on: false, label: 'Breakpoint at get', fixed: false }],
       ['next · success ↩ done', 'life-next', { on: true, label: 'Breakpoint at put', fixed: false }],
     ]);
-    expect(stateGraphOf(plan, lives, new Set(['get']), false, { at: [], fixed: true }).groups[0]?.mark).toEqual({ on: false, label: 'Breakpoint at get', fixed: true });
+    expect(stateGraphOf(plan, progress(lives), new Set(['get']), false, { at: [], fixed: true }).groups[0]?.mark).toEqual({ on: false, label: 'Breakpoint at get', fixed: true });
   });
   it('opens what is around the states before which the mission is held', () => {
     expect(openFor(['put', 'get/look', 'a/b/c'])).toEqual(['get', 'a', 'a/b']);
   });
   it('is a single state where the mission is one', () => {
     const one: Plan = { mission: 'drive', complete: true, nodes: null, states: [{ path: '', title: '', kind: 'execution', action: 'drive_to', next: [] }] };
-    expect(stateGraphOf(one, new Map(), new Set(), false).nodes).toEqual([{ id: 'state:', group: undefined, title: 'drive', detail: 'drive_to', look: 'life-idle' }]);
+    expect(stateGraphOf(one, progress(), new Set(), false).nodes).toEqual([{ id: 'state:', group: undefined, title: 'drive', detail: 'drive_to', look: 'life-idle' }]);
   });
   it('opens what can be seen at first', () => {
     const many: Plan = { ...plan, states: Array.from({ length: 100 }, (_, i) => ({ path: 's' + i, in: '', title: '', kind: 'hierarchy', next: [] })) };

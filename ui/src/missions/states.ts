@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { BoxMark } from '../network/BoxButtons';
 import type { GraphEdge, GraphGroup, GraphNode } from '../network/drawn_graph';
-import { pathsTo, type Life, type Plan, type PlanState } from './mission';
+import { lifeWords, pathsTo, type Life, type Plan, type PlanState } from './mission';
 
 /** A plan with more states shows only its outermost ones open at first. */
 const mostOpen = 40;
@@ -15,7 +15,7 @@ export interface StateGraph {
 export const idOf = (path: string): string => 'state:' + path;
 export const pathOf = (id: string): string => id.slice('state:'.length);
 
-const words: Record<Life, string> = { idle: '', running: 'running', next: 'next', done: 'has ended', failed: 'failed' };
+const wordOf = (life: Life): string => (life === 'idle' ? '' : lifeWords[life]);
 
 export function isContainer(state: PlanState): boolean {
   return ['hierarchy', 'barrier', 'preemptive'].includes(state.kind);
@@ -56,14 +56,22 @@ function markOf(path: string, breaks: Breaks | null): BoxMark | undefined {
   return breaks && path !== '' ? { on: breaks.at.includes(path), label: 'Breakpoint at ' + path, fixed: breaks.fixed } : undefined;
 }
 
-function detailOf(state: PlanState, life: Life, breaks: Breaks | null): string {
+function detailOf(state: PlanState, life: Life, waits: string[] | undefined, breaks: Breaks | null): string {
   const returns = state.next.filter((one) => one.returns !== undefined).map((one) => (one.outcome === one.returns ? '↩ ' + one.returns : one.outcome + ' ↩ ' + one.returns));
   const inside = isContainer(state) && breaks?.at.some((path) => path.startsWith(state.path + '/')) ? '● inside' : '';
-  return [words[life], isContainer(state) ? state.kind + ', closed' : '', inside, ...returns].filter((part) => part !== '').join(' · ') || state.action || state.kind;
+  if (waits) return ['waits for ' + waits.join('; '), inside].filter((part) => part !== '').join(' · ');
+  return [wordOf(life), isContainer(state) ? state.kind + ', closed' : '', inside, ...returns].filter((part) => part !== '').join(' · ') || state.action || state.kind;
+}
+
+/** The run, as the boxes of states show it. */
+export interface Progress {
+  lives: Map<string, Life>;
+  /** For what states wait. */
+  waits: Map<string, string[]>;
 }
 
 /** The states that can be seen, in their open containers, with transitions and, if wanted, data flows between them. */
-export function stateGraphOf(plan: Plan, lives: Map<string, Life>, open: Set<string>, withFlows: boolean, breaks: Breaks | null = null): StateGraph {
+export function stateGraphOf(plan: Plan, { lives, waits }: Progress, open: Set<string>, withFlows: boolean, breaks: Breaks | null = null): StateGraph {
   const root = plan.states[0];
   const graph: StateGraph = { groups: [], nodes: [], edges: [] };
   const states = root && !isContainer(root) ? [root] : plan.states.filter((state) => state.path !== '' && visibleFor(state.path, open) === state.path);
@@ -73,9 +81,9 @@ export function stateGraphOf(plan: Plan, lives: Map<string, Life>, open: Set<str
     const title = (starts.has(state.path) ? '▶ ' : '') + (state.title || plan.mission);
     const box = { id: idOf(state.path), group: state.in ? idOf(state.in) : undefined, look: 'life-' + life, mark: markOf(state.path, breaks) };
     if (isContainer(state) && open.has(state.path)) {
-      graph.groups.push({ ...box, title: title + ' (' + [state.kind, words[life]].filter((part) => part !== '').join(', ') + ')', expanded: true });
+      graph.groups.push({ ...box, title: title + ' (' + [state.kind, wordOf(life)].filter((part) => part !== '').join(', ') + ')', expanded: true });
     } else {
-      graph.nodes.push({ ...box, title, detail: detailOf(state, life, breaks), expanded: isContainer(state) ? false : undefined });
+      graph.nodes.push({ ...box, title, detail: detailOf(state, life, life === 'waiting' ? waits.get(state.path) : undefined, breaks), expanded: isContainer(state) ? false : undefined });
     }
   }
   const edges = new Map<string, GraphEdge>();

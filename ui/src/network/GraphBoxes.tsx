@@ -12,7 +12,7 @@ function TaskBox({ id, data, selected }: NodeProps<TaskNode>) {
     <div className={'task-box ' + data.look + (selected ? ' selected' : '') + (data.folded ? ' folded' : '')}>
       <Handle type="target" position={Position.Left} isConnectable={false} />
       <strong><OpenButton id={id} title={data.title} expanded={data.expanded} />{data.title}</strong>
-      <span>{data.detail}</span>
+      <span title={data.detail}>{data.detail}</span>
       <MarkButton id={id} mark={data.mark} />
       <Handle type="source" position={Position.Right} isConnectable={false} />
     </div>
