@@ -95,9 +95,9 @@ TEST_F(SemanticDataTest, WhatWouldBeWrongIsRefusedWithItsSubject) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NE(found[0].find("'segue' in the semantic data of 'step down'"), std::string::npos) << found[0];
   EXPECT_NE(found[0].find("'effects'"), std::string::npos) << found[0];
-  const Value answer = ask("save_semantic_data", wrong);
-  EXPECT_EQ(*answer.find("error")->find("code"), Value("invalid-argument"));
-  EXPECT_NE(type::to_json(answer, -1).find("'segue' in the semantic data of 'step down'"), std::string::npos);
+  const std::string answer = type::to_json(ask("save_semantic_data", wrong), -1);
+  EXPECT_NE(answer.find("\"invalid-argument\""), std::string::npos) << answer;
+  EXPECT_NE(answer.find("'segue' in the semantic data of 'step down'"), std::string::npos) << answer;
   EXPECT_EQ(problems(edits(kStep, {edit({"segue", "resources"}, "[{block: arm, count: 2}]")})).size(), 1U)
       << "the machine has one arm";
   EXPECT_EQ(texts(), before);

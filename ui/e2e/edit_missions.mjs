@@ -58,8 +58,13 @@ function writeMachine() {
   writeFileSync(file('machines/greet/statemachine.json'), JSON.stringify({ used_rafcon_version: '2.4.0' }));
   writeFileSync(file('machines/greet/core_data.json'), JSON.stringify(root));
   writeFileSync(file('machines/greet/say_SAYAAA/core_data.json'), JSON.stringify(leaf('say', 'SAYAAA')));
+  writeFileSync(file(semanticFile), semanticData);
   writeFileSync(file('machines/greet/say_SAYAAA/script.py'), 'def execute(self, inputs, outputs, gvm):\n    return 0\n');
 }
+
+/** As RAFCON writes them with Python 2. */
+const semanticData = JSON.stringify({ RAFCONTPP: { PDDL_ACTION: { description: {}, pddl_action: '(:action say\n    :precondition (awake ?me)\n)', pddl_types: 'Person' } } }, null, 4).replace(/,\n/g, ', \n');
+const semanticFile = 'machines/greet/say_SAYAAA/semantic_data.json';
 
 async function holds(what, message) {
   const end = Date.now() + 30000;
@@ -243,6 +248,108 @@ async function editMission(page) {
   await page.emulateMedia({ colorScheme: 'light' });
 }
 
+/** Facts and resources of containers and of the mission are checked before they come into the text. */
+async function editNeeds(page) {
+  const { text, seen, has, state, panel } = helpers(page);
+  await page.getByRole('button', { name: 'mission …' }).press('Enter');
+  const mission = page.getByRole('complementary', { name: 'Edit mission' });
+  await mission.getByLabel('New entry of world').fill('at(robot, dock)');
+  await page.keyboard.press('Enter');
+  await has('world:\n  - "at(robot, dock)"', 'a fact holds at first');
+  await page.getByText('Add a state').press('Enter');
+  await page.getByRole('button', { name: 'container: hierarchy' }).press('Enter');
+  await has('  hierarchy:', 'a container is added');
+  const container = panel('hierarchy');
+  await container.getByLabel('New entry of resources').fill('{block: arm, count: 2}');
+  await page.keyboard.press('Enter');
+  await seen(container.locator('output.bad', { hasText: 'arm' }));
+  assert.ok(!(await text.locator('.cm-line').allTextContents()).join('\n').includes('count: 2'), 'what would be wrong is not written');
+  await container.getByLabel('New entry of resources').fill('{block: arm}');
+  await page.keyboard.press('Enter');
+  await has('    resources: [{block: arm}]', 'it holds an arm');
+  await container.getByLabel('New entry of preconditions').fill('at(robot dock');
+  await page.keyboard.press('Enter');
+  await seen(container.locator('output.bad', { hasText: 'at(robot dock' }));
+  await capture(page, 'edit_mission_needs');
+  await undoUntil(page, text, (lines) => !lines.some((line) => line.startsWith('world:') || line.startsWith('  hierarchy:')));
+  await holds(async () => (await state('hierarchy').count()) === 0, 'the container is gone');
+  await page.getByText('Add a state').press('Enter');
+}
+
+/** The semantic data of a state of RAFCON are written to its own file. */
+async function editSemanticData(page) {
+  const { seen, has, state, panel, open } = helpers(page);
+  await open('machines/greet');
+  await seen(state('say'));
+  await state('say').focus();
+  await page.keyboard.press('Enter');
+  const data = panel('say').getByRole('region', { name: 'Semantic data' });
+  const types = data.getByLabel('RAFCONTPP › PDDL_ACTION › pddl_types', { exact: true });
+  await seen(types);
+  assert.equal(await data.getByLabel('RAFCONTPP › PDDL_ACTION › pddl_action', { exact: true }).inputValue(), '(:action say\n    :precondition (awake ?me)\n)');
+  await types.fill('Person, Food');
+  await page.keyboard.press('Enter');
+  await seen(data.getByText('1 unsaved'));
+  assert.equal(onDisk(semanticFile), semanticData, 'nothing is written before it is saved');
+
+  // What would be wrong stands where it was typed, and is not taken.
+  const entry = data.getByRole('form', { name: 'New entry' });
+  await entry.getByLabel('in', { exact: true }).selectOption({ label: 'segue' });
+  await entry.getByLabel('key').fill('effect');
+  await entry.getByLabel('text').fill('["+greeted()"]');
+  await entry.getByRole('button', { name: 'Add the text' }).press('Enter');
+  await seen(entry.getByRole('alert').filter({ hasText: "'effects'" }));
+  await entry.getByLabel('key').fill('effects');
+  await entry.getByRole('button', { name: 'Add the text' }).press('Enter');
+  const effects = data.getByLabel('segue › effects', { exact: true });
+  await seen(effects);
+  await effects.fill('["+greeted("]');
+  await page.keyboard.press('Enter');
+  await seen(data.locator('output.bad', { hasText: '+greeted(' }));
+  await capture(page, 'edit_semantic_data');
+  await page.keyboard.press('Escape');
+  await data.getByRole('button', { name: 'Remove RAFCONTPP', exact: true }).press('Enter');
+  await types.waitFor({ state: 'detached' });
+  await data.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
+  await seen(types);
+  await seen(page.getByRole('region', { name: 'Files' }).getByText('unsaved'));
+
+  // Somebody else's change is not written over.
+  const wanted = semanticData.replace('"Person"', '"Person, Food"').replace(/\n}$/, ', \n    "segue": {\n        "effects": "[\\"+greeted()\\"]"\n    }\n}');
+  const save = data.getByRole('button', { name: 'Save semantic data' });
+  await save.press('Enter');
+  await has('+greeted', 'the mission has the effect');
+  assert.equal(onDisk(semanticFile), wanted, 'nothing else has changed');
+  await seen(data.getByText('as in the file'));
+  await types.fill('Animal');
+  await page.keyboard.press('Enter');
+  await seen(data.getByText('1 unsaved'));
+  writeFileSync(file(semanticFile), semanticData);
+  await save.press('Enter');
+  await seen(data.getByRole('alert').filter({ hasText: 'changed by somebody else' }));
+  assert.equal(onDisk(semanticFile), semanticData);
+  await data.getByRole('button', { name: 'Read the file again' }).press('Enter');
+  await holds(async () => (await types.inputValue()) === 'Person', 'the file is read again');
+  await panel('say').getByRole('button', { name: 'Close' }).press('Enter');
+}
+
+/** Who may only look sees semantic data, and nothing to change them. */
+async function observeSemanticData() {
+  const studio = await stage.startStudio('--observe');
+  const page = stage.watched(await stage.browser.newPage());
+  await page.goto(studio.found);
+  await page.getByRole('link', { name: 'Edit' }).press('Enter');
+  const { seen, state, panel, open } = helpers(page);
+  await open('machines/greet');
+  await seen(state('say'));
+  await state('say').focus();
+  await page.keyboard.press('Enter');
+  const data = panel('say').getByRole('region', { name: 'Semantic data' });
+  await seen(data.getByLabel('RAFCONTPP › PDDL_ACTION › pddl_types', { exact: true }));
+  assert.equal(await data.getByRole('button').count(), 0);
+  assert.equal(await data.locator('input:not([readonly]), textarea:not([readonly]), select').count(), 0);
+}
+
 async function editFiles(page) {
   const { seen, has, problems, state, open } = helpers(page);
   // A machine of RAFCON is read only, and can be saved as a mission.
@@ -301,5 +408,8 @@ await stage.play(async () => {
   const page = await stage.enter();
   await page.getByRole('link', { name: 'Edit' }).press('Enter');
   await editMission(page);
+  await editNeeds(page);
+  await editSemanticData(page);
   await editFiles(page);
+  await observeSemanticData();
 });

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from 'react';
-import { Adding, Choice, Field, portTypes, written } from './Fields';
+import { Adding, Choice, Field, portTypes, written, type Refusal } from './Fields';
 import { facts, flags, runEntries, usersOf, type Side } from './mission_actions';
 import type { ActionText, MissionPort, MissionText } from './mission_text';
 import { record, type Path } from './yaml_edit';
 
 /** Each answers what is wrong, or null. */
 export interface ActionEdits {
-  setEntry: (path: Path, typed: string, kind: 'text' | 'yaml') => string | null;
-  addEntry: (key: string, typed: string, kind: 'text' | 'yaml') => string | null;
+  /** Those of facts and resources are checked first. */
+  setEntry: (path: Path, typed: string, kind: 'text' | 'yaml') => Refusal;
+  addEntry: (key: string, typed: string, kind: 'text' | 'yaml') => Refusal;
   setFlag: (flag: string, on: boolean) => void;
   addPort: (side: Side, name: string, type: string) => string | null;
   setPort: (side: Side, port: MissionPort, type: string, yaml: string) => string | null;
@@ -67,10 +68,18 @@ function Outcomes({ props }: { props: Props }) {
   );
 }
 
-/** Facts or resources. */
-function List({ name, doc, kind, props }: { name: string; doc: string; kind: 'text' | 'yaml'; props: Props }) {
-  const { action, fixed, edits } = props;
-  const value = action.value[name];
+interface ListProps {
+  name: string;
+  doc: string;
+  kind: 'text' | 'yaml';
+  /** The list as it is written; anything else: none. */
+  value: unknown;
+  fixed: boolean;
+  edits: Pick<ActionEdits, 'setEntry' | 'addEntry'>;
+}
+
+/** Facts or resources of an action or container. */
+export function List({ name, doc, kind, value, fixed, edits }: ListProps) {
   const entries: unknown[] = Array.isArray(value) ? value : [];
   if (fixed && entries.length === 0) return null;
   return (
@@ -110,8 +119,8 @@ export function ActionForm(props: Props) {
           {runEntries(action).map((entry) => (
             <Field key={entry.label} label={entry.label} value={written(entry.value)} fixed={fixed} onSet={(typed) => edits.setEntry(entry.path, typed, 'yaml')} />
           ))}
-          {facts.map(({ key, doc }) => <List key={key} name={key} doc={doc} kind="text" props={props} />)}
-          <List name="resources" doc="such as {block: arm} or {consume: cup, count: 2}" kind="yaml" props={props} />
+          {facts.map(({ key, doc }) => <List key={key} name={key} doc={doc} kind="text" value={action.value[key]} fixed={fixed} edits={edits} />)}
+          <List name="resources" doc="such as {block: arm} or {consume: cup, count: 2}" kind="yaml" value={action.value['resources']} fixed={fixed} edits={edits} />
           <h3>In concurrent runs</h3>
           {flags.map(({ key, doc }) => (
             <label key={key} className="flag">

@@ -9,6 +9,7 @@ import { FileActions, NewFile } from './FileActions';
 import { MissionEditor } from './MissionEditor';
 import { modelsOf, type Models } from './models';
 import { NetworkEditor } from './NetworkEditor';
+import { semanticDraftsOf } from './semantic_drafts';
 import { TextEditor } from './TextEditor';
 
 
@@ -59,6 +60,8 @@ interface FileListProps {
 
 function FileList({ files, complete, chosen, drafts, onChoose, onFiles }: FileListProps) {
   const connection = useConnection();
+  const semantic = semanticDraftsOf(connection);
+  useSyncExternalStore(semantic.subscribe, () => files.map((file) => semantic.hasUnsaved(file.path)).join());
   return (
     <section className="controllers" aria-label="Files">
       {kinds.map(({ title, kinds: shown }) => {
@@ -72,7 +75,7 @@ function FileList({ files, complete, chosen, drafts, onChoose, onFiles }: FileLi
                 <li key={file.path}>
                   <button type="button" className="line" aria-pressed={chosen === file.path} disabled={file.problem !== ''} title={file.problem} onClick={() => onChoose(file.path)}>
                     <span>{file.path}</span>
-                    {drafts.isUnsaved(drafts.get(file.path)) && <span className="badge warn">unsaved</span>}
+                    {(drafts.isUnsaved(drafts.get(file.path)) || semantic.hasUnsaved(file.path)) && <span className="badge warn">unsaved</span>}
                   </button>
                 </li>
               ))}
@@ -225,7 +228,7 @@ function DraftView({ draft, drafts, models, files, anyUnsaved, onFiles }: { draf
         {connection.mayOperate && file && <FileActions file={file} files={files} draft={draft} drafts={drafts} onFiles={onFiles} />}
       </div>
       {file?.kind === 'rafcon' && (
-        <p className="quiet note">A state machine of RAFCON, as the mission that it becomes. {draft.notes.length > 0 && 'What could not be kept: ' + draft.notes.join('; ')}</p>
+        <p className="quiet note">A state machine of RAFCON, as the mission that it becomes. {connection.mayOperate && 'The semantic data of its states can be edited in their panels. '}{draft.notes.length > 0 && 'What could not be kept: ' + draft.notes.join('; ')}</p>
       )}
       <Conflict draft={draft} drafts={drafts} />
       <div className="halves">
@@ -233,7 +236,7 @@ function DraftView({ draft, drafts, models, files, anyUnsaved, onFiles }: { draf
           <TextEditor drafts={drafts} path={path} />
           <Problems draft={draft} drafts={drafts} />
         </div>
-        {isMission ? <MissionEditor path={path} text={text} drafts={drafts} fixed={fixed} /> : <NetworkEditor path={path} text={text} drafts={drafts} models={models} fixed={fixed} />}
+        {isMission ? <MissionEditor path={path} text={text} drafts={drafts} fixed={fixed} folders={file?.kind === 'rafcon' ? draft.folders : null} /> : <NetworkEditor path={path} text={text} drafts={drafts} models={models} fixed={fixed} />}
       </div>
     </section>
   );

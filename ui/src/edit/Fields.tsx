@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useId, useState, type FormEvent } from 'react';
+import { useId, useState, type FormEvent, type KeyboardEvent } from 'react';
 import { stringify } from 'yaml';
 
 /** A value as it is typed and shown; nothing: ''. */
@@ -7,28 +7,45 @@ export const written = (value: unknown) => (value === undefined ? '' : stringify
 
 export const portTypes = ['any', 'bool', 'int', 'float', 'text', 'list', 'map'];
 
-/** A value that is set by Enter; what is wrong with it stands below. */
-export function Field({ label, value, placeholder, note, fixed, onSet }: { label: string; value: string; placeholder?: string; note?: string; fixed: boolean; onSet: (value: string) => string | null }) {
+/** The reason why a value is refused, or null; at once, or when it has been checked. */
+export type Refusal = string | null | Promise<string | null>;
+
+interface FieldProps {
+  label: string;
+  /** Where the label alone does not tell it from others. */
+  name?: string;
+  value: string;
+  placeholder?: string;
+  note?: string;
+  fixed: boolean;
+  /** It has several lines. */
+  lines?: boolean;
+  onSet: (value: string) => Refusal;
+}
+
+/** A value that is set by Enter, of several lines by its button; what is wrong with it stands below. */
+export function Field({ label, name, value, placeholder, note, fixed, lines, onSet }: FieldProps) {
   const [typed, setTyped] = useState<string | null>(null);
   const [problem, setProblem] = useState<string | null>(null);
   const id = useId();
-  const submit = (event: FormEvent) => {
+  const submit = async (event: FormEvent) => {
     event.preventDefault();
     if (typed === null) return;
-    const refused = onSet(typed);
+    const refused = await onSet(typed);
     setProblem(refused);
     if (refused === null) setTyped(null);
   };
+  const input = {
+    id, placeholder, value: typed ?? value, readOnly: fixed, spellCheck: false, className: typed !== null ? 'edited' : '', 'aria-label': name, 'aria-describedby': note ? id + '-note' : undefined,
+    onChange: (event: { target: { value: string } }) => setTyped(event.target.value),
+    onKeyDown: (event: KeyboardEvent) => {
+      if (event.key === 'Escape') [setTyped(null), setProblem(null)];
+    },
+  };
   return (
-    <form className="row property" onSubmit={submit}>
+    <form className="row property" onSubmit={(event) => void submit(event)}>
       <label htmlFor={id}>{label}</label>
-      <input
-        id={id} value={typed ?? value} placeholder={placeholder} readOnly={fixed} spellCheck={false} className={typed !== null ? 'edited' : ''} aria-describedby={note ? id + '-note' : undefined}
-        onChange={(event) => setTyped(event.target.value)}
-        onKeyDown={(event) => {
-          if (event.key === 'Escape') [setTyped(null), setProblem(null)];
-        }}
-      />
+      {lines ? <textarea rows={Math.min(12, (typed ?? value).split('\n').length + 1)} {...input} /> : <input {...input} />}
       {typed !== null && <button type="submit">Set</button>}
       {note && <small id={id + '-note'} className="quiet">{note}</small>}
       {problem && <output className="bad">{problem}</output>}
@@ -52,19 +69,20 @@ export function Choice({ label, value, options, empty, fixed, onChoose }: { labe
 }
 
 /** A name, and where wanted a type, of something new. */
-export function Adding({ label, withType, onAdd }: { label: string; withType: boolean; onAdd: (name: string, type: string) => string | null }) {
+export function Adding({ label, withType, onAdd }: { label: string; withType: boolean; onAdd: (name: string, type: string) => Refusal }) {
   const [name, setName] = useState('');
   const [type, setType] = useState('any');
   const [problem, setProblem] = useState<string | null>(null);
+  const submit = async (event: FormEvent) => {
+    event.preventDefault();
+    const refused = await onAdd(name.trim(), type.trim() || 'any');
+    setProblem(refused);
+    if (refused === null) setName('');
+  };
   return (
     <form
       className="row"
-      onSubmit={(event) => {
-        event.preventDefault();
-        const refused = onAdd(name.trim(), type.trim() || 'any');
-        setProblem(refused);
-        if (refused === null) setName('');
-      }}
+      onSubmit={(event) => void submit(event)}
     >
       <input aria-label={label} placeholder={label} value={name} spellCheck={false} onChange={(event) => setName(event.target.value)} />
       {withType && (

@@ -7,7 +7,8 @@ import { addFlow, addState, described, removeFlow, removeState, setStart, setTra
 import { meaningOf, missionGraph, openAtFirst, stateNode, stateOfNode, type Shown } from './mission_graph';
 import { allLibraries, isContainer, librariesOf, missionIn, newName, stateIn, statesOf, type EditedState, type Interface, type MissionText } from './mission_text';
 import { PortGraph, type End } from './PortGraph';
-import { editsOf, type Edit } from './state_edits';
+import { SemanticData } from './SemanticData';
+import { editsOf, type CheckedEdit, type Edit, type Edits, type TextChange } from './state_edits';
 import { StateForm } from './StateForm';
 import { useLastGood } from './useLastGood';
 
@@ -66,6 +67,8 @@ interface Props {
   drafts: Drafts;
   /** Nothing can be changed. */
   fixed: boolean;
+  /** Of a machine of RAFCON: the folders of its states, whose semantic data can be changed, by their paths. */
+  folders: Record<string, string> | null;
 }
 
 /** The id of a state in a container. */
@@ -104,19 +107,22 @@ function useScene(mission: MissionText | null, files: Interface[], { machine, op
 }
 
 /** Changes the text of the file, which may be ahead of what is drawn. */
-function useEdit({ path, text, drafts }: Props, scene: Scene | null, machine: string, closed: boolean): { edit: Edit; problem: string } {
+function useEdit({ path, text, drafts }: Props, scene: Scene | null, machine: string, closed: boolean): Edits & { problem: string } {
   const [problem, setProblem] = useState('');
+  const now = () => drafts.get(path)?.state.doc.toString() ?? '';
+  const changed = (before: string, change: TextChange): string => {
+    if (closed || !scene) throw new Error('this text cannot be edited in the graph now');
+    const current = (before === text ? scene.mission : missionIn(before)) ?? { ...scene.mission, machines: [] };
+    const nowIn = (state: EditedState) => {
+      const found = stateIn(current.machines.find((one) => one.name === machine)?.root ?? scene.root, state.id);
+      if (!found) throw new Error('there is no state ' + state.id + ' any more');
+      return found;
+    };
+    return change(before, nowIn, current);
+  };
   const edit: Edit = (change) => {
     try {
-      if (closed || !scene) throw new Error('this text cannot be edited in the graph now');
-      const before = drafts.get(path)?.state.doc.toString() ?? '';
-      const current = (before === text ? scene.mission : missionIn(before)) ?? { ...scene.mission, machines: [] };
-      const nowIn = (state: EditedState) => {
-        const found = stateIn(current.machines.find((one) => one.name === machine)?.root ?? scene.root, state.id);
-        if (!found) throw new Error('there is no state ' + state.id + ' any more');
-        return found;
-      };
-      drafts.replace(path, change(before, nowIn, current));
+      drafts.replace(path, changed(now(), change));
       setProblem('');
       return null;
     } catch (error) {
@@ -124,7 +130,19 @@ function useEdit({ path, text, drafts }: Props, scene: Scene | null, machine: st
       return reason(error);
     }
   };
-  return { edit, problem };
+  const checked: CheckedEdit = async (change) => {
+    try {
+      for (;;) {
+        const before = now();
+        const refused = await drafts.newError(path, before, changed(before, change));
+        if (now() !== before) continue; // somebody has typed meanwhile
+        return refused ?? edit(change);
+      }
+    } catch (error) {
+      return reason(error);
+    }
+  };
+  return { edit, checked, problem };
 }
 
 /** The actions of the bar and of the graph. */
@@ -222,15 +240,24 @@ export function MissionEditor(props: Props) {
   const selection = useSelection();
   const scene = useScene(mission, libraries, selection);
   const closed = props.fixed || !now;
-  const { edit, problem } = useEdit(props, scene, selection.machine, closed);
+  const { problem, ...edits } = useEdit(props, scene, selection.machine, closed);
   if (!scene) return null;
-  return <Editor props={props} scene={scene} selection={selection} closed={closed} hasErrors={!now} edit={edit} problem={problem} />;
+  return <Editor props={props} scene={scene} selection={selection} closed={closed} hasErrors={!now} edits={edits} problem={problem} />;
 }
 
-function Editor({ props, scene, selection, closed, hasErrors, edit, problem }: Omit<PartProps, 'verbs'> & { props: Props; hasErrors: boolean; edit: Edit; problem: string }) {
+/** Of a state of RAFCON; those in libraries are edited in the machine that the library is. */
+function SemanticPart({ props: { path, drafts, folders }, machine, state }: { props: Props; machine: string; state: EditedState }) {
+  const mayChange = useConnection().mayOperate;
+  const folder = machine === '' ? folders?.[state.id] : undefined;
+  if (!folders) return null;
+  if (folder === undefined) return <p className="quiet">Its semantic data belong to the library {machine}; they are edited in its own machine.</p>;
+  return <SemanticData key={folder} path={path} state={folder} fixed={!mayChange} onSaved={() => void drafts.readAgain(path, false)} />;
+}
+
+function Editor({ props, scene, selection, closed, hasErrors, edits, problem }: Omit<PartProps, 'verbs'> & { props: Props; hasErrors: boolean; edits: Edits; problem: string }) {
   const { mission, libraries, root, open } = scene;
   const { machine, setSelected, setOpen } = selection;
-  const verbs = verbsOf(props, scene, selection, edit);
+  const verbs = verbsOf(props, scene, selection, edits.edit);
   const { state } = verbs;
   const toggle = (id: string) => {
     const next = new Set(open);
@@ -246,8 +273,10 @@ function Editor({ props, scene, selection, closed, hasErrors, edit, problem }: O
       {state && (
         <StateForm
           key={machine + ':' + state.id} mission={mission} libraries={libraries} state={state} containers={statesOf(root).filter(isContainer)} fixed={closed}
-          edits={editsOf(state, mission, edit, setSelected)} onClose={() => setSelected(null)} isOpen={open.has(state.id)} onToggle={() => toggle(state.id)}
-        />
+          edits={editsOf(state, mission, edits, setSelected)} onClose={() => setSelected(null)} isOpen={open.has(state.id)} onToggle={() => toggle(state.id)}
+        >
+          <SemanticPart props={props} machine={machine} state={state} />
+        </StateForm>
       )}
     </>
   );

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-import { ActionForm, type ActionEdits } from './ActionForm';
+import type { ReactNode } from 'react';
+import { ActionForm, List, type ActionEdits } from './ActionForm';
 import { Adding, Choice, Field, written } from './Fields';
 import { flowPartners } from './mission_graph';
 import { extraOutcomes, interfaceIn, isContainer, outcomesIn, targetsOf, type EditedState, type Interface, type MissionPort, type MissionText } from './mission_text';
 import { NameField } from './NameField';
+import { record } from './yaml_edit';
 
 type Side = 'inputs' | 'outputs';
 type Ports = Side | 'variables';
 
 /** Each answers what is wrong, or null. */
-export interface StateEdits {
+export interface StateEdits extends Pick<ActionEdits, 'setEntry' | 'addEntry'> {
   rename: (name: string) => string | null;
   remove: () => void;
   move: (container: EditedState, before: string | null) => void;
@@ -146,6 +148,33 @@ function Container({ props }: { props: Props }) {
       <OwnPorts which="inputs" props={props} />
       <OwnPorts which="outputs" props={props} />
       <OwnPorts which="variables" props={props} />
+      <Declared props={props} />
+    </>
+  );
+}
+
+/** The needs of a container; the facts and resources of the mission. A library has neither. */
+function Declared({ props: { state, fixed, edits } }: { props: Props }) {
+  const { declares, path } = state;
+  const list = { fixed, edits };
+  if (state.parent) {
+    return (
+      <>
+        <List name="preconditions" doc="such as !held({box}), with its inputs; checked when it and each action in it begins" kind="text" value={declares['preconditions']} {...list} />
+        <List name="resources" doc="such as {block: arm}: held from its begin to its end" kind="yaml" value={declares['resources']} {...list} />
+      </>
+    );
+  }
+  if (path.length > 0) return null;
+  const resources = Object.entries(record(declares['resources']));
+  return (
+    <>
+      <List name="world" doc="facts that hold at first, such as at(robot, dock)" kind="text" value={declares['world']} {...list} />
+      {(!fixed || resources.length > 0) && <h3>Resources of the mission</h3>}
+      {resources.map(([name, value]) => (
+        <Field key={name + written(value)} label={'resource ' + name} value={written(value)} fixed={fixed} note={fixed ? undefined : 'such as {count: 2}; empty: it is removed'} onSet={(typed) => edits.setEntry(['resources', name], typed, 'yaml')} />
+      ))}
+      {!fixed && <Adding label="New resource of the mission" withType={false} onAdd={(name) => (resources.some(([one]) => one === name) ? 'there is a resource ' + name + ' already' : edits.setEntry(['resources', name], '{count: 1}', 'yaml'))} />}
     </>
   );
 }
@@ -188,8 +217,8 @@ function Use({ props }: { props: Props }) {
 }
 
 /** A state of a mission as it is edited, all by keyboard. */
-export function StateForm(props: Props & { onClose: () => void; isOpen: boolean; onToggle: () => void }) {
-  const { mission, libraries, state, fixed, edits, onClose, isOpen, onToggle } = props;
+export function StateForm(props: Props & { onClose: () => void; isOpen: boolean; onToggle: () => void; children: ReactNode }) {
+  const { mission, libraries, state, fixed, edits, onClose, isOpen, onToggle, children } = props;
   const known = interfaceIn(mission, libraries, state);
   const action = isContainer(state) || state.kind === 'library' ? undefined : mission.actions.find((one) => one.name === state.action);
   const label = state.id === '' ? 'mission' : 'state ' + state.id;
@@ -203,6 +232,7 @@ export function StateForm(props: Props & { onClose: () => void; isOpen: boolean;
       <p>{what} {!known && <span className="badge warn">not known</span>}</p>
       {!isContainer(state) && known?.description && <p className="quiet">{known.description}</p>}
       {isContainer(state) && state.id !== '' && <p><button type="button" className="small" onClick={onToggle}>{isOpen ? 'Close in the graph' : 'Open in the graph'}</button></p>}
+      {children}
       {state.parent && !fixed && <NameField key={state.id} label="Name" name={state.name} onRename={edits.rename} />}
       <Field key={'title ' + state.id} label="Title" value={state.title} fixed={fixed} onSet={(value) => edits.setText('title', value)} />
       <Field key={'description ' + state.id} label="Description" value={state.description} fixed={fixed} onSet={(value) => edits.setText('description', value)} />

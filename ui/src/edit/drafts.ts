@@ -51,6 +51,8 @@ export interface Draft {
   isReadOnly: boolean;
   /** The parts of the state machine that the mission could not keep. */
   notes: string[];
+  /** The folders of its states, by their paths in the mission. */
+  folders: Record<string, string>;
 }
 
 const colours = HighlightStyle.define([
@@ -74,6 +76,15 @@ const look = EditorView.theme({
 });
 
 const notChecked = 'not checked: ';
+
+/** The answer to the request `read_file`. */
+interface FileText {
+  text: string;
+  version: string;
+  notes: string[];
+  /** Of machines of RAFCON. */
+  folders?: Record<string, string>;
+}
 
 function place(state: EditorState, problem: Problem): Diagnostic {
   const line = state.doc.line(Math.min(Math.max(problem.line, 1), state.doc.lines));
@@ -107,11 +118,11 @@ export class Drafts {
   /** Reads the file, unless it is edited already. Rejected with a RobotError. */
   async open(path: string): Promise<void> {
     if (this.drafts.has(path)) return;
-    const { text, version, notes } = await this.read(path);
+    const { text, version, notes, folders } = await this.read(path);
     if (this.drafts.has(path)) return;
     const isReadOnly = version === '';
     const state = EditorState.create({ doc: text, extensions: this.extensions(path, isReadOnly) });
-    this.set({ path, isReadOnly, notes, saved: state.doc.toString(), version, carriageReturns: text.includes('\r\n'), state, problems: null, error: '', conflict: '', kept: null, saving: false });
+    this.set({ path, isReadOnly, notes, folders: folders ?? {}, saved: state.doc.toString(), version, carriageReturns: text.includes('\r\n'), state, problems: null, error: '', conflict: '', kept: null, saving: false });
   }
 
   /** Where the text is shown. */
@@ -192,14 +203,28 @@ export class Drafts {
     for (const listener of this.listeners) listener();
   }
 
-  private async read(path: string): Promise<{ text: string; version: string; notes: string[] }> {
-    return (await this.connection.call('read_file', { path })) as { text: string; version: string; notes: string[] };
+  /** The first error that the file would have with the text `after` and does not have with `before`; null: none. */
+  async newError(path: string, before: string, after: string): Promise<string | null> {
+    const errors = async (text: string) => (await this.problemsOf(path, text)).filter((problem) => problem.severity === 'error').map((problem) => problem.message);
+    try {
+      const known = new Set(await errors(before));
+      return (await errors(after)).find((message) => !known.has(message)) ?? null;
+    } catch (error) {
+      return notChecked + reason(error);
+    }
+  }
+
+  private async read(path: string): Promise<FileText> {
+    return (await this.connection.call('read_file', { path })) as unknown as FileText;
+  }
+  private async problemsOf(path: string, text: string): Promise<Problem[]> {
+    const answer = await this.connection.call('check_file', { path, text });
+    return (answer as { problems: Json }).problems as unknown as Problem[];
   }
 
   private async check(path: string, state: EditorState): Promise<Diagnostic[]> {
     try {
-      const answer = await this.connection.call('check_file', { path, text: state.doc.toString() });
-      const problems = (answer as { problems: Json }).problems as unknown as Problem[];
+      const problems = await this.problemsOf(path, state.doc.toString());
       if (this.drafts.get(path)?.state.doc.eq(state.doc)) this.checked(path, problems);
       return problems.map((problem) => place(state, problem));
     } catch (error) {

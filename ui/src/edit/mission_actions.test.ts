@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { parse } from 'yaml';
 import { describe, expect, it } from 'vitest';
-import { addAction, addActionOutcome, addActionPort, addEntry, removeActionOutcome, removeActionPort, runEntries, setActionPort, setEntry, setFlag, usersOf } from './mission_actions';
+import { addAction, addActionOutcome, addActionPort, addEntry, pathOf, removeActionOutcome, removeActionPort, runEntries, setActionPort, setDeclared, setEntry, setFlag, usersOf } from './mission_actions';
 import { missionIn, stateIn } from './mission_text';
 
 const text = `# Fetches the box.
@@ -49,6 +49,29 @@ function difference(after: string): string[] {
   return [...old.filter((line) => !now.includes(line)).map((line) => '-' + line.trim()), ...now.filter((line) => !old.includes(line)).map((line) => '+' + line.trim())];
 }
 
+describe('what a container declares', () => {
+  const both = (of: string) => (parse(of) as { states: { both: Record<string, unknown> } }).states.both;
+  it('is set beside the rest of it', () => {
+    const more = addEntry(text, state('both').path, 'preconditions', '!dark', 'text');
+    expect(difference(more)).toEqual(['+preconditions: ["!dark"]']);
+    const container = stateIn(mission(more).machines[0]!.root, 'both')!;
+    expect(container.declares).toEqual({ preconditions: ['!dark'] });
+    expect(both(setDeclared(more, container, ['preconditions', 0], 'lit()', 'text'))['preconditions']).toEqual(['lit()']);
+    expect(both(setDeclared(more, container, ['preconditions', 0], '', 'text'))).toEqual(both(text));
+    expect(both(addEntry(text, state('both').path, 'resources', '{block: arm}', 'yaml'))['resources']).toEqual([{ block: 'arm' }]);
+  });
+  it('are the world and the resources where it is the mission', () => {
+    const root = mission().machines[0]!.root;
+    const more = setDeclared(addEntry(text, root.path, 'world', 'at(robot, dock)', 'text'), root, ['resources', 'arm'], '{count: 2}', 'yaml');
+    expect(parse(more)).toMatchObject({ world: ['at(robot, dock)'], resources: { arm: { count: 2 } } });
+    expect(difference(more).every((line) => line.startsWith('+'))).toBe(true);
+    const read = mission(more).machines[0]!.root;
+    expect(read.declares).toEqual({ world: ['at(robot, dock)'], resources: { arm: { count: 2 } } });
+    expect(parse(setDeclared(more, read, ['resources', 'arm'], '', 'yaml'))).not.toHaveProperty('resources');
+    expect(state('look').declares).toEqual({});
+  });
+});
+
 describe('what an action declares', () => {
   it('is set in its place, and nothing else changes', () => {
     expect(difference(setEntry(text, action('look'), ['expect', 'duration'], '500ms', 'yaml'))).toEqual(['-expect: {duration: 2s, outcome: found}   # mostly', '+expect: {duration: 500ms, outcome: found}   # mostly']);
@@ -59,8 +82,8 @@ describe('what an action declares', () => {
 
   it('has facts and resources', () => {
     expect(difference(setEntry(text, action('grasp'), ['preconditions', 0], '!held(box)', 'text'))[1]).toBe('+preconditions: ["!held(box)", "near({pose})"]');
-    expect(value(addEntry(text, action('look'), 'while', '!near(goal)', 'text'), 'look')?.['while']).toEqual(['!near(goal)']);
-    expect(difference(addEntry(text, action('grasp'), 'resources', '{consume: cup, count: 2}', 'yaml'))[1]).toBe('+resources: [{block: arm}, {consume: cup, count: 2}]');
+    expect(value(addEntry(text, pathOf(action('look')), 'while', '!near(goal)', 'text'), 'look')?.['while']).toEqual(['!near(goal)']);
+    expect(difference(addEntry(text, pathOf(action('grasp')), 'resources', '{consume: cup, count: 2}', 'yaml'))[1]).toBe('+resources: [{block: arm}, {consume: cup, count: 2}]');
     const fewer = setEntry(text, action('grasp'), ['preconditions', 1], '', 'text');
     expect(value(fewer, 'grasp')?.['preconditions']).toEqual(['!holding(box)']);
     expect(difference(setEntry(text, action('grasp'), ['effects', 0], '', 'text'))).toEqual(['-effects: ["+holding(box)"]']);

@@ -48,7 +48,7 @@ export function runEntries(action: ActionText): RunEntry[] {
   });
 }
 
-const pathOf = (action: ActionText): Path => ['actions', action.name];
+export const pathOf = (action: ActionText): Path => ['actions', action.name];
 
 /** The states that stand for it, in all machines of the mission. */
 export function usersOf(mission: MissionText, action: ActionText): EditedState[] {
@@ -61,17 +61,25 @@ function checkOneLine(text: string, path: Path): void {
   if (range && text.slice(range[0], range[1]).trim().includes('\n')) throw new Error('this is written over several lines; edit it in the text');
 }
 
-/** Takes out what is at the path in the action, and what would be left empty around it; something to run stays. */
-function removeEntry(text: string, action: ActionText, path: Path): string {
-  const full = [...pathOf(action), ...path];
+/** Takes out what is at the path in the holder, an action or container, and what would be left empty around it. */
+function removeDeclared(text: string, holder: Path, path: Path): string {
+  const full = [...holder, ...path];
   if (nodeAt(parsed(text), full) === undefined) return text;
-  if (path[0] === 'run') {
-    const isWay = path.length === 2 && (String(path[1]) in waysToRun || Object.keys(record(action.value['run'])).length === 1);
-    if (isWay) throw new Error('without this it would run nothing');
-    return remove(text, full);
-  }
   const around = nodeAt(parsed(text), full.slice(0, -1)) as { items?: unknown[] };
   return remove(text, path.length > 1 && around.items?.length === 1 ? full.slice(0, -1) : full);
+}
+
+/** Something to run stays. */
+function removeEntry(text: string, action: ActionText, path: Path): string {
+  const full = [...pathOf(action), ...path];
+  if (path[0] !== 'run' || nodeAt(parsed(text), full) === undefined) return removeDeclared(text, pathOf(action), path);
+  const isWay = path.length === 2 && (String(path[1]) in waysToRun || Object.keys(record(action.value['run'])).length === 1);
+  if (isWay) throw new Error('without this it would run nothing');
+  return remove(text, full);
+}
+
+function putTyped(text: string, full: Path, typed: string, kind: 'text' | 'yaml'): string {
+  return kind === 'text' ? put(text, full, typed) : put(text, full, parse(typed), typed.includes('\n') ? [] : [typed]);
 }
 
 /** Sets what is at the path in the action: text, or a value in YAML as it is typed; empty: nothing. */
@@ -79,13 +87,20 @@ export function setEntry(text: string, action: ActionText, path: Path, typed: st
   const full = [...pathOf(action), ...path];
   checkOneLine(text, full);
   const given = typed.trim();
-  if (given === '') return removeEntry(text, action, path);
-  return kind === 'text' ? put(text, full, given) : put(text, full, parse(given), given.includes('\n') ? [] : [given]);
+  return given === '' ? removeEntry(text, action, path) : putTyped(text, full, given, kind);
 }
 
-/** Adds an entry at the end of a list of the action; makes the list where there is none yet. */
-export function addEntry(text: string, action: ActionText, key: string, typed: string, kind: 'text' | 'yaml'): string {
-  return add(text, [...pathOf(action), key], kind === 'text' ? typed.trim() : parse(typed));
+/** As setEntry(), of what a container or the mission declares. */
+export function setDeclared(text: string, container: EditedState, path: Path, typed: string, kind: 'text' | 'yaml'): string {
+  const full = [...container.path, ...path];
+  checkOneLine(text, full);
+  const given = typed.trim();
+  return given === '' ? removeDeclared(text, container.path, path) : putTyped(text, full, given, kind);
+}
+
+/** Adds an entry at the end of a list of an action or container; makes the list where there is none yet. */
+export function addEntry(text: string, holder: Path, key: string, typed: string, kind: 'text' | 'yaml'): string {
+  return add(text, [...holder, key], kind === 'text' ? typed.trim() : parse(typed));
 }
 
 export function setFlag(text: string, action: ActionText, flag: string, on: boolean): string {

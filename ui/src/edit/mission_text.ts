@@ -45,6 +45,8 @@ export interface EditedState {
   outputs: MissionPort[];
   variables: MissionPort[];
   outcomes: string[];
+  /** The facts and resources that a container declares, and the world and resources of the mission, as they are written; empty for leaves. */
+  declares: Record<string, unknown>;
   /** null: not written as two ports. */
   flows: ({ from: string; to: string } | null)[];
   children: EditedState[];
@@ -117,6 +119,7 @@ class Reader {
       library: textOf(value['library']), title: textOf(value['title']), description: textOf(value['description']), start: textOf(value['start']),
       inputs: isLeaf ? [] : portsOf(value['inputs']), outputs: isLeaf ? [] : portsOf(value['outputs']), variables: isLeaf ? [] : portsOf(value['variables']),
       outcomes: isLeaf ? [] : outcomesOf(value['outcomes']),
+      declares: isLeaf ? {} : Object.fromEntries(['preconditions', 'resources', 'world'].filter((key) => key in value).map((key) => [key, value[key]])),
       flows: Array.isArray(value['flows']) ? value['flows'].map(flowOf) : [],
       values: { inputs: isLeaf ? record(value['inputs']) : {}, outputs: isLeaf ? record(value['outputs']) : {} },
       children: [],

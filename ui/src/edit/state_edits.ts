@@ -1,24 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ActionEdits } from './ActionForm';
-import { addAction, addActionOutcome, addActionPort, addEntry, removeActionOutcome, removeActionPort, setActionPort, setEntry, setFlag } from './mission_actions';
+import type { Refusal } from './Fields';
+import { addAction, addActionOutcome, addActionPort, addEntry, pathOf, removeActionOutcome, removeActionPort, setActionPort, setDeclared, setEntry, setFlag } from './mission_actions';
 import { addFlow, addOutcome, addPort, moveState, removeFlow, removeOutcome, removePort, removeState, renameState, setKind, setPort, setStart, setText, setTransition, setUse, setValue } from './mission_edits';
 import { type ActionText, type EditedState, type MissionText } from './mission_text';
 import type { StateEdits } from './StateForm';
 
-/** Changes the text; what is wrong, or null. `now`: a state as it is in the text of `before`; `current`: the mission as it is there. */
-export type Edit = (change: (before: string, now: (state: EditedState) => EditedState, current: MissionText) => string) => string | null;
+/** `now`: a state as it is in the text of `before`; `current`: the mission as it is there. */
+export type TextChange = (before: string, now: (state: EditedState) => EditedState, current: MissionText) => string;
+/** Changes the text; what is wrong, or null. */
+export type Edit = (change: TextChange) => string | null;
+/** Changes the text, unless it would have an error that it has not yet (`segue check`). */
+export type CheckedEdit = (change: TextChange) => Promise<string | null>;
+export interface Edits {
+  edit: Edit;
+  checked: CheckedEdit;
+}
+
+/** Facts and resources are checked before they are set; the rest of an action may be wrong in between. */
+const isDeclaration = (key: unknown) => ['preconditions', 'while', 'effects', 'resources'].includes(String(key));
 
 /** The edits of an action. */
-function actionEditsOf(name: string, edit: Edit): ActionEdits {
-  const change = (one: (text: string, action: ActionText, mission: MissionText) => string) =>
-    edit((text, _, current) => {
-      const action = current.actions.find((each) => each.name === name);
-      if (!action) throw new Error('there is no action ' + name + ' any more');
-      return one(text, action, current);
-    });
+function actionEditsOf(name: string, { edit, checked }: Edits): ActionEdits {
+  const ofAction = (one: (text: string, action: ActionText, mission: MissionText) => string): TextChange => (text, _, current) => {
+    const action = current.actions.find((each) => each.name === name);
+    if (!action) throw new Error('there is no action ' + name + ' any more');
+    return one(text, action, current);
+  };
+  const change = (one: Parameters<typeof ofAction>[0]) => edit(ofAction(one));
   return {
-    setEntry: (path, typed, kind) => change((text, action) => setEntry(text, action, path, typed, kind)),
-    addEntry: (key, typed, kind) => change((text, action) => addEntry(text, action, key, typed, kind)),
+    setEntry: (path, typed, kind): Refusal => (isDeclaration(path[0]) ? checked : edit)(ofAction((text, action) => setEntry(text, action, path, typed, kind))),
+    addEntry: (key, typed, kind) => checked(ofAction((text, action) => addEntry(text, pathOf(action), key, typed, kind))),
     setFlag: (flag, on) => void change((text, action) => setFlag(text, action, flag, on)),
     addPort: (side, port, type) => change((text, action) => addActionPort(text, action, side, port, type)),
     setPort: (side, port, type, yaml) => change((text, action) => setActionPort(text, action, side, port, type, yaml)),
@@ -29,7 +41,8 @@ function actionEditsOf(name: string, edit: Edit): ActionEdits {
 }
 
 /** The edits of the state that is selected; each changes the text. */
-export function editsOf(state: EditedState, mission: MissionText, edit: Edit, onSelect: (id: string | null) => void): StateEdits {
+export function editsOf(state: EditedState, mission: MissionText, edits: Edits, onSelect: (id: string | null) => void): StateEdits {
+  const { edit, checked } = edits;
   const inner = (around: EditedState, name: string) => (around.id === '' ? name : around.id + '/' + name);
   const follow = (refused: string | null, id: string | null) => {
     if (refused === null) onSelect(id);
@@ -53,6 +66,8 @@ export function editsOf(state: EditedState, mission: MissionText, edit: Edit, on
     connect: (container, from, to) => void edit((text, now) => addFlow(text, now(container), from, to)),
     disconnect: (container, index) => void edit((text, now) => removeFlow(text, now(container), index)),
     addAction: (name) => edit((text, now, current) => addAction(text, current, now(state), name)),
-    ofAction: (name) => actionEditsOf(name, edit),
+    setEntry: (path, typed, kind) => checked((text, now) => setDeclared(text, now(state), path, typed, kind)),
+    addEntry: (key, typed, kind) => checked((text, now) => addEntry(text, now(state).path, key, typed, kind)),
+    ofAction: (name) => actionEditsOf(name, edits),
   };
 }
