@@ -91,7 +91,9 @@ class RequestWatch {
         ways_.host.call(task_, "requests", type::Value::map({{"after", number_}}), time_now() + kCall);
     const type::Value* last = answer ? answer->find("last") : nullptr;
     const type::Value* controllers = answer ? answer->find("controllers") : nullptr;
-    if (last == nullptr || controllers == nullptr || !controllers->is_list()) return false;
+    const bool fits =
+        last != nullptr && last->is_integer() && controllers != nullptr && controllers->is_list();
+    if (!fits) return false;
     const auto newest = static_cast<std::uint64_t>(last->as_int());
     if (newest < number_) {  // the task has moved to another computer, whose clock it numbers by
       number_ = 0;
