@@ -41,8 +41,9 @@ Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequ
 
 /// By port of the mission; null for its default. NotFound, TypeMismatch.
 Result<std::vector<type::Value>> inputs_by_port(const mission::Program& program, const type::ValueMap& given);
-/// ParseError.
-Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts);
+/// ParseError; InvalidArgument for what does not fit the mission's predicates.
+Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts,
+                                               const mission::Mission& mission);
 /// Those of the request, with scripts and simulation as it says.
 mission::Runners runners_for(const RunRequest& request);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/input_file.hpp>
+#include <segue/base/text.hpp>
 #include <segue/convert/ahead_of_failures.hpp>
 #include <segue/convert/concurrent_run.hpp>
 #include <segue/draw/gantt.hpp>
@@ -163,7 +164,7 @@ Result<convert::AheadOfFailures> LoadedMission::ahead_of_failures(const ConvertR
   }
   auto inputs = detail::inputs_by_port(*program_, request.inputs);
   if (!inputs) return inputs.error();
-  const auto facts = detail::parse_facts(request.facts);
+  const auto facts = detail::parse_facts(request.facts, program_->mission());
   if (!facts) return facts.error();
   return convert::ahead_of_failures(program_, std::move(*inputs), *facts);
 }
@@ -191,11 +192,14 @@ Result<std::vector<type::Value>> inputs_by_port(const mission::Program& program,
   return inputs;
 }
 
-Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts) {
+Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts,
+                                               const mission::Mission& mission) {
   std::vector<mission::Fact> facts;
   for (const std::string& text : texts) {
     auto fact = mission::parse_initial_fact(text);
     if (!fact) return fact.error();
+    if (const auto problem = mission.vocabulary.problem(fact->predicate, fact->arguments))
+      return fail(ErrorCode::InvalidArgument, "the fact " + quote(text) + ' ' + *problem);
     facts.push_back(std::move(*fact));
   }
   return facts;
@@ -216,7 +220,7 @@ mission::Runners runners_for(const RunRequest& request) {
 Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequest& request) {
   auto inputs = inputs_by_port(*program, request.inputs);
   if (!inputs) return inputs.error();
-  const auto facts = parse_facts(request.facts);
+  const auto facts = parse_facts(request.facts, program->mission());
   if (!facts) return facts.error();
   auto plan = convert::MissionPlan::create(program, std::move(*inputs), *facts);
   if (!plan) return plan.error();

@@ -291,6 +291,22 @@ TEST_F(LoadedMissions, WhatCannotBeRequestedIsRefusedBeforeTheRun) {
   EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
 }
 
+TEST_F(LoadedMissions, FactsThatAreGivenFitTheMissionsPredicates) {
+  const LoadedMission mission = load("typed.yaml", R"y(mission: typed
+objects: {dock: object}
+predicates: {at: [object]}
+actions: {go: {effects: ["-at(dock)"], run: {simulated: {duration: 1s}}}}
+start: go
+states: {go: {on: {success: return success}}}
+)y");
+  for (RunRequest given : {request(Sequential{}), request(Concurrent{})}) {
+    given.facts = {"at(dock)"};
+    EXPECT_TRUE(mission.run(given));
+    given.facts = {"at(dok)"};
+    EXPECT_THAT(mission.run(given).error().message, HasSubstr("the fact 'at(dok)' has the argument 'dok'"));
+  }
+}
+
 TEST_F(LoadedMissions, ANumberOfNothingIsRefused) {
   const LoadedMission network = load("n.json", kNetwork);
   EXPECT_EQ(network.run(request(Concurrent{.workers = 0})).error().code, ErrorCode::InvalidArgument);

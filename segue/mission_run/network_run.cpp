@@ -116,7 +116,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     runners.vary_durations(start->seed);
     auto inputs = inputs_by_port(*program, start->inputs);
     if (!inputs) return inputs.error();
-    auto facts = parse_facts(start->facts);
+    auto facts = parse_facts(start->facts, program->mission());
     if (!facts) return facts.error();
     options.facts = std::move(*facts);
     options.resources = start->resources;

@@ -33,7 +33,7 @@ class SequentialRun final : public FinishedRun {
     auto start = open_journal(program->mission(), request, runners, options.journal);
     if (!start) return start.error();
     runners.vary_durations(start->seed);
-    auto facts = parse_facts(start->facts);
+    auto facts = parse_facts(start->facts, program->mission());
     if (!facts) return facts.error();
     options.facts = std::move(*facts);
     options.resources = start->resources;

@@ -34,7 +34,7 @@ TEST_F(Files, WrongUsageExitsWithTwoAndASuggestion) {
   EXPECT_TRUE(contains(missing.errors, "TARGET is required")) << missing.errors;
   const auto target = segue({"switch"});
   EXPECT_EQ(target.status, 2);
-  EXPECT_TRUE(contains(target.errors, "NAME, --network FILE or --transition FILE")) << target.errors;
+  EXPECT_TRUE(contains(target.errors, "NAME, --network FILE or --transition NAME|FILE")) << target.errors;
   EXPECT_EQ(segue({"switch", "one", "--transition", "t.yaml"}).status, 2);
   EXPECT_EQ(segue({"switch", "--transition", "t.yaml", "--dry-run"}).status, 2);
   EXPECT_EQ(segue({"run", "robot.yaml", "--log-level", "loud"}).status, 2);

@@ -28,8 +28,10 @@ class RequestsOfTasks : public SystemTest {
 TEST_F(RequestsOfTasks, AreCarriedOutAndJournalled) {
   EXPECT_EQ(segue({"write", "runtime.request=drive"}).status, 0);
   ASSERT_NO_FATAL_FAILURE(wait_for_controller("drive"));
-  const Value history = json({"history"});
-  EXPECT_EQ(history.as_list().back().find("who")->as_string(), "task runtime");
+  EXPECT_TRUE(eventually([&] {
+    const Value history = json({"history"});
+    return history.as_list().back().find("who")->as_string() == "task runtime";
+  })) << "the journal follows what runs";
 }
 
 TEST_F(RequestsOfTasks, ThatAreRefusedAreShownAsEvents) {
