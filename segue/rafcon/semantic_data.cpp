@@ -208,7 +208,8 @@ class Writer {
     }
     for (const auto& [key, value] : wanted.as_map()) {
       if (before.find(key) != nullptr) continue;
-      const auto place = std::ranges::find_if(pieces, [&](const Piece& piece) { return key < piece.key; });
+      const auto place =
+          std::ranges::find_if(pieces, [&key = key](const Piece& piece) { return key < piece.key; });
       pieces.insert(place, {key, layout.next, to_ascii(key) + ": " + written(value, layout.indent), ""});
     }
     pieces.front().lead = layout.first;
