@@ -17,7 +17,6 @@
 
 #include <fmt/core.h>
 
-#include <atomic>
 #include <memory>
 #include <stop_token>
 #include <utility>
@@ -66,9 +65,8 @@ draw::Diagram known_plan(const LoadedMission& plan, const RunRequest& request) {
   return diagram ? std::move(*diagram) : draw::Diagram{};
 }
 
-Result<std::unique_ptr<FinishedRun>> run_with_progress(const LoadedMission& plan, RunRequest request,
-                                                       const MissionOptions& options,
-                                                       const std::stop_token& stop, const Context& context) {
+Ran run_with_progress(const LoadedMission& plan, RunRequest request, const MissionOptions& options,
+                      const std::stop_token& stop, const Context& context) {
   const auto style = style_of(options, context);
   const bool shows_plan = style == MissionProgress::Style::Block;
   MissionProgress progress(plan.name(), style, options.clock == "real",
@@ -151,7 +149,8 @@ void show_nodes(FinishedRun& run) {
     print_line(printable(cause));
 }
 
-/// The document of a run, with what look-ahead saved if that is known.
+}  // namespace
+
 type::Value document_of(FinishedRun& run, const remote_robot::ServedRobot* robot) {
   type::Value document = run.to_value();
   if (robot == nullptr) return document;
@@ -162,7 +161,6 @@ type::Value document_of(FinishedRun& run, const remote_robot::ServedRobot* robot
   return document;
 }
 
-/// `robot`: on which it ran; null: on none.
 void show_run(FinishedRun& run, bool is_network, bool follows, const remote_robot::ServedRobot* robot,
               const Context& context) {
   if (context.json()) {
@@ -181,6 +179,8 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const remote_robo
   if (const auto saved = robot->saved(); saved.transitions > 0)
     print_line(saving_line(seconds(saved.saved), saved.transitions));
 }
+
+namespace {
 
 /// Lets the robot's pools carry out actions that are calls of pools. A pool has as many units as it may have
 /// instances, unless the user has given another number.
@@ -203,10 +203,13 @@ Result<void> add_pools(RunRequest& request, const LoadedMission& plan,
 
 Result<void> run_by_robot(RunRequest& request, const LoadedMission& plan,
                           const std::shared_ptr<remote_robot::ServedRobot>& robot,
-                          const mission::ControllerOptions& how) {
+                          const mission::ControllerOptions& how,
+                          std::shared_ptr<mission::ControllerUnion> controllers) {
   if (auto units = add_pools(request, plan, robot, how); !units) return units;
-  const auto controllers = std::make_shared<mission::ControllerUnion>(
-      robot, mission::ControllerUnion::Options{.deadline = how.request_deadline});
+  if (!controllers) {
+    controllers = std::make_shared<mission::ControllerUnion>(
+        robot, mission::ControllerUnion::Options{.deadline = how.request_deadline});
+  }
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how, controllers));
   mission::ScriptRobotOptions of_scripts;
   of_scripts.unreachable = how.unreachable;
@@ -222,8 +225,6 @@ Result<void> run_by_robot(RunRequest& request, const LoadedMission& plan,
 }
 
 namespace {
-
-using Ran = Result<std::unique_ptr<FinishedRun>>;
 
 type::Value shown_plan(const LoadedMission& plan, const RunRequest& request,
                        MissionRemote::PlanDetail detail) {
@@ -260,61 +261,77 @@ void tell_end(const Ran& run, MissionRemote& remote) {
   remote.ended(overview.outcome, overview.error ? overview.error->message : "");
 }
 
-/// Gives the robot back. Unless the mission has ended as it should, or wants the robot to run on, it comes to
-/// rest, which is waited for; false where it does not.
-bool leave(remote_robot::ServedRobot& robot, const Ran& run, const LoadedMission& plan, bool is_unreachable) {
-  const bool keep = (run && (*run)->overview().succeeded) ||
-                    plan.program()->mission().at_end == mission::Mission::AtEnd::Keep;
-  const auto rest = robot.give_back(keep, deadline_in(kRestTimeout));
+}  // namespace
+
+MissionRobot::MissionRobot(control::RobotService& service, std::string_view verb,
+                           mission::ControllerOptions how, bool stops_if_unreachable)
+    : robot_(std::make_shared<remote_robot::ServedRobot>(service, sender(verb))),
+      how_(std::move(how)),
+      controllers_(std::make_shared<mission::ControllerUnion>(
+          robot_, mission::ControllerUnion::Options{.deadline = how_.request_deadline})) {
+  robot_->when_stopped([stop = stop_]() mutable { stop.request_stop(); });
+  if (!stops_if_unreachable) return;
+  how_.unreachable = [stop = stop_, is_unreachable = is_unreachable_](const Error& /*why*/) mutable {
+    *is_unreachable = true;
+    stop.request_stop();
+  };
+}
+
+Result<mission::ControllerConflicts> MissionRobot::take() {
+  if (auto taken = robot_->take(); !taken) return taken.error();
+  return robot_->conflicts(Wait(TimePoint::max()));
+}
+
+Ran MissionRobot::run(const LoadedMission& plan, RunRequest request, mission_run::RunControl& steering,
+                      const MissionOptions& options, const Context& context) {
+  const RunRequest planned = request;
+  if (auto given = run_by_robot(request, plan, robot_, how_, controllers_); !given) return given.error();
+  remote_.reset();
+  remote_.emplace(
+      *robot_, *plan.program(),
+      [plan, planned](MissionRemote::PlanDetail detail) { return shown_plan(plan, planned, detail); },
+      steering, stop_);
+  request.on_event = [this](const mission::StateEvent& event) { remote_->observe(event); };
+  Ran run = run_with_progress(plan, std::move(request), options, stop_.get_token(), context);
+  tell_end(run, *remote_);
+  return run;
+}
+
+bool MissionRobot::leave(bool keep, const std::string& name) {
+  remote_.reset();
+  const auto rest = robot_->give_back(keep, deadline_in(kRestTimeout));
   if (!rest) {
     // Whoever took the robot over, or has halted it, has been named as the reason why the mission ended.
-    if (!is_unreachable && rest.error().code != ErrorCode::InvalidState)
+    if (!*is_unreachable_ && rest.error().code != ErrorCode::InvalidState)
       print_note("it is not known whether the robot is at rest: " + rest.error().message);
     return keep;
   }
   if (rest->is_null()) return true;
-  print_note(rest_text(plan.name(), *rest));
+  print_note(rest_text(name, *rest));
   return cli::is_at_rest(*rest);
 }
 
+namespace {
+
 /// Lets the robot carry out actions that are controllers. The plan is made anew, since it depends on which
-/// controllers the robot can run at once. `steering`
-/// is that of the request.
+/// controllers the robot can run at once. `steering` is that of the request.
 int run_on_robot(RunRequest request, mission_run::RunControl& steering, const MissionOptions& options,
                  control::RobotService& service, const Context& context) {
-  StopSignal signal;  // until the run has been shown
-  std::stop_source stop;
-  const std::stop_callback stopping(signal.token(), [&] { stop.request_stop(); });
-  const auto robot = std::make_shared<remote_robot::ServedRobot>(service, sender("mission run"));
-  robot->when_stopped([stop]() mutable { stop.request_stop(); });
-  if (auto taken = robot->take(); !taken) return failed(context, taken.error());
-  const auto conflicts = robot->conflicts(Wait(TimePoint::max()));
+  mission::ControllerOptions how;
+  how.look_ahead = options.look_ahead;
+  const bool can_be_resumed = request.journal.has_value();
+  MissionRobot robot(service, "mission run", how, can_be_resumed);
+  const auto conflicts = robot.take();
   if (!conflicts) return failed(context, conflicts.error());
   const auto plan =
       LoadedMission::load(options.file, {.libraries = options.libraries, .conflicts = &*conflicts});
   if (!plan) return report_failure(context, plan.error());
-  mission::ControllerOptions how;
-  how.look_ahead = options.look_ahead;
-  const auto is_unreachable = std::make_shared<std::atomic<bool>>(false);
-  if (request.journal) {
-    how.unreachable = [stop, is_unreachable](const Error& /*why*/) mutable {
-      *is_unreachable = true;
-      stop.request_stop();
-    };
-  }
-  if (auto given = run_by_robot(request, *plan, robot, how); !given) return failed(context, given.error());
-  Ran run = fail(ErrorCode::Internal, "the mission has not run");
-  {
-    MissionRemote remote(
-        *robot, *plan->program(),
-        [&](MissionRemote::PlanDetail detail) { return shown_plan(*plan, request, detail); }, steering, stop);
-    request.on_event = [&](const mission::StateEvent& event) { remote.observe(event); };
-    run = run_with_progress(*plan, request, options, stop.get_token(), context);
-    tell_end(run, remote);
-  }
-  const bool is_at_rest = leave(*robot, run, *plan, *is_unreachable);
-  const int status = show(run, *plan, options, robot.get(), context);
-  if (*is_unreachable)
+  const Ran run = robot.run(*plan, std::move(request), steering, options, context);
+  const bool keeps = (run && (*run)->overview().succeeded) ||
+                     plan->program()->mission().at_end == mission::Mission::AtEnd::Keep;
+  const bool is_at_rest = robot.leave(keeps, plan->name());
+  const int status = show(run, *plan, options, robot.robot().get(), context);
+  if (robot.is_unreachable())
     print_note("the robot cannot be reached any more; when it runs again, the mission goes on with --resume");
   return is_at_rest ? status : std::max<int>(status, kFailed);
 }

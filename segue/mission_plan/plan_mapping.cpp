@@ -280,7 +280,7 @@ std::optional<std::vector<std::string>> objects_in(const Fact& pattern, const Fa
 
 }  // namespace
 
-std::optional<pddl::ObservedAtom> observed_atom(const PlanMapping& mapping, const Fact& fact, bool holds) {
+std::optional<pddl::GroundAtom> observed_atom(const PlanMapping& mapping, const Fact& fact, bool holds) {
   for (const pddl::DomainPredicate& predicate : mapping.domain.predicates) {
     Fact same;
     same.predicate = predicate.name;
@@ -290,7 +290,7 @@ std::optional<pddl::ObservedAtom> observed_atom(const PlanMapping& mapping, cons
     const Fact& pattern = bound == nullptr ? same : bound->fact;
     const auto objects = objects_in(pattern, fact, predicate);
     if (!objects) continue;
-    pddl::ObservedAtom atom{{predicate.name}, holds == pattern.positive};
+    pddl::GroundAtom atom{{predicate.name}, holds == pattern.positive};
     atom.words.insert(atom.words.end(), objects->begin(), objects->end());
     return atom;
   }

@@ -58,6 +58,6 @@ struct PlanMapping {
 std::optional<PlanMapping> load_mapping(const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// The fact of the domain that an observed fact of the mapping is; nothing where the domain has none.
-std::optional<pddl::ObservedAtom> observed_atom(const PlanMapping& mapping, const Fact& fact, bool holds);
+std::optional<pddl::GroundAtom> observed_atom(const PlanMapping& mapping, const Fact& fact, bool holds);
 
 }  // namespace segue::mission

@@ -11,7 +11,7 @@ namespace {
 
 using detail::PddlTerm;
 
-bool says(const PddlTerm& term, const ObservedAtom& fact) {
+bool says(const PddlTerm& term, const GroundAtom& fact) {
   const PddlTerm& atom = term.begins_with("not") && term.list.size() == 2 ? term.list[1] : term;
   return std::ranges::equal(atom.list, fact.words, {}, &PddlTerm::word);
 }
@@ -33,7 +33,35 @@ void append(std::string& text, const PddlTerm& term) {
 
 }  // namespace
 
-std::optional<std::string> problem_with(const PddlText& problem, std::span<const ObservedAtom> facts,
+namespace {
+
+/// "on(red,table)" as "on", "red", "table".
+std::vector<std::string> words_of(std::string_view fact) {
+  std::vector<std::string> words(1);
+  for (const char c : fact) {
+    if (c == '(' || c == ',') {
+      words.emplace_back();
+    } else if (c != ')' && c != ' ') {
+      words.back() += c;
+    }
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+}  // namespace
+
+std::vector<GroundAtom> effects_of(const PddlPlan& plan, std::size_t steps) {
+  std::vector<GroundAtom> effects;
+  for (std::uint32_t i = 0; i < std::min(steps, plan.steps.size()); ++i) {
+    for (const task_network::Access& access : plan.network.accesses(task_network::NodeId{i})) {
+      if (access.writes) effects.push_back({words_of(plan.network.facts.text(access.fact)), access.value});
+    }
+  }
+  return effects;
+}
+
+std::optional<std::string> problem_with(const PddlText& problem, std::span<const GroundAtom> facts,
                                         Diagnostics& diagnostics) {
   auto terms = detail::parse_pddl(problem.text, problem.file, diagnostics);
   if (!terms) return std::nullopt;
@@ -48,7 +76,7 @@ std::optional<std::string> problem_with(const PddlText& problem, std::span<const
                       {problem.file, 1, 1});
     return std::nullopt;
   }
-  for (const ObservedAtom& fact : facts) {
+  for (const GroundAtom& fact : facts) {
     std::erase_if(init->list, [&](const PddlTerm& term) { return says(term, fact); });
     if (!fact.holds) continue;
     PddlTerm atom{{}, {}, init->where};

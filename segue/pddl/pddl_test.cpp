@@ -276,7 +276,7 @@ std::string steps_of(std::string_view plan) {
 
 TEST(PddlProblem, TakesWhatWasObservedInPlaceOfWhatItSays) {
   Diagnostics diagnostics;
-  const std::vector<ObservedAtom> facts = {{{"at", "a"}, false}, {{"at", "b"}, true}, {{"free"}, true}};
+  const std::vector<GroundAtom> facts = {{{"at", "a"}, false}, {{"at", "b"}, true}, {{"free"}, true}};
   const auto changed = problem_with({"(define (problem P) (:domain d) ; now\n (:init (at a) (= (far a b) 2) "
                                      "(not (free)) (at c)) (:goal (at c)))",
                                      "problem"},
@@ -288,6 +288,29 @@ TEST(PddlProblem, TakesWhatWasObservedInPlaceOfWhatItSays) {
   EXPECT_FALSE(problem_with({"(define (problem p) (:domain d))", "problem"}, facts, diagnostics));
   EXPECT_EQ(to_string(diagnostics),
             "problem:1:1: error: expected (define (problem ...) ... (:init ...) ...) [bad-definition]\n");
+}
+
+TEST(PddlProblem, GoesOnFromTheFirstStepsOfAPlan) {
+  Diagnostics diagnostics;
+  const PddlText domain = {
+      "(define (domain d) (:predicates (at ?p) (seen ?p ?q) (done)) (:action go :parameters (?p ?q) "
+      ":precondition (at ?p) :effect (and (not (at ?p)) (at ?q) (seen ?p ?q))) (:action end :parameters () "
+      ":precondition (not (done)) :effect (done)))",
+      "domain"};
+  const PddlText problem = {
+      "(define (problem p) (:domain d) (:objects a b) (:init (at a)) (:goal (and (done) (at a))))",
+      "problem"};
+  const auto plan = read_pddl(domain, problem, {"(go a b) (go b a) (end)", "plan"}, diagnostics);
+  ASSERT_TRUE(plan) << to_string(diagnostics);
+  const auto after = [&](std::size_t steps) {
+    return problem_with(problem, effects_of(*plan, steps), diagnostics).value_or("");
+  };
+  EXPECT_THAT(after(0), testing::HasSubstr("(:init (at a))"));
+  EXPECT_THAT(after(1), testing::HasSubstr("(at b)"));
+  EXPECT_FALSE(read_pddl(domain, {after(1), "after"}, {"(go a b)", "plan"}, diagnostics)) << "it is at b";
+  EXPECT_THAT(after(1), testing::HasSubstr("(seen a b)"));
+  EXPECT_FALSE(read_pddl(domain, {after(2), "after"}, {"", "none"}, diagnostics)) << "it is not done";
+  EXPECT_TRUE(read_pddl(domain, {after(3), "after"}, {"", "none"}, diagnostics));
 }
 
 TEST(PddlPlan, IsInTheOrderOfItsTimes) {

@@ -128,7 +128,7 @@ TEST_F(PlannedMissions, BeginWithWhatTheRobotShows) {
                                          "--observe", "-o",   "dock.yaml"};
   start();
   const auto unknown = segue(plan);
-  EXPECT_THAT(unknown.errors, HasSubstr("docked() cannot be observed now: what the problem says counts"));
+  EXPECT_THAT(unknown.errors, HasSubstr("docked() cannot be observed now: what is known of it counts"));
   const auto docking = json({"mission", "run", "dock.yaml", "--simulate", "--clock", "virtual"});
   EXPECT_EQ(docking.find("nodes")->as_list().size(), 1U);
   ASSERT_EQ(segue({"switch", "go_to"}).status, 0);
