@@ -38,7 +38,12 @@ segue::Result<std::unique_ptr<SimulatedRover>> SimulatedRover::create(const Simu
 }
 
 SimulatedRover::SimulatedRover(ModelPtr model, const SimulationOptions& options)
-    : model_(std::move(model)), data_(mj_makeData(model_.get())), options_(options), random_(options.seed) {
+    : model_(std::move(model)),
+      data_(mj_makeData(model_.get())),
+      options_(options),
+      random_(options.seed),
+      accelerations_(static_cast<std::size_t>(model_->nv)),
+      forces_(accelerations_) {
   for (const char* kind : {"steer_", "drive_"}) {
     for (const WheelPlace& place : kWheelPlaces)
       wheels_.push_back(joint(std::string(kind) + place.name));
@@ -46,6 +51,7 @@ SimulatedRover::SimulatedRover(ModelPtr model, const SimulationOptions& options)
   for (std::size_t index = 0; index < kArmJoints; ++index) {
     arm_.push_back(joint("arm_" + std::to_string(index + 1)));
     data_->qpos[model_->jnt_qposadr[arm_.back()]] = kArmHome.at(index);
+    arm_splines_.emplace_back(kArmHome.at(index), options.arm_period, kStep);
   }
   for (std::size_t number = 0; number < kBoxes; ++number)
     boxes_.at(number) = joint("box_" + std::to_string(number));
@@ -59,7 +65,6 @@ SimulatedRover::SimulatedRover(ModelPtr model, const SimulationOptions& options)
   place[3] = std::cos(options.start.theta / 2);
   place[6] = std::sin(options.start.theta / 2);
   put_boxes();
-  command_arm(kArmHome);
   step(250);
   time_ = 0;
 }
@@ -101,13 +106,31 @@ void SimulatedRover::step(int steps) {
 }
 
 void SimulatedRover::one_step() {
-  // The servos bear the arm's own weight, as drivers of arms do; loads that they hold count as disturbance.
-  for (const int joint : arm_) {
-    const int dof = model_->jnt_dofadr[joint];
-    data_->qfrc_applied[dof] = data_->qfrc_bias[dof];
-  }
-  mj_step(model_.get(), data_.get());
+  mj_step1(model_.get(), data_.get());
+  drive_arm();
+  mj_step2(model_.get(), data_.get());
   time_ += kStep;
+}
+
+/// The servos as drives of arms have them: they follow a smooth motion through the set points, are told the
+/// torque that this motion takes (damping and inertia, within the limits of torques), and bear the arm's own
+/// weight. What the arm holds or meets, and a rover that moves, count as disturbance.
+void SimulatedRover::drive_arm() {
+  for (std::size_t index = 0; index < kArmJoints; ++index) {
+    SetPointSpline& spline = arm_splines_[index];
+    spline.advance(arm_set_points_.at(index));
+    accelerations_[static_cast<std::size_t>(model_->jnt_dofadr[arm_[index]])] = spline.acceleration();
+  }
+  mj_mulM(model_.get(), data_.get(), forces_.data(), accelerations_.data());
+  for (std::size_t index = 0; index < kArmJoints; ++index) {
+    const int dof = model_->jnt_dofadr[arm_[index]];
+    data_->qfrc_applied[dof] = data_->qfrc_bias[dof];
+    const SetPointSpline& spline = arm_splines_[index];
+    const double torque =
+        forces_[static_cast<std::size_t>(dof)] + model_->dof_damping[dof] * spline.velocity();
+    const std::size_t control = kArmControls + index;
+    data_->ctrl[control] = spline.position() + torque / model_->actuator_gainprm[mjNGAIN * control];
+  }
 }
 
 bool SimulatedRover::failed() const {
@@ -126,8 +149,7 @@ void SimulatedRover::command_wheels(const WheelCommand& command) {
 
 void SimulatedRover::command_arm(std::span<const double> angles) {
   for (std::size_t index = 0; index < std::min(angles.size(), kArmJoints); ++index)
-    data_->ctrl[kArmControls + index] =
-        std::clamp(angles[index], kArm.at(index).lowest, kArm.at(index).highest);
+    arm_set_points_.at(index) = std::clamp(angles[index], kArm.at(index).lowest, kArm.at(index).highest);
 }
 
 void SimulatedRover::command_gripper(double opening) {

@@ -4,6 +4,7 @@
 #include "../messages/geometry.hpp"
 #include "../messages/sensors.hpp"
 #include "rover_model.hpp"
+#include "set_point_spline.hpp"
 #include "types.hpp"
 
 #include <memory>
@@ -24,6 +25,7 @@ struct SimulationOptions {
   /// The most by which boxes lie elsewhere at the beginning: m in the frame of the room, and rad.
   messages::Pose2D scatter{};
   bool loaded = false;  ///< the boxes lie on the deck at the beginning (kDeckPlaces), not on the table
+  int arm_period = 5;   ///< steps from one set point of the arm to the next
 };
 
 /// The rays that a laser scanner measures, counterclockwise from `first_angle`. Zero lies ahead.
@@ -54,8 +56,10 @@ class SimulatedRover {
 
   /// Set points hold until they are replaced; limits of joints and torques apply.
   void command_wheels(const WheelCommand& command);
-  void command_arm(std::span<const double> angles);  ///< rad; those that are missing stay as they are
-  void command_gripper(double opening);              ///< m
+  /// rad; those that are missing stay as they are. The arm moves along a spline of its set points, two
+  /// periods of these (`arm_period`) later.
+  void command_arm(std::span<const double> angles);
+  void command_gripper(double opening);  ///< m
 
   /// Positions and speeds of six steering joints, then of six wheels, each as in kWheelPlaces.
   void read_wheels(messages::JointState& state) const;
@@ -81,6 +85,7 @@ class SimulatedRover {
   [[nodiscard]] int joint(const std::string& name) const;
   void read(std::span<const int> joints, messages::JointState& state) const;
   void one_step();
+  void drive_arm();
   void put_boxes();
   double noise(double deviation) { return deviation * normal_(random_); }
 
@@ -91,6 +96,10 @@ class SimulatedRover {
   std::normal_distribution<double> normal_;
   std::vector<int> wheels_;  ///< joints: steering, then drive
   std::vector<int> arm_;
+  std::array<double, kArmJoints> arm_set_points_ = kArmHome;
+  std::vector<SetPointSpline> arm_splines_;
+  std::vector<mjtNum> accelerations_;  ///< wanted ones, of all degrees of freedom
+  std::vector<mjtNum> forces_;         ///< what these take
   std::array<int, kBoxes> boxes_{};
   int left_finger_ = 0;
   int body_ = 0;

@@ -34,7 +34,7 @@ class Simulation final : public Component {
     pattern_.angle_step = *rays_ > 1 ? -2 * pattern_.first_angle / static_cast<double>(*rays_ - 1) : 0;
     pattern_.maximum_range = *maximum_range_;
     auto made = SimulatedRover::create(
-        {*start_, *seed_, *range_noise_, *angular_noise_, *acceleration_noise_, *scatter_, *loaded_});
+        {*start_, *seed_, *range_noise_, *angular_noise_, *acceleration_noise_, *scatter_, *loaded_, steps_});
     if (!made) return std::move(made.error());
     rover_ = std::move(*made);
     prime();
