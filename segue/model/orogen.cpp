@@ -2,6 +2,7 @@
 #include <segue/model/component_parts.hpp>
 #include <segue/model/orogen_text.hpp>
 #include <segue/model/rock_symbol.hpp>
+#include <segue/type/scalar_text.hpp>
 
 #include <algorithm>
 #include <array>
@@ -311,6 +312,8 @@ bool is_orogen(const std::string& file) {
 }
 
 void read_orogen(std::string_view text, ComponentCatalog& catalog, const Source& source) {
+  if (type::detail::valid_utf8(text) != text)
+    return source.error("parse-error", "the file is not valid UTF-8", Value());
   auto statements = read_ruby(text, source.file());
   if (!statements) return source.error("parse-error", statements.error().message, Value());
   const Value root = OrogenReader(source).read(*statements);

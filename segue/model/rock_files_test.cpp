@@ -227,12 +227,13 @@ TEST(Orogen, CodeThatIsNotEvaluatedIsNamedByItsLine) {
   EXPECT_THAT(lines, ElementsAre(17, 42)) << to_string(models.diagnostics);
 }
 
-TEST(Orogen, TextsBracketsAndBlocksThatAreNotClosedAreErrors) {
+TEST(Orogen, WhatIsNotClosedOrNoTextIsAnError) {
   for (const auto& [text, problem] :
        {std::pair("name \"drive\ntask", "line 1: a text is not closed"),
         std::pair("name(\"drive\"\n", "a bracket is not closed"),
         std::pair("name 'drive'\ntask_context 'A' do\n", "a block has no 'end'"),
-        std::pair("name 'drive'\nend\n", "an 'end' has no block")}) {
+        std::pair("name 'drive'\nend\n", "an 'end' has no block"),
+        std::pair("name 'dr\xff'\n", "is not valid UTF-8")}) {
     const Models models = orogen(text);
     EXPECT_THAT(to_string(models.diagnostics), HasSubstr(problem));
     EXPECT_TRUE(models.diagnostics.has_errors());
