@@ -29,7 +29,7 @@ constexpr const char* kFetchProblem = R"((define (problem box) (:domain fetch)
 constexpr const char* kFetchMapping = R"(plan_mapping: fetch
 domain: fetch.pddl
 objects:
-  place: {home: {x: 0.0, y: 0.0}, a: {x: 0.2, y: 0.0}, b: {x: 0.4, y: 0.0}, c: {x: 0.6, y: 0.0}}
+  place: {home: {x: 0.0, y: 0.0}, a: {x: 0.5, y: 0.0}, b: {x: 1.0, y: 0.0}, c: {x: 1.5, y: 0.0}}
 observe:
   box_at(a): {port: box.command, where: "forward == 0.25", settle: 30s}
   box_at(b): {port: box.command, where: "forward == 0.5", settle: 30s}
@@ -39,7 +39,7 @@ actions:
   go:
     run:
       controller: go_to
-      set: {seeker.speed: 2.0}
+      set: {seeker.speed: 0.3, seeker.tolerance: 0.3}
       call: {seeker.set_goal: {goal: "{to}"}}
       until: [{task: seeker, state: arrived}, {after: 5min}]
   aim: {run: {controller: camera, until: [{port: box.command, where: "turn == 1"}, {after: 5min}]}}
