@@ -7,7 +7,7 @@
 namespace segue::testing {
 
 /// How long a test waits for what must happen, on a machine that is busy with other work.
-inline constexpr std::chrono::seconds kPatience{60};
+inline constexpr std::chrono::seconds kPatience{150};
 
 /// Whether `condition` comes true within `limit`. It is asked at short intervals first, then every 2 ms. For
 /// what notifies nobody in the test, above all the state of another process; where there is an event, a
