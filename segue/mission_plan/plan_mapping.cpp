@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission_plan/plan_mapping.hpp>
 
+#include <segue/base/names_of.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/mission_file_parts.hpp>
 #include <segue/mission/mission_io.hpp>
@@ -17,14 +18,6 @@ namespace {
 
 bool has_parameter(const std::vector<pddl::DomainParameter>& parameters, std::string_view name) {
   return std::ranges::find(parameters, name, &pddl::DomainParameter::name) != parameters.end();
-}
-
-template <class Items>
-std::vector<std::string> names_of(const Items& items) {
-  std::vector<std::string> names;
-  for (const auto& item : items)
-    names.push_back(item.name);
-  return names;
 }
 
 class MappingReader {

@@ -2,24 +2,13 @@
 #include <segue/model/member_check.hpp>
 
 #include <segue/base/life_cycle.hpp>
+#include <segue/base/names_of.hpp>
 #include <segue/base/text.hpp>
 
 #include <algorithm>
 #include <utility>
 
 namespace segue::model {
-
-namespace {
-
-template <class Items>
-std::vector<std::string> names_of(const Items& items) {
-  std::vector<std::string> names;
-  for (const auto& item : items)
-    names.push_back(item.name);
-  return names;
-}
-
-}  // namespace
 
 void MemberCheck::error(std::string code, const std::string& message, const SourceLocation& where) {
   diagnostics_.error(std::move(code),

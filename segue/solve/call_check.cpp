@@ -2,6 +2,7 @@
 #include <segue/solve/call_check.hpp>
 
 #include <segue/base/diagnostic.hpp>
+#include <segue/base/names_of.hpp>
 #include <segue/base/text.hpp>
 #include <segue/type/conform.hpp>
 
@@ -12,14 +13,6 @@
 namespace segue::solve::detail {
 
 namespace {
-
-template <class Items>
-std::vector<std::string> names_of(const Items& items) {
-  std::vector<std::string> names;
-  for (const auto& item : items)
-    names.push_back(item.name);
-  return names;
-}
 
 Error wrong_call(std::string message) {
   return fail(ErrorCode::InvalidArgument, std::move(message));
