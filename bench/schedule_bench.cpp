@@ -125,7 +125,7 @@ void measure(const std::vector<std::filesystem::path>& plans, std::uint32_t unit
       fmt::print(stderr, "{}: {}\n", file.string(), to_string(diagnostics));
       continue;
     }
-    const TaskNetwork network = with_times(*plan, units);
+    const TaskNetwork network = with_times(plan->network, units);
     Duration listed = Duration::max();
     Duration chosen = Duration::max();
     Duration least = Duration::max();
