@@ -49,6 +49,7 @@ struct Twist {
 
 /// Poses to be passed one after the other.
 struct Path {
+  Pose2D goal;  ///< that was asked for; the last pose may be another one near it
   std::vector<Pose2D> poses;
 };
 
@@ -69,7 +70,7 @@ SEGUE_TYPE(Odometry, time, pose, twist)
 SEGUE_TYPE(Pose, position, orientation)
 SEGUE_TYPE(TimedPose, time, pose)
 SEGUE_TYPE(Twist, linear, angular)
-SEGUE_TYPE(Path, poses)
+SEGUE_TYPE(Path, goal, poses)
 SEGUE_TYPE(OccupancyGrid, time, resolution, x, y, width, height, cells)
 
 }  // namespace messages

@@ -67,6 +67,7 @@ class Navigation : public ::testing::Test {
     network.connect(network.output("mapper", "map"), vehicle.map);
     network.connect(network.output("explorer", "goal"), network.input("planner", "goal"));
     network.connect(network.output("planner", "path"), network.input("follower", "path"));
+    network.connect(network.output("follower", "progress"), network.input("planner", "progress"));
     network.connect(network.output("planner", "path"), vehicle.path);
     network.connect(network.output("planner", "status"), vehicle.status);
     network.connect(network.output("follower", "command"), vehicle.command);
@@ -127,8 +128,7 @@ TEST_F(Navigation, ExploresTwoRoomsThenDrivesToAGoalAndTouchesNothing) {
   network.stop("explorer");
   const Value goal = Value::map({{"x", 7.3}, {"y", 0.8}, {"theta", -1.0}});
   ASSERT_TRUE(network.call("planner", "set_goal", Value::map({{"goal", goal}})));
-  run(1, [] { return false; });
-  ASSERT_TRUE(run(120, [&] { return in("follower", "arrived"); })) << state("planner");
+  ASSERT_TRUE(run(120, [&] { return in("planner", "arrived"); })) << state("follower");
   EXPECT_LT(std::hypot(pose.x - 7.3, pose.y - 0.8), 0.12);
   EXPECT_NEAR(pose.theta, -1.0, 0.15);
   EXPECT_GT(closest, kVehicleRadius);
@@ -236,11 +236,27 @@ TEST_F(Navigation, SaysWhyThereIsNoPathAndStands) {
   EXPECT_EQ(command.linear, 0);
 }
 
+/// The follower still tells that it has arrived where it is when the planner gets another goal.
+TEST_F(Navigation, ThePlannerHasArrivedAtTheGoalThatItWasGivenLast) {
+  for (const char* task : {"mapper", "planner", "follower"})
+    network.start(task);
+  run(1, [] { return false; });
+  for (const double x : {1.0, 3.0, 1.5}) {
+    const Value goal = Value::map({{"x", x}, {"y", 1.0}});
+    ASSERT_TRUE(network.call("planner", "set_goal", Value::map({{"goal", goal}})));
+    EXPECT_NE(state("planner"), "arrived");
+    ASSERT_TRUE(run(60, [&] { return in("planner", "arrived"); })) << state("follower");
+    EXPECT_NEAR(pose.x, x, 0.15);
+    run(2, [] { return false; });
+    EXPECT_EQ(state("planner"), "arrived") << "also with later maps";
+  }
+}
+
 TEST_F(Navigation, TheFollowerWaitsWithoutSensors) {
   network.start("follower");
   OutputPort<messages::Path> path(vehicle, "given_path");
   network.connect(path, network.input("follower", "path"));
-  path.write({{{1, 1, 0}, {3, 1, 0}}});
+  path.write({{3, 1, 0}, {{1, 1, 0}, {3, 1, 0}}});
   run(1, [] { return false; });
   EXPECT_EQ(state("follower"), "driving");
   network.advance(2s);

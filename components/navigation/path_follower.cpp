@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "path_tracker.hpp"
+#include "types.hpp"
 
 #include <segue/task/component.hpp>
 
@@ -36,6 +37,7 @@ class PathFollower final : public Component {
 
   segue::Result<void> on_start() override {
     tracker_->reset();
+    progress_ = {};
     last_update_ = now();
     pose_time_.reset();
     scan_time_.reset();
@@ -45,8 +47,11 @@ class PathFollower final : public Component {
   void on_update() override {
     const double step = std::chrono::duration<double>(now() - last_update_).count();
     last_update_ = now();
-    if (const auto path = path_in_.take(); path && !tracker_->set_path(*path))
-      log(segue::LogLevel::Error, "the path has more than most_poses poses: increase that property");
+    if (const auto path = path_in_.take()) {
+      progress_.goal = path->goal;
+      if (!tracker_->set_path(path->poses))
+        log(segue::LogLevel::Error, "the path has more than most_poses poses: increase that property");
+    }
     if (pose_in_.read(pose_) == ReadStatus::NewData) pose_time_ = now();
     if (const auto scan = scan_in_.take()) {
       obstacles_->set(*scan, *sensor_);
@@ -61,7 +66,9 @@ class PathFollower final : public Component {
     }
     if (!*use_scan_) obstacles_->clear();
     command_out_.write(tracker_->update(pose_.pose, obstacles_->points(), settings, step));
-    remaining_out_.write(tracker_->remaining());
+    progress_.remaining = tracker_->remaining();
+    progress_.arrived = tracker_->state() == TrackerState::Arrived;
+    progress_out_.write(progress_);
     state_of(tracker_->state()).enter();
   }
 
@@ -103,7 +110,7 @@ class PathFollower final : public Component {
   InputPort<messages::Odometry> pose_in_{*this, "pose", {.doc = "of the vehicle in the frame of the path"}};
   InputPort<messages::LaserScan> scan_in_{*this, "scan"};
   OutputPort<messages::Twist2D> command_out_{*this, "command"};
-  OutputPort<double> remaining_out_{*this, "remaining", {.doc = "m along the path to its end"}};
+  OutputPort<DriveProgress> progress_out_{*this, "progress", {.doc = "while it knows pose and obstacles"}};
   Property<double> speed_{*this, "speed", 0.5, {.doc = "m/s; maximum"}};
   Property<double> turn_rate_{*this, "turn_rate", 1.2, {.doc = "rad/s; maximum"}};
   Property<double> acceleration_{*this, "acceleration", 0.5, {.doc = "m/s^2; maximum"}};
@@ -138,6 +145,7 @@ class PathFollower final : public Component {
   std::optional<PathTracker> tracker_;
   std::optional<ObstaclePoints> obstacles_;
   messages::Odometry pose_;
+  DriveProgress progress_;
   segue::TimePoint last_update_;
   std::optional<segue::TimePoint> pose_time_;
   std::optional<segue::TimePoint> scan_time_;

@@ -38,6 +38,7 @@ class PathPlanner final : public Component {
     goal_.reset();
     map_ = MapState::None;
     reported_ = PlanProblem::None;
+    progress_ = {};
     return {};
   }
 
@@ -46,11 +47,14 @@ class PathPlanner final : public Component {
     const bool map_changed = read_map();
     messages::Pose2D goal;
     if (goal_in_.read(goal) == ReadStatus::NewData) set_goal(goal);
+    const bool has_moved = progress_in_.read(progress_) == ReadStatus::NewData;
     if (!goal_) {
       idle_.enter();
       if (goal_changed_) report(PlanProblem::NoGoal);
     } else if (goal_changed_ || map_changed) {
       plan();
+    } else if (has_moved && reported_ == PlanProblem::None) {
+      (arrived() ? arrived_ : planned_).enter();
     }
     goal_changed_ = false;
   }
@@ -90,12 +94,13 @@ class PathPlanner final : public Component {
   void report(PlanProblem problem) {
     const bool found = problem == PlanProblem::None;
     if (!found) path_.poses.clear();
-    if (goal_) (found ? planned_ : is_waiting(problem) ? waiting_ : no_path_).enter();
+    if (goal_) (found ? arrived() ? arrived_ : planned_ : is_waiting(problem) ? waiting_ : no_path_).enter();
     if (!found && problem != reported_ && goal_) log(segue::LogLevel::Warning, explain(problem));
     reported_ = problem;
     double length = 0;
     for (std::size_t i = 1; i < path_.poses.size(); ++i)
       length += std::hypot(path_.poses[i].x - path_.poses[i - 1].x, path_.poses[i].y - path_.poses[i - 1].y);
+    path_.goal = goal_.value_or(Pose2D{});
     path_out_.write(path_);
     status_out_.write({goal_.value_or(Pose2D{}), problem, length});
   }
@@ -104,6 +109,8 @@ class PathPlanner final : public Component {
     goal_ = goal;
     goal_changed_ = true;
   }
+  /// At this goal: the vehicle may still tell that it is at the one before.
+  [[nodiscard]] bool arrived() const { return progress_.arrived && is_same(progress_.goal, *goal_); }
   void clear_goal() {
     goal_.reset();
     goal_changed_ = true;
@@ -114,10 +121,13 @@ class PathPlanner final : public Component {
   State idle_{*this, "idle"};
   State waiting_{*this, "waiting"};
   State planned_{*this, "planned"};
+  State arrived_{*this, "arrived"};
   State no_path_{*this, "no_path"};
   InputPort<messages::OccupancyGrid> map_in_{*this, "map"};
   InputPort<messages::Odometry> pose_in_{*this, "pose", {.doc = "of the vehicle in the frame of the map"}};
   InputPort<Pose2D> goal_in_{*this, "goal", {.doc = "in the frame of the map; replaces that of set_goal"}};
+  InputPort<DriveProgress> progress_in_{
+      *this, "progress", {.doc = "of whoever drives along the path: the state arrived follows from it"}};
   OutputPort<messages::Path> path_out_{*this, "path", {.doc = "without poses where there is none"}};
   OutputPort<PlanStatus> status_out_{*this, "status", {.doc = "of every attempt, with why there is no path"}};
   Property<double> radius_{
@@ -145,6 +155,8 @@ class PathPlanner final : public Component {
         if (!is_finite(goal))
           return segue::fail(segue::ErrorCode::InvalidArgument, "the goal must consist of finite numbers");
         set_goal(goal);
+        (arrived() ? arrived_ : waiting_)
+            .enter();  // the state is of this goal, whatever it was of the last one
         return {};
       },
       RunsIn::TaskThread,
@@ -160,6 +172,7 @@ class PathPlanner final : public Component {
   std::optional<GridSearch> search_;
   messages::Path path_;
   messages::Odometry pose_;
+  DriveProgress progress_;
   std::optional<Pose2D> goal_;
   bool goal_changed_ = false;
   bool pose_known_ = false;

@@ -65,10 +65,10 @@ double free_distance(std::span<const Point> points, double curvature, double rad
 
 PathTracker::PathTracker(std::size_t most_poses) : poses_(most_poses), lengths_(most_poses) {}
 
-bool PathTracker::set_path(const messages::Path& path) {
-  const bool fits = path.poses.size() <= poses_.size() && std::ranges::all_of(path.poses, is_finite);
-  count_ = fits ? path.poses.size() : 0;
-  std::copy_n(path.poses.begin(), count_, poses_.begin());
+bool PathTracker::set_path(const std::vector<Pose2D>& poses) {
+  const bool fits = poses.size() <= poses_.size() && std::ranges::all_of(poses, is_finite);
+  count_ = fits ? poses.size() : 0;
+  std::copy_n(poses.begin(), count_, poses_.begin());
   length_ = 0;
   progress_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {

@@ -62,7 +62,7 @@ class PathTracker {
 
   /// Follows another path; an empty one ends the drive. False, and as if it were empty, if it has too many
   /// poses.
-  bool set_path(const messages::Path& path);
+  bool set_path(const std::vector<Pose2D>& poses);
   /// The velocity to command for the next `step` seconds. It and its change obey the limits, provided that
   /// the settings do not change.
   messages::Twist2D update(const Pose2D& pose, std::span<const Point> obstacles,

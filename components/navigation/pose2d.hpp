@@ -20,6 +20,10 @@ inline double wrapped(double angle) {
   return std::remainder(angle, 2 * M_PI);
 }
 
+inline bool is_same(const Pose2D& a, const Pose2D& b) {
+  return a.x == b.x && a.y == b.y && a.theta == b.theta;
+}
+
 inline bool is_finite(const Pose2D& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.theta);
 }

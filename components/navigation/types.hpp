@@ -33,8 +33,16 @@ struct PlanStatus {
   double length = 0;  ///< m, of the path
 };
 
+/// How far a vehicle is on its way to the goal of a path.
+struct DriveProgress {
+  messages::Pose2D goal;  ///< of the path that it follows
+  bool arrived = false;
+  double remaining = 0;  ///< m, along the path to its end
+};
+
 SEGUE_TYPE(PlanProblem, None, NoGoal, NoPose, NoMap, InvalidMap, StartOutside, StartOccupied, GoalOutside,
            GoalOccupied, GoalUnknown, NoWay, TooManyCorners)
 SEGUE_TYPE(PlanStatus, goal, problem, length)
+SEGUE_TYPE(DriveProgress, goal, arrived, remaining)
 
 }  // namespace navigation

@@ -13,17 +13,6 @@ namespace segue::mission {
 
 using type::Value;
 
-namespace {
-
-std::string field_text(const SampleCounts& counts) {
-  std::string text;
-  for (const std::string& part : counts.field)
-    text += (text.empty() ? "" : ".") + part;
-  return text.empty() ? "value" : text;
-}
-
-}  // namespace
-
 std::uint32_t units_in(const SampleCounts& counts, const Value& sample) {
   const Value* number = model::find_field(sample, counts.field);
   if (number == nullptr || !number->is_number()) return 0;
@@ -41,8 +30,8 @@ std::string unshown_text(std::string_view resource, const ObservedUnits& observe
                          std::uint32_t shown) {
   const std::string text = "waits for " + counted(needed, "unit") + " of the resource " + quote(resource);
   if (const auto* counts = std::get_if<SampleCounts>(&observed)) {
-    return text + ", of which the robot shows " + std::to_string(shown) + ": " + field_text(*counts) +
-           " of " + to_string(counts->port);
+    return text + ", of which the robot shows " + std::to_string(shown) + ": " +
+           model::field_text(counts->field) + " of " + to_string(counts->port);
   }
   return text + ", which the robot does not show: " + denial(std::get<model::RobotCondition>(observed));
 }
@@ -96,7 +85,7 @@ std::optional<ObservedUnits> read_observed_units(Fields& resource, const Source&
 
 Value write_observed_units(const ObservedUnits& observed) {
   if (const auto* counts = std::get_if<SampleCounts>(&observed))
-    return Value::map({{"port", to_string(counts->port)}, {"units", field_text(*counts)}});
+    return Value::map({{"port", to_string(counts->port)}, {"units", model::field_text(counts->field)}});
   return model::detail::write_condition(std::get<model::RobotCondition>(observed));
 }
 

@@ -16,7 +16,7 @@ namespace segue::mission {
 /// So many units as a field of the latest sample of a port says, a number, which is rounded down.
 struct SampleCounts {
   model::Member port;
-  std::vector<std::string> field;  ///< "cores.free" as its parts; empty: the sample itself
+  std::vector<std::string> field;  ///< its parts (model::parse_field); empty: the sample itself
   friend bool operator==(const SampleCounts&, const SampleCounts&) = default;
 };
 

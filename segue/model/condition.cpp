@@ -6,6 +6,7 @@
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 
 namespace segue::model {
@@ -21,7 +22,36 @@ Error malformed(std::string_view text) {
   return fail(ErrorCode::ParseError,
               quote(text) +
                   " is not a valid condition: expected comparisons of fields of a sample such as "
-                  "'code == 3 and pose.x < 1.5', or of 'value', the sample itself");
+                  "'code == 3 and path[0].x < 1.5', or of 'value', the sample itself");
+}
+
+/// Names of fields do not begin with digits.
+bool is_index(std::string_view part) {
+  return !part.empty() && std::ranges::all_of(part, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// "markers[1]" as "markers" and "1". False: it is not a field with elements of lists.
+bool append_part(std::string_view text, std::vector<std::string>& parts) {
+  const auto bracket = std::min(text.find('['), text.size());
+  parts.emplace_back(text.substr(0, bracket));
+  if (!is_identifier(parts.back())) return false;
+  text.remove_prefix(bracket);
+  while (!text.empty()) {
+    const auto end = text.find(']');
+    if (!text.starts_with('[') || end == std::string_view::npos) return false;
+    parts.emplace_back(text.substr(1, end - 1));
+    if (!is_index(parts.back())) return false;
+    text.remove_prefix(end + 1);
+  }
+  return true;
+}
+
+/// Null where the value is no list or has no such element.
+const Value* element(const Value& list, std::string_view index) {
+  std::size_t place = 0;
+  const auto [end, problem] = std::from_chars(index.data(), index.data() + index.size(), place);
+  const bool exists = problem == std::errc() && list.is_list() && place < list.as_list().size();
+  return exists ? &list.as_list()[place] : nullptr;
 }
 
 std::optional<Comparison> parse_comparison(std::string_view text) {
@@ -71,18 +101,28 @@ std::optional<std::vector<std::string>> parse_field(std::string_view text) {
   if (text == kWholeSample) return parts;
   while (true) {
     const auto dot = std::min(text.find('.'), text.size());
-    const std::string part(text.substr(0, dot));
-    if (!is_identifier(part)) return std::nullopt;
-    parts.push_back(part);
+    if (!append_part(text.substr(0, dot), parts)) return std::nullopt;
     if (dot == text.size()) return parts;
     text.remove_prefix(dot + 1);
   }
 }
 
+std::string field_text(const std::vector<std::string>& field) {
+  std::string text;
+  for (const std::string& part : field) {
+    if (is_index(part)) {
+      text += "[" + part + "]";
+    } else {
+      text += (text.empty() ? "" : ".") + part;
+    }
+  }
+  return text.empty() ? std::string(kWholeSample) : text;
+}
+
 const Value* find_field(const Value& sample, const std::vector<std::string>& field) {
   const Value* value = &sample;
   for (const std::string& part : field) {
-    value = value->find(part);
+    value = is_index(part) ? element(*value, part) : value->find(part);
     if (value == nullptr) break;
   }
   return value;

@@ -19,7 +19,7 @@ inline constexpr std::array<std::string_view, 6> kComparatorSigns = {"==", "!=",
 
 /// Compares a field of a sample with a constant.
 struct Comparison {
-  std::vector<std::string> field;  ///< "pose.x" as its parts; empty: the sample itself
+  std::vector<std::string> field;  ///< its parts (parse_field); empty: the sample itself
   Comparator comparator = Comparator::Equal;
   type::Value value;
   friend bool operator==(const Comparison&, const Comparison&) = default;
@@ -36,9 +36,12 @@ struct Condition {
 /// ParseError says what is expected. Constants are written as in YAML.
 Result<Condition> parse_condition(std::string_view text);
 
-/// "pose.x" as its parts, none for "value", the sample itself; nothing where it is neither.
+/// "path[0].x" as its parts "path", "0" and "x", of which numbers are places in lists; none for "value", the
+/// sample itself; nothing where it is neither.
 std::optional<std::vector<std::string>> parse_field(std::string_view text);
-/// The field of the sample; null where it has none of that name.
+/// A field as parse_field() reads it.
+std::string field_text(const std::vector<std::string>& field);
+/// The field of the sample; null where it has none of that name or place.
 const type::Value* find_field(const type::Value& sample, const std::vector<std::string>& field);
 
 /// False too where the sample has no such field, or an order is asked of what has none.

@@ -1,0 +1,5 @@
+(define (problem fetch_red)
+  (:domain fetch)
+  (:objects home left middle right - place red - box)
+  (:init (at home) (folded) (on red middle))
+  (:goal (and (at home) (full) (holding red))))
