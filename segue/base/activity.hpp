@@ -50,8 +50,9 @@ struct Activity {
   /// How long the thread goes on looking for work before it sleeps, occupying its processor meanwhile; at
   /// most kLongestSpin. 0: it sleeps at once.
   Duration spin{0};
-  /// PortDriven only: the inputs whose samples trigger an update. Empty: those that the component names.
-  std::set<std::string> trigger_ports{};
+  /// PortDriven: the inputs whose samples trigger an update. FileDescriptorDriven: the descriptors that do,
+  /// by the names that the component gives them. Empty: those that the component chooses. Else always empty.
+  std::set<std::string> triggers{};
 
   friend bool operator==(const Activity&, const Activity&) = default;
 };

@@ -129,6 +129,7 @@ Value to_value(const ComponentModel& model) {
     map.append("activity", detail::write_activity(model.activity));
   }
   append_texts(map, "trigger_ports", model.trigger_ports);
+  append_texts(map, "descriptors", model.descriptors);
   append_texts(map, "nominal_states", model.nominal_states);
   append_texts(map, "error_states", model.error_states);
   append_texts(map, "exclusive", model.exclusive);

@@ -44,8 +44,8 @@ bool ComponentModel::has_dynamic_ports() const {
 bool operator==(const ComponentModel& a, const ComponentModel& b) {
   auto all = [](const ComponentModel& m) {
     return std::tie(m.name, m.doc, m.library, m.abstract, m.ports, m.properties, m.operations, m.activity,
-                    m.trigger_ports, m.nominal_states, m.error_states, m.exclusive, m.incomplete, m.parent,
-                    m.own_activity);
+                    m.trigger_ports, m.descriptors, m.nominal_states, m.error_states, m.exclusive,
+                    m.incomplete, m.parent, m.own_activity);
   };
   return all(a) == all(b);
 }

@@ -68,6 +68,7 @@ struct ComponentModel {
   std::vector<OperationModel> operations;
   Activity activity;
   std::vector<std::string> trigger_ports;   ///< PortDriven: only these, unless empty
+  std::vector<std::string> descriptors;     ///< FileDescriptorDriven: the names of those that it may give
   std::vector<std::string> nominal_states;  ///< named sub-states of Running
   std::vector<std::string> error_states;    ///< named sub-states of RunTimeError
   std::vector<std::string> exclusive;       ///< devices it claims, whatever the network says

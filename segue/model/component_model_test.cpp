@@ -34,6 +34,7 @@ constexpr const char* kFilter = R"(components:
       - {name: reset, arguments: [{name: hard, type: /bool}], result: /bool, caller_thread: true}
     activity: {periodic: 20ms, scheduler: fifo, priority: 10}
     trigger_ports: [input]
+    descriptors: [device]
     nominal_states: [IDLE]
     error_states: [BLIND]
     exclusive: [/dev/lidar]

@@ -112,6 +112,7 @@ void read_component(const std::string& name, Fields& fields, ComponentCatalog& c
     model.activity = read_activity(*activity, fields.what(), source).value_or(Activity{});
   }
   model.trigger_ports = fields.texts("trigger_ports");
+  model.descriptors = fields.texts("descriptors");
   model.nominal_states = fields.texts("nominal_states");
   model.error_states = fields.texts("error_states");
   model.exclusive = fields.texts("exclusive");

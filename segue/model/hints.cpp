@@ -69,7 +69,7 @@ class HintSearch {
     for (const Connection* connection : ends_[task.id].in)
       written.insert(connection->to.port);
     const auto& own = model.trigger_ports;
-    const auto& named = activity_of(task)->trigger_ports;
+    const auto& named = activity_of(task)->triggers;
     const auto triggers = [&](const std::string& port) {
       if (!named.empty()) return named.contains(port);
       return own.empty() || std::ranges::find(own, port) != own.end();

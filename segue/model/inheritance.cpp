@@ -41,6 +41,7 @@ void inherit(ComponentModel& child, const ComponentModel& parent) {
   append_missing(child.operations, parent.operations, same_name);
   append_texts(child.nominal_states, parent.nominal_states);
   append_texts(child.error_states, parent.error_states);
+  append_texts(child.descriptors, parent.descriptors);
   append_texts(child.exclusive, parent.exclusive);
   child.incomplete = child.incomplete || parent.incomplete;
   if (child.own_activity) return;

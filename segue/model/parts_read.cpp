@@ -11,17 +11,21 @@ using type::Value;
 
 namespace {
 
-/// `port_driven: true`, or the inputs whose samples trigger an update: `port_driven: [scan]`.
-bool read_port_driven(Fields& fields, Activity& activity, const Source& source) {
-  const Value* value = fields.find("port_driven");
-  if (value == nullptr || !value->is_list()) return fields.boolean("port_driven", false);
-  for (std::string& port : fields.texts("port_driven")) {
-    if (!activity.trigger_ports.insert(port).second)
-      source.error("bad-activity", fields.what() + ": 'port_driven' names " + quote(port) + " twice", *value);
+/// `port_driven: true`, or what triggers an update: `port_driven: [scan]`. `which` names it in messages.
+bool read_driven_by(Trigger trigger, std::string_view which, Fields& fields, Activity& activity,
+                    const Source& source) {
+  const std::string_view key = to_string(trigger);
+  const Value* value = fields.find(key);
+  if (value == nullptr || !value->is_list()) return fields.boolean(key, false);
+  for (std::string& name : fields.texts(key)) {
+    if (!activity.triggers.insert(name).second)
+      source.error("bad-activity", fields.what() + ": " + quote(key) + " names " + quote(name) + " twice",
+                   *value);
   }
   if (value->as_list().empty()) {
     source.error("bad-activity",
-                 fields.what() + ": 'port_driven' names no input; leave the list out for all of them",
+                 fields.what() + ": " + quote(key) + " names no " + std::string(which) +
+                     "; leave the list out for all of them",
                  *value);
   }
   return true;
@@ -36,8 +40,9 @@ std::optional<Trigger> read_trigger(Fields& fields, Activity& activity, const So
   } else if (fields.find("periodic") != nullptr) {
     return std::nullopt;
   }
-  if (read_port_driven(fields, activity, source)) given.push_back(Trigger::PortDriven);
-  if (fields.boolean("fd_driven", false)) given.push_back(Trigger::FileDescriptorDriven);
+  for (const auto& [trigger, which] :
+       {std::pair(Trigger::PortDriven, "input"), std::pair(Trigger::FileDescriptorDriven, "file descriptor")})
+    if (read_driven_by(trigger, which, fields, activity, source)) given.push_back(trigger);
   if (auto choice = fields.choice("trigger", kTriggerNames, "bad-activity")) {
     given.push_back(static_cast<Trigger>(*choice));
   }
@@ -135,9 +140,8 @@ std::optional<std::string> problem_of(const Activity& activity) {
   if (periodic && activity.period <= Duration::zero()) return "the period must be longer than nothing";
   if (auto problem = problem_of_deadline(activity.update_deadline)) return problem;
   if (auto problem = problem_of_spin(activity)) return problem;
-  if (activity.trigger != Trigger::PortDriven && !activity.trigger_ports.empty())
-    return "only a port-driven task has inputs that trigger it, and this one is " +
-           std::string(to_string(activity.trigger));
+  if (periodic && !activity.triggers.empty())
+    return "only a task that is driven by ports or file descriptors names what triggers it";
   return problem_of_priority(activity.scheduler, activity.priority);
 }
 

@@ -21,9 +21,9 @@ Value write_activity(const Activity& activity) {
   ValueMap map;
   if (activity.trigger == Trigger::Periodic) {
     map.append("periodic", format_duration(activity.period));
-  } else if (!activity.trigger_ports.empty()) {
-    map.append("port_driven",
-               Value(Value::List(activity.trigger_ports.begin(), activity.trigger_ports.end())));
+  } else if (!activity.triggers.empty()) {
+    map.append(std::string(to_string(activity.trigger)),
+               Value(Value::List(activity.triggers.begin(), activity.triggers.end())));
   } else {
     map.append("trigger", to_string(activity.trigger));
   }

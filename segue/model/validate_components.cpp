@@ -99,12 +99,25 @@ class ComponentCheck {
   void check_triggers(const Task& task) {
     const ComponentIndex* component = index_.component(task.component);
     if (component == nullptr || !task.activity) return;
-    for (const std::string& port : task.activity->trigger_ports) {
+    if (task.activity->trigger == Trigger::FileDescriptorDriven) return check_descriptors(task, *component);
+    for (const std::string& port : task.activity->triggers) {
       if (!component->find_ports(port, Direction::Input).empty()) continue;
       report(component->model().incomplete, "unknown-port",
              "task " + quote(task.id.str()) + " is driven by " + quote(port) + ", but component " +
                  quote(task.component.str()) + " has no such input port" +
                  did_you_mean(port, component->port_names(Direction::Input)),
+             task.where);
+    }
+  }
+
+  /// A stand-in without a model names none.
+  void check_descriptors(const Task& task, const ComponentIndex& component) {
+    const auto& known = component.model().descriptors;
+    for (const std::string& name : task.activity->triggers) {
+      if (std::ranges::find(known, name) != known.end()) continue;
+      report(component.model().incomplete, "unknown-descriptor",
+             "task " + quote(task.id.str()) + " is driven by " + quote(name) + ", but component " +
+                 quote(task.component.str()) + " names no such file descriptor" + did_you_mean(name, known),
              task.where);
     }
   }

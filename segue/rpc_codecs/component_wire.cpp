@@ -75,6 +75,7 @@ void encode(const model::ComponentModel& model, wire::Component::Builder builder
   encode_list(model.operations, builder.initOperations(count_of(model.operations)), encode_operation);
   encode(model.activity, builder.initActivity());
   encode(model.trigger_ports, builder.initTriggerPorts(count_of(model.trigger_ports)));
+  encode(model.descriptors, builder.initDescriptors(count_of(model.descriptors)));
   encode(model.nominal_states, builder.initNominalStates(count_of(model.nominal_states)));
   encode(model.error_states, builder.initErrorStates(count_of(model.error_states)));
   encode(model.exclusive, builder.initExclusive(count_of(model.exclusive)));
@@ -94,6 +95,7 @@ model::ComponentModel decode(wire::Component::Reader reader) {
   model.operations = decode_list<OperationModel>(reader.getOperations(), decode_operation);
   model.activity = decode(reader.getActivity());
   model.trigger_ports = decode(reader.getTriggerPorts());
+  model.descriptors = decode(reader.getDescriptors());
   model.nominal_states = decode(reader.getNominalStates());
   model.error_states = decode(reader.getErrorStates());
   model.exclusive = decode(reader.getExclusive());

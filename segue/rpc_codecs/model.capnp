@@ -18,7 +18,7 @@ struct Activity {
   thread @6 :Text;
   updateDeadline @7 :Int64;
   spin @8 :Int64;
-  triggerPorts @9 :List(Text);
+  triggers @9 :List(Text);
 }
 
 struct PortRef {
@@ -147,6 +147,7 @@ struct Component {
   errorStates @12 :List(Text);
   exclusive @13 :List(Text);
   parent @14 :Text;
+  descriptors @15 :List(Text);
 
   struct Port {
     name @0 :Text;

@@ -165,8 +165,8 @@ void encode(const Activity& activity, wire::Activity::Builder builder) {
   builder.setThread(as_text(activity.thread));
   builder.setUpdateDeadline(activity.update_deadline.count());
   builder.setSpin(activity.spin.count());
-  encode(Texts(activity.trigger_ports.begin(), activity.trigger_ports.end()),
-         builder.initTriggerPorts(count_of(activity.trigger_ports)));
+  encode(Texts(activity.triggers.begin(), activity.triggers.end()),
+         builder.initTriggers(count_of(activity.triggers)));
 }
 
 Activity decode(wire::Activity::Reader reader) {
@@ -180,8 +180,8 @@ Activity decode(wire::Activity::Reader reader) {
   activity.thread = as_string(reader.getThread());
   activity.update_deadline = Duration(reader.getUpdateDeadline());
   activity.spin = Duration(reader.getSpin());
-  for (std::string& port : decode(reader.getTriggerPorts()))
-    activity.trigger_ports.insert(std::move(port));
+  for (std::string& name : decode(reader.getTriggers()))
+    activity.triggers.insert(std::move(name));
   return activity;
 }
 

@@ -55,6 +55,7 @@ model::ComponentModel random_component(Random& random) {
     model.properties.push_back({text(), text(), segue::testing::random_value(random, true), flag(), text()});
     model.operations.push_back({text(), {{text(), text(), text()}}, text(), flag(), text()});
     model.trigger_ports.push_back(text());
+    model.descriptors.push_back(text());
     model.nominal_states.push_back(text());
     model.error_states.push_back(text());
     model.exclusive.push_back(text());

@@ -5,7 +5,6 @@
 
 #include <gmock/gmock.h>
 #include <pthread.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <array>
@@ -179,7 +178,7 @@ class TriggerPorts : public PortDriven {
     auto component = std::make_unique<Choosy>();
     Choosy* choosy = component.get();
     auto made =
-        Task::create("choosy", std::move(component), Activity{.trigger_ports = std::move(ports)}, executor);
+        Task::create("choosy", std::move(component), Activity{.triggers = std::move(ports)}, executor);
     if (!made || !(*made)->configure(soon()) || !(*made)->start(soon())) return {"did not start"};
     choosy->hooks.clear();
     InputPortAccess::notify(choosy->*input);
@@ -203,63 +202,13 @@ TEST_F(TriggerPorts, OfTheActivityTakeThePlaceOfTheComponents) {
 }
 
 TEST_F(PortDriven, DoesNotStartWithoutTheInputThatTriggersIt) {
-  auto made =
-      Task::create("choosy", std::make_unique<Choosy>(), Activity{.trigger_ports = {"othr"}}, executor);
+  auto made = Task::create("choosy", std::make_unique<Choosy>(), Activity{.triggers = {"othr"}}, executor);
   ASSERT_TRUE(made);
   ASSERT_TRUE((*made)->configure(soon()));
   const auto started = (*made)->start(soon());
   ASSERT_FALSE(started);
   EXPECT_THAT(started.error().message,
               HasSubstr("no input port 'othr' to trigger the task, did you mean 'other'?"));
-}
-
-class Descriptor : public ::testing::Test {
- protected:
-  ~Descriptor() override { close(event); }
-  int event = eventfd(0, EFD_NONBLOCK);
-};
-
-TEST_F(Descriptor, ReadableDescriptorUpdatesOnAThread) {
-  auto component = std::make_unique<test::Probe>();
-  test::Probe* probe = component.get();
-  std::counting_semaphore<> updated(0);
-  probe->act = [&](const std::string& hook) -> Result<void> {
-    if (hook == "start") return probe->trigger_fd(event);
-    if (hook != "update") return {};
-    eventfd_t value = 0;
-    eventfd_read(event, &value);
-    updated.release();
-    return {};
-  };
-  const Activity activity = fd_driven();
-  auto task = Task::create("fd", std::move(component), &activity);
-  ASSERT_TRUE(task);
-  ASSERT_TRUE((*task)->configure(soon()));
-  for (int round = 0; round < 3; ++round) {
-    ASSERT_TRUE((*task)->start(soon()));
-    for (int i = 0; i < 5; ++i) {
-      eventfd_write(event, 1);
-      ASSERT_TRUE(updated.try_acquire_for(60s));
-    }
-    ASSERT_TRUE((*task)->stop(soon()));
-  }
-  EXPECT_EQ((*task)->timing().cycles, 5U);
-}
-
-TEST_F(Descriptor, DescriptorThatCannotBeWatchedRefusesTheStart) {
-  auto component = std::make_unique<test::Probe>();
-  test::Probe* probe = component.get();
-  probe->act = [&](const std::string& hook) -> Result<void> {
-    return hook == "start" ? probe->trigger_fd(-1) : Result<void>{};
-  };
-  const Activity activity = fd_driven();
-  auto task = Task::create("fd", std::move(component), &activity);
-  ASSERT_TRUE(task);
-  ASSERT_TRUE((*task)->configure(soon()));
-  const Result<void> started = (*task)->start(soon());
-  ASSERT_FALSE(started);
-  EXPECT_THAT(started.error().message, HasSubstr("file descriptor -1"));
-  EXPECT_EQ((*task)->state(), TaskState::Stopped);
 }
 
 class Threads : public ::testing::Test {

@@ -156,9 +156,9 @@ const std::string& Component::id() const {
   return context_->id();
 }
 
-Result<void> Component::trigger_fd(int descriptor) {
+Result<void> Component::trigger_fd(int descriptor, std::string_view name) {
   assert(context_ != nullptr);
-  return context_->trigger_fd(descriptor);
+  return context_->trigger_fd(descriptor, name);
 }
 
 }  // namespace segue::task

@@ -44,7 +44,7 @@ class TaskContext {
   virtual void recovered() = 0;
   virtual void exception(std::string_view message) = 0;
   virtual void fatal(std::string_view message) = 0;
-  virtual Result<void> trigger_fd(int descriptor) = 0;
+  virtual Result<void> trigger_fd(int descriptor, std::string_view descriptor_name) = 0;
 
  protected:
   ~TaskContext() = default;
@@ -66,6 +66,7 @@ struct ComponentOptions {
   std::vector<std::string> claims{};          ///< devices that one configured task at a time may hold
   std::vector<std::string>
       trigger_on{};  ///< inputs that trigger a port-driven task unless the network names others; empty: all
+  std::vector<std::string> descriptors{};  ///< by name, of trigger_fd(): a network may choose among them
 };
 
 /// A unit of robot software: derive, add ports, properties and operations as members, override hooks, and
@@ -107,7 +108,7 @@ class Component {
  protected:
   /// PreOperational -> Stopped: apply the configuration, create dynamic ports, open devices.
   virtual Result<void> on_configure();
-  /// Stopped -> Running. Names the descriptors that drive the task (trigger_fd).
+  /// Stopped -> Running. Gives the descriptors that drive the task (trigger_fd).
   virtual Result<void> on_start();
   virtual void on_update();
   /// Called instead of on_update while in RunTimeError.
@@ -148,14 +149,14 @@ class Component {
   /// Enters Exception, or Fatal (which cannot be left), as soon as the hook returns.
   void exception(std::string_view message);
   void fatal(std::string_view message);
-  /// Writes to a preallocated ring. Messages are cut at 200 bytes; lines that find the ring full are lost and
-  /// counted.
+  /// To a preallocated ring: of 200 bytes at most; lines that find the ring full are lost and counted.
   void log(LogLevel level, std::string_view message) const;
   [[nodiscard]] TimePoint now() const;
   [[nodiscard]] const std::string& id() const;
-  /// FileDescriptorDriven tasks, in on_start: update whenever `descriptor` is readable. Several may be named;
-  /// stop forgets them. The component keeps ownership and must not close a descriptor before on_stop.
-  Result<void> trigger_fd(int descriptor);
+  /// FileDescriptorDriven tasks, in on_start: update whenever `descriptor` is readable. Several may be given;
+  /// stop forgets them. The component keeps ownership and must not close a descriptor before on_stop. Where
+  /// the network says which descriptors drive the task, the others, by their names, are left out.
+  Result<void> trigger_fd(int descriptor, std::string_view name = {});
 
  private:
   friend class PortBase;

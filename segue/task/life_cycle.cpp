@@ -184,13 +184,34 @@ Result<void> Task::Implementation::refused(std::string_view hook_name, Error why
   return fail(ErrorCode::HookFailed, std::string(hook_name) + " failed", name).because_of(std::move(why));
 }
 
+Result<void> Task::Implementation::trigger_fd(int descriptor, std::string_view descriptor_name) {
+  if (!starting || activity.trigger != Trigger::FileDescriptorDriven) {
+    return fail(ErrorCode::InvalidState,
+                "trigger_fd() can only be called in on_start of a task that is driven by file descriptors; "
+                "this one is " +
+                    std::string(to_string(activity.trigger)),
+                name);
+  }
+  const auto& known = component->options().descriptors;
+  if (!descriptor_name.empty() && std::ranges::find(known, descriptor_name) == known.end()) {
+    return fail(ErrorCode::InvalidArgument,
+                "the options of the component do not name the descriptor " + quote(descriptor_name) +
+                    did_you_mean(descriptor_name, known),
+                name);
+  }
+  given_descriptors.emplace(descriptor_name);
+  if (activity.triggers.empty() || activity.triggers.contains(std::string(descriptor_name)))
+    descriptors.push_back(descriptor);
+  return {};
+}
+
 /// Connects the task to its triggers: samples, descriptors and time.
 Result<void> Task::Implementation::arm() {
   trigger_inputs.clear();
   if (activity.trigger == Trigger::PortDriven) {
     const std::vector<std::string>& own = component->options().trigger_on;
     const std::set<std::string> wanted =
-        activity.trigger_ports.empty() ? std::set(own.begin(), own.end()) : activity.trigger_ports;
+        activity.triggers.empty() ? std::set(own.begin(), own.end()) : activity.triggers;
     const std::vector<InputPortBase*> inputs = component->inputs();
     for (InputPortBase* input : inputs) {
       if (wanted.empty() || wanted.contains(input->name())) {
@@ -209,12 +230,21 @@ Result<void> Task::Implementation::arm() {
   }
   for (InputPortBase* input : trigger_inputs)
     InputPortAccess::set_listener(*input, this);
+  return activity.trigger == Trigger::FileDescriptorDriven ? watch_descriptors() : Result<void>{};
+}
+
+Result<void> Task::Implementation::watch_descriptors() {
+  for (const std::string& wanted : activity.triggers) {
+    if (given_descriptors.contains(wanted)) continue;
+    return fail(ErrorCode::NotFound,
+                "on_start gave no file descriptor " + quote(wanted) + " to trigger the task", name);
+  }
   for (const int descriptor : descriptors) {
     if (auto watched = executor->watch(*this, descriptor); !watched) return watched;
   }
-  if (activity.trigger == Trigger::FileDescriptorDriven && descriptors.empty()) {
+  if (descriptors.empty()) {
     segue::log(LogLevel::Warning, name,
-               "is driven by file descriptors, but on_start named none, so it never updates");
+               "is driven by file descriptors, but on_start gave none, so it never updates");
   }
   return {};
 }
@@ -226,6 +256,7 @@ void Task::Implementation::disarm() {
   for (const int descriptor : descriptors)
     executor->unwatch(descriptor);
   descriptors.clear();
+  given_descriptors.clear();
 }
 
 /// Sets the state, writes it to the state port and calls the listener.

@@ -15,6 +15,7 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -56,7 +57,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   void recovered() override;
   void exception(std::string_view text) override;
   void fatal(std::string_view text) override;
-  Result<void> trigger_fd(int descriptor) override;
+  Result<void> trigger_fd(int descriptor, std::string_view descriptor_name) override;
 
   void sample_arrived() noexcept override { executor->trigger(*this, Job::kSample); }
   [[nodiscard]] Executor& runner() noexcept override { return *executor; }
@@ -84,6 +85,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   void undo(std::string_view hook_name, void (*hook)(Component&));
   Result<void> refused(std::string_view hook_name, Error why);
   Result<void> arm();
+  Result<void> watch_descriptors();
   void disarm();
   void enter(TaskState state, std::uint32_t sub_state = 0);
   [[nodiscard]] Error illegal(std::string_view verb, std::string_view needed) const;
@@ -138,6 +140,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   detail::Progress progress;  ///< any thread reads
   std::vector<InputPortBase*> trigger_inputs;
   std::vector<int> descriptors;
+  std::set<std::string, std::less<>> given_descriptors;  ///< the names of those of this start
   TimePoint due_at{};
   const Activity activity;
   const Duration update_deadline;

@@ -189,16 +189,4 @@ void Task::Implementation::fatal(std::string_view text) {
   request = Request::Fatal;
 }
 
-Result<void> Task::Implementation::trigger_fd(int descriptor) {
-  if (!starting || activity.trigger != Trigger::FileDescriptorDriven) {
-    return fail(ErrorCode::InvalidState,
-                "trigger_fd() can only be called in on_start of a task that is driven by file descriptors; "
-                "this one is " +
-                    std::string(to_string(activity.trigger)),
-                name);
-  }
-  descriptors.push_back(descriptor);
-  return {};
-}
-
 }  // namespace segue::task

@@ -83,6 +83,7 @@ model::ComponentModel describe(const task::Component& component) {
   }
   model.activity = component.options().activity;
   model.trigger_ports = component.options().trigger_on;
+  model.descriptors = component.options().descriptors;
   model.nominal_states = component.nominal_states();
   model.error_states = component.error_states();
   model.exclusive = component.options().claims;

@@ -93,6 +93,7 @@ task::ComponentOptions options_of(const StandInPlan& plan) {
   if (plan.model != nullptr) {
     options.claims = plan.model->exclusive;
     options.trigger_on = plan.model->trigger_ports;
+    options.descriptors = plan.model->descriptors;
   }
   return options;
 }

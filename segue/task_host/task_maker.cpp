@@ -25,6 +25,7 @@ void follow_clock(Activity& activity, const Activity& component_default) {
   }
   activity.trigger = component_default.trigger;
   activity.period = component_default.period;
+  activity.triggers.clear();
 }
 
 std::vector<std::string> property_names(const model::Task& definition) {

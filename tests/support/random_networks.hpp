@@ -124,8 +124,8 @@ inline Activity random_activity(Random& random) {
   Activity activity;
   activity.trigger = static_cast<Trigger>(up_to(random, 2));
   if (activity.trigger == Trigger::Periodic) activity.period = Duration(1 + up_to(random, 2'000'000'000));
-  if (activity.trigger == Trigger::PortDriven && one_in(random, 3))
-    activity.trigger_ports = {"in", "in" + std::to_string(up_to(random, 2))};
+  if (activity.trigger != Trigger::Periodic && one_in(random, 3))
+    activity.triggers = {"in", "in" + std::to_string(up_to(random, 2))};
   activity.scheduler = static_cast<Scheduler>(up_to(random, 2));
   if (activity.scheduler != Scheduler::Normal) activity.priority = 1 + up_to(random, 98);
   activity.cpus = random_cpus(random);
