@@ -13,12 +13,16 @@ namespace segue::cli {
 namespace {
 
 /// Verbs whose first argument names a part of the running robot, and its kind for `complete-names`.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kVerbsWithNames = {
+constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kVerbsWithNames = {
     {{"switch", "controllers"},
      {"plan", "controllers"},
      {"prepare", "controllers"},
      {"task", "tasks"},
      {"chain", "tasks"},
+     {"hz", "ports"},
+     {"bw", "ports"},
+     {"delay", "ports"},
+     {"restart", "tasks"},
      {"read", "ports"},
      {"set", "properties"},
      {"call", "operations"}}};

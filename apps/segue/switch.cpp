@@ -7,14 +7,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <memory>
-#include <thread>
 
 #include "connection.hpp"
+#include "followed_request.hpp"
 #include "report_text.hpp"
-#include "stop_signal.hpp"
 
 namespace segue::cli {
 
@@ -33,92 +31,6 @@ struct SwitchVerbOptions {
   std::vector<std::string> properties;  ///< TASK.PROPERTY=VALUE
   bool wait = true;
   Duration timeout = std::chrono::seconds(60);
-};
-
-/// Shows progress on a terminal, through a connection of its own.
-class SwitchWatcher {
- public:
-  explicit SwitchWatcher(const Context& context) {
-    if (context.json() || !progress_.active()) return;
-    auto socket = control::socket_path(context.robot);
-    auto robot =
-        socket ? control::connect(*socket) : Result<std::unique_ptr<control::RobotService>>(socket.error());
-    if (robot) thread_ = std::thread([this, connection = std::move(*robot)] { watch(*connection); });
-  }
-  ~SwitchWatcher() {
-    ended_ = true;
-    if (thread_.joinable()) thread_.join();
-  }
-  SwitchWatcher(const SwitchWatcher&) = delete;
-  SwitchWatcher& operator=(const SwitchWatcher&) = delete;
-
- private:
-  void watch(control::RobotService& robot) {
-    std::uint64_t last = last_number(robot.events(0, {}));
-    int done = 0;
-    while (!ended_) {
-      const auto events = robot.events(last, std::chrono::milliseconds(100));
-      if (!events || !events->is_list()) return;
-      for (const Value& event : events->as_list()) {
-        last = static_cast<std::uint64_t>(number_at(event, "number"));
-        done += printable_at(event, "kind") == "action_done" ? 1 : 0;
-        progress_.show(fmt::format("{} actions done: {}", done, printable_at(event, "subject")));
-      }
-    }
-  }
-
-  static std::uint64_t last_number(const Result<Value>& events) {
-    if (!events || !events->is_list() || events->as_list().empty()) return 0;
-    return static_cast<std::uint64_t>(number_at(events->as_list().back(), "number"));
-  }
-
-  Progress progress_;
-  std::atomic<bool> ended_{false};
-  std::thread thread_;
-};
-
-/// Ctrl-C cancels the request that is waited for; a second one ends this program, and the robot goes on.
-class CancelOnSignal {
- public:
-  CancelOnSignal(StopSignal& signal, const Context& context) {
-    auto socket = control::socket_path(context.robot);
-    socket_ = socket ? *socket : std::filesystem::path();
-    stop_.emplace(signal.token(), Act{this});
-  }
-  ~CancelOnSignal() {
-    stop_.reset();  // from here on no thread begins
-    if (thread_.joinable()) thread_.join();
-  }
-  CancelOnSignal(const CancelOnSignal&) = delete;
-  CancelOnSignal& operator=(const CancelOnSignal&) = delete;
-
- private:
-  struct Act {
-    CancelOnSignal* self;
-    void operator()() const {
-      self->thread_ = std::thread([self = self] { self->cancel(); });
-    }
-  };
-
-  void cancel() {
-    const std::string me = sender("switch");
-    const auto robot = control::connect(socket_);
-    const auto status = robot ? (*robot)->status() : Result<Value>(robot.error());
-    if (!status) return print_note("cannot cancel: " + status.error().message);
-    for (const Value& request : list_at(*status, "requests")) {
-      if (!printable_at(request, "who").ends_with(me)) continue;
-      print_note("cancelling; Ctrl-C again to detach");
-      const auto number = static_cast<std::uint64_t>(number_at(request, "request"));
-      const auto answer = (*robot)->cancel(number, me, deadline_in(std::chrono::minutes(1)));
-      if (!answer) print_note("not cancelled: " + answer.error().message);
-      return;
-    }
-    print_note("not cancelled: the robot has no such request in progress");
-  }
-
-  std::filesystem::path socket_;
-  std::thread thread_;
-  std::optional<std::stop_callback<Act>> stop_;  ///< uses all above
 };
 
 int show_plan(const Value& transition, const Context& context) {
@@ -211,13 +123,8 @@ Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptio
 
 int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options, StopSignal* signal,
                  const Context& context) {
-  Result<Value> answer;
-  {
-    std::optional<CancelOnSignal> canceller;
-    if (signal != nullptr) canceller.emplace(*signal, context);
-    const SwitchWatcher watcher(context);
-    answer = request_switch(robot, options);
-  }
+  const auto answer =
+      follow_request(sender("switch"), signal, context, [&] { return request_switch(robot, options); });
   const bool only_late = !answer && answer.error().code == ErrorCode::DeadlineExceeded;
   if (!options.wait && only_late) return show_requested(options, context);
   const bool refused = answer && printable_at(*answer, "outcome") == "refused";

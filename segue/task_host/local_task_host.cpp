@@ -9,6 +9,7 @@
 #include <segue/task_host/task_actions.hpp>
 #include <segue/task_host/task_maker.hpp>
 #include <segue/task_host/task_table.hpp>
+#include <segue/task_host/write_meter.hpp>
 #include <segue/task_host/written_samples.hpp>
 
 #include <unistd.h>
@@ -380,6 +381,7 @@ Result<std::unique_ptr<PortReader>> LocalTaskHost::open_reader(const model::Port
   if (output == nullptr) {
     return no_port("output", port, names_of(held.outputs(component)));
   }
+  if (buffer == kMeasureWrites) return detail::measure_writes(*output);
   return detail::tap(*output, buffer, implementation_->watches, entry->task);
 }
 

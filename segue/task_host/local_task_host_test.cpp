@@ -358,7 +358,8 @@ TEST_F(LocalHost, ReadsTheSamplesOfAPort) {
   expect_done(on_task(ActionKind::Configure, "a"));
   EXPECT_FALSE(host_.open_reader({model::TaskId("a"), "nothing"}, 10));
   EXPECT_FALSE(host_.open_reader({model::TaskId("b"), "state"}, 10));
-  EXPECT_FALSE(host_.open_reader({model::TaskId("a"), "state"}, 0));
+  EXPECT_FALSE(host_.open_reader({model::TaskId("a"), "nothing"}, kMeasureWrites));
+  EXPECT_EQ(host_.open_reader({model::TaskId("a"), "state"}, kMeasureWrites).value()->read(1).size(), 1U);
   EXPECT_FALSE(host_.open_reader({model::TaskId("a"), "state"}, std::size_t(-1)));
   auto reader = host_.open_reader({model::TaskId("a"), "state"}, 10);
   ASSERT_TRUE(reader) << to_string(reader.error());

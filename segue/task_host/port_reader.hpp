@@ -16,6 +16,10 @@ namespace segue::task_host {
 /// Must not block.
 using SamplesAnswer = std::function<void(Result<std::vector<type::Value>>)>;
 
+/// In place of the size of a reader's buffer: it gets no samples, but measurements of the writes
+/// (detail::measure_writes).
+inline constexpr std::size_t kMeasureWrites = 0;
+
 /// Reads the samples of an output port for a person or a tool. Destroying it removes the connection. Thread
 /// safe.
 class PortReader {

@@ -68,6 +68,7 @@ class TaskAccess {
                                     const type::Value& value, TimePoint deadline) = 0;
   virtual Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                                    const type::Value& arguments, TimePoint deadline) = 0;
+  /// With room for `buffer` samples; kMeasureWrites: measurements instead.
   virtual Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) = 0;
   /// Writes a sample to an input port, as a connection of its own would, and waits until the task has taken
   /// it. NotFound, with the task's input ports; TypeMismatch; InvalidState where the task does not run;

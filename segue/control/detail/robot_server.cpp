@@ -352,7 +352,7 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     return answer_stream(
         caller_, role_for(Verb::OpenPort), context,
         [&service = service_, task = as_string(params.getTask()), port = as_string(params.getPort()),
-         buffer = std::clamp<std::size_t>(params.getBuffer(), 1, kMaxBuffer)] {
+         buffer = std::min<std::size_t>(params.getBuffer(), kMaxBuffer)] {
           return service.open_port(task, port, buffer);
         });
   }

@@ -120,8 +120,8 @@ class TaskAccessServer : public virtual wire::TaskAccess::Server {
   kj::Promise<void> openReader(OpenReaderContext context) override {
     const auto params = context.getParams();
     auto open = [tasks = tasks_, port = decode(params.getPort()),
-                 buffer = std::clamp<std::size_t>(params.getBuffer(), 1,
-                                                  kMaxBuffer)]() -> Result<std::unique_ptr<SampleStream>> {
+                 buffer = std::min<std::size_t>(params.getBuffer(),
+                                                kMaxBuffer)]() -> Result<std::unique_ptr<SampleStream>> {
       auto reader = tasks->open_reader(port, buffer);
       if (!reader) return reader.error();
       return std::make_unique<ReaderStream>(std::move(*reader));
