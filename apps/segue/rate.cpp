@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/rounded_text.hpp>
 #include <segue/base/text.hpp>
 #include <segue/task_host/port_reader.hpp>
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 
 #include "connection.hpp"
@@ -30,16 +30,6 @@ struct MeasuredPort {
   std::unique_ptr<control::SampleStream> stream;
 };
 
-/// Three digits and a unit: "31.2 kB".
-std::string rounded(double number, const std::string& unit) {
-  constexpr std::array<std::string_view, 4> kPrefixes = {"", "k", "M", "G"};
-  std::size_t prefix = 0;
-  for (; number >= 999.5 && prefix + 1 < kPrefixes.size(); ++prefix)
-    number /= 1000;
-  const int decimals = number >= 99.95 ? 0 : number >= 9.995 ? 1 : 2;
-  return fmt::format("{:.{}f} {}{}", number, number == 0 ? 0 : decimals, kPrefixes.at(prefix), unit);
-}
-
 /// From the times between writes; where there was one write only, from the time that was looked at.
 double rate_of(const Value& measured) {
   const double mean = number_at(measured, "mean_s");
@@ -49,7 +39,7 @@ double rate_of(const Value& measured) {
 
 std::string rate_text(const Value& measured) {
   const auto seconds_at = [&](std::string_view key) { return format_seconds(number_at(measured, key)); };
-  std::string text = rounded(rate_of(measured), "Hz");
+  std::string text = format_quantity(rate_of(measured), "Hz");
   if (number_at(measured, "mean_s") > 0) {
     text += fmt::format(", period {} ({} to {}, deviation {})", seconds_at("mean_s"), seconds_at("least_s"),
                         seconds_at("most_s"), seconds_at("deviation_s"));
@@ -59,8 +49,8 @@ std::string rate_text(const Value& measured) {
 
 std::string bandwidth_text(const Value& measured) {
   const double size = number_at(measured, "bytes") / number_at(measured, "samples");
-  return fmt::format("{}, {} a sample, {}", rounded(size * rate_of(measured), "B/s"), rounded(size, "B"),
-                     rounded(rate_of(measured), "Hz"));
+  return fmt::format("{}, {} a sample, {}", format_quantity(size * rate_of(measured), "B/s"),
+                     format_quantity(size, "B"), format_quantity(rate_of(measured), "Hz"));
 }
 
 Result<std::vector<std::string>> ports_of(control::RobotService& robot, const std::string& name) {

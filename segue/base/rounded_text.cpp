@@ -31,4 +31,12 @@ std::string format_seconds(Duration duration) {
   return format_seconds(std::chrono::duration<double>(duration).count());
 }
 
+std::string format_quantity(double number, std::string_view unit) {
+  constexpr std::array<const char*, 5> kPrefixes = {"", "k", "M", "G", "T"};
+  std::size_t prefix = 0;
+  for (; number >= kNextUnit && prefix + 1 < kPrefixes.size(); ++prefix)
+    number /= 1000;
+  return with_unit(number, number < kNextUnit ? "%.3g" : "%.0f", kPrefixes.at(prefix)) + std::string(unit);
+}
+
 }  // namespace segue

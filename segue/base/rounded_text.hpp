@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 
 #include <string>
+#include <string_view>
 
 namespace segue {
 
@@ -11,5 +12,9 @@ namespace segue {
 /// s"; whole seconds from 1000 s on. Configured durations are written as in files (format_duration()).
 std::string format_seconds(double seconds);
 std::string format_seconds(Duration duration);
+
+/// Three digits and the unit, with a decimal prefix: "31.2 kB", "100 Hz", "25.3 GB". Requires that it is not
+/// negative.
+std::string format_quantity(double number, std::string_view unit);
 
 }  // namespace segue

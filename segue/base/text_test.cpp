@@ -175,6 +175,15 @@ TEST(IsoTime, IsInUtcWithMilliseconds) {
             "2026-11-18T11:06:40.007Z");
 }
 
+TEST(FormatQuantity, HasThreeDigitsAndAPrefix) {
+  EXPECT_EQ(format_quantity(0, "B"), "0 B");
+  EXPECT_EQ(format_quantity(99.96, "Hz"), "100 Hz");
+  EXPECT_EQ(format_quantity(999.4, "B"), "999 B");
+  EXPECT_EQ(format_quantity(999.6, "B"), "1 kB");
+  EXPECT_EQ(format_quantity(9'180'197, "B/s"), "9.18 MB/s");
+  EXPECT_EQ(format_quantity(2e16, "B"), "20000 TB");
+}
+
 TEST(RoundedText, IsThreeDigitsWithAUnit) {
   using namespace std::chrono_literals;
   EXPECT_EQ(format_seconds(79749ns), "79.7 us");

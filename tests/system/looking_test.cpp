@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verbs that look around in a running robot: hz, bw, delay; and restart.
+// Verbs that look around in a running robot: hz, bw, delay, doctor; and restart.
 #include <gmock/gmock.h>
 
 #include <set>
@@ -94,6 +94,57 @@ TEST_F(Looking, RestartsNothingOfARobotThatSomebodyElseCommands) {
   EXPECT_THAT(error_of({"restart", "laser"}), HasSubstr("segue mission run"));
   EXPECT_EQ(segue({"restart", "laser", "--take-over"}).status, 0);
   EXPECT_NE(mission.wait().status, 0);
+}
+
+class Doctor : public SystemTest {
+ protected:
+  Value finding(const std::string& check, int status) {
+    const Value findings = json({"doctor"}, status);
+    for (const Value& found : findings.as_list()) {
+      if (found.find("check")->as_string() == check) return found;
+    }
+    return Value::map({{"health", "none"}, {"what", "none"}, {"mend", "none"}});
+  }
+  static std::string text(const Value& found, const char* key) { return found.find(key)->as_string(); }
+};
+
+TEST_F(Doctor, FindsRobotsAndWhatTheyLack) {
+  start();
+  EXPECT_EQ(text(finding("robot rover", 0), "what"), "healthy");
+  EXPECT_THAT(text(finding("component libraries", 0), "what"), HasSubstr(" components"));
+  EXPECT_THAT(segue({"doctor"}).output, HasSubstr("good    robot rover: healthy"));
+}
+
+TEST_F(Doctor, FindsProcessesWhoseRuntimeIsGone) {
+  ASSERT_EQ(segue({"init", "rover"}).status, 0);
+  write("rover/controllers/apart.yaml",
+        "network: apart\ntasks: {drive: {component: \"demo::Drive\"}}\ndeployments: {base: {tasks: "
+        "[drive]}}\n");
+  start({"--controller", "apart"});
+  ASSERT_NO_FATAL_FAILURE(wait_for_controller("apart"));
+  robot_->signal(SIGKILL);
+  robot_->wait();
+  const Value left = finding("processes left over", 1);
+  EXPECT_EQ(text(left, "health"), "bad");
+  EXPECT_EQ(text(left, "what"), "base of robot rover runs without its runtime");
+  start();
+  EXPECT_EQ(text(finding("processes left over", 0), "health"), "none") << "they have been adopted";
+}
+
+TEST_F(Doctor, FindsLibrariesThatCannotBeLoaded) {
+  write("libraries/libbroken.so", "no library");
+  ::setenv("SEGUE_LIBRARY_PATH", (folder_ / "libraries").c_str(), 1);
+  const Value found = finding("component libraries", 1);
+  EXPECT_EQ(text(found, "health"), "bad");
+  EXPECT_THAT(text(found, "what"), HasSubstr("broken.components.yaml"));
+  ::unsetenv("SEGUE_LIBRARY_PATH");
+}
+
+TEST_F(Doctor, FindsAFolderOfSocketsThatIsNotOurs) {
+  write("no_folder", "");
+  ::setenv("XDG_RUNTIME_DIR", (folder_ / "no_folder").c_str(), 1);
+  EXPECT_EQ(text(finding("folder of sockets", 1), "health"), "bad");
+  ::setenv("XDG_RUNTIME_DIR", (folder_ / "runtime").c_str(), 1);
 }
 
 }  // namespace
