@@ -67,6 +67,7 @@ void add_status(Verb& app, Context& context);
 void add_top(Verb& app, Context& context);
 void add_task(Verb& app, Context& context);
 void add_chain(Verb& app, Context& context);
+void add_graph(Verb& app, Context& context);
 void add_hz(Verb& app, Context& context);
 void add_bw(Verb& app, Context& context);
 void add_delay(Verb& app, Context& context);
@@ -83,6 +84,7 @@ void add_host(Verb& app, Context& context);
 void add_host_list(Verb& host, Context& context);          ///< verbs of `host`
 void add_host_certificates(Verb& host, Context& context);  ///< verbs of `host`
 void add_component(Verb& app, Context& context);
+void add_types(Verb& app, Context& context);
 void add_mission(Verb& app, Context& context);
 void add_studio(Verb& app, Context& context);
 void add_bench(Verb& app, Context& context);

@@ -51,7 +51,7 @@ int examine(const Context& context) {
 
 void add_doctor(Verb& app, Context& context) {
   add_verb(app, context, "doctor", "look whether robots can run on this computer, and what mends it",
-           "  segue doctor\n\nStatus 1 where something does not work; advice is no failure.",
+           "  segue doctor\n\nStatus 1 where something does not work; advice does not count.",
            [&context] { return examine(context); });
 }
 

@@ -22,7 +22,7 @@ struct RateOptions {
   Duration every = std::chrono::seconds(1);
 };
 
-/// What a verb shows of the measurements of a port.
+/// The text that a verb shows of the measurements of a port.
 using RateText = std::string (*)(const Value& measured);
 
 struct MeasuredPort {

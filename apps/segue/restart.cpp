@@ -29,7 +29,7 @@ Result<Value> find_task(const Value& status, const std::string& id) {
   return fail(ErrorCode::NotFound, "the robot has no such task" + did_you_mean(id, task_names(status)), id);
 }
 
-/// What takes a task in this state through pre-operational and back; nothing where it is in no such state.
+/// The actions that take a task in this state through pre-operational and back; nothing for other states.
 std::optional<std::vector<std::string>> actions_for(const std::string& state) {
   if (state == "running") return std::vector<std::string>{"stop", "cleanup", "configure", "start"};
   if (state == "stopped") return std::vector<std::string>{"cleanup", "configure"};

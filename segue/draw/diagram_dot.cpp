@@ -8,6 +8,7 @@
 #include <map>
 
 #include <segue/draw/diagram_style.hpp>
+#include <segue/draw/dot.hpp>
 
 namespace segue::draw {
 
@@ -44,20 +45,6 @@ std::string caption_of(const Diagram& diagram) {
 
 namespace {
 
-/// In double quotes, with Graphviz' escapes.
-std::string quoted(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '\n') {
-      result += "\\n";
-      continue;
-    }
-    if (c == '"' || c == '\\') result += '\\';
-    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return result + '"';
-}
-
 /// Draws nodes within the clusters of their containers.
 struct Cluster {
   std::map<std::string, Cluster> inside;
@@ -70,10 +57,11 @@ class DotWriter {
       : diagram_(diagram), drawn_(static_cast<std::uint32_t>(std::min(diagram.nodes.size(), kMostDrawn))) {}
 
   std::string write() {
-    fmt::format_to(out(),
-                   "digraph plan {{\n  rankdir=LR;\n  label={};\n  node [shape=box, style=filled, "
-                   "fontname=\"sans-serif\"];\n  edge [fontname=\"sans-serif\", fontsize=10];\n",
-                   quoted(diagram_.name + (caption_of(diagram_).empty() ? "" : "\n" + caption_of(diagram_))));
+    fmt::format_to(
+        out(),
+        "digraph plan {{\n  rankdir=LR;\n  label={};\n  node [shape=box, style=filled, "
+        "fontname=\"sans-serif\"];\n  edge [fontname=\"sans-serif\", fontsize=10];\n",
+        dot_quoted(diagram_.name + (caption_of(diagram_).empty() ? "" : "\n" + caption_of(diagram_))));
     Cluster whole;
     for (std::uint32_t i = 0; i < drawn_; ++i)
       cluster_of(whole, diagram_.nodes[i].container).nodes.push_back(i);
@@ -103,11 +91,11 @@ class DotWriter {
       const Diagram::Node& entry = diagram_.nodes[node];
       const RoleStyle style = style_of(entry.role);
       fmt::format_to(out(), "{}{} [label={}, fillcolor=\"{}\", fontcolor=\"{}\", tooltip={}];\n", indent,
-                     node, quoted(entry.name), style.fill, style.text, quoted(tooltip_of(entry)));
+                     node, dot_quoted(entry.name), style.fill, style.text, dot_quoted(tooltip_of(entry)));
     }
     for (const auto& [name, inside] : cluster.inside) {
       fmt::format_to(out(), "{0}subgraph cluster_{1} {{\n{0}  label={2}; color=\"#999999\";\n", indent,
-                     clusters_++, quoted(name));
+                     clusters_++, dot_quoted(name));
       write(inside, indent + "  ");
       fmt::format_to(out(), "{}}}\n", indent);
     }
@@ -118,8 +106,8 @@ class DotWriter {
     const bool named = cause.kind != Diagram::Kind::Opaque && cause.kind != Diagram::Kind::OpaqueSubtree;
     fmt::format_to(out(), "  {} -> {} [color=\"{}\", fontcolor=\"{}\", label={}, tooltip={}{}];\n",
                    dependency.from, to, colour_of(cause.kind), colour_of(cause.kind),
-                   quoted(named ? cause.subject : std::string(to_string(cause.kind))),
-                   quoted(tooltip_of(diagram_, dependency, to)),
+                   dot_quoted(named ? cause.subject : std::string(to_string(cause.kind))),
+                   dot_quoted(tooltip_of(diagram_, dependency, to)),
                    dependency.holds_start ? "" : ", style=dashed");
   }
 

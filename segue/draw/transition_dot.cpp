@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include <segue/draw/dot.hpp>
 #include <segue/draw/transition_picture.hpp>
 #include <segue/draw/transition_schedule.hpp>
 #include <segue/draw/transition_style.hpp>
@@ -12,22 +13,13 @@ namespace segue::draw {
 
 namespace {
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + '"';
-}
-
 std::string cluster(const model::Transition& transition, model::Phase phase, const std::set<int>& critical) {
   std::string nodes;
   for (const model::Action& action : transition.actions) {
     if (action.phase != phase) continue;
     const KindStyle& style = style_of(action.kind);
     nodes += fmt::format("    {} [label={}, fillcolor=\"{}\", fontcolor=\"{}\"{}];\n", action.id,
-                         quoted(action.label()), style.fill, style.text,
+                         dot_quoted(action.label()), style.fill, style.text,
                          critical.contains(action.id)
                              ? ", penwidth=3, color=\"" + std::string(kCriticalColour) + '"'
                              : std::string());

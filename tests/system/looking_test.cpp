@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verbs that look around in a running robot: hz, bw, delay, doctor; and restart.
+// Verbs that look around in a running robot: hz, bw, delay, graph, types, doctor; and restart.
 #include <gmock/gmock.h>
 
 #include <set>
@@ -66,6 +66,33 @@ TEST_F(Looking, ShowsTheDelaysOfAPort) {
   EXPECT_EQ(json({"delay", "drive"}).as_list().size(), 2U);
   EXPECT_THAT(segue({"delay", "laser"}).output, HasSubstr("99 % WITHIN"));
   EXPECT_THAT(error_of({"delay", "laser.scam"}), HasSubstr("did you mean 'laser.scan'?"));
+}
+
+TEST_F(Looking, DrawsWhoIsConnectedWithWhom) {
+  const std::string text = segue({"graph"}).output;
+  EXPECT_THAT(text, HasSubstr("laser  demo::LaserScanner, running\n  scan -> wanderer.scan\n"));
+  const auto at = [&](const char* task) { return text.find(task + std::string("  demo::")); };
+  EXPECT_LT(at("drive"), at("odometry")) << "of the loop the first, then along the connections";
+  EXPECT_LT(at("odometry"), at("laser"));
+  EXPECT_LT(at("laser"), at("wanderer"));
+  const std::string dot = segue({"graph", "--dot"}).output;
+  EXPECT_THAT(dot, HasSubstr("digraph network {"));
+  EXPECT_THAT(dot, HasSubstr("\"laser\" -> \"wanderer\" [label=\"scan -> scan\"];"));
+  const Value running = json({"graph"});
+  const Value file = json({"graph", "rover/controllers/explore.yaml"});
+  EXPECT_EQ(running.find("connections")->as_list().size(), 4U);
+  EXPECT_EQ(file.find("connections")->as_list().size(), 4U);
+  EXPECT_EQ(file.find("tasks")->as_list().size(), running.find("tasks")->as_list().size());
+  EXPECT_EQ(segue({"graph", "no_file.yaml"}).status, 1);
+}
+
+TEST_F(Looking, ShowsTypesAndThePortsThatHaveThem) {
+  EXPECT_THAT(segue({"types"}).output, HasSubstr("demo::Scan"));
+  const Value scan = json({"types", "Scan"});
+  EXPECT_EQ(scan.find("name")->as_string(), "/demo/Scan");
+  EXPECT_FALSE(scan.find("ports")->as_list().empty());
+  EXPECT_THAT(segue({"types", "demo::Scan"}).output, HasSubstr("demo::LaserScanner"));
+  EXPECT_THAT(error_of({"types", "Scam"}), HasSubstr("did you mean 'Scan'?"));
 }
 
 TEST_F(Looking, RestartsTasks) {
