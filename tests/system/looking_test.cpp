@@ -10,7 +10,9 @@
 namespace segue::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 using type::Value;
 
@@ -121,6 +123,33 @@ TEST_F(Looking, RestartsNothingOfARobotThatSomebodyElseCommands) {
   EXPECT_THAT(error_of({"restart", "laser"}), HasSubstr("segue mission run"));
   EXPECT_EQ(segue({"restart", "laser", "--take-over"}).status, 0);
   EXPECT_NE(mission.wait().status, 0);
+}
+
+TEST_F(Looking, MergesTheOutputOfAllProcesses) {
+  EXPECT_THAT(error_of({"log"}), HasSubstr("there is no output of any process"));
+  write("apart.yaml",
+        "network: apart\ntasks:\n  drive: {component: \"demo::Drive\"}\n"
+        "  laser: {component: \"demo::LaserScanner\"}\n"
+        "deployments: {base: {tasks: [drive]}, eyes: {tasks: [laser]}}\n");
+  ASSERT_EQ(segue({"switch", "--network", "apart.yaml"}).status, 0);
+  const auto all = segue({"log"});
+  EXPECT_THAT(all.output, AllOf(HasSubstr("base | "), HasSubstr("\neyes | ")));
+  EXPECT_THAT(segue({"log", "eyes"}).output, Not(HasSubstr(" | ")));
+  Process follower(command({"log", "-f"}), folder_);
+  EXPECT_TRUE(follower.wait_for("eyes | "));
+  ASSERT_EQ(segue({"switch", "empty"}).status, 0);
+  ASSERT_EQ(segue({"switch", "--network", "apart.yaml"}).status, 0);
+  const auto lines = [](const std::string& output, const std::string& begin) {
+    std::size_t count = 0;
+    for (auto at = output.find(begin); at != std::string::npos; at = output.find(begin, at + 1))
+      ++count;
+    return count;
+  };
+  EXPECT_TRUE(follower.wait_until([&](const std::string& output) {
+    return lines(output, "base | ") > lines(all.output, "base | ") &&
+           lines(output, "eyes | ") > lines(all.output, "eyes | ");
+  }));
+  EXPECT_THAT(error_of({"log", "eys"}), HasSubstr("did you mean 'eyes'?"));
 }
 
 class Doctor : public SystemTest {
