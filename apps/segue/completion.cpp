@@ -42,35 +42,12 @@ std::string verb_words(const Verb& verb) {
   return words;
 }
 
-std::string robot_names_for(std::string_view verb) {
+/// The kind of names of the running robot that the verb's first argument has; empty: none.
+std::string_view kind_of_names(std::string_view verb) {
   for (const auto& [name, kind] : kVerbsWithNames) {
-    if (name == verb) return fmt::format(" $(segue complete-names {} 2>/dev/null)", kind);
+    if (name == verb) return kind;
   }
   return {};
-}
-
-std::string bash_script(const Verb& app) {
-  std::string cases;
-  for (const Verb* verb : app.verbs()) {
-    cases +=
-        fmt::format("    {}) words=\"{}{}{}\" ;;\n", verb->name(), verb_words(*verb),
-                    verb->verbs().empty() ? "" : " ", option_words(*verb) + robot_names_for(verb->name()));
-  }
-  return fmt::format(R"(# bash completion for segue; load it with: source <(segue completion bash)
-_segue() {{
-  local current=${{COMP_WORDS[COMP_CWORD]}} words=""
-  if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=( $(compgen -W "{} {}" -- "$current") )
-    return
-  fi
-  case "${{COMP_WORDS[1]}}" in
-{}  esac
-  [ "${{COMP_WORDS[COMP_CWORD-1]}}" = {} ] && words=$(segue complete-names {} 2>/dev/null)
-  COMPREPLY=( $(compgen -W "$words" -- "$current") )
-}}
-complete -o default -F _segue segue
-)",
-                     verb_words(app), option_words(app), cases, kOptionWithName, kKindOfOption);
 }
 
 std::string single_quoted(std::string text) {
@@ -81,18 +58,49 @@ std::string single_quoted(std::string text) {
   return '\'' + result + '\'';
 }
 
+/// A line for each verb of the `case` that bash and zsh share.
+std::string cases_of(const Verb& app, std::string_view words = "words") {
+  std::string cases;
+  for (const Verb* verb : app.verbs())
+    cases += fmt::format("    {}) {}=\"{}\" kind=\"{}\" options=\"{}\" ;;\n", verb->name(), words,
+                         verb_words(*verb), kind_of_names(verb->name()), option_words(*verb));
+  return cases;
+}
+
+/// Names come first; options only after a "-".
+std::string bash_script(const Verb& app) {
+  return fmt::format(R"(# bash completion for segue; load it with: source <(segue completion bash)
+_segue() {{
+  local current=${{COMP_WORDS[COMP_CWORD]}} words="" kind="" options=""
+  if [ "$COMP_CWORD" -eq 1 ]; then
+    words="{}" options="{}"
+  else
+    case "${{COMP_WORDS[1]}}" in
+{}    esac
+  fi
+  [ "${{COMP_WORDS[COMP_CWORD-1]}}" = {} ] && words="" kind={}
+  if [[ "$current" == -* ]]; then
+    words=$options
+  elif [ -n "$kind" ]; then
+    kind=$(segue complete-names "$kind" 2>/dev/null)
+    words="$words $kind"
+  fi
+  COMPREPLY=( $(compgen -W "$words" -- "$current") )
+}}
+complete -o default -F _segue segue
+)",
+                     verb_words(app), option_words(app), cases_of(app), kOptionWithName, kKindOfOption);
+}
+
 std::string zsh_script(const Verb& app) {
   std::string verbs;
-  std::string cases;
-  for (const Verb* verb : app.verbs()) {
+  for (const Verb* verb : app.verbs())
     verbs += "    " + single_quoted(verb->name() + ':' + verb->description()) + '\n';
-    cases += fmt::format("    {}) words_of_verb=({} {}{}) ;;\n", verb->name(), verb_words(*verb),
-                         option_words(*verb), robot_names_for(verb->name()));
-  }
   return fmt::format(R"(#compdef segue
 # zsh completion for segue; load it with: source <(segue completion zsh)
 _segue() {{
-  local -a verbs words_of_verb
+  local -a verbs
+  local words_of_verb="" kind="" options=""
   verbs=(
 {}  )
   if (( CURRENT == 2 )); then
@@ -101,13 +109,42 @@ _segue() {{
   fi
   case "$words[2]" in
 {}  esac
-  [[ "$words[CURRENT-1]" == {} ]] && words_of_verb=($(segue complete-names {} 2>/dev/null))
-  compadd -- $words_of_verb
-  _files
+  [[ "$words[CURRENT-1]" == {} ]] && words_of_verb="" kind={}
+  if [[ "$PREFIX" == -* ]]; then
+    compadd -- ${{=options}}
+    return
+  fi
+  [[ -n "$kind" ]] && words_of_verb+=" "$(segue complete-names $kind 2>/dev/null)
+  compadd -- ${{=words_of_verb}} || _files
 }}
 compdef _segue segue
 )",
-                     verbs, cases, kOptionWithName, kKindOfOption);
+                     verbs, cases_of(app, "words_of_verb"), kOptionWithName, kKindOfOption);
+}
+
+std::string fish_script(const Verb& app) {
+  std::string script =
+      "# fish completion for segue; load it with: segue completion fish | source\n"
+      "complete -c segue -n __fish_use_subcommand -f\n";
+  for (const Verb* verb : app.verbs()) {
+    script += fmt::format("complete -c segue -n __fish_use_subcommand -f -a {} -d {}\n", verb->name(),
+                          single_quoted(verb->description()));
+    const std::string here =
+        fmt::format("complete -c segue -n '__fish_seen_subcommand_from {}'", verb->name());
+    if (!verb->verbs().empty()) script += fmt::format("{} -f -a '{}'\n", here, verb_words(*verb));
+    if (const auto kind = kind_of_names(verb->name()); !kind.empty())
+      script += fmt::format("{} -f -a '(segue complete-names {} 2>/dev/null)'\n", here, kind);
+    for (const std::string& option : verb->option_names()) {
+      const bool is_long = option.starts_with("--");
+      const std::string names =
+          option == kOptionWithName
+              ? fmt::format(" -x -a '(segue complete-names {} 2>/dev/null)'", kKindOfOption)
+              : std::string();
+      script +=
+          fmt::format("{} -{} {}{}\n", here, is_long ? "l" : "s", option.substr(is_long ? 2 : 1), names);
+    }
+  }
+  return script;
 }
 
 void add_members(const type::Value& task, const std::string& id, const std::string& kind,
@@ -152,10 +189,13 @@ void add_completion(Verb& app, Context& context) {
   const auto shell = std::make_shared<std::string>();
   Verb& verb = add_verb(
       app, context, "completion", "print a completion script for a shell",
-      "  source <(segue completion bash)\n  segue completion zsh > ~/.zfunc/_segue", [&app, &context, shell] {
-        return write_or_print(context, "", *shell == "bash" ? bash_script(app) : zsh_script(app));
+      "  source <(segue completion bash)\n  segue completion zsh > ~/.zfunc/_segue\n"
+      "  segue completion fish > ~/.config/fish/completions/segue.fish",
+      [&app, &context, shell] {
+        const auto script = *shell == "bash" ? bash_script : *shell == "zsh" ? zsh_script : fish_script;
+        return write_or_print(context, "", script(app));
       });
-  verb.option("SHELL", *shell, "bash or zsh").required().one_of({"bash", "zsh"});
+  verb.option("SHELL", *shell, "bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
 
   const auto kind = std::make_shared<std::string>();
   Verb& names = app.add_verb("complete-names", "for shells").hide();

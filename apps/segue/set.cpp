@@ -33,6 +33,14 @@ std::string present_value(control::RobotService& robot, const Address& address) 
   return value == nullptr ? std::string() : type::describe(*value);
 }
 
+/// A property that is not live gets another value where a switch configures the task anew.
+void suggest_variant(control::RobotService& robot, const SetOptions& options) {
+  const auto status = robot.status();
+  if (!status || printable_at(*status, "controller").empty()) return;
+  print_note(fmt::format("a switch configures the task anew: `segue switch {} --set {}`",
+                         printable_at(*status, "controller"), options.assignment));
+}
+
 int set_property(control::RobotService& robot, const SetOptions& options, const Context& context) {
   const auto equals = options.assignment.find('=');
   const auto value = type::parse_yaml(options.assignment.substr(equals + 1), "the value");
@@ -42,7 +50,11 @@ int set_property(control::RobotService& robot, const SetOptions& options, const 
   const std::string before = present_value(robot, *address);
   const auto done = robot.set_property(address->task, address->member, *value,
                                        sender_of("set", options.beside), deadline_in(options.timeout));
-  if (!done) return failed(context, done.error());
+  if (!done) {
+    const int status = failed(context, done.error());
+    if (done.error().code == ErrorCode::InvalidState && !context.json()) suggest_variant(robot, options);
+    return status;
+  }
   if (context.json()) {
     print_json(Value::map({{"task", address->task}, {"property", address->member}, {"value", *value}}));
   } else {

@@ -90,12 +90,15 @@ struct ResourceLimits {
   [[nodiscard]] bool empty() const { return *this == ResourceLimits{}; }
 };
 
+/// Deployment::deployer of processes that Segue's process server starts.
+inline constexpr std::string_view kOwnDeployer = "segue";
+
 /// A process on a host that holds tasks. Identity: key().
 struct Deployment {
   HostName host = kLocalHost;
   ProcessName process;
-  std::vector<Placement> tasks;    ///< may name tasks that the network lacks (as some real files do)
-  std::string deployer = "segue";  ///< who starts the process; "orogen" for Rock's
+  std::vector<Placement> tasks;        ///< may name tasks that the network lacks (as some real files do)
+  std::string deployer{kOwnDeployer};  ///< who starts the process; "orogen" for Rock's
   Scheduler scheduler = Scheduler::Normal;
   int priority = 0;
   std::vector<int> cpus;

@@ -108,10 +108,10 @@ class StructureCheck {
             task + " is in " + what + " and in process " + to_string(first->second->key()), deployment.where);
     }
     if (index_.task(placement.task) != nullptr) return;
-    warning(
-        "unknown-placement",
-        what + " names " + task + ", which the network lacks" + index_.task_suggestion(placement.task.str()),
-        deployment.where);
+    const std::string text =
+        what + " names " + task + ", which the network lacks" + index_.task_suggestion(placement.task.str());
+    if (deployment.deployer == kOwnDeployer) return error("unknown-placement", text, deployment.where);
+    warning("unknown-placement", text, deployment.where);  // real files of Rock have such
   }
 
   /// Tasks that share a thread must have equal scheduling.

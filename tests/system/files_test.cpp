@@ -371,13 +371,28 @@ TEST_F(Files, CompletionScriptsLoadAndKnowEveryVerb) {
                               "echo \"${COMPREPLY[*]}\""},
                              folder_);
   EXPECT_EQ(completed.output, "status\n") << completed.errors;
+  const auto options = run({"/bin/bash", "-c",
+                            "source completion.bash; COMP_WORDS=(segue read --fol); COMP_CWORD=2; _segue; "
+                            "echo \"${COMPREPLY[*]}\"; COMP_WORDS=(segue mission ''); _segue; "
+                            "echo \"${COMPREPLY[*]}\""},
+                           folder_);
+  EXPECT_TRUE(options.output.starts_with("--follow\n")) << options.output << options.errors;
+  EXPECT_TRUE(contains(options.output, "run ")) << options.output;
+  EXPECT_FALSE(contains(options.output, "--help")) << "names come first";
   const auto zsh = segue({"completion", "zsh"});
+  const auto fish = segue({"completion", "fish"});
+  write("segue.fish", fish.output);
+  if (std::filesystem::exists("/usr/bin/fish")) {
+    const auto checked = run({"/usr/bin/fish", "--no-execute", "segue.fish"}, folder_);
+    EXPECT_EQ(checked.status, 0) << checked.errors;
+  }
   for (const std::string verb :
        {"init",   "check",   "diff",    "predict",      "run",       "plan",      "apply",
         "switch", "prepare", "status",  "top",          "task",      "read",      "set",
         "call",   "events",  "history", "reset-belief", "component", "completion"}) {
     EXPECT_TRUE(contains(bash.output, "    " + verb + ") ")) << verb;
     EXPECT_TRUE(contains(zsh.output, "    " + verb + ") ")) << verb;
+    EXPECT_TRUE(contains(fish.output, " -a " + verb + " -d ")) << verb;
   }
 }
 
