@@ -198,7 +198,7 @@ class Checker {
         if (networks == nullptr) {
           missions_.check(path, diagnostics_);
         } else {
-          const RobotControllers known{*networks, robot.pools, catalog_};
+          const RobotControllers known{*networks, robot.pools, robot.units, catalog_};
           missions_.check(path, diagnostics_, &known);
         }
       }

@@ -35,6 +35,7 @@ void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diag
   if (robot != nullptr && plan->program() != nullptr) {
     const mission::Mission& mission = plan->program()->mission();
     mission::check_controllers(mission, robot->networks, robot->catalog, diagnostics);
+    mission::check_robot_units(mission, robot->units, diagnostics);
     mission::check_pools(mission, robot->pools, robot->catalog, diagnostics);
   }
   auto found = plan->ahead_of_failures();

@@ -19,6 +19,7 @@ namespace segue::cli {
 struct RobotControllers {
   const std::vector<model::Network>& networks;
   const std::vector<model::Pool>& pools;
+  const std::vector<model::UnitStock>& units;
   const model::ComponentCatalog& catalog;
 };
 

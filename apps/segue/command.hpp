@@ -80,6 +80,7 @@ void add_history(Verb& app, Context& context);
 void add_log(Verb& app, Context& context);
 void add_reset_belief(Verb& app, Context& context);
 void add_doctor(Verb& app, Context& context);
+void add_units(Verb& app, Context& context);
 void add_host(Verb& app, Context& context);
 void add_host_list(Verb& host, Context& context);          ///< verbs of `host`
 void add_host_certificates(Verb& host, Context& context);  ///< verbs of `host`

@@ -13,7 +13,7 @@ namespace segue::cli {
 namespace {
 
 /// Verbs whose first argument names a part of the running robot, and its kind for `complete-names`.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kVerbsWithNames = {
+constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kVerbsWithNames = {
     {{"switch", "controllers"},
      {"plan", "controllers"},
      {"prepare", "controllers"},
@@ -25,7 +25,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kVerbsWi
      {"restart", "tasks"},
      {"read", "ports"},
      {"set", "properties"},
-     {"call", "operations"}}};
+     {"call", "operations"},
+     {"units", "units"}}};
 
 /// The option whose value is a name of the running robot, too, and its kind.
 constexpr std::string_view kOptionWithName = "--transition";
@@ -162,6 +163,14 @@ void add_members(const type::Value& task, const std::string& id, const std::stri
   }
 }
 
+std::vector<std::string> unit_names(control::RobotService& robot) {
+  std::vector<std::string> names;
+  const auto units = robot.units();
+  for (const type::Value& one : units && units->is_list() ? units->as_list() : type::Value::List())
+    names.push_back(printable_at(one, "name"));
+  return names;
+}
+
 /// For shells: one name per line, and no output at all if there is no robot.
 int complete_names(const std::string& kind) {
   const auto running = control::running_robots();
@@ -170,8 +179,10 @@ int complete_names(const std::string& kind) {
   const auto robot = socket ? control::connect(*socket, std::chrono::seconds(3)) : socket.error();
   const auto status = robot ? (*robot)->status() : Result<type::Value>(robot.error());
   if (!status) return kDone;
-  const bool is_listed = kind == "controllers" || kind == "transitions";
-  std::vector<std::string> names = is_listed ? names_at(*status, kind) : task_names(*status);
+  const bool is_listed = kind == "controllers" || kind == "transitions" || kind == "units";
+  std::vector<std::string> names = kind == "units" ? unit_names(**robot)
+                                   : is_listed     ? names_at(*status, kind)
+                                                   : task_names(*status);
   if (!is_listed && kind != "tasks") {
     const auto tasks = std::exchange(names, {});
     for (const std::string& id : tasks) {

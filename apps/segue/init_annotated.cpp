@@ -51,6 +51,9 @@ hosts:
 #look_ahead:
 #  processes: 8
 #  memory: 2GB
+# Units of which it keeps count from one mission to the next (resources that are `of: robot`), with how many there are at
+# first; `segue units` shows them.
+#units: {screws: 40, deck_place: {count: 3}}
 # The program that `segue mission plan` asks for plans; by default a small planner that is built in.
 #planner:
 #  command: [my-planner, "{domain}", "{problem}"]  # it prints the plan, or writes it into "{plan}"
@@ -262,7 +265,8 @@ states:
 # Resources, of which there is one unit unless it says otherwise; class: system, process, module, world or task; commutes:
 # whoever takes units first makes no difference; observe: the units are there while a condition holds, as of a fact, or as
 # many as a sample says ({port: load.cores, units: free}).
-#resources: {road: {class: system, count: 1, parameters: {}, commutes: false, observe: {task: drive, state: idle}}}
+# of: robot: the robot keeps their number from one run to the next (`units` in its file).
+#resources: {road: {of: mission, class: system, count: 1, parameters: {}, commutes: false, observe: {task: drive, state: idle}}}
 # State machines that states use by name.
 #libraries: {detour: {action: drive_to, inputs: {place: {x: 0.5, y: 0.0}}}}
 )yaml";

@@ -111,10 +111,15 @@ void MissionRemote::work(const std::stop_token& end) {
         heed(request);
     }
     report(reported);
+    (void)robot_.tell_units();  // until the robot has taken them
     answers_->bell().wait({RealClock::instance().now() + kPeriod, end});
   } while (!end.stop_requested());
   while (robot_.record().has_waiting()) {
     if (!robot_.report(doing())) break;
+  }
+  while (robot_.has_units_to_tell()) {
+    if (const auto told = robot_.tell_units(); !told)
+      return print_note("the robot has not been told all that became of its units: " + told.error().message);
   }
 }
 

@@ -215,6 +215,7 @@ Result<void> run_by_robot(RunRequest& request, const LoadedMission& plan,
   of_scripts.unreachable = how.unreachable;
   if (request.scripts)
     request.scripts->robot = std::make_shared<mission::ScriptRobot>(robot, controllers, of_scripts);
+  if (!request.simulate) request.units = robot;
   if (mission::observes(plan.program()->mission()) && !request.simulate) {
     mission::FactObserver::Options of_facts;
     of_facts.unreachable = how.unreachable;

@@ -135,6 +135,14 @@ TEST_F(ControlTest, APropertyTravelsAsItWasWritten) {
   EXPECT_EQ(*robot_.last_set().find("value"), Value("bob"));
 }
 
+TEST_F(ControlTest, UnitsAreShownAndSet) {
+  serve();
+  const auto robot = client();
+  EXPECT_EQ(*robot->units(), Value::list({Value::map({{"name", "screws"}, {"count", 40}})}));
+  EXPECT_EQ(robot->set_units("screws", 7, "ann").value(), 40U);
+  EXPECT_EQ(robot_.last_set(), Value::map({{"task", "ann"}, {"property", "screws"}, {"value", 7}}));
+}
+
 TEST_F(ControlTest, ErrorsTravelWithPlaceAndCauses) {
   serve();
   const auto failed = client()->reset_belief("network: n", "n.yaml");

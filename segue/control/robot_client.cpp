@@ -259,6 +259,27 @@ class Client final : public RobotService {
     }));
   }
 
+  Result<Value> units() override {
+    return channel_->ask(kQueryTimeout, [](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Robot>().unitsRequest();
+      return RpcChannel::send(request);
+    });
+  }
+
+  Result<std::uint32_t> set_units(std::string_view name, std::uint32_t count, std::string_view who) override {
+    const auto before = channel_->ask(
+        kQueryTimeout,
+        [name = std::string(name), count, who = std::string(who)](RpcChannel::Connection& connection) {
+          auto request = connection.as<wire::Robot>().setUnitsRequest();
+          request.setName(as_text(name));
+          request.setCount(count);
+          request.setWho(as_text(who));
+          return RpcChannel::send(request);
+        });
+    if (!before) return before.error();
+    return static_cast<std::uint32_t>(number_in(&*before));
+  }
+
   Result<void> set_property(std::string_view task, std::string_view property, const Value& value,
                             const Sender& sender, const Wait& wait) override {
     if (auto fits = detail::check_size(value, detail::kServerMessageWords); !fits) return fits;

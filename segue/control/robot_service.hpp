@@ -114,7 +114,10 @@ class RobotService {
   /// that its state is "stopping")}, and in "happened" what the robot's journal shall have: {"sent_ns" (the
   /// sender's time since 1970), "lost" (entries so far that it could not keep), "entries": a list of
   /// {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"), "action" (none: the mission),
-  /// "iteration", "controller", "outcome", "error", "duration_ns"}}.
+  /// "iteration", "controller", "outcome", "error", "duration_ns"}}. It says in "units" what becomes of the
+  /// robot's units: {"run", "begun" (the counts by name when that run began; InvalidState where others have
+  /// changed one since), "changes": a list of {"execution", "units" (changes by name)}}; each execution of a
+  /// run counts once. A report of units only leaves the rest as it was reported before.
   virtual Result<void> report(std::uint64_t lease, const type::Value& doing) = 0;
   /// The mission that commands the robot, or the last one that did; null where none has since the runtime
   /// began: {"run" (counts missions), "mission", "who", "state" ("running", "paused", "stopping", "ended"),
@@ -156,6 +159,12 @@ class RobotService {
   /// Expects this network to run from now on (the text of a network file, `file` for messages),
   /// or where the text is empty, what is observed now. ParseError where the network has errors.
   virtual Result<void> reset_belief(std::string_view network, std::string_view file) = 0;
+  /// The units that the robot keeps (model::Robot::units), by name: a list of {"name", "count"}.
+  virtual Result<type::Value> units() = 0;
+  /// Corrects how many of them there are, and answers how many there were. NotFound; InvalidState while
+  /// somebody commands the robot. `who` for the events.
+  virtual Result<std::uint32_t> set_units(std::string_view name, std::uint32_t count,
+                                          std::string_view who) = 0;
   virtual Result<void> set_property(std::string_view task, std::string_view property,
                                     const type::Value& value, const Sender& sender, const Wait& wait) = 0;
   virtual Result<type::Value> call(std::string_view task, std::string_view operation,

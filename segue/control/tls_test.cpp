@@ -127,6 +127,8 @@ std::vector<Question> all_questions() {
       {Verb::Past, [](auto& robot) { return outcome(robot.past(Value("ask"))); }},
       {Verb::Mission, [](auto& robot) { return outcome(robot.mission(0, false)); }},
       {Verb::Conflicts, [](auto& robot) { return outcome(robot.conflicts({"drive"})); }},
+      {Verb::Units, [](auto& robot) { return outcome(robot.units()); }},
+      {Verb::SetUnits, [](auto& robot) { return outcome(robot.set_units("screws", 3, "a test")); }},
       {Verb::OpenPort, [](auto& robot) { return outcome(robot.open_port("a", "out", 1)); }},
       {Verb::Plan, [](auto& robot) { return outcome(robot.plan("explore", {}, soon())); }},
       {Verb::Switch, [](auto& robot) { return outcome(robot.switch_to("explore", {}, soon())); }},

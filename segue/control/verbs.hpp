@@ -21,6 +21,7 @@ enum class Verb : std::uint8_t {
   Past,
   Mission,
   Conflicts,
+  Units,
   OpenPort,
   Plan,
   Switch,
@@ -40,6 +41,7 @@ enum class Verb : std::uint8_t {
   Call,
   TakeInstance,
   Write,
+  SetUnits,
   ShutDown,
   LookAtFiles,
   ChangeFiles
@@ -52,7 +54,7 @@ struct VerbRule {
 };
 
 /// The only table of who may do what, in the order of the verbs.
-inline constexpr std::array<VerbRule, 32> kVerbRules = {
+inline constexpr std::array<VerbRule, 34> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},
      {Verb::Watch, "watch", Role::Observe},
@@ -63,6 +65,7 @@ inline constexpr std::array<VerbRule, 32> kVerbRules = {
      {Verb::Past, "past", Role::Observe},
      {Verb::Mission, "mission", Role::Observe},
      {Verb::Conflicts, "conflicts", Role::Observe},
+     {Verb::Units, "units", Role::Observe},
      {Verb::OpenPort, "open_port", Role::Observe},
      {Verb::Plan, "plan", Role::Observe},
      {Verb::Switch, "switch", Role::Operate},
@@ -82,6 +85,7 @@ inline constexpr std::array<VerbRule, 32> kVerbRules = {
      {Verb::Call, "call", Role::Operate},
      {Verb::TakeInstance, "take_instance", Role::Operate},
      {Verb::Write, "write", Role::Operate},
+     {Verb::SetUnits, "set_units", Role::Operate},
      {Verb::ShutDown, "shut_down", Role::Operate},
      {Verb::LookAtFiles, "look_at_files", Role::Observe},
      {Verb::ChangeFiles, "change_files", Role::Operate}}};

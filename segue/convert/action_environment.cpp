@@ -222,7 +222,7 @@ std::vector<Value> ActionEnvironment::default_outputs(NodeId node, const mission
 std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId node) const {
   const mission::CompiledState& state = plan_.program().node(plan_[node].state);
   auto made = std::make_shared<Reporter>(globals_of(node));
-  made->recorded = journal_ != nullptr;
+  made->recorded = journal_ != nullptr || options_.observe_units != nullptr;
   for (const mission::Port& port : *state.output_ports)
     made->ports.push_back(port.name);
   for (const std::string& outcome : *state.outcomes) {

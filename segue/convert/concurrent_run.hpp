@@ -32,6 +32,8 @@ struct RunOptions {
   /// ahead and are discarded begin only; one that may not begin has an end only. One call at a time, but
   /// what is in opaque subtrees reports from other threads.
   mission::StateObserver observe{};
+  /// As in mission::EngineOptions. An opaque subtree is one execution. Called on the engine's thread.
+  mission::UnitObserver observe_units{};
   /// Records the run, or supplies what an earlier one did; created with RunJournal::Start::concurrent.
   std::shared_ptr<mission::RunJournal> journal{};
   /// Called on the thread of run() when it is paused and nothing runs any more, with the paths of the actions

@@ -100,7 +100,7 @@ inline constexpr std::string_view kErrorOutput = "#error";      ///< only if it 
 /// there.
 inline constexpr std::string_view kHandledErrorOutput = "#handled_error";
 inline constexpr std::string_view kCountOutput = "#count";
-inline constexpr std::string_view kRecordOutput = "#record";  ///< for the journal (NodeJournal)
+inline constexpr std::string_view kRecordOutput = "#record";  ///< NodeJournal::record_of()
 inline constexpr std::string_view kValueOutput = "value";
 
 class Unroller;

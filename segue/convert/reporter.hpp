@@ -21,7 +21,7 @@ struct ActionEnvironment::Reporter {
   std::vector<std::string> ports;
   std::vector<task_network::OutcomeId> outcomes;  ///< by the outcomes of the state
   bool counts = false;
-  bool recorded = false;  ///< the run has a journal
+  bool recorded = false;  ///< the run has a journal, or somebody observes units
   std::int64_t count = 0;
   mission::Globals globals;  ///< as the action uses them
   std::atomic<bool> cancelled{false};

@@ -19,13 +19,26 @@ bool is_in(const ContainerRun& inner, const ContainerRun& outer) {
   return around != nullptr;
 }
 
+/// How many more units of its resource there are after a node, or fewer. `done`: it has ended as expected.
+std::int64_t change_by(const task_network::Claim& claim, bool done) {
+  using task_network::ResourceOp;
+  const bool removes = claim.op == ResourceOp::Consume || (claim.op == ResourceOp::Delete && done);
+  if (removes) return -std::int64_t{claim.count};
+  return claim.op == ResourceOp::Create && done ? std::int64_t{claim.count} : 0;
+}
+
 }  // namespace
 
 RunEvents::RunEvents(MissionPlan& plan, const RunOptions& options)
-    : plan_(plan), observe_(options.observe), warn_(options.warn) {}
+    : plan_(plan),
+      observe_(options.observe),
+      observe_units_(options.observe_units),
+      can_be_resumed_(options.journal != nullptr),
+      warn_(options.warn) {}
 
 void RunEvents::begins(NodeId node, TimePoint now) {
   latest_ = now;
+  note_units(node);
   if (!observe_) return;
   begin_containers(plan_.container_of(node));
   const PlannedNode& planned = plan_[node];
@@ -46,8 +59,31 @@ void RunEvents::begin_containers(std::shared_ptr<ContainerRun> innermost) {
 
 void RunEvents::ended(NodeId node, task_network::OutcomeId outcome, const type::Value* outputs) {
   if (outcome == task_network::kPreempted) lost_.insert(node);
+  tell_units(node, outcome, outputs);
   if (replayed_.erase(node) > 0) return;
   if (is_told(node, outcome)) tell_end(node, outcome, outputs);
+}
+
+void RunEvents::note_units(NodeId node) {
+  const bool may_change = plan_[node].role == Role::OpaqueSubtree || !plan_.network().claims(node).empty();
+  if (observe_units_ && may_change) using_units_.insert(node);
+}
+
+/// Tells once what the node has changed, which has begun.
+void RunEvents::tell_units(NodeId node, task_network::OutcomeId outcome, const type::Value* outputs) {
+  if (using_units_.erase(node) == 0) return;
+  const task_network::TaskNetwork& network = plan_.network();
+  mission::UnitChanges changes;
+  for (const task_network::Claim& claim : network.claims(node)) {
+    if (const auto change = change_by(claim, outcome == network[node].expected); change != 0)
+      changes.emplace_back(network.resources.name(claim.resource), change);
+  }
+  const type::Value* record = outputs == nullptr ? nullptr : outputs->find(kRecordOutput);
+  if (record != nullptr) {
+    for (auto& change : mission::unit_changes(record->find("units")->as_map()))
+      changes.push_back(std::move(change));
+  }
+  if (!changes.empty()) observe_units_({std::string(plan_[node].path), 0, plan_[node].loops}, changes);
 }
 
 /// Goes from the inner containers to the outer ones. A container that has lost a race has no exit that is
@@ -77,6 +113,8 @@ void RunEvents::finish(const task_network::RunResult& result) {
     if (status != NodeStatus::Failed && status != NodeStatus::Preempted) continue;
     const NodeId node{i};
     const type::Value* outputs = result.outputs[i].get();
+    // Executions that are not in the journal begin again when the run is resumed.
+    if (!can_be_resumed_ || !result.stopped) tell_units(node, result.nodes[i].outcome, outputs);
     if (const auto outcome = result.nodes[i].outcome; is_told(node, outcome) && !lost_.contains(node))
       tell_end(node, outcome, outputs);
     if (status == NodeStatus::Failed) tell_failed(node, result.error ? result.error->message : "");

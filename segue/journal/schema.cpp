@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/journal/schema.hpp>
 
 #include <array>
 #include <string>
+#include <system_error>
 
 namespace segue::journal::detail {
 
@@ -86,6 +88,22 @@ DROP TABLE duration_by_name;
 
 constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead, kCancelled, kPast, kFolders};
 
+/// The write-ahead log is truncated to this limit after a checkpoint.
+constexpr std::string_view kSetUp = R"(
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = FULL;
+PRAGMA journal_size_limit = 4194304;
+PRAGMA trusted_schema = OFF;
+)";
+
+Result<void> create_folder(const std::filesystem::path& path) {
+  std::error_code failed;
+  std::filesystem::create_directories(path.parent_path(), failed);
+  if (!failed) return {};
+  return fail(ErrorCode::PermissionDenied,
+              "cannot create the folder " + quote(path.parent_path().native()) + ": " + failed.message());
+}
+
 Error not_ours() {
   return fail(ErrorCode::InvalidArgument, "it is a database of another program, not a journal of Segue");
 }
@@ -135,6 +153,16 @@ Result<void> bring_up_to_date(Database& database, std::span<const std::string_vi
                     : Result<void>(std::move(found.error()));
   database.roll_back();
   return done;
+}
+
+Result<Database> open_with_tables(const std::filesystem::path& path,
+                                  std::span<const std::string_view> steps) {
+  if (auto created = create_folder(path); !created) return created.error();
+  auto database = Database::open(path, Database::Mode::Write);
+  if (!database) return database;
+  if (auto done = bring_up_to_date(*database, steps); !done) return done.error();
+  if (auto done = database->execute(std::string(kSetUp)); !done) return done.error();
+  return database;
 }
 
 Result<void> check_schema(Database& database) {

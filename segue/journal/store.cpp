@@ -20,13 +20,6 @@ namespace {
 constexpr std::size_t kLongestText = 4096;
 /// Longer networks are not kept.
 constexpr std::size_t kLongestNetwork = std::size_t{1} << 20;
-/// The write-ahead log is truncated to this limit after a checkpoint.
-constexpr std::string_view kSetUp = R"(
-PRAGMA journal_mode = WAL;
-PRAGMA synchronous = FULL;
-PRAGMA journal_size_limit = 4194304;
-PRAGMA trusted_schema = OFF;
-)";
 
 std::string_view cut(std::string_view text) {
   return text.substr(0, kLongestText);
@@ -34,14 +27,6 @@ std::string_view cut(std::string_view text) {
 
 std::int64_t since_1970(std::chrono::system_clock::time_point time) {
   return std::chrono::duration_cast<Duration>(time.time_since_epoch()).count();
-}
-
-Result<void> create_folder(const std::filesystem::path& path) {
-  std::error_code failed;
-  std::filesystem::create_directories(path.parent_path(), failed);
-  if (!failed) return {};
-  return fail(ErrorCode::PermissionDenied,
-              "cannot create the folder " + quote(path.parent_path().native()) + ": " + failed.message());
 }
 
 Result<void> check_pages(Database& database) {
@@ -195,12 +180,9 @@ bool Store::is_in_place() const {
 }
 
 Result<Store> Store::open(const std::filesystem::path& path, const JournalOptions& options) {
-  if (auto created = create_folder(path); !created) return created.error();
-  auto database = Database::open(path, Database::Mode::Write);
+  auto database = open_with_tables(path);
   if (!database) return database.error();
   Store store(std::move(*database), path, options);
-  if (auto done = bring_up_to_date(store.database_); !done) return done.error();
-  if (auto done = store.database_.execute(std::string(kSetUp)); !done) return done.error();
   if (auto sound = check_pages(store.database_); !sound) return sound.error();
   if (auto done = remove_old_statistics(store.database_); !done) return done.error();
   std::uint64_t invalid = 0;

@@ -37,7 +37,11 @@ inline constexpr std::array<std::string_view, 6> kResourceOperationNames = {"cre
 
 /// A resource of which `count` units exist before the mission begins; with 0, an action must create it. Its
 /// `parameters` describe it and never change.
+///
+/// Of one that is `of_robot`, the robot on which the mission runs says how many units there are, and keeps
+/// what becomes of them (UnitKeeper); `count` is how many there are where it runs without a robot.
 struct Resource {
+  static constexpr int kNoCount = -1;  ///< of a robot's resource: no number was given
   std::string name;
   ResourceClass kind = ResourceClass::System;
   int count = 1;
@@ -45,6 +49,7 @@ struct Resource {
   bool commutes = false;  ///< the order of its users does not matter
   /// While a robot shows fewer units than there are, nobody gets the others.
   std::optional<ObservedUnits> observe{};
+  bool of_robot = false;
   SourcePlace where;
   friend bool operator==(const Resource&, const Resource&) = default;
 };

@@ -364,7 +364,10 @@ Resource read_resource(const std::string& name, const Value& value, const Source
   const auto kind = fields.choice("class", kResourceClassNames, "bad-class");
   resource.kind = static_cast<ResourceClass>(kind.value_or(0));
   constexpr std::int64_t kMost = std::numeric_limits<int>::max();
-  resource.count = static_cast<int>(fields.integer("count", 0, kMost, "bad-count").value_or(1));
+  constexpr std::array<std::string_view, 2> kOwners{"mission", "robot"};
+  resource.of_robot = fields.choice("of", kOwners, "bad-owner").value_or(0) == 1;
+  resource.count = static_cast<int>(
+      fields.integer("count", 0, kMost, "bad-count").value_or(resource.of_robot ? Resource::kNoCount : 1));
   if (const Value* parameters = fields.find("parameters", Value::Kind::Map))
     resource.parameters = *parameters;
   resource.commutes = fields.boolean("commutes", false);

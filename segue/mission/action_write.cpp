@@ -160,7 +160,8 @@ Value write_script(const Script& script) {
 Value write_resource(const Resource& resource) {
   ValueMap map;
   map.append("class", kResourceClassNames[static_cast<std::size_t>(resource.kind)]);
-  if (resource.count != 1) map.append("count", resource.count);
+  if (resource.of_robot) map.append("of", "robot");
+  if (resource.count != (resource.of_robot ? Resource::kNoCount : 1)) map.append("count", resource.count);
   if (!is_empty_map(resource.parameters)) map.append("parameters", resource.parameters);
   if (resource.commutes) map.append("commutes", true);
   if (resource.observe) map.append("observe", write_observed_units(*resource.observe));

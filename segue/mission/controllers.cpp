@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/mission/pool_actions.hpp>
+#include <segue/mission/unit_keeper.hpp>
 
 #include <algorithm>
 #include <map>
@@ -136,7 +137,8 @@ bool observes(const Mission& mission) {
 bool needs_robot(const Mission& mission) {
   const bool has_scripts = std::ranges::any_of(
       mission.actions, [](const Action& action) { return action.controllers.has_value(); });
-  return has_scripts || uses_controllers(mission) || uses_pools(mission) || observes(mission);
+  return has_scripts || uses_controllers(mission) || uses_pools(mission) || observes(mission) ||
+         !robot_units(mission).empty();
 }
 
 void claim_controllers(Mission& mission, const ControllerConflicts* conflicts) {

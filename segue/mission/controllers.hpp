@@ -6,6 +6,7 @@
 #include <segue/mission/mission.hpp>
 #include <segue/model/component_model.hpp>
 #include <segue/model/network.hpp>
+#include <segue/model/robot.hpp>
 
 #include <functional>
 #include <optional>
@@ -23,7 +24,8 @@ inline constexpr std::string_view kControllerResource = "the robot's controller"
 [[nodiscard]] bool uses_controllers(const Mission& mission);
 /// Whether it observes facts or units.
 [[nodiscard]] bool observes(const Mission& mission);
-/// Whether it uses controllers or pools, has scripts that use a robot, or observes facts or units.
+/// Whether it uses controllers or pools, has scripts that use a robot, observes facts or units, or uses units
+/// of the robot.
 [[nodiscard]] bool needs_robot(const Mission& mission);
 
 /// ControllerUse::controller with the value of each input in place of "{input}"; nothing where one has none.
@@ -39,6 +41,10 @@ inline constexpr std::string_view kControllerResource = "the robot's controller"
 /// lacks may have anything.
 void check_controllers(const Mission& mission, const std::vector<model::Network>& controllers,
                        const model::ComponentCatalog& catalog, Diagnostics& diagnostics);
+
+/// Whether the robot keeps the counts of all units of which the mission says so (Resource::of_robot).
+void check_robot_units(const Mission& mission, const std::vector<model::UnitStock>& units,
+                       Diagnostics& diagnostics);
 
 /// Adds resources of one unit, which actions hold from their begin to their end, so that no two run whose
 /// controllers cannot run at once: "controller drive" of actions that use the same one, and what controllers

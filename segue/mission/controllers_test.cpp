@@ -268,5 +268,22 @@ TEST_F(RobotWithControllers, LacksWhatShowsTheUnitsOfAResource) {
               HasSubstr("has no output port 'stats', did you mean 'status'? [unknown-port]"));
 }
 
+TEST(RobotsOfMissions, KeepTheUnitsThatAMissionSaysTheyDo) {
+  const auto problems = [&](const std::vector<model::UnitStock>& units) {
+    Diagnostics diagnostics;
+    const auto mission = read_mission("mission: m\nresources: {screws: {of: robot}, room: {count: 3}}\n",
+                                      "m.yaml", diagnostics);
+    EXPECT_TRUE(mission) << to_string(diagnostics);
+    if (mission) check_robot_units(*mission, units, diagnostics);
+    return to_string(diagnostics);
+  };
+  EXPECT_EQ(problems({{"nuts", 1}, {"screws", 0}}), "");
+  EXPECT_THAT(
+      problems({{"screw", 1}}),
+      HasSubstr("m.yaml:2:21: error: resource 'screws': the robot file has no such units, did you mean "
+                "'screw'? [unknown-units]"));
+  EXPECT_THAT(problems({}), HasSubstr("the robot file has no such units, as in `units: {screws: 3}`"));
+}
+
 }  // namespace
 }  // namespace segue::mission

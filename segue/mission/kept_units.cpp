@@ -66,6 +66,7 @@ void move_kept_units(Mission& mission) {
     if (std::ranges::none_of(patterns, fits)) continue;
     kept.name = kept_name(kept.name);
     kept.count = 0;
+    kept.of_robot = false;  // they are those of the run
     mission.resources.push_back(std::move(kept));
   }
 }

@@ -23,7 +23,7 @@ TEST(MissionFile, IsWrittenBackEqual) {
   const auto mission = load_mission(kEverything, {}, loading);
   ASSERT_TRUE(mission) << to_string(loading);
   EXPECT_THAT(to_string(loading),
-              HasSubstr("everything.yaml:37:9: warning: action 'plan': there is no script "
+              HasSubstr("everything.yaml:39:9: warning: action 'plan': there is no script "
                         "'plan.py' [missing-script]"));
   Diagnostics diagnostics;
   const auto copy = read_mission(write_mission(*mission), "copy.yaml", diagnostics);

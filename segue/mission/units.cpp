@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <memory>
 
 namespace segue::mission {
@@ -172,8 +173,10 @@ void Units::undo(std::span<const UnitUse> uses, bool done) {
 
 Result<Units::Counts> initial_units(const Mission& mission, const UnitCounts& given) {
   Units::Counts counts;
-  for (const Resource& resource : mission.resources)
-    counts[resource.name] = static_cast<std::uint32_t>(std::max(0, resource.count));
+  for (const Resource& resource : mission.resources) {
+    counts[resource.name] = resource.count == Resource::kNoCount ? std::numeric_limits<std::int32_t>::max()
+                                                                 : static_cast<std::uint32_t>(resource.count);
+  }
   for (const auto& [name, count] : given) {
     const auto names = [&wanted = name](const ResourceUse& use) {
       return matches_glob(resource_pattern(use.resource), wanted);
@@ -185,6 +188,18 @@ Result<Units::Counts> initial_units(const Mission& mission, const UnitCounts& gi
     counts[name] = count;
   }
   return counts;
+}
+
+UnitChanges changes_by(std::span<const UnitUse> uses, bool done) {
+  UnitChanges changes;
+  for (const UnitUse& use : uses) {
+    const std::int64_t count = use.count;
+    const bool removes =
+        use.operation == ResourceOperation::Consume || (use.operation == ResourceOperation::Delete && done);
+    if (removes) changes.emplace_back(use.resource, -count);
+    if (use.operation == ResourceOperation::Create && done) changes.emplace_back(use.resource, count);
+  }
+  return changes;
 }
 
 std::vector<UnitUse> unit_uses(const Action& action, std::vector<std::string> names) {

@@ -95,9 +95,13 @@ class Units {
   std::map<std::string, Stock, std::less<>> stocks_;
 };
 
-/// The units that there are when a run begins: those of the mission, overridden by `given`. NotFound for a
-/// resource that the mission neither declares nor uses.
+/// The units that there are when a run begins: those of the mission, overridden by `given`; plenty, of a
+/// robot's resource without a number. NotFound for a resource that the mission neither declares nor uses.
 Result<Units::Counts> initial_units(const Mission& mission, const UnitCounts& given);
+
+/// The changes by an execution with these uses, of which several may concern one resource. `done`: as of
+/// Units::give_back().
+UnitChanges changes_by(std::span<const UnitUse> uses, bool done);
 
 /// The uses of an execution: those that the action declares, with these names (Footprint::resources).
 std::vector<UnitUse> unit_uses(const Action& action, std::vector<std::string> names);

@@ -5,6 +5,7 @@
 #include <segue/mission/units.hpp>
 
 #include <algorithm>
+#include <limits>
 #include <string_view>
 #include <unordered_map>
 
@@ -24,7 +25,7 @@ class Creation {
  public:
   Creation(const Mission& mission, Diagnostics& diagnostics) : mission_(mission), diagnostics_(diagnostics) {
     for (const Resource& resource : mission.resources) {
-      if (resource.count > 0) there_.push_back(resource.name);
+      if (resource.count > 0 || resource.of_robot) there_.push_back(resource.name);
     }
   }
 
@@ -64,7 +65,7 @@ class Creation {
 
   [[nodiscard]] bool is_made(const std::string& resource, const std::string& pattern) const {
     for (const Resource& known : mission_.resources) {
-      if (known.name == resource) return known.count == 0;
+      if (known.name == resource) return known.count == 0 && !known.of_robot;
     }
     return !creators(pattern).empty();
   }
@@ -128,7 +129,9 @@ std::int64_t taken_with(const Action& action, const ResourceUse& use, int there)
 /// Checks the use of a resource whose name is known; `declared` is null if it is not declared.
 void check_use(const Action& action, const ResourceUse& use, const Resource* declared, const Mission& mission,
                const std::string& what, Diagnostics& diagnostics) {
-  const int there = declared == nullptr ? 1 : declared->count;
+  const int there = declared == nullptr  ? 1
+                    : declared->of_robot ? std::numeric_limits<int>::max()
+                                         : declared->count;
   const bool needs =
       use.operation != ResourceOperation::Create && use.operation != ResourceOperation::Release;
   if (needs && there > 0 && use.count > there && !is_created(mission, use.resource)) {
@@ -198,7 +201,13 @@ void check_kept(const Mission& mission, Diagnostics& diagnostics) {
 void check_observed_units(const Mission& mission, Diagnostics& diagnostics) {
   for (const Resource& resource : mission.resources) {
     if (!resource.observe) continue;
-    if (resource.count < 1) {
+    if (resource.of_robot) {
+      diagnostics.error("observed-units",
+                        "resource " + quote(resource.name) +
+                            ": the robot either shows how many units there are ('observe') or keeps count of "
+                            "them ('of: robot')",
+                        resource.where);
+    } else if (resource.count < 1) {
       diagnostics.error("observed-units",
                         "resource " + quote(resource.name) +
                             ": the robot shows at most 'count' units, which must be 1 or more",

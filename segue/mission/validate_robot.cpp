@@ -124,4 +124,19 @@ void check_controllers(const Mission& mission, const std::vector<model::Network>
   check_observed(mission, controllers, catalog, diagnostics);
 }
 
+void check_robot_units(const Mission& mission, const std::vector<model::UnitStock>& units,
+                       Diagnostics& diagnostics) {
+  std::vector<std::string> names;
+  for (const model::UnitStock& stock : units)
+    names.push_back(stock.name);
+  for (const Resource& resource : mission.resources) {
+    if (!resource.of_robot || std::ranges::find(names, resource.name) != names.end()) continue;
+    diagnostics.error("unknown-units",
+                      "resource " + quote(resource.name) + ": the robot file has no such units" +
+                          (names.empty() ? ", as in `units: {" + resource.name + ": 3}`"
+                                         : did_you_mean(resource.name, names)),
+                      resource.where);
+  }
+}
+
 }  // namespace segue::mission

@@ -160,7 +160,7 @@ class UsedUp {
       open_;
 };
 
-/// The resources that actions use up and none creates, with how many there are.
+/// The resources that actions use up and none creates, with how many there are, but for those of the robot.
 std::map<std::string, std::int64_t> used_up_only(const Mission& mission) {
   std::map<std::string, std::int64_t> counts;
   for (const Action& action : mission.actions) {
@@ -171,7 +171,10 @@ std::map<std::string, std::int64_t> used_up_only(const Mission& mission) {
     }
   }
   for (const Resource& resource : mission.resources) {
-    if (const auto found = counts.find(resource.name); found != counts.end()) found->second = resource.count;
+    if (resource.of_robot)
+      counts.erase(resource.name);
+    else if (const auto found = counts.find(resource.name); found != counts.end())
+      found->second = resource.count;
   }
   for (const Action& action : mission.actions) {
     for (const ResourceUse& use : action.resources) {

@@ -6,6 +6,7 @@
 #include <segue/mission/enclosing_scope.hpp>
 #include <segue/mission/globals.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/unit_keeper.hpp>
 #include <segue/mission/units.hpp>
 #include <segue/mission/world.hpp>
 #include <segue/mission_engine/history.hpp>
@@ -67,6 +68,9 @@ struct EngineOptions {
   /// and while a step back is carried out. An end only: of an action that a resumed run skips, and of an
   /// action or a container that may not begin, since a precondition does not hold or units lack.
   StateObserver observe{};
+  /// A step back takes the changes of an execution back. Where the run has a journal and is stopped, those of
+  /// what was under way are not told, since it begins again when the run is resumed.
+  UnitObserver observe_units{};
   /// Records the run, and supplies the ends of an earlier run that is resumed. Not with `backward`, nor for a
   /// part.
   std::shared_ptr<RunJournal> journal{};

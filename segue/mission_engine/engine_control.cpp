@@ -7,6 +7,20 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
+namespace {
+
+/// The units are as if the execution, which was at `path`, had never been.
+void undo_units(EngineCore& engine, const UnitsUsed& used, const std::string& path) {
+  engine.units.undo(used.uses, used.done);
+  if (!engine.options.observe_units) return;
+  UnitChanges changes = changes_by(used.uses, used.done);
+  for (auto& [resource, change] : changes)
+    change = -change;
+  if (!changes.empty()) engine.options.observe_units({path}, changes);
+}
+
+}  // namespace
+
 /// Whether a breakpoint is at the state that `holder` would begin next; then everything else stops, too.
 /// States that an earlier run executed are passed again without stopping.
 bool EngineCore::breaks_at(StateIndex state, const Activation& holder) const {
@@ -231,9 +245,10 @@ void EngineCore::undo_leaf(Activation& around, StateIndex state, const UndoRecor
     }
     std::erase(ready_, &leaf);
   }
+  const std::string at = path(leaf);
   free(leaf);
   world.undo(done.changed);
-  units.undo(done.units.uses, done.units.done);
+  undo_units(*this, done.units, at);
 }
 
 /// Undoes every action inside, last one first; of concurrent branches, the last branch first.
@@ -256,7 +271,7 @@ void EngineCore::undo_all(Activation& kept) {
     if (inside.item != History::kNone) history.undo(inside.item);
     if (kind == StateKind::Decider) {
       world.undo(inside.changed);
-      units.undo(inside.units.uses, inside.units.done);
+      undo_units(*this, inside.units, path(inside));
     } else if (is_leaf(kind)) {
       undo_leaf(*inside.parent, inside.state,
                 {0, inside.item, inside.inputs, inside.changed, inside.refused, inside.units});

@@ -20,7 +20,8 @@ Activation* EngineCore::make(StateIndex state, Activation* parent) {
   activation.shown_as = state;
   activation.phase = Activation::Phase::Begin;
   activation.preempted = activation.held = activation.pass = activation.mark = activation.deferred = false;
-  activation.refused = activation.replayed = activation.asks = activation.told = false;
+  activation.begins_again = activation.refused = activation.replayed = activation.asks = activation.told =
+      false;
   activation.around = parent == nullptr ? around_root_ : parent->inside;
   activation.inside = activation.around;
   activation.changed = {};

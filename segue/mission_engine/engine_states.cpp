@@ -177,6 +177,7 @@ void EngineCore::check(Activation& leaf, const Ending& ending) {
     leaf.error = "its action ended with an outcome that it does not declare";
   }
   if (leaf.replayed) return;
+  leaf.begins_again = options.journal != nullptr && options.journal->is_closed();
   if (options.journal != nullptr) record_end(leaf);
   tell_end(leaf);
 }

@@ -121,6 +121,9 @@ void EngineCore::give_units_back(Activation& leaf) {
   for (const EnclosingScope::Held& held : lent_by(leaf))
     units.take_back(held.taken, held.count, held.lent);
   units.give_back(leaf.units.uses, leaf.units.done);
+  if (!options.observe_units || leaf.begins_again) return;
+  const UnitChanges changes = changes_by(leaf.units.uses, leaf.units.done);
+  if (!changes.empty()) options.observe_units({path(leaf), leaf.iteration}, changes);
 }
 
 /// Called when nothing else can go on: begins those that can now; false if there are none. The others keep

@@ -303,6 +303,7 @@ void RunJournal::progressed(const Execution& execution, const Value& progress) {
 }
 
 void RunJournal::close() {
+  is_closed_ = true;
   file_->close();
 }
 

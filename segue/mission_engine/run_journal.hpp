@@ -108,6 +108,9 @@ class RunJournal {
   /// The run is being stopped: actions that end from now on were preempted and are not recorded, so that a
   /// later run executes them.
   void close();
+  [[nodiscard]] bool is_closed() const { return is_closed_; }
+  /// A name that no other run has.
+  [[nodiscard]] std::string run() const { return file_->run(); }
 
  private:
   explicit RunJournal(std::unique_ptr<RunJournalFile> file) : file_(std::move(file)) {}
@@ -131,6 +134,7 @@ class RunJournal {
   std::map<Execution, Open> open_;
   std::set<Execution> firsts_;
   bool finished_ = false;
+  bool is_closed_ = false;
   type::Value globals_;  ///< as recorded last
 };
 

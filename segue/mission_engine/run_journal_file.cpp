@@ -308,4 +308,9 @@ void RunJournalFile::close() {
   file_ = Descriptor();
 }
 
+std::string RunJournalFile::run() {
+  const Lock lock(mutex_);
+  return std::to_string(run_);
+}
+
 }  // namespace segue::mission

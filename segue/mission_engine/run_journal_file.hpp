@@ -54,6 +54,8 @@ class RunJournalFile {
   /// Cuts a damaged end off; entries can be added from then on.
   Result<void> continue_after_contents();
 
+  /// A name that no other file has.
+  [[nodiscard]] std::string run();
   /// `durable`: on disk when this returns, or known to be missing.
   void add(const type::ValueMap& entry, bool durable);
   /// Nothing is added any more.

@@ -3,6 +3,7 @@
 
 #include <segue/draw/diagram.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/unit_keeper.hpp>
 #include <segue/mission/units.hpp>
 #include <segue/mission_engine/run_journal.hpp>
 #include <segue/mission_run/loaded_mission.hpp>
@@ -35,6 +36,12 @@ RunResult run_network(std::shared_ptr<const task_network::FlatNetwork> network, 
 Result<mission::RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
                                                 const mission::Runners& runners,
                                                 std::shared_ptr<mission::RunJournal>& journal);
+
+/// Tells the robot that keeps units of the mission, if there is one, of the run with that start; the
+/// observer, maybe null, tells it of their changes.
+Result<mission::UnitObserver> follow_units(const mission::Mission& mission, const RunRequest& request,
+                                           const mission::RunJournal::Start& start,
+                                           const mission::RunJournal* journal);
 
 /// The diagram of a mission, planned as the request says. Blocks.
 Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequest& request);

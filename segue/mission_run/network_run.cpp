@@ -113,6 +113,9 @@ class ConcurrentMissionRun final : public NetworkRun {
     auto runners = runners_for(request);
     auto start = open_journal(program->mission(), request, runners, options.journal);
     if (!start) return start.error();
+    auto observe_units = follow_units(program->mission(), request, *start, options.journal.get());
+    if (!observe_units) return observe_units.error();
+    options.observe_units = std::move(*observe_units);
     runners.vary_durations(start->seed);
     auto inputs = inputs_by_port(*program, start->inputs);
     if (!inputs) return inputs.error();

@@ -2,6 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/mission_run/implementation.hpp>
 
+#include <algorithm>
 #include <map>
 #include <variant>
 
@@ -49,7 +50,59 @@ Result<void> check_unchanged(const RunJournal::Start& wanted, const RunJournal::
   return {};
 }
 
+/// The counts that the robot keeps of the mission's units, when a run begins.
+Result<mission::UnitCounts> counts_of_robot(const mission::Mission& mission, const RunRequest& request) {
+  mission::UnitCounts counts;
+  const std::vector<std::string> names = mission::robot_units(mission);
+  if (names.empty()) return counts;
+  const auto of_robot = request.units ? request.units->counts() : Result<mission::UnitCounts>(counts);
+  if (!of_robot) return of_robot.error();
+  for (const std::string& name : names) {
+    const bool is_given = request.resources.contains(name);
+    const auto resource = std::ranges::find(mission.resources, name, &mission::Resource::name);
+    if (!request.units && !is_given && resource->count == mission::Resource::kNoCount) {
+      return fail(ErrorCode::InvalidArgument,
+                  "the robot keeps the count of the resource " + quote(name) +
+                      "; for a run without a robot the mission must say it ({of: robot, count: 3}), or "
+                      "--resource " +
+                      name + "=3");
+    }
+    if (!request.units) continue;
+    if (is_given) {
+      return fail(ErrorCode::InvalidArgument, "the robot keeps the count of the resource " + quote(name) +
+                                                  "; `segue units set` changes it");
+    }
+    const auto found = std::ranges::find(*of_robot, name, [](const auto& one) { return one.first; });
+    if (found != of_robot->end())
+      counts.push_back(*found);
+    else
+      return fail(ErrorCode::NotFound,
+                  "the robot keeps no units " + quote(name) +
+                      ", which the mission asks for: its robot file must declare them, as "
+                      "in `units: {" +
+                      name + ": 3}`");
+  }
+  return counts;
+}
+
 }  // namespace
+
+Result<mission::UnitObserver> follow_units(const mission::Mission& mission, const RunRequest& request,
+                                           const RunJournal::Start& start, const RunJournal* journal) {
+  const std::vector<std::string> names = mission::robot_units(mission);
+  if (!request.units || names.empty()) return mission::UnitObserver();
+  mission::UnitCounts begun;
+  for (const auto& [name, count] : by_name(start.resources)) {
+    if (std::ranges::find(names, name) != names.end()) begun.emplace_back(name, count);
+  }
+  if (auto begins = request.units->begin(journal != nullptr ? journal->run() : "", begun); !begins)
+    return begins.error();
+  return mission::UnitObserver([&mission, units = request.units](const mission::Execution& execution,
+                                                                 const mission::UnitChanges& changes) {
+    const auto of_robot = mission::changes_of_robot_units(mission, changes);
+    if (!of_robot.empty()) units->changed(execution, of_robot);
+  });
+}
 
 Result<RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
                                        const mission::Runners& runners,
@@ -62,9 +115,15 @@ Result<RunJournal::Start> open_journal(const mission::Mission& mission, const Ru
                           concurrent,
                           {request.resources.begin(), request.resources.end()},
                           request.seed.value_or(0)};
+  const bool is_new = !request.journal || !request.journal->resume;
+  if (is_new) {
+    const auto counts = counts_of_robot(mission, request);
+    if (!counts) return counts.error();
+    start.resources.insert(start.resources.end(), counts->begin(), counts->end());
+  }
   if (!request.journal) return start;
   const Journal& wanted = *request.journal;
-  if (!wanted.resume) {
+  if (is_new) {
     auto created = RunJournal::create(wanted.file, mission, start, request.note);
     if (!created) return created.error();
     journal = std::move(*created);

@@ -19,6 +19,7 @@
 
 namespace segue::mission {
 class ScriptRobot;
+class UnitKeeper;
 }  // namespace segue::mission
 
 /// The options of a run of a mission or a task network (LoadedMission::run). Plain values.
@@ -95,6 +96,9 @@ struct RunRequest {
   std::optional<std::uint64_t> seed{};
   /// How many units there are of a resource, in place of what the plan declares.
   std::map<std::string, std::uint32_t> resources{};
+  /// The robot that keeps the counts of the mission's resources `of: robot`. Null: there is none; then it is
+  /// InvalidArgument where neither the mission nor `resources` say how many units of them there are.
+  std::shared_ptr<mission::UnitKeeper> units{};
   task_network::OrderRule order = task_network::OrderRule::Epoch;  ///< of a task network only
 
   /// Receives warnings, which are not failures. Called on the thread of run(), or on that of an opaque

@@ -32,6 +32,9 @@ class SequentialRun final : public FinishedRun {
     auto runners = runners_for(request);
     auto start = open_journal(program->mission(), request, runners, options.journal);
     if (!start) return start.error();
+    auto observe_units = follow_units(program->mission(), request, *start, options.journal.get());
+    if (!observe_units) return observe_units.error();
+    options.observe_units = std::move(*observe_units);
     runners.vary_durations(start->seed);
     auto facts = parse_facts(start->facts, program->mission());
     if (!facts) return facts.error();

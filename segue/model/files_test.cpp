@@ -296,6 +296,27 @@ TEST(RobotFileTest, NamesThePlannerOfItsMissions) {
       "r.yaml:2:20: error: the planner: 'timeout' must be longer than nothing [bad-duration]\n");
 }
 
+TEST(RobotFileTest, DeclaresUnitsThatOutliveMissions) {
+  Diagnostics diagnostics;
+  const auto robot = read_robot("robot: r\nunits: {deck_place: 3, screws: {count: 40}, \"process:map\": 0}\n",
+                                "r.yaml", diagnostics);
+  ASSERT_TRUE(robot) << to_string(diagnostics);
+  EXPECT_EQ(robot->units, (std::vector<UnitStock>{{"deck_place", 3}, {"screws", 40}, {"process:map", 0}}));
+  const auto problem = [](const std::string& units) {
+    Diagnostics found;
+    EXPECT_FALSE(read_robot("robot: r\nunits: " + units + "\n", "r.yaml", found));
+    return to_string(found);
+  };
+  EXPECT_THAT(problem("{screws: -1}"),
+              HasSubstr("r.yaml:2:17: error: the units 'screws': expected how many"));
+  EXPECT_THAT(problem("{screws: many}"), HasSubstr("[bad-count]"));
+  EXPECT_THAT(problem("{screws: {count: 1.5}}"), HasSubstr("[bad-count]"));
+  EXPECT_THAT(problem("{screws: {}}"), HasSubstr("'count'"));
+  EXPECT_THAT(problem("{screws: {count: 1, of: robot}}"), HasSubstr("'of'"));
+  EXPECT_THAT(problem("{\"cup_{n}\": 1}"), HasSubstr("expected the name of a resource"));
+  EXPECT_THAT(problem("[screws]"), HasSubstr("units"));
+}
+
 TEST(RobotFileTest, LibrariesAreNamesNeverPaths) {
   Diagnostics diagnostics;
   EXPECT_FALSE(read_robot("robot: r\nlibraries: [../evil.so]\n", "r.yaml", diagnostics));

@@ -81,6 +81,14 @@ struct PlannerProgram {
   friend bool operator==(const PlannerProgram&, const PlannerProgram&) = default;
 };
 
+/// A resource of the robot whose units outlive the runs of missions that use it. The robot keeps how many
+/// there are; `count`, as long as nobody has changed it.
+struct UnitStock {
+  std::string name;
+  std::uint32_t count = 0;
+  friend bool operator==(const UnitStock&, const UnitStock&) = default;
+};
+
 /// A robot file: its hosts, libraries, controllers and missions. Paths are relative to `folder`.
 struct Robot {
   std::string name;
@@ -96,6 +104,7 @@ struct Robot {
   LookAhead look_ahead;
   std::vector<Pool> pools;
   PoolBudget pool_budget;
+  std::vector<UnitStock> units;
   std::optional<PlannerProgram> planner;  ///< nothing: the built-in one
   std::filesystem::path folder;
   SourceLocation where;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <utility>
 
 namespace segue::model {
@@ -119,6 +120,36 @@ void read_planner(Fields& robot, Robot& result, const Source& source) {
   result.planner = std::move(program);
 }
 
+/// "screws: 40" or "screws: {count: 40}".
+UnitStock read_unit_stock(const std::string& name, const Value& value, const Source& source) {
+  const std::string what = "the units " + quote(name);
+  if (name.empty() || name.find_first_of("{}*\n") != std::string::npos)
+    source.error("invalid-name", what + ": expected the name of a resource of missions, such as 'screws'",
+                 value);
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (value.is_map()) {
+    Fields fields(value, what, source);
+    fields.require("count", "how many units there are at first");
+    const auto count = fields.integer("count", 0, kMost, "bad-count").value_or(0);
+    fields.finish();
+    return {name, static_cast<std::uint32_t>(count)};
+  }
+  if (value.kind() == Value::Kind::Int && value.as_int() >= 0 && value.as_int() <= kMost)
+    return {name, static_cast<std::uint32_t>(value.as_int())};
+  source.error("bad-count",
+               what + ": expected how many there are at first, a number between 0 and " +
+                   std::to_string(kMost) + ", or {count: NUMBER}",
+               value);
+  return {name, 0};
+}
+
+void read_units(Fields& robot, Robot& result, const Source& source) {
+  const Value* units = robot.find("units", Value::Kind::Map);
+  if (units == nullptr) return;
+  for (const auto& [name, value] : units->as_map())
+    result.units.push_back(read_unit_stock(name, value, source));
+}
+
 /// Libraries are names, never paths: they are loaded from the folders that the host is configured with.
 void check_libraries(const Robot& robot, Fields& fields, const Source& source) {
   for (const std::string& library : robot.libraries) {
@@ -150,6 +181,7 @@ Robot read_robot_body(const Value& root, const Source& source) {
   read_look_ahead(fields, robot, source);
   robot.pools = detail::read_pools(fields, source);
   robot.pool_budget = detail::read_pool_budget(fields, source);
+  read_units(fields, robot, source);
   read_planner(fields, robot, source);
   fields.finish();
   return robot;

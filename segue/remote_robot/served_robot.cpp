@@ -240,6 +240,40 @@ Result<void> ServedRobot::report(Value doing) {
   return done;
 }
 
+Result<void> ServedRobot::report_units(Value units) {
+  const auto number = lease();
+  if (!number) return number.error();
+  return heard(service_.report(*number, Value::map({{"units", std::move(units)}})));
+}
+
+Result<void> ServedRobot::tell_units() {
+  auto [changes, count] = units_.waiting();
+  if (count == 0) return {};
+  auto told = report_units(std::move(changes));
+  if (told) units_.taken(count);
+  return told;
+}
+
+Result<mission::UnitCounts> ServedRobot::counts() {
+  if (auto lost = loss()) return std::move(*lost);
+  const auto kept = service_.units();
+  if (!kept) return kept.error();
+  mission::UnitCounts counts;
+  for (const Value& one : kept->is_list() ? kept->as_list() : Value::List()) {
+    const Value* count = one.find("count");
+    if (count != nullptr && count->is_integer())
+      counts.emplace_back(text_at(one, "name"), static_cast<std::uint32_t>(count->as_int()));
+  }
+  return counts;
+}
+
+Result<void> ServedRobot::begin(const std::string& journal, const mission::UnitCounts& counts) {
+  type::ValueMap begun;
+  for (const auto& [name, count] : counts)
+    begun.append(name, std::int64_t{count});
+  return report_units(Value::map({{"run", units_.begin(journal)}, {"begun", std::move(begun)}}));
+}
+
 Result<Value> ServedRobot::give_back(bool keep, Deadline deadline) {
   std::shared_ptr<control::RobotLease> lease;
   {

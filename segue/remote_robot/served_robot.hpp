@@ -6,7 +6,9 @@
 #include <segue/base/mutex.hpp>
 #include <segue/control/robot_service.hpp>
 #include <segue/mission/commanded_robot.hpp>
+#include <segue/mission/unit_keeper.hpp>
 #include <segue/remote_robot/mission_record.hpp>
+#include <segue/remote_robot/unit_record.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +32,7 @@ struct LookAheadSaving {
 /// A robot that offers a RobotService: one in another process (control::connect), or in this one
 /// (runtime::RuntimeService). One that does not say in time what became of its lease is lost, for good:
 /// whoever waits for it, and whatever it is asked later, fails at once with Unavailable. Thread safe.
-class ServedRobot final : public mission::CommandedRobot {
+class ServedRobot final : public mission::CommandedRobot, public mission::UnitKeeper {
  public:
   /// `service` must outlive this; `who` requests controllers, for the robot's journal.
   ServedRobot(control::RobotService& service, std::string who) : service_(service), who_(std::move(who)) {}
@@ -52,7 +54,18 @@ class ServedRobot final : public mission::CommandedRobot {
   /// The events of the mission. Once a mission has begun there, requests are in the name of its actions.
   [[nodiscard]] MissionRecord& record() { return record_; }
 
+  /// Tells the robot the oldest changes of its units that it has not taken yet.
+  Result<void> tell_units();
+  /// Whether there are some.
+  [[nodiscard]] bool has_units_to_tell() const { return units_.has_waiting(); }
+
   [[nodiscard]] LookAheadSaving saved() const;
+
+  Result<mission::UnitCounts> counts() override;
+  Result<void> begin(const std::string& journal, const mission::UnitCounts& counts) override;
+  void changed(const mission::Execution& execution, const mission::UnitChanges& changes) override {
+    units_.changed(execution, changes);
+  }
 
   Result<void> request(const mission::ControllerRequest& what, const Wait& wait) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller, const Wait& wait) override;
@@ -72,6 +85,7 @@ class ServedRobot final : public mission::CommandedRobot {
 
  private:
   Result<std::uint64_t> lease();
+  Result<void> report_units(type::Value units);
   /// The lease, to be looked at; null: it was not taken, or was given back.
   Result<std::shared_ptr<control::RobotLease>> present_lease() const;
   /// The robot's answer about its lease, which it gives at once. DeadlineExceeded: it is lost.
@@ -99,6 +113,7 @@ class ServedRobot final : public mission::CommandedRobot {
   const std::string who_;
   std::function<void()> when_stopped_ = [] {};
   MissionRecord record_;
+  UnitRecord units_;
   /// Held while the lease is looked at: a caller that comes after one whose query was not answered knows that
   /// the robot is lost, and need not wait as long again.
   class LeaseCheck;

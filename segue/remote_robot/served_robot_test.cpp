@@ -45,6 +45,47 @@ TEST_F(ServedRobotTest, ReportsWhatHappenedUntilTheRobotHasTakenIt) {
   EXPECT_EQ(service_.reported.as_list()[1].find("happened"), nullptr);
 }
 
+TEST_F(ServedRobotTest, TellsOfUnitsUntilTheRobotHasTakenIt) {
+  service_.kept_units = Value::list({Value::map({{"name", "screws"}, {"count", 40}})});
+  EXPECT_EQ(*robot_.counts(), (mission::UnitCounts{{"screws", 40}}));
+  ASSERT_TRUE(robot_.begin("1234", {{"screws", 40}}));
+  EXPECT_EQ(service_.reported.as_list()[1],
+            Value::map(
+                {{"units", Value::map({{"run", "journal 1234"}, {"begun", Value::map({{"screws", 40}})}})}}));
+  robot_.changed({"drill", 2, "0.1"}, {{"screws", -2}});
+  service_.report_answer = fail(ErrorCode::Unavailable, "not now");
+  EXPECT_FALSE(robot_.tell_units());
+  EXPECT_TRUE(robot_.has_units_to_tell());
+  service_.report_answer = {};
+  EXPECT_TRUE(robot_.tell_units());
+  EXPECT_FALSE(robot_.has_units_to_tell());
+  const Value& told = *service_.reported.as_list()[1].find("units");
+  EXPECT_EQ(*told.find("run"), Value("journal 1234"));
+  EXPECT_EQ(
+      *told.find("changes"),
+      Value::list({Value::map({{"execution", "drill#2:0.1"}, {"units", Value::map({{"screws", -2}})}})}));
+}
+
+TEST_F(ServedRobotTest, TellsApartWhatARunWithoutAJournalDoes) {
+  const auto told = [&] { return *service_.reported.as_list()[1].find("units"); };
+  ASSERT_TRUE(robot_.begin("", {}));
+  const Value run = *told().find("run");
+  robot_.changed({"drill"}, {{"screws", -2}});
+  robot_.changed({"drill"}, {{"screws", 2}});  // a step back
+  ASSERT_TRUE(robot_.begin("", {}));
+  EXPECT_NE(*told().find("run"), run);
+  robot_.changed({"drill"}, {{"screws", -3}});
+  EXPECT_TRUE(robot_.tell_units());
+  EXPECT_EQ(*told().find("run"), run) << "first those of the run before";
+  const Value before = told();
+  const auto& changes = before.find("changes")->as_list();
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_NE(*changes[0].find("execution"), *changes[1].find("execution"));
+  EXPECT_TRUE(robot_.tell_units());
+  EXPECT_NE(*told().find("run"), run);
+  EXPECT_FALSE(robot_.has_units_to_tell());
+}
+
 TEST_F(ServedRobotTest, SumsUpWhatLookAheadSaved) {
   EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
   EXPECT_EQ(robot_.saved(), LookAheadSaving{}) << "nothing was prepared";

@@ -65,6 +65,7 @@ class FakeService final : public control::RobotService {
   Result<control::RobotLevel> level_answer;
   task_host::LevelQuestion watched;
   Value conflicts_answer = Value::list({});
+  Value kept_units = Value::list({});
   control::LeaseStanding standing;
   std::string requested;
   control::RequestOptions options;
@@ -177,6 +178,8 @@ class FakeService final : public control::RobotService {
     return no();
   }
   Result<void> reset_belief(std::string_view, std::string_view) override { return no(); }
+  Result<Value> units() override { return kept_units; }
+  Result<std::uint32_t> set_units(std::string_view, std::uint32_t, std::string_view) override { return no(); }
   Result<void> set_property(std::string_view /*task*/, std::string_view /*property*/, const Value& /*value*/,
                             const control::Sender& /*sender*/, const Wait& /*wait*/) override {
     return no();

@@ -71,5 +71,8 @@ interface Robot {
   repair @28 (timeout :Int64, options :RequestOptions) -> (answer :Wire.Answer);
   # As of RobotService.
   changes @29 (seen :UInt64, timeout :Int64) -> (error :Wire.Error, count :UInt64);
+  units @31 () -> (answer :Wire.Answer);
+  # The answer's value is the count before.
+  setUnits @32 (name :Text, count :UInt32, who :Text) -> (answer :Wire.Answer);
   takeInstance @30 (pool :Text, ratherNot :Text, timeout :Int64) -> (error :Wire.Error, task :Text, pid :Int32);
 }

@@ -175,6 +175,7 @@ void ControllerFiles::check_robot(const model::Robot& now, Diagnostics& diagnost
   check(now.look_ahead == robot_.look_ahead, "look_ahead");
   check(now.pools == robot_.pools, "pools");
   check(now.pool_budget == robot_.pool_budget, "pool_budget");
+  check(now.units == robot_.units, "units");
 }
 
 void ControllerFiles::keep_models(std::vector<LoadedFile>& files, Diagnostics& diagnostics) const {

@@ -157,10 +157,11 @@ void EmbeddedRobot::Implementation::start(const ControllerSet& controllers, task
   if (diagnostics.has_errors()) {
     return;
   }
-  runtime = std::make_unique<Runtime>(
-      robot.name, tasks->host(), catalog,
-      RuntimeOptions{robot.fallback, robot.halt, robot.policies, robot.look_ahead,
-                     journal_path(options, diagnostics), robot_folder(), robot.pools, robot.pool_budget});
+  runtime =
+      std::make_unique<Runtime>(robot.name, tasks->host(), catalog,
+                                RuntimeOptions{robot.fallback, robot.halt, robot.policies, robot.look_ahead,
+                                               journal_path(options, diagnostics), robot_folder(),
+                                               robot.pools, robot.pool_budget, robot.units});
   diagnostics.append(runtime->load(controllers));
   if (!runtime->belief().empty()) {
     runtime->reset_belief();  // adopted deployments: find the name of the controller that they run

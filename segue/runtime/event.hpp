@@ -33,7 +33,8 @@ enum class EventKind {
   Lease,      ///< somebody commands the robot, or does no longer
   RequestCancelled,
   Halt,  ///< the robot is brought to rest, or was released
-  Pool   ///< an instance of a pool is made because calls wait, or ended because none do
+  Pool,  ///< an instance of a pool is made because calls wait, or ended because none do
+  Units  ///< somebody has said how many units of a resource there are
 };
 std::string_view to_string(EventKind kind);
 

@@ -38,6 +38,7 @@ bool is_trouble(EventKind kind) {
     case EventKind::RequestCancelled:
     case EventKind::Halt:
     case EventKind::Pool:
+    case EventKind::Units:
       break;
   }
   return false;

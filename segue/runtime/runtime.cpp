@@ -14,7 +14,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 25> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 26> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -38,7 +38,8 @@ std::string_view to_string(EventKind kind) {
                                                               "lease",
                                                               "request_cancelled",
                                                               "halt",
-                                                              "pool"};
+                                                              "pool",
+                                                              "units"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

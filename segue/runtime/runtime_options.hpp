@@ -21,8 +21,9 @@ struct RuntimeOptions {
   std::filesystem::path journal;      ///< the journal file (journal/journal.hpp); empty: none is kept
   /// Of the robot's files, canonical: durations are learned for it. Empty: it has none.
   std::filesystem::path robot_folder{};
-  std::vector<model::Pool> pools{};  ///< run beside every controller
-  model::PoolBudget pool_budget{};   ///< of their instances beyond the least numbers
+  std::vector<model::Pool> pools{};       ///< run beside every controller
+  model::PoolBudget pool_budget{};        ///< of their instances beyond the least numbers
+  std::vector<model::UnitStock> units{};  ///< whose counts are kept beside the journal
   /// Of the results of requests that are kept, roughly; the newest is kept whatever it takes.
   std::size_t kept_bytes = std::size_t{32} << 20;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/error.hpp>
+#include <segue/journal/stored_units.hpp>
 #include <segue/model/component_model.hpp>
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/change_count.hpp>
@@ -19,6 +20,7 @@
 #include <segue/runtime/standby_requests.hpp>
 #include <segue/task_host/task_host.hpp>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -35,6 +37,7 @@ struct RuntimeParts {
         catalog(components),
         options(std::move(runtime_options)),
         journal(options.journal, options.robot_folder, log),
+        units(unit_file(options), (options.robot_folder / name).string(), options.units),
         controllers(host, catalog, options.fallback, options.halt),
         history(options.kept_bytes),
         pools({host, belief, faults, log, journal}, options, [this] { queue.wake(); }),
@@ -47,6 +50,7 @@ struct RuntimeParts {
   ChangeCount changes;
   EventLog log;
   JournalKeeper journal;
+  journal::StoredUnits units;
   Leases leases{log, journal, changes};
   Belief belief{host};
   ControllerRegistry controllers;
@@ -59,6 +63,10 @@ struct RuntimeParts {
 
   /// Why nothing is done any more: another runtime has got the robot.
   [[nodiscard]] std::optional<Error> refusal_of_lost_robot() const;
+  /// The file of the counts of the robot's units, beside the journal; empty: none is kept.
+  [[nodiscard]] static std::filesystem::path unit_file(const RuntimeOptions& options) {
+    return options.journal.empty() ? std::filesystem::path() : options.journal.parent_path() / "units.sqlite";
+  }
 };
 
 }  // namespace segue::runtime::detail

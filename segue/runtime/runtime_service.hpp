@@ -52,6 +52,8 @@ class RuntimeService final : public control::RobotService {
   Result<type::Value> apply_transition(const control::GivenTransition& transition,
                                        const RequestOptions& options, TimePoint deadline) override;
   Result<void> reset_belief(std::string_view network, std::string_view file) override;
+  Result<type::Value> units() override;
+  Result<std::uint32_t> set_units(std::string_view name, std::uint32_t count, std::string_view who) override;
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
                             const control::Sender& sender, const Wait& wait) override;
   Result<type::Value> call(std::string_view task, std::string_view operation, const type::Value& arguments,

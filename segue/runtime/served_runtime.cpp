@@ -2,6 +2,7 @@
 #include <segue/runtime/served_runtime.hpp>
 
 #include <segue/runtime/runtime_implementation.hpp>
+#include <segue/runtime/unit_reports.hpp>
 
 #include <utility>
 
@@ -38,6 +39,13 @@ Result<void> ServedRuntime::allow(const Sender& sender, const std::string& what)
 Result<void> ServedRuntime::report(std::uint64_t lease, type::Value doing) {
   const type::Value* state = doing.find("state");
   const bool is_stopping = state != nullptr && *state == type::Value("stopping");
+  const bool tells_of_units_only = doing.find("units") != nullptr && doing.as_map().size() == 1;
+  if (auto taken = detail::take_units(doing, lease, implementation_.leases, implementation_.units); !taken) {
+    return taken;
+  }
+  if (tells_of_units_only) {
+    return {};
+  }
   auto reported = implementation_.leases.report(lease, std::move(doing));
   if (reported && is_stopping) {
     implementation_.stop_holder(implementation_.leases.holder_of(lease));

@@ -48,7 +48,8 @@ class ServedRuntime {
 
   /// Records what the holder of that lease is doing, for status; InvalidState where it has lost the lease. A
   /// holder that is stopped, and has said that it has nothing to do then, commands nothing any more, and the
-  /// robot halts at once.
+  /// robot halts at once. What it says of the robot's units is on the disk when this returns: only then it
+  /// blocks.
   Result<void> report(std::uint64_t lease, type::Value doing);
   [[nodiscard]] type::Value reported() const;  ///< null: nothing
   /// As of control::RobotService::mission.
@@ -56,6 +57,12 @@ class ServedRuntime {
   /// As of control::RobotService::send_command. The holder takes it by take_commands(); "stop": see report().
   Result<std::uint64_t> send_command(std::string_view what, const type::Value& arguments = {});
   [[nodiscard]] std::vector<control::HolderRequest> take_commands(std::uint64_t lease);
+
+  /// As of control::RobotService::units. Blocks.
+  [[nodiscard]] Result<type::Value> units() const;
+  /// Sets one of them, which is an event, and returns how many there were. Blocks. NotFound; InvalidState
+  /// while somebody commands the robot, who goes by the counts that there were when that began.
+  Result<std::uint32_t> set_units(std::string_view name, std::uint32_t count, const std::string& who);
 
   /// As Runtime::prepare(), for the holder of that lease: the controllers are kept until it ends.
   std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> controllers,

@@ -186,6 +186,13 @@ class FakeRobotService : public RobotService {
     return Error(fail(ErrorCode::InvalidState, "the outermost", "task_a", {"outer.yaml", 1, 2}))
         .because_of(std::move(middle));
   }
+  Result<type::Value> units() override {
+    return type::Value::list({type::Value::map({{"name", "screws"}, {"count", 40}})});
+  }
+  Result<std::uint32_t> set_units(std::string_view name, std::uint32_t count, std::string_view who) override {
+    if (auto set = set_property(who, name, std::int64_t{count}, {}, {}); !set) return set.error();
+    return 40;
+  }
   Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
                             const Sender& sender, const Wait& /*wait*/) override {
     const Lock lock(mutex_);

@@ -369,6 +369,7 @@ TEST_F(RunningRobot, EveryVerbThatTalksToItPrintsJson) {
                                                        {"repair"},
                                                        {"restart", "odometry"},
                                                        {"reset-belief"},
+                                                       {"units"},
                                                        {"log", "hands"},
                                                        {"prepare", "explore"},
                                                        {"prepare"},

@@ -294,6 +294,23 @@ class RobotServer final : public DecodingServer<wire::Robot> {
         });
   }
 
+  kj::Promise<void> units(UnitsContext context) override {
+    return caller_.answer_value(role_for(Verb::Units), context,
+                                [&service = service_] { return service.units(); });
+  }
+
+  kj::Promise<void> setUnits(SetUnitsContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        role_for(Verb::SetUnits), context,
+        [&service = service_, name = as_string(params.getName()), count = params.getCount(),
+         who = who_asks(as_string(params.getWho()), peer())]() -> Result<Value> {
+          const auto before = service.set_units(name, count, who);
+          if (!before) return before.error();
+          return Value(static_cast<std::uint64_t>(*before));
+        });
+  }
+
   kj::Promise<void> setProperty(SetPropertyContext context) override {
     const auto params = context.getParams();
     return answer_holder(
