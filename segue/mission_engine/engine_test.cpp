@@ -336,6 +336,32 @@ TEST(MissionHistory, ForgetsTheEffectsOfWhatIsUndone) {
   EXPECT_EQ(*data_of<std::string>(engine->world().view(), "moves"), "up ") << "not done and done back";
 }
 
+TEST(MissionEngine, ObserversOfUnitsAreToldWhatAStepBackTakesBack) {
+  EngineOptions options;
+  options.backward = true;
+  std::vector<std::string> told;
+  options.observe_units = [&](const Execution& execution, const UnitChanges& changes) {
+    for (const auto& [resource, change] : changes)
+      told.push_back(execution.path + ": " + resource + " " + std::to_string(change));
+  };
+  const auto engine =
+      engine_for(parsed("mission: m\nresources: {screws: {count: 9}, box: {count: 0}}\nactions:\n"
+                        "  drill:\n"
+                        "    resources: [{consume: screws, count: 2}, {create: box}]\n"
+                        "    run: {simulated: {}}\n"
+                        "start: one\nstates:\n"
+                        "  one: {action: drill, on: {success: two}}\n"
+                        "  two: {action: drill, on: {success: return success}}\n"),
+                 Runners(), std::move(options));
+  for (int i = 0; i < 2; ++i) {
+    engine->step_into();
+    ASSERT_EQ(engine->run(), Engine::Progress::Held);
+  }
+  ASSERT_TRUE(engine->step_back());
+  EXPECT_EQ(told, (std::vector<std::string>{"one: screws -2", "one: box 1", "one: screws 2", "one: box -1"}));
+  EXPECT_EQ(engine->units().counts().at("screws"), 9U);
+}
+
 TEST(MissionWorld, TellsTheNameOfAFactFromItsArguments) {
   EXPECT_EQ(parts_of("at(box,table)").arguments, (std::vector<std::string>{"box", "table"}));
   EXPECT_EQ(parts_of("at(box,table)").predicate, "at");
