@@ -17,7 +17,10 @@ class PendingChanges {
 
   /// Nothing was read or changed, so the run may count at any time.
   [[nodiscard]] virtual bool empty() const = 0;
-  /// Whether a run that begins now, when all actions before it have ended, would read the same.
+  /// Whether only the ends of all actions before tell what the run should have read. If not, its inputs do.
+  [[nodiscard]] virtual bool needs_turn() const { return true; }
+  /// Whether a run that begins now, when all actions before it have ended, would read the same. Without
+  /// needs_turn(): when those have ended from which its inputs come.
   [[nodiscard]] virtual bool valid() const = 0;
   /// Makes the changes. InvalidState, without any change, if an action that comes later has already used
   /// what they change.

@@ -71,7 +71,10 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
   [[nodiscard]] const std::string& error_before() const override { return error_before_; }
   [[nodiscard]] std::span<const mission::BranchResult> branches() const override { return branches_; }
   [[nodiscard]] std::uint64_t iteration() const override {
-    return planned_.counts ? static_cast<std::uint64_t>(reporter_->count) : planned_.iteration;
+    return planned_.passes_on == PassedOn::Count ? reporter_->passed_on : planned_.iteration;
+  }
+  [[nodiscard]] std::optional<std::uint64_t> memory() const override {
+    return planned_.passes_on == PassedOn::Memory ? std::optional(reporter_->passed_on) : std::nullopt;
   }
   [[nodiscard]] const Value& progress() const override {
     return environment_.journal_ != nullptr ? environment_.journal_->progress(node_) : ActionCall::progress();
@@ -232,21 +235,20 @@ std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId 
   return made;
 }
 
-std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::counting_reporter(
+std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter_with_passed_on(
     NodeContext& context) const {
   const PlannedNode& planned = plan_[context.node()];
   auto made = reporter(context.node());
-  made->counts = planned.counts;
-  if (!planned.counts) return made;
-  const Value begun = value(context, planned.begun);
-  made->count = begun.is_integer() ? begun.as_int() : 0;
+  made->passes_on = planned.passes_on;
+  const Value passed_on = value(context, planned.passed_on);
+  made->passed_on = passed_on.is_integer() ? passed_on.as_uint() : 0;
   return made;
 }
 
 /// An action that does not begin leaves its default outputs, like one that aborts.
 ReportPtr ActionEnvironment::refuse(NodeContext& context, std::string why) {
   if (journal_ != nullptr) journal_->refused(context.node());
-  const auto reports = counting_reporter(context);
+  const auto reports = reporter_with_passed_on(context);
   return reports->report({kAborted, std::move(why)}, default_outputs(context.node(), reports->globals));
 }
 
@@ -279,7 +281,7 @@ bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
   auto end = journal_->replayed(context.node());
   if (!end) return false;
   if (events_ != nullptr) events_->replays(context.node());
-  const auto reports = counting_reporter(context);
+  const auto reports = reporter_with_passed_on(context);
   for (auto& [name, value] : end->globals) {
     if (const auto set = reports->globals.set(name, std::move(value)); !set && options_.warn)
       options_.warn(plan_.network().label(context.node()) + ": " + set.error().message);
@@ -319,7 +321,7 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
   }
   if (events_ != nullptr) events_->begins(context.node(), completions.now());
   if (journal_ != nullptr) journal_->began(context.node());
-  auto reports = counting_reporter(context);
+  auto reports = reporter_with_passed_on(context);
   if (auto used = reports->globals.pending_changes()) unsure_[index(context.node())] = std::move(used);
   NodeCall call(*this, context, completions, reports);
   std::optional<Ending> ending;

@@ -85,7 +85,7 @@ class ActionEnvironment final : public task_network::Environment {
   [[nodiscard]] bool may_be_discarded(task_network::NodeId node) const;
   [[nodiscard]] mission::Globals globals_of(task_network::NodeId node) const;
   std::shared_ptr<Reporter> reporter(task_network::NodeId node) const;
-  std::shared_ptr<Reporter> counting_reporter(task_network::NodeContext& context) const;
+  std::shared_ptr<Reporter> reporter_with_passed_on(task_network::NodeContext& context) const;
 
   const MissionPlan& plan_;
   const mission::Runners& runners_;

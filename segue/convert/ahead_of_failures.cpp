@@ -26,7 +26,7 @@ const ValueSource* source_of(const PlannedNode& node, std::uint32_t input) {
     return std::ranges::find(source.feeds, input, &ValueSource::Feed::input) != source.feeds.end();
   };
   if (feeds(node.error_before)) return &node.error_before;
-  if (feeds(node.begun)) return &node.begun;
+  if (feeds(node.passed_on)) return &node.passed_on;
   for (const BranchSource& branch : node.branches) {
     const auto end = std::ranges::find_if(branch.ends, feeds, &BranchEnd::error);
     if (end != branch.ends.end()) return &end->error;

@@ -19,6 +19,10 @@ class AllChanges final : public PendingChanges {
   [[nodiscard]] bool empty() const override {
     return std::ranges::all_of(parts_, [](const auto& part) { return !part || part->empty(); });
   }
+  [[nodiscard]] bool needs_turn() const override {
+    return std::ranges::any_of(parts_,
+                               [](const auto& part) { return part && !part->empty() && part->needs_turn(); });
+  }
   [[nodiscard]] bool valid() const override {
     return std::ranges::all_of(parts_, [](const auto& part) { return !part || part->valid(); });
   }

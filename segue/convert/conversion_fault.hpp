@@ -46,7 +46,8 @@ enum class ConversionFault : std::uint8_t {
   RacesBeginEarly,           ///< states of a preemptive container begin before what comes before it has ended
   SeesOldUnits,              ///< opaque subtrees begin with the units of the beginning
   ForgetsEnclosingScope,     ///< what containers declare is ignored
-  Last = ForgetsEnclosingScope
+  ForgetsMemory,             ///< executions begin with the persistent variables of an earlier one
+  Last = ForgetsMemory
 };
 
 #ifdef SEGUE_CONVERT_FAULTS

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/convert/opaque_subtrees.hpp>
+#include <segue/convert/passed_on.hpp>
 #include <segue/convert/path_index.hpp>
 #include <segue/convert/symbol.hpp>
 #include <segue/mission/action_runner.hpp>
@@ -80,8 +81,8 @@ struct PlannedNode {
   /// mission::sources_of_change().
   std::vector<ValueSource> inputs;
   ValueSource error_before;
-  ValueSource begun;  ///< how often the state has begun, if its action depends on it
-  bool counts = false;
+  PassedOn passes_on = PassedOn::Nothing;
+  ValueSource passed_on;                                  ///< by the execution before
   std::shared_ptr<const mission::ParallelBranch> branch;  ///< null: in no barrier
   std::vector<BranchSource> branches;                     ///< deciders
   std::vector<std::pair<std::uint32_t, task_network::OutcomeId>>
@@ -99,7 +100,6 @@ inline constexpr std::string_view kErrorOutput = "#error";      ///< only if it 
 /// The output of a subtree that has not aborted, with the error of the last state in it, which is handled
 /// there.
 inline constexpr std::string_view kHandledErrorOutput = "#handled_error";
-inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kRecordOutput = "#record";  ///< NodeJournal::record_of()
 inline constexpr std::string_view kValueOutput = "value";
 

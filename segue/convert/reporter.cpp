@@ -48,7 +48,11 @@ ReportPtr ActionEnvironment::Reporter::report(const Ending& ending, std::vector<
   map.append(std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome));
   if (outcome != kPreempted && !error.empty())
     map.append(std::string(outcome == kAborted ? kErrorOutput : kHandledErrorOutput), error);
-  if (counts) map.append(std::string(kCountOutput), count + (planted(ConversionFault::CountsTwice) ? 2 : 1));
+  if (passes_on == PassedOn::Count)
+    map.append(std::string(kCountOutput), passed_on + (planted(ConversionFault::CountsTwice) ? 2 : 1));
+  const bool forgets = ending.memory == 0 || planted(ConversionFault::ForgetsMemory);
+  if (passes_on == PassedOn::Memory)
+    map.append(std::string(kMemoryOutput), forgets ? passed_on : ending.memory);
   for (const auto& [name, value] : changes.values)
     map.append("world." + name, value);
   for (const std::string& fact : changes.facts)

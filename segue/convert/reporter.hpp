@@ -20,10 +20,10 @@ struct ActionEnvironment::Reporter {
 
   std::vector<std::string> ports;
   std::vector<task_network::OutcomeId> outcomes;  ///< by the outcomes of the state
-  bool counts = false;
-  bool recorded = false;  ///< the run has a journal, or somebody observes units
-  std::int64_t count = 0;
-  mission::Globals globals;  ///< as the action uses them
+  PassedOn passes_on = PassedOn::Nothing;
+  std::uint64_t passed_on = 0;  ///< by the execution before
+  bool recorded = false;        ///< the run has a journal, or somebody observes units
+  mission::Globals globals;     ///< as the action uses them
   std::atomic<bool> cancelled{false};
 
   [[nodiscard]] task_network::ReportPtr report(const mission::Ending& ending,

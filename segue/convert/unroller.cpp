@@ -22,6 +22,7 @@ Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, PlanScope
       scope_(scope),
       subtrees_(find_opaque_subtrees(plan.program())),
       shared_(plan.program()),
+      passed_on_(plan.shared_program()),
       touches_(plan.program().mission().actions.size()),
       world_(plan.program().mission()) {
   find_varying();

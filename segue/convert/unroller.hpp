@@ -128,7 +128,7 @@ class Unroller {
   std::optional<task_network::OutcomeId> expected_end(mission::StateIndex state);
   std::shared_ptr<const BranchEnds> branch_ends(const StateEntry& entry);
   StateEnd ends_of(const StateEntry& entry, task_network::NodeId node, const task_network::NodeSpec& spec);
-  void count(task_network::NodeSpec& spec, PlannedNode& node, const StateEntry& entry);
+  void take_passed_on(const StateEntry& entry, task_network::NodeSpec& spec, PlannedNode& planned);
   void store(ContainerExecution& activation, std::uint32_t slot, BranchEdge when, Symbol value);
   void take_outputs(ContainerExecution& activation, mission::StateIndex child, BranchEdge when,
                     std::vector<Symbol> outputs);
@@ -189,7 +189,7 @@ class Unroller {
   std::vector<std::string> blocked_within_;  ///< patterns of mission::resources_blocked_within()
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
-  std::unordered_map<mission::StateIndex, Slots> begun_;
+  PassedOnFlow passed_on_;
   std::vector<std::uint32_t> copies_;  ///< by name, of TaskNetwork::names
   std::vector<Touch> touches_;         ///< by action
   WorldFlow world_;

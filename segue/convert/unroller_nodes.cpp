@@ -31,12 +31,6 @@ Duration expected_duration(const Action& action) {
   return simulated == nullptr ? Duration::zero() : simulated->duration;
 }
 
-/// Whether the action depends on how often its state has begun.
-bool counts_executions(const Action& action) {
-  const auto* simulated = std::get_if<mission::Simulated>(&action.run);
-  return simulated != nullptr && simulated->outcomes.size() > 1;
-}
-
 /// Whether it may use global and persistent variables: its code may, and so do outputs with such a default.
 bool uses_variables(const Action& action) {
   return std::holds_alternative<mission::Callback>(action.run) ||
@@ -226,12 +220,11 @@ void Unroller::look_up(const mission::Needs& needs, Touch& touch) {
   }
 }
 
-/// The count of begins is passed as a value, so that speculative runs see it too.
-void Unroller::count(NodeSpec& spec, PlannedNode& planned, const StateEntry& entry) {
-  if (!counts_executions(action(entry.state))) return;
-  auto& begun = begun_.try_emplace(entry.state, 1).first->second;
-  planned.begun = connect(spec, begun.read(0, entry.when, paths_), kCountOutput);
-  planned.counts = true;
+void Unroller::take_passed_on(const StateEntry& entry, NodeSpec& spec, PlannedNode& planned) {
+  planned.passes_on = passed_on_.kind(entry.state);
+  if (planned.passes_on == PassedOn::Nothing) return;
+  planned.passed_on =
+      connect(spec, passed_on_.last(entry.state, entry.when, paths_), output_of(planned.passes_on));
 }
 
 /// How the state ends if it ends as its action says; nothing where that says nothing.
@@ -349,16 +342,11 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
     planned.inputs.push_back(connect(spec, input_of(entry, what, i), what.inputs[i].name));
   wait_for_changes(entry, what, spec);
   planned.error_before = connect(spec, {entry.errors, {}}, kErrorOutput);
-  count(spec, planned, entry);
+  take_passed_on(entry, spec, planned);
   if (branches != nullptr) planned.branches = connect_branches(spec, entry, *branches);
-  const bool counts = planned.counts;
   const NodeId id = append(spec, std::move(planned), plan_.network_.name);
   put_in(entry.container, id);
-  if (counts) {
-    Symbol more;
-    more.candidates.push_back({id, plan_.network_.names.intern(kCountOutput), entry.when, {}});
-    begun_.at(entry.state).write(0, entry.when, std::move(more), paths_);
-  }
+  passed_on_.write(entry.state, entry.when, id, plan_.network_.names, paths_);
   StateEnd end = ends_of(entry, id, spec);
   if (!what.changes.empty()) change_world(entry, what, id, end);
   return end;

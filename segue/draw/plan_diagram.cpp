@@ -24,8 +24,6 @@ std::string note_of(const MissionPlan& plan, const PlannedNode& planned) {
 
 /// Names that the plan makes up, as a reader of the mission takes them.
 std::string readable(const std::string& name, const MissionPlan& plan, const PlannedNode& planned) {
-  if (name.starts_with(convert::kCountOutput))
-    return "executions" + name.substr(convert::kCountOutput.size());
   for (std::size_t i = 0; i < planned.branches.size(); ++i) {
     if (name.starts_with(fmt::format("branch{}.", i)))
       return "end of " + plan.program().state(planned.branches[i].state).id.str();

@@ -26,11 +26,14 @@ struct ObservedNeeds;
 class Program;
 
 /// How an execution ended; `error` says why it aborted. `pending`: what an execution that may be discarded
-/// has changed beside its outputs and the global variables; null: nothing.
+/// has changed beside its outputs and the global variables; null: nothing. `memory`: the number that the
+/// runner has given to what the execution leaves to the next one of its state (ActionCall::memory); 0: what
+/// it began with.
 struct Ending {
   Outcome outcome = 0;
   std::string error;
   std::shared_ptr<PendingChanges> pending{};
+  std::uint64_t memory = 0;
 };
 
 /// An action or a container that begins or has ended, as reported to an observer. A container begins with the
@@ -80,6 +83,9 @@ class ActionCall {
   /// Whether the execution may be discarded, since the action is pure or sensing and the run concurrent: what
   /// it changes must be kept aside (Ending::pending).
   [[nodiscard]] virtual bool may_be_discarded() const { return false; }
+  /// Where executions of the state may run ahead of each other: the number of what the one before has left
+  /// (Ending::memory), 0 if there is nothing. Nothing: what the last one has left that counts.
+  [[nodiscard]] virtual std::optional<std::uint64_t> memory() const { return std::nullopt; }
   /// The facts that hold, and what is attached to them. For a pure action in a concurrent run those that are
   /// predicted; the action is repeated if they were predicted wrongly. An action that names the data which it
   /// reads gets these, and no facts. InvalidState if the action does not declare `reads_world`.

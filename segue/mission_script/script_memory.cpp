@@ -5,18 +5,19 @@ namespace segue::mission::detail {
 
 class ScriptMemory::Changes final : public PendingChanges {
  public:
-  Changes(std::shared_ptr<ScriptMemory> memory, std::string path, std::uint64_t execution, std::uint64_t from)
-      : memory_(std::move(memory)), path_(std::move(path)), execution_(execution), from_(from) {}
+  Changes(std::shared_ptr<ScriptMemory> memory, Use use) : memory_(std::move(memory)), use_(std::move(use)) {}
   ~Changes() override {
     if (!applied_) decide(false);
   }
 
   [[nodiscard]] bool empty() const override { return false; }
+  [[nodiscard]] bool needs_turn() const override { return !use_.told; }
 
   [[nodiscard]] bool valid() const override {
+    if (use_.told) return true;
     const Lock guard(memory_->mutex_);
-    const auto last = memory_->last_.find(path_);
-    return memory_->ended_ || (last == memory_->last_.end() ? 0 : last->second) == from_;
+    const auto last = memory_->last_.find(use_.path);
+    return memory_->ended_ || (last == memory_->last_.end() ? 0 : last->second) == use_.from;
   }
 
   Result<void> apply() override {
@@ -29,20 +30,17 @@ class ScriptMemory::Changes final : public PendingChanges {
   void decide(bool counts) const {
     const Lock guard(memory_->mutex_);
     if (memory_->ended_) return;
-    if (counts) memory_->last_[path_] = execution_;
-    memory_->decisions_.emplace_back(execution_, counts);
+    if (counts) memory_->last_[use_.path] = use_.execution;
+    memory_->decisions_.emplace_back(use_.execution, counts);
   }
 
   const std::shared_ptr<ScriptMemory> memory_;
-  const std::string path_;
-  const std::uint64_t execution_;
-  const std::uint64_t from_;
+  const Use use_;
   bool applied_ = false;
 };
 
-std::shared_ptr<PendingChanges> ScriptMemory::changes(std::shared_ptr<ScriptMemory> memory, std::string path,
-                                                      std::uint64_t execution, std::uint64_t from) {
-  return std::make_shared<Changes>(std::move(memory), std::move(path), execution, from);
+std::shared_ptr<PendingChanges> ScriptMemory::changes(std::shared_ptr<ScriptMemory> memory, Use use) {
+  return std::make_shared<Changes>(std::move(memory), std::move(use));
 }
 
 std::vector<std::pair<std::uint64_t, bool>> ScriptMemory::take_decisions() {

@@ -17,9 +17,16 @@ namespace segue::mission::detail {
 /// values; it is told of each decision before its next execution. Thread safe; nothing blocks.
 class ScriptMemory {
  public:
-  /// The changes of an execution, kept aside. It began with the variables of the execution `from` (0: none).
-  static std::shared_ptr<PendingChanges> changes(std::shared_ptr<ScriptMemory> memory, std::string path,
-                                                 std::uint64_t execution, std::uint64_t from);
+  /// An execution that has used the variables of its state. It began with those of the execution `from` (0:
+  /// none). `told`: it was told to, so whether that is right shows elsewhere.
+  struct Use {
+    std::string path;
+    std::uint64_t execution = 0;
+    std::uint64_t from = 0;
+    bool told = false;
+  };
+  /// Its changes, kept aside.
+  static std::shared_ptr<PendingChanges> changes(std::shared_ptr<ScriptMemory> memory, Use use);
   /// The executions whose variables count, and those whose variables do not, since the last call.
   std::vector<std::pair<std::uint64_t, bool>> take_decisions();
   /// The process has ended, and with it all variables.

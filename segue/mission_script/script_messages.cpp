@@ -232,6 +232,7 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("run", run);
   message.append("backward", call.backward());
   message.append("discardable", call.may_be_discarded());
+  if (const auto memory = call.memory()) message.append("after", *memory);
   if (world != nullptr) {
     message.append("world", Value::List(world->facts().begin(), world->facts().end()));
     message.append("world_data", shown_data(*world));

@@ -139,7 +139,8 @@ std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   }
   const auto text = detail::framed(*message, impl_->options().largest_message);
   if (!text) return Ending{kAborted, "its inputs: " + text.error().message};
-  detail::ScriptExecution execution{detail::path_of(call), {}, call.globals(), {}, {}, {}, {}, {}, {}};
+  detail::ScriptExecution execution{detail::path_of(call), {}, call.globals(), {}, {}, {}, {}, {}, {}, {}};
+  execution.is_told_memory = call.memory().has_value();
   if (world) execution.data = std::make_shared<detail::ScriptData>(*world);
   for (const Port& port : call.action().outputs)
     execution.output_names.push_back(port.name);

@@ -216,8 +216,9 @@ void ScriptWorker::handle_end(const Value& message) {
   }
   Ending ending = ending_of(message);
   if (const auto from = number_of(message, "memory")) {
+    ending.memory = number_of(message, "id").value_or(0);
     ending.pending =
-        ScriptMemory::changes(memory_, execution.path, number_of(message, "id").value_or(0), *from);
+        ScriptMemory::changes(memory_, {execution.path, ending.memory, *from, execution.is_told_memory});
   }
   complete(std::move(execution), std::move(ending));
 }

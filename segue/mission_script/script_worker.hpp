@@ -34,6 +34,7 @@ struct ScriptExecution {
   std::optional<TimePoint> overdue;           ///< once preempted: until when it must end
   std::shared_ptr<ScriptRobot::Use> robot{};  ///< null: it uses none
   std::shared_ptr<ScriptData> data{};  ///< for the thread of the process; null: it does not read the world
+  bool is_told_memory = false;         ///< which persistent variables it begins with (ActionCall::memory)
 };
 
 /// One Python process, and the thread that communicates with it from the first execution until the process

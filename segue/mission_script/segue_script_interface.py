@@ -208,18 +208,21 @@ class Memory:
 
 
 class MemoryCopy(Memory):
-    """Of an execution that may be discarded: a copy, from the first use on."""
+    """Of an execution that may be discarded: a copy, from the first use on. `source`: what is copied, with the number
+    of the execution that has left it; None: what counts then."""
 
-    def __init__(self, memories, message):
+    def __init__(self, memories, message, source):
         super().__init__(None)
         self._memories = memories
         self._message = message
+        self._source = source
         self._lock = threading.Lock()
 
     def values(self):
         with self._lock:
             if self._values is None:
-                self.came_from, self._values = self._memories.copy(self._message)
+                self.came_from, self._values = self._memories.copy(self._message, self._source)
+                self._source = None
             return self._values
 
 
@@ -231,16 +234,33 @@ class Memories:
         self._lock = threading.Lock()
         self._kept = {}
         self._aside = {}
+        self._first = None  # the number of the first execution in this process
 
     def of(self, message):
+        self._first = self._first or message["id"]
         if message["discardable"]:
-            return MemoryCopy(self, message)
+            return MemoryCopy(self, message, self._after(message) if "after" in message else None)
         with self._lock:
             return Memory(self._kept.setdefault(message["path"], (0, Variables()))[1])
 
-    def copy(self, message):
+    def _after(self, message):
+        """What the execution that came before has left, also where it may still be discarded; without values where it
+        was, since this one will be, too. Nothing where it left that in a process that has ended. The first one of a run
+        has what the last run has left."""
+        after = message["after"]
         with self._lock:
-            came_from, values = self._kept.get(message["path"], (0, Variables()))
+            kept = self._kept.get(message["path"], (0, Variables()))
+            if after in (0, kept[0]):
+                return kept
+            if after in self._aside:
+                return after, self._aside[after][1]
+            return (0, Variables()) if after < self._first else (after, None)
+
+    def copy(self, message, source):
+        with self._lock:
+            came_from, values = source or self._kept.get(message["path"], (0, Variables()))
+        if values is None:
+            raise Preempted
         try:
             values = copy.deepcopy(values)
         except Exception as error:

@@ -125,7 +125,7 @@ void ConcurrentEngine::Implementation::try_commit(NodeId node) {
   const ReportPtr& report = reports_[index(node)];
   const PendingChanges* pending = report ? report->pending.get() : nullptr;
   const bool has_changes = pending != nullptr && !pending->empty();
-  if (has_changes && !turn_has_come(node)) return;
+  if (has_changes && pending->needs_turn() && !turn_has_come(node)) return;
   if (reads_are_valid(node) && inputs_are_valid(node) && world_is_valid(node) &&
       (!has_changes || pending->valid()))
     return commit_with_changes(node);
@@ -138,7 +138,7 @@ void ConcurrentEngine::Implementation::commit_lost(NodeId node) {
   const ReportPtr& report = reports_[index(node)];
   const PendingChanges* pending = report ? report->pending.get() : nullptr;
   const bool has_changes = pending != nullptr && !pending->empty();
-  if (has_changes && !turn_has_come(node)) return;
+  if (has_changes && pending->needs_turn() && !turn_has_come(node)) return;
   if (!has_changes || (inputs_are_valid(node) && pending->valid())) return commit_with_changes(node);
   skip(node);
 }

@@ -49,8 +49,8 @@ struct Report {
   std::shared_ptr<const type::Value> outputs;  ///< a map; may be null
   std::string error;                           ///< why, for `aborted`
   /// The changes of a pure or sensing node beside the network, such as of variables. Null: none. A run with
-  /// such changes counts when every node before has passed, and only if it is valid then; else the node runs
-  /// again.
+  /// such changes counts when every node before has passed, if they need that (PendingChanges::needs_turn),
+  /// and only if it is valid then; else the node runs again.
   std::unique_ptr<PendingChanges> pending{};
 };
 /// Null: success, as predicted, without outputs.

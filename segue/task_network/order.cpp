@@ -18,8 +18,10 @@ std::string subject_text(const TaskNetwork& network, const Dependency& dependenc
       return network.facts.text(FactId{dependency.subject});
     case Reason::Resource:
       return network.resources.name(ResourceId{dependency.subject});
-    case Reason::Data:
-      return network.names.name(dependency.subject);
+    case Reason::Data: {
+      const std::string& name = network.names.name(dependency.subject);
+      return name.starts_with('#') ? name.substr(1) : name;  // made up by who made the network
+    }
     case Reason::Condition:
       return network.outcomes.name(dependency.subject);
     case Reason::Place:

@@ -5,6 +5,8 @@
 #include <segue/base/virtual_clock.hpp>
 #include <segue/convert/concurrent_run.hpp>
 
+#include <support/kept_numbers.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,23 +46,25 @@ inline Duration answer_second = std::chrono::seconds(1);
 /// after up to four seconds. If shared, it also reads and writes a global variable for each resource that it
 /// holds exclusively, or common ones if it may touch anything, so that its result depends on the order of
 /// execution. If it remembers, which it may do whatever it declares, it uses the variable that its input
-/// names in various ways.
+/// names in various ways. If it keeps, it stands for a script with a persistent variable.
 class Answers final : public mission::ActionRunner {
  public:
-  enum class Kind : std::uint8_t { Mix, Shared, Later, Remember };
+  enum class Kind : std::uint8_t { Mix, Shared, Later, Remember, Keep };
   using AtStart = std::function<void(const mission::ActionCall&)>;
   explicit Answers(Kind kind, AtStart at_start = {}) : kind_(kind), at_start_(std::move(at_start)) {}
 
   std::optional<mission::Ending> start(mission::ActionCall& call) override {
     if (at_start_) at_start_(call);
-    const std::uint64_t number = read(call);
+    mission::Ending ending;
+    const std::uint64_t number = kind_ == Kind::Keep ? keep(call, read(call), ending) : read(call);
     const bool nothing = (number >> 36) % 8 == 0;
     call.set_output("y", nothing ? type::Value() : type::Value(static_cast<std::int64_t>(number % 100)));
-    if ((number >> 40) % 40 == 0) throw std::runtime_error(fmt::format("threw {}", number % 100));
-    if ((number >> 40) % 40 == 1) throw number;  // NOLINT(hicpp-exception-baseclass): anything may come
-    mission::Ending ending;
+    if (kind_ != Kind::Keep) throw_by(number);  // what scripts throw ends in their process
     ending.outcome = static_cast<mission::Outcome>((number >> 8) % call.action().outcomes.size());
-    if ((number >> 16) % 12 == 0) ending = {mission::kAborted, fmt::format("failed at {}", number % 100)};
+    if ((number >> 16) % 12 == 0) {
+      ending.outcome = mission::kAborted;
+      ending.error = fmt::format("failed at {}", number % 100);
+    }
     if ((number >> 48) % 60 == 0) ending.outcome = 77;
     if (kind_ != Kind::Later) {
       const bool whole = (number >> 52) % 4 == 0;  // some end at the same time
@@ -78,6 +82,11 @@ class Answers final : public mission::ActionRunner {
   }
 
  private:
+  static void throw_by(std::uint64_t number) {
+    if ((number >> 40) % 40 == 0) throw std::runtime_error(fmt::format("threw {}", number % 100));
+    if ((number >> 40) % 40 == 1) throw number;  // NOLINT(hicpp-exception-baseclass): anything may come
+  }
+
   std::uint64_t read(mission::ActionCall& call) const {
     const type::Value& x = call.input("x");
     std::uint64_t number = digest(call.path(), x.is_integer() ? static_cast<std::uint64_t>(x.as_int()) : 77);
@@ -136,6 +145,18 @@ class Answers final : public mission::ActionRunner {
     return number;
   }
 
+  /// Uses what its last execution has left, and mostly leaves something else; or does neither.
+  std::uint64_t keep(const mission::ActionCall& call, std::uint64_t number, mission::Ending& ending) {
+    kept_.update();
+    std::uint64_t from = 0;
+    const auto before = kept_.before(call, from);
+    if ((number >> 44) % 4 == 0) return number;
+    if (!before) return number;  // it is repeated
+    number = digest("", number ^ *before);
+    kept_.leave(call, from, (number >> 50) % 4 == 0 ? *before : number >> 2, ending);
+    return number;
+  }
+
   /// The resources that it holds exclusively while it runs, in program order.
   static std::vector<std::string> own(const mission::Action& action) {
     if (action.resources.empty() && action.effects.empty() && action.preconditions.empty() &&
@@ -149,6 +170,7 @@ class Answers final : public mission::ActionRunner {
 
   Kind kind_;
   AtStart at_start_;
+  KeptNumbers kept_;
 };
 
 inline mission::Runners answering(const Answers::AtStart& at_start = {}) {
@@ -157,6 +179,7 @@ inline mission::Runners answering(const Answers::AtStart& at_start = {}) {
   runners.add("shared", std::make_shared<Answers>(Answers::Kind::Shared, at_start));
   runners.add("remember", std::make_shared<Answers>(Answers::Kind::Remember, at_start));
   runners.add("later", std::make_shared<Answers>(Answers::Kind::Later, at_start));
+  runners.set_scripts(std::make_shared<Answers>(Answers::Kind::Keep, at_start));
   return runners;
 }
 

@@ -18,10 +18,11 @@ namespace segue::convert {
 /// values of the world, and all operations on resources. Loops go on after aborts too, also of states that
 /// cannot begin; watches read the world beside the work. Callbacks: `mix`; `shared`, which may use what the
 /// action declares to touch, or anything if it declares nothing; `remember`, of pure and sensing actions,
-/// which uses the global variable that an input names; and `later`, which another thread ends.
+/// which uses the global variable that an input names; and `later`, which another thread ends. One mission in
+/// four has scripts with persistent variables, which a resumed run would not have.
 class RandomMission {
  public:
-  explicit RandomMission(std::uint64_t seed) : random_(seed) {}
+  explicit RandomMission(std::uint64_t seed) : random_(seed), keeps_(seed % 4 == 1) {}
 
   std::string text() {
     const std::string root = hierarchy(0, "", {});
@@ -43,6 +44,7 @@ class RandomMission {
         false;  ///< a container around it may lack what it needs, so that no state in it begins any more
     bool is_watched = false;       ///< all states beside it change nothing, so it may read the world
     bool changes_nothing = false;  ///< since a state beside it reads the world
+    bool races = false;            ///< it may be preempted at any time
     [[nodiscard]] bool is_concurrent() const { return !fact.empty(); }
     [[nodiscard]] Where guarded_if(bool declares) const {
       Where inner = *this;
@@ -51,7 +53,7 @@ class RandomMission {
     }
     /// In a branch of its own.
     [[nodiscard]] Where branch(std::string own) const {
-      return {std::move(own), guarded, false, changes_nothing};
+      return {std::move(own), guarded, false, changes_nothing, races};
     }
   };
   struct Child {
@@ -132,12 +134,13 @@ class RandomMission {
   }
 
   /// Loop conditions are simulated, so that loops end.
-  std::string runs(bool back, bool shared, bool remembers) {
+  std::string runs(bool back, bool shared, bool remembers, bool keeps) {
     if (back) {
       const std::string first = chance(30) ? "no, no" : chance(30) ? "no, ok, no" : "no";
       return fmt::format("{{simulated: {{duration: {}s, outcomes: [{}, ok], outputs: {{y: {}}}}}}}", under(4),
                          first, under(9));
     }
+    if (keeps) return R"({python: {text: "self.persistent_variables"}})";
     if (remembers) return "{callback: remember}";
     return chance(10) ? "{callback: later}" : shared ? "{callback: shared}" : "{callback: mix}";
   }
@@ -178,7 +181,9 @@ class RandomMission {
     if (chance(60))
       text += fmt::format("    expect: {{duration: {}s, outcome: {}{}}}\n", under(12), foreseen(two),
                           chance(30) ? fmt::format(", likelihood: {{ok: 0.{}}}", under(10)) : "");
-    text += fmt::format("    run: {}\n", runs(back, !pure && !sensing && !where.is_concurrent(), remembers));
+    const bool keeps = keeps_ && !where.races && count_ % 3 == 0;
+    text += fmt::format("    run: {}\n",
+                        runs(back, !pure && !sensing && !where.is_concurrent(), remembers, keeps));
     actions_ += text;
     return name;
   }
@@ -353,6 +358,7 @@ class RandomMission {
       const bool leaf = kind >= (i == reader ? 80 : 35);
       Where where = around.branch(fmt::format("b{}", count_++));
       where.is_watched = i == reader;
+      where.races = true;
       where.changes_nothing = where.changes_nothing || (reader < size && i != reader);
       const std::string declared = kind < 25 && chance(10) ? declarations(inner, where) : "";
       where = where.guarded_if(!declared.empty());
@@ -383,6 +389,7 @@ class RandomMission {
   }
 
   std::mt19937_64 random_;
+  const bool keeps_;
   std::string actions_;
   std::string libraries_;
   std::set<std::string> values_;  ///< of the world
