@@ -4,6 +4,7 @@
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/names_of.hpp>
 #include <segue/base/text.hpp>
+#include <segue/model/argument_names.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -50,19 +51,9 @@ const OperationModel* MemberCheck::find_operation(const Member& member, const So
 
 void MemberCheck::call(const Member& member, const type::Value& arguments, const SourceLocation& where) {
   const auto* operation = find_operation(member, where);
-  const bool none = arguments.is_null();
-  if (operation == nullptr || (!none && !arguments.is_map())) return;
-  const auto names = names_of(operation->arguments);
-  for (const std::string& name : names) {
-    if (!none && arguments.find(name) != nullptr) continue;
-    error("missing-argument", to_string(member) + " needs the argument " + quote(name), where);
-  }
-  if (none) return;
-  for (const auto& [name, value] : arguments.as_map()) {
-    if (std::ranges::find(names, name) != names.end()) continue;
-    error("unknown-argument",
-          to_string(member) + " has no argument " + quote(name) + did_you_mean(name, names), where);
-  }
+  if (operation == nullptr || !(arguments.is_null() || arguments.is_map())) return;
+  for (const ArgumentProblem& problem : check_argument_names(*operation, arguments))
+    error(problem.code, to_string(member) + ' ' + problem.text, where);
 }
 
 void MemberCheck::port(const Member& port, Direction direction, const SourceLocation& where) {

@@ -4,11 +4,10 @@
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/names_of.hpp>
 #include <segue/base/text.hpp>
+#include <segue/model/argument_names.hpp>
 #include <segue/type/conform.hpp>
 
-#include <algorithm>
 #include <string>
-#include <vector>
 
 namespace segue::solve::detail {
 
@@ -21,23 +20,16 @@ Error wrong_call(std::string message) {
 /// Checks what is given as arguments, but for their types.
 Result<> check_names(const model::OperationModel& operation, const type::Value& given) {
   const std::string what = "operation " + quote(operation.name);
-  const auto names = names_of(operation.arguments);
-  if (given.is_list() && given.as_list().size() != names.size()) {
-    return wrong_call(what + " has " + std::to_string(names.size()) + " arguments, and gets " +
+  const std::size_t size = operation.arguments.size();
+  if (given.is_list() && given.as_list().size() != size) {
+    return wrong_call(what + " has " + std::to_string(size) + " arguments, and gets " +
                       std::to_string(given.as_list().size()));
   }
   if (given.is_list()) return {};
   if (!given.is_map() && !given.is_null())
     return wrong_call(what + " gets its arguments as a map or a list, not as " + type::describe(given));
-  for (const std::string& name : names) {
-    if (given.find(name) == nullptr) return wrong_call(what + " needs the argument " + quote(name));
-  }
-  if (given.is_null()) return {};
-  for (const auto& [name, value] : given.as_map()) {
-    if (std::ranges::find(names, name) == names.end())
-      return wrong_call(what + " has no argument " + quote(name) + did_you_mean(name, names));
-  }
-  return {};
+  const auto problems = model::check_argument_names(operation, given);
+  return problems.empty() ? Result<>() : wrong_call(what + ' ' + problems.front().text);
 }
 
 }  // namespace
