@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mission_request.hpp"
 
+#include <segue/base/likelihood.hpp>
 #include <segue/base/text.hpp>
 #include <segue/type/yaml.hpp>
 
@@ -53,7 +54,7 @@ std::optional<mission_run::Journal> journal_of(const MissionOptions& options) {
 
 Result<void> parse_likelihood(const std::string& text, double& likelihood) {
   const auto value = type::parse_yaml(text);
-  if (!value || !value->is_number() || !(value->as_double() >= 0 && value->as_double() <= 1))
+  if (!value || !value->is_number() || !is_likelihood(value->as_double()))
     return fail(ErrorCode::InvalidArgument, "expected a number between 0 and 1, got " + quote(text));
   likelihood = value->as_double();
   return {};

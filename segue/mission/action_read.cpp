@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/likelihood.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/footprint.hpp>
 #include <segue/mission/mission_file_parts.hpp>
@@ -143,7 +144,7 @@ void read_likelihoods(Action& action, Fields& expect, const Source& source) {
   if (value == nullptr) return;
   double sum = 0;
   for (const auto& [outcome, likelihood] : value->as_map()) {
-    if (!likelihood.is_number() || !(likelihood.as_double() >= 0 && likelihood.as_double() <= 1)) {
+    if (!likelihood.is_number() || !is_likelihood(likelihood.as_double())) {
       source.error("bad-likelihood",
                    expect.what() + ": the likelihood of " + quote(outcome) +
                        " must be a number between 0 and 1, got " + type::describe(likelihood),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/input_file.hpp>
+#include <segue/base/likelihood.hpp>
 #include <segue/base/text.hpp>
 #include <segue/convert/ahead_of_failures.hpp>
 #include <segue/convert/concurrent_run.hpp>
@@ -132,7 +133,7 @@ Result<void> check_numbers(const RunRequest& request) {
         ErrorCode::InvalidArgument,
         "a run needs a worker and a copy of the world, and one action at least may run ahead; without "
         "a number there are as many as it can use");
-  if (!(concurrent->least_likelihood >= 0 && concurrent->least_likelihood <= 1))
+  if (!is_likelihood(concurrent->least_likelihood))
     return fail(ErrorCode::InvalidArgument, "a likelihood is between 0 and 1");
   return {};
 }

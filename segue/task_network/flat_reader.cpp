@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "flat_reader.hpp"
 
+#include <segue/base/likelihood.hpp>
 #include <segue/base/text.hpp>
 #include <segue/base/unknown_key.hpp>
 
@@ -307,7 +308,7 @@ void FlatReader::read_likelihood(const Value& value, Condition& condition) {
   const Value* likelihood = value.find("likelihood");
   if (likelihood == nullptr) return;
   const double share = likelihood->is_number() ? likelihood->as_double() : -1;
-  if (!(share >= 0 && share <= 1))
+  if (!is_likelihood(share))
     return error("bad-likelihood",
                  "a likelihood must be a number between 0 and 1, not " + describe(*likelihood), *likelihood);
   condition.likelihood = static_cast<std::uint16_t>(std::round(share * Condition::kCertain));
