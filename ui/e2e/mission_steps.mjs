@@ -47,6 +47,9 @@ states:
   drive: {action: drive_to, on: {success: return success}}
 `;
 
+/** In which all states are in view. */
+const large = { width: 1920, height: 1080 };
+
 const startMission = (...options) => stage.start(['mission', 'run', 'deliver.yaml', '--robot', 'rover', '--follow', '--no-progress', ...options], /began plan\/look/);
 
 /** What a page shows of the mission. */
@@ -128,6 +131,7 @@ async function peek(page) {
 /** A breakpoint that is set here holds, one that is removed does not; goes on elsewhere. */
 async function breakAndGoOn(page, other) {
   const { state, seen, gone, button, panel, mark, heldAt } = partsOf(page);
+  for (const one of [page, other]) await one.getByRole('button', { name: 'open all' }).click(); // containers in which nothing runs may be closed
   await state('plan/check').click();
   await panel('plan/check').getByRole('checkbox', { name: 'breakpoint' }).uncheck();
   await seen(mark('plan/check', false));
@@ -220,8 +224,10 @@ await stage.play(async () => {
   await stage.start(['run', 'rover/robot.yaml', '--controller', 'explore'], /robot rover runs/);
   await stage.settled('explore');
   const page = await stage.enter();
+  await page.setViewportSize(large);
   await page.getByRole('link', { name: 'Missions' }).click();
   const other = await stage.browser.newPage();
+  await other.setViewportSize(large);
   await other.goto(page.url());
   const { child } = await startMission('--break', 'plan/check', '--steps-back');
   const ended = new Promise((resolve) => child.on('exit', resolve));

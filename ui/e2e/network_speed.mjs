@@ -2,13 +2,11 @@
 // Measures how fast the page draws a large network in Chromium, of a made-up robot whose values change twice a second;
 // fails where an aim is missed.
 //   node network_speed.mjs PAGE_FOLDER [TASKS [CONNECTIONS]]
-import { createHash } from 'node:crypto';
-import { existsSync, readFileSync } from 'node:fs';
-import { createServer } from 'node:http';
 import { loadavg } from 'node:os';
-import { extname, join, normalize } from 'node:path';
 import { chromium } from 'playwright-core';
 import { figure, frames } from './aims.mjs';
+import { madeNetwork } from './made.mjs';
+import { servePage } from './page_server.mjs';
 import { browserProgram } from './stage.mjs';
 
 const [folder, taskCount = '1000', connectionCount = '5000'] = process.argv.slice(2);
@@ -16,37 +14,8 @@ const counts = { tasks: Number(taskCount), connections: Number(connectionCount) 
 const howOften = 120;
 const wanted = { frames: 30, drawing: 3000, opening: 5000 }; // with another program on one of two processors
 const [hosts, processesOfHost] = [10, 5];
-const types = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 
-/** Tasks in the processes of ten hosts; 70 % of the connections stay in a process, 20 % in a host. */
-function largeStatus() {
-  const tasks = {};
-  const connections = {};
-  const places = hosts * processesOfHost;
-  const perPlace = Math.ceil(counts.tasks / places);
-  for (let i = 0; i < counts.tasks; ++i) {
-    const place = Math.floor(i / perPlace);
-    tasks['task_' + i] = {
-      id: 'task_' + i, component: 'large::Task', state: 'running', state_name: 'running', host: 'host_' + Math.floor(place / processesOfHost), process: 'process_' + place,
-      pid: 100 + place, cycle_us: 1, worst_us: 1, cycles: 1, missed: 0, error: '',
-    };
-  }
-  let seed = 1;
-  const random = (below) => ((seed = (seed * 48271) % 2147483647), seed % below);
-  for (let i = 0; i < counts.connections; ++i) {
-    const source = random(counts.tasks);
-    const near = random(10);
-    const span = near < 7 ? perPlace : near < 9 ? perPlace * processesOfHost : counts.tasks;
-    const target = Math.min(counts.tasks - 1, Math.floor(source / span) * span + random(span));
-    const [from, to] = ['task_' + source + '.out', 'task_' + target + '.in_' + i];
-    connections[from + ' ' + to] = { from, to, policy: 'data', size: 1, written: 0, read: 0, dropped: 0 };
-  }
-  return {
-    robot: 'large', controller: 'all', state: 'idle', commanded_by: null, controllers: ['all'], ready: [], tasks, connections, differences: [], uptime_s: 1,
-  };
-}
-
-const status = largeStatus();
+const status = madeNetwork(counts.tasks, counts.connections, hosts * processesOfHost);
 const changes = (step) => ({
   set: { uptime_s: 1 + step / 2 },
   in: {
@@ -55,40 +24,18 @@ const changes = (step) => ({
   },
 });
 
-/** A text frame of a WebSocket (RFC 6455, 5.2). */
-function frame(text) {
-  const body = Buffer.from(text);
-  const head = Buffer.alloc(body.length < 126 ? 2 : body.length < 65536 ? 4 : 10);
-  head[0] = 0x81;
-  head[1] = body.length < 126 ? body.length : body.length < 65536 ? 126 : 127;
-  if (head.length === 4) head.writeUInt16BE(body.length, 2);
-  if (head.length === 10) head.writeBigUInt64BE(BigInt(body.length), 2);
-  return Buffer.concat([head, body]);
-}
-
 let size = 0;
-const server = createServer((request, response) => {
-  const path = join(folder, normalize(request.url === '/' ? 'index.html' : request.url.split('?')[0]));
-  if (!existsSync(path)) return response.writeHead(404).end();
-  response.writeHead(200, { 'Content-Type': types[extname(path)] ?? 'application/octet-stream' }).end(readFileSync(path));
-});
-server.on('upgrade', (request, socket) => {
-  const accept = createHash('sha1').update(request.headers['sec-websocket-key'] + '258EAFA5-E914-47DA-95CA-C5AB0DC85B11').digest('base64');
-  socket.write('HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ' + accept + '\r\n\r\n');
-  const send = (message) => socket.writable && socket.write(frame(JSON.stringify(message)));
-  send({ role: 'observe', robot: 'large' });
+const server = await servePage(folder, 'large', (document, send) => {
+  if (document !== 'status') return undefined;
   let version = 1;
-  send({ document: 'status', version, value: status });
+  send({ document, version, value: status });
   const timer = setInterval(() => {
-    const message = { document: 'status', version: ++version, change: changes(version) };
+    const message = { document, version: ++version, change: changes(version) };
     size = JSON.stringify(message).length;
     send(message);
   }, 500);
-  socket.on('data', () => {}); // what the page looks at is known
-  socket.on('error', () => {});
-  socket.on('close', () => clearInterval(timer));
+  return () => clearInterval(timer);
 });
-await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
 
 /** Drags or turns the wheel once in each frame and looks how far apart frames are. */
 function act({ howOften, zoom }) {
@@ -140,7 +87,7 @@ try {
       check();
     });
   });
-  await page.goto('http://127.0.0.1:' + server.address().port + '/#network', { timeout: 120000 });
+  await page.goto(server.address + '#network', { timeout: 120000 });
   figure('first drawing after the page was asked for', await page.evaluate(() => window.firstDrawing), 'ms', { most: wanted.drawing });
   await measure('all folded');
 
@@ -171,6 +118,5 @@ try {
   console.log(`each change of all values: ${(size / 1000).toFixed(0)} kB`);
 } finally {
   await browser?.close();
-  server.closeAllConnections();
   server.close();
 }

@@ -3,6 +3,8 @@ import { useCallback, useDeferredValue, useEffect, useMemo, useState, useSyncExt
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { useConnection, useLink } from '../robot/hooks';
+import { ListPane } from '../panes/Panel';
+import { Splitter } from '../panes/Splitter';
 import { draftsOf, type Draft, type Drafts, type FileEntry } from './drafts';
 import './edit.css';
 import { FileActions, NewFile } from './FileActions';
@@ -63,7 +65,7 @@ function FileList({ files, complete, chosen, drafts, onChoose, onFiles }: FileLi
   const semantic = semanticDraftsOf(connection);
   useSyncExternalStore(semantic.subscribe, () => files.map((file) => semantic.hasUnsaved(file.path)).join());
   return (
-    <section className="controllers" aria-label="Files">
+    <ListPane label="Files">
       {kinds.map(({ title, kinds: shown }) => {
         const those = files.filter((file) => shown.includes(file.kind));
         if (those.length === 0 && title !== 'Files') return null;
@@ -85,7 +87,7 @@ function FileList({ files, complete, chosen, drafts, onChoose, onFiles }: FileLi
       })}
       {!complete && <p className="quiet">There are more files than are looked for.</p>}
       {connection.mayOperate && files.length > 0 && <NewFile files={files} drafts={drafts} onFiles={onFiles} />}
-    </section>
+    </ListPane>
   );
 }
 
@@ -236,6 +238,7 @@ function DraftView({ draft, drafts, models, files, anyUnsaved, onFiles }: { draf
           <TextEditor drafts={drafts} path={path} />
           <Problems draft={draft} drafts={drafts} />
         </div>
+        <Splitter name="text" label="Width of the text" axis="x" sized="before" />
         {isMission ? <MissionEditor path={path} text={text} drafts={drafts} fixed={fixed} folders={file?.kind === 'rafcon' ? draft.folders : null} /> : <NetworkEditor path={path} text={text} drafts={drafts} models={models} fixed={fixed} />}
       </div>
     </section>

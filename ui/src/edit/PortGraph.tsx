@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-import { Background, Controls, Handle, MarkerType, Position, ReactFlow, ReactFlowProvider, useReactFlow, useStore, type Connection, type Edge, type Node, type NodeProps } from '@xyflow/react';
+import { Background, Controls, Handle, MarkerType, Position, ReactFlow, ReactFlowProvider, type Connection, type Edge, type Node, type NodeProps } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
-import { useEffect, useRef, useState } from 'react';
-import { geometry, layOut, nodeWidth, noLayout, type Anchor, type BoxTree, type Layout } from '../network/layout';
+import { useMemo } from 'react';
+import { geometry, nodeWidth, type Anchor, type BoxTree, type Layout } from '../network/boxes';
+import { boxWidth, titleWidth } from '../network/drawn_graph';
 import { edgeTypes } from '../network/RoutedEdge';
+import { useCamera } from '../network/useCamera';
+import { useLayout } from '../network/useLayout';
 
 const headHeight = 41;
 const smallHeadHeight = 23;
 const smallWidth = 104;
 const portHeight = 18;
 const footHeight = 3;
+/** About the width of a character of a port. */
+const portStep = 7.4;
+const widest = 260;
 /** Behind groups are edges, behind edges nodes. */
 const layers = { edge: 40, node: 50 };
 
@@ -65,7 +71,6 @@ interface Props {
   onRemove: () => void;
 }
 
-const fitting = { padding: 0.08, maxZoom: 1.1 };
 const sides = ['input', 'output'] as const;
 const portsOn = (side: 'input' | 'output', ports: GraphPort[]) => ports.filter((port) => port.side === side);
 
@@ -75,7 +80,12 @@ function anchorsOf(ports: GraphPort[], head: number): Anchor[] {
   );
 }
 const headOf = (node: PortNode) => (node.detail === undefined ? smallHeadHeight : headHeight);
-const widthOf = (node: PortNode) => (node.detail === undefined ? smallWidth : nodeWidth);
+/** As wide as its title and its ports side by side need it. */
+function widthOf(node: PortNode): number {
+  if (node.detail === undefined) return Math.max(smallWidth, titleWidth(node.title));
+  const longest = (side: GraphPort['side']) => Math.max(0, ...portsOn(side, node.ports).map((port) => port.label.length));
+  return Math.max(boxWidth(node), Math.min(widest, portStep * (longest('input') + longest('output')) + 36));
+}
 function heightOf(node: PortNode): number {
   const inputs = portsOn('input', node.ports).length;
   return headOf(node) + portHeight * Math.max(inputs, node.ports.length - inputs) + footHeight;
@@ -132,40 +142,22 @@ export function PortGraph(props: Props) {
   );
 }
 
-/** Where boxes and edges are; anew where the structure changes, and then in view, unless somebody has moved the graph. */
-function useLayout({ groups, nodes, edges }: Props) {
-  const flow = useReactFlow();
-  const [layout, setLayout] = useState<Layout>(noLayout);
-  const structure = JSON.stringify([groups.map((group) => [group.id, group.group]), nodes.map((node) => [node.id, node.group, anchorsOf(node.ports, headOf(node))]), edges.map((edge) => [edge.id, edge.source, edge.target])]);
-  const moved = useRef(false);
-  const width = useStore((store) => store.width);
-  const height = useStore((store) => store.height);
-
-  useEffect(() => {
-    let current = true;
+/** Where boxes and edges are; anew where the structure changes. */
+function usePortLayout({ groups, nodes, edges, selected, selectedEdge }: Props): Layout {
+  const structure = JSON.stringify([groups.map((group) => [group.id, group.group]), nodes.map((node) => [node.id, node.group, widthOf(node), anchorsOf(node.ports, headOf(node))]), edges.map((edge) => [edge.id, edge.source, edge.target])]);
+  const input = () => {
     const known = new Map(nodes.map((node) => [node.id, { width: widthOf(node), height: heightOf(node), anchors: anchorsOf(node.ports, headOf(node)) }]));
-    void layOut({
+    const longest = Math.max(0, ...groups.flatMap((group) => (group.ports ?? []).map((port) => port.label.length)));
+    return {
       roots: treeOf(groups, nodes, undefined),
+      distance: 44 + portStep * longest, // the ports of groups stand beside them
       edges: edges.map((edge) => ({ ...edge, sourceAnchor: edge.sourcePort, targetAnchor: edge.targetPort })),
-      heightOf: (id) => known.get(id)?.height ?? headHeight,
-      widthOf: (id) => known.get(id)?.width ?? nodeWidth,
-      anchorsOf: (id) => known.get(id)?.anchors ?? [],
-    }).then((found) => current && setLayout(found));
-    return () => {
-      current = false;
+      heightOf: (id: string) => known.get(id)?.height ?? headHeight,
+      widthOf: (id: string) => known.get(id)?.width ?? nodeWidth,
+      anchorsOf: (id: string) => known.get(id)?.anchors ?? [],
     };
-    // Other changes move nothing.
-    // eslint-disable-next-line react-hooks/exhaustive-deps
-  }, [structure]);
-  useEffect(() => void flow.fitView(fitting), [layout, flow]);
-  // Where nobody has moved the graph, all of it stays in view, whatever opens beside it.
-  useEffect(() => {
-    if (!moved.current) void flow.fitView(fitting);
-  }, [width, height, flow]);
-  const onMove = (event: unknown) => {
-    if (event) moved.current = true;
   };
-  return { layout, onMove };
+  return useLayout({ structure, input, isHeld: selected !== null || selectedEdge !== null });
 }
 
 /** Groups and nodes at their places; those whose group has none come with the next layout. */
@@ -207,7 +199,9 @@ const endsOf = (drawn: Connection | Edge) => [{ node: drawn.source, port: drawn.
 
 function Flow(props: Props) {
   const { label, groups, nodes, fixed, canConnect, onSelect, onEdge, onConnect, onRemove } = props;
-  const { layout, onMove } = useLayout(props);
+  const layout = usePortLayout(props);
+  const around = useMemo(() => new Map([...groups, ...nodes].map((one) => [one.id, one.group])), [groups, nodes]);
+  const camera = useCamera({ layout, around, target: null, follow: null, selected: props.selected, first: nodes.find((node) => node.group === undefined)?.id });
   const placed = placedNodes(props, layout.boxes);
   const isEdited = (id: string) => nodes.some((node) => node.id === id) || groups.some((group) => group.id === id && group.isEdited);
   return (
@@ -231,7 +225,7 @@ function Flow(props: Props) {
         onNodeClick={(_, node) => onSelect(isEdited(node.id) ? node.id : null)}
         onEdgeClick={(_, edge) => onEdge(edge.id)}
         onPaneClick={() => onSelect(null)}
-        onMove={onMove}
+        onMove={camera.onMove}
         minZoom={0.1}
         onlyRenderVisibleElements={nodes.length > 200}
       >

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ReactNode } from 'react';
+import { Panel } from '../panes/Panel';
 import { ActionForm, List, type ActionEdits } from './ActionForm';
 import { Adding, Choice, Field, written } from './Fields';
 import { flowPartners } from './mission_graph';
@@ -224,7 +225,7 @@ export function StateForm(props: Props & { onClose: () => void; isOpen: boolean;
   const label = state.id === '' ? 'mission' : 'state ' + state.id;
   const what = isContainer(state) ? state.kind : state.kind === 'library' ? 'library ' + state.library : (state.kind === 'decider' ? 'decider, action ' : 'action ') + state.action;
   return (
-    <aside className="panel" aria-label={'Edit ' + label}>
+    <Panel label={'Edit ' + label}>
       <header>
         <h2>{state.id === '' ? state.name : state.id}</h2>
         <button type="button" aria-label="Close" onClick={onClose}>×</button>
@@ -242,6 +243,6 @@ export function StateForm(props: Props & { onClose: () => void; isOpen: boolean;
       {isContainer(state) ? <Container props={props} /> : <><Values side="inputs" props={props} /><Values side="outputs" props={props} /></>}
       {!fixed && <Place props={props} />}
       {state.parent && !fixed && <p className="doit"><button type="button" onClick={edits.remove}>Remove state</button></p>}
-    </aside>
+    </Panel>
   );
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type FormEvent } from 'react';
 import { portOf, taskOf } from '../robot/types';
+import { Panel } from '../panes/Panel';
 import { written } from './Fields';
 import { partners, portsOf, type EditedPort, type Models, type PropertyModel } from './models';
 import { NameField } from './NameField';
@@ -87,7 +88,7 @@ export function TaskForm({ id, network, models, edits, fixed, onClose }: { id: s
   const others = Object.keys(task.properties).filter((name) => !known.some((property) => property.name === name));
   const properties = [...known, ...others.map((name) => ({ name, type: '', doc: model ? 'not a property of this component' : '' }))];
   return (
-    <aside className="panel" aria-label={'Edit task ' + id}>
+    <Panel label={'Edit task ' + id}>
       <header>
         <h2>{id}</h2>
         <button type="button" aria-label="Close" onClick={onClose}>×</button>
@@ -104,6 +105,6 @@ export function TaskForm({ id, network, models, edits, fixed, onClose }: { id: s
         <PortRow key={port.direction + port.name} task={id} port={port} network={network} models={models} edits={edits} fixed={fixed} />
       ))}
       {!fixed && <p className="doit"><button type="button" onClick={() => edits.removeTask(id)}>Remove task</button></p>}
-    </aside>
+    </Panel>
   );
 }

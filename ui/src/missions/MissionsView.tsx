@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from 'react';
 import { isTyping } from '../keys';
+import { Splitter } from '../panes/Splitter';
 import { reason } from '../reason';
 import { useDocument } from '../robot/hooks';
 import { controlOf, withToggled } from './control';
@@ -12,6 +13,7 @@ import { breakpointsAfter, useRequests } from './requests';
 import { runOfFile, runOfMission, stateOf, type Run } from './run';
 import { StatePanel } from './StatePanel';
 import { States, useOpen } from './States';
+import { followedOf } from './states';
 import { waitsOf, withWaiting } from './waiting';
 import { useValues, type KnownValues } from './values';
 import './missions.css';
@@ -62,10 +64,12 @@ function useMission() {
 }
 type Current = ReturnType<typeof useMission>;
 
-/** The plan of the mission, with which of its containers are open. */
-function usePlan(mission: Mission | null) {
+/** The plan of the mission, with which of its containers are open, and the states that are followed. */
+function usePlan(mission: Mission | null, { control, lives }: Current) {
   const plan = mission ? planOf(mission) : null;
-  const [open, setOpen] = useOpen(plan);
+  const [follows, setFollows] = useState(true);
+  const followed = useMemo(() => (plan ? followedOf(plan, control?.at ?? [], lives) : []), [plan, control, lives]);
+  const { open, setOpen, onCrowded } = useOpen(plan, follows ? followed : []);
   const states = useMemo(() => new Map(plan?.states.map((state) => [state.path, state]) ?? []), [plan]);
   const kinds = useMemo(() => new Map(plan?.states.map((state) => [state.path, state.kind]) ?? []), [plan]);
   const toggle = (path: string) => {
@@ -73,7 +77,7 @@ function usePlan(mission: Mission | null) {
     if (!next.delete(path)) next.add(path);
     setOpen(next);
   };
-  return { plan, states, kinds, open, setOpen, toggle };
+  return { plan, states, kinds, open, setOpen, onCrowded, toggle, follows, setFollows, followed };
 }
 
 /** The row that was clicked on and the one under the pointer; Escape forgets the latter, then the former. */
@@ -161,8 +165,8 @@ export function MissionsView() {
   const [recorded, setRecorded] = useState<Run | null>(null);
   const [problem, setProblem] = useState('');
   const run = recorded ?? live;
-  const planned = usePlan(recorded ? null : mission);
-  const { plan, states, open, setOpen, toggle } = planned;
+  const planned = usePlan(recorded ? null : mission, current);
+  const { plan, states, open, setOpen, toggle, follows, setFollows, followed, onCrowded } = planned;
   const chosen = useChoice(run);
   const { path, selected, select, choose, peeked, setPeeked, dismiss } = chosen;
   const state = path === null ? undefined : states.get(path);
@@ -183,10 +187,12 @@ export function MissionsView() {
           <States
             plan={plan} mission={mission} control={control} lives={lives} waits={waits} selected={path} onSelect={choose}
             breakpoints={breakpoints} mayBreak={requests.may} onBreak={breaks} open={open} onOpen={setOpen} onToggle={toggle}
+            follows={follows} onFollows={setFollows} followed={followed} onCrowded={onCrowded}
             peeked={peeked} onPeek={setPeeked} valuesOf={valuesOf}
           />
         )}
         {!recorded && mission && !plan && <p className="quiet note">{planProblem(mission)}</p>}
+        {run && plan && mission && <Splitter name="states" label="Height of the states" axis="y" sized="before" />}
         {run && <GanttChart run={run} selected={selected} onSelect={select} />}
       </section>
       <SidePanel state={state} current={current} planned={planned} run={run} chosen={chosen} known={state ? valuesOf(state.path) : null} />

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Row, Run } from './run';
+import { Panel } from '../panes/Panel';
 
 function secondsText(value: number): string {
   return value.toFixed(value < 10 ? 2 : 1) + ' s';
@@ -50,12 +51,12 @@ export function NodeFacts({ run, row, index, onSelect }: Props) {
 /** A node of the chart that is not a state of a plan. */
 export function NodePanel(props: Props) {
   return (
-    <aside className="panel" aria-label={'Node ' + props.row.label}>
+    <Panel label={'Node ' + props.row.label}>
       <header>
         <h2>{props.row.label}</h2>
         <button type="button" aria-label="Close" onClick={() => props.onSelect(-1)}>×</button>
       </header>
       <NodeFacts {...props} />
-    </aside>
+    </Panel>
   );
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type ReactNode } from 'react';
+import { Panel } from '../panes/Panel';
 import { preemptedBy, whyNotAt, type Control } from './control';
 import { lifeWords, type Life, type Mission, type PlanState } from './mission';
 import type { Requests } from './requests';
@@ -66,7 +67,7 @@ export function StatePanel({ state, mission, control, lives, waits, kinds, reque
   const library = state.library ? 'library ' + state.library : '';
   const name = path === '' ? mission.mission : path;
   return (
-    <aside className="panel" aria-label={'State ' + name}>
+    <Panel label={'State ' + name}>
       <header>
         <h2>{state.title || name}</h2>
         <button type="button" aria-label="Close" onClick={onClose}>×</button>
@@ -92,6 +93,6 @@ export function StatePanel({ state, mission, control, lives, waits, kinds, reque
       )}
       {steps && <><h3>Values</h3><ValuesTable known={known} asks={asks} /></>}
       {children && <><h3>In the chart</h3>{children}</>}
-    </aside>
+    </Panel>
   );
 }

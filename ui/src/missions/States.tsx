@@ -3,7 +3,7 @@ import { useEffect, useMemo, useRef, useState } from 'react';
 import { Graph } from '../network/Graph';
 import type { Control } from './control';
 import { lifeWords, type Life, type Mission, type Plan } from './mission';
-import { idOf, isContainer, openAtFirst, openFor, pathOf, stateGraphOf } from './states';
+import { idOf, isContainer, openFor, openLevels, pathOf, stateGraphOf } from './states';
 import type { KnownValues } from './values';
 import { ValuesTip } from './ValuesTable';
 
@@ -26,6 +26,12 @@ interface Props {
   open: Set<string>;
   onOpen: (open: Set<string>) => void;
   onToggle: (path: string) => void;
+  /** See useLayout(). */
+  onCrowded: () => boolean;
+  /** Followed states are opened and moved into view. */
+  follows: boolean;
+  onFollows: (follows: boolean) => void;
+  followed: string[];
   /** The state that the pointer rests on, or that has the focus of the keyboard. */
   peeked: string | null;
   onPeek: (path: string | null) => void;
@@ -57,17 +63,16 @@ function usePeek(onPeek: (path: string | null) => void): (id: string | null) => 
   };
 }
 
-/** Where the mission is held can be seen, and stays selected where it was. */
-function useFollow({ control, selected, onSelect, open, onOpen }: Props, follows: boolean): void {
-  const place = JSON.stringify(control?.at ?? null);
+/** Followed states can be seen, and stay selected where they were. */
+function useFollow({ followed, follows, selected, onSelect, open, onOpen }: Props): void {
+  const place = JSON.stringify(followed);
   const before = useRef<string[]>([]);
   useEffect(() => {
-    const at = control?.at ?? [];
-    if (!follows || at.length === 0) return;
-    const hidden = openFor(at).filter((path) => !open.has(path));
+    if (!follows || followed.length === 0) return;
+    const hidden = openFor(followed).filter((path) => !open.has(path));
     if (hidden.length > 0) onOpen(new Set([...open, ...hidden]));
-    if (selected !== null && before.current.includes(selected) && !at.includes(selected)) onSelect(at[0] ?? null);
-    before.current = at;
+    if (selected !== null && before.current.includes(selected) && !followed.includes(selected)) onSelect(followed[0] ?? null);
+    before.current = followed;
     // A state that somebody opens, closes or selects there afterwards stays so.
   }, [place, follows]);
 }
@@ -82,23 +87,22 @@ function tipOf({ control, mayBreak, peeked, selected, valuesOf }: Props) {
 
 /** The states as nested graph: which run, come next and have breakpoints. */
 export function States(props: Props) {
-  const { plan, mission, control, lives, waits, selected, onSelect, breakpoints, mayBreak, onBreak, open, onOpen, onToggle, onPeek } = props;
+  const { plan, mission, control, lives, waits, selected, onSelect, breakpoints, mayBreak, onBreak, open, onOpen, onToggle, onPeek, follows, onFollows, followed, onCrowded } = props;
   const [withFlows, setWithFlows] = useState(false);
-  const [follows, setFollows] = useState(true);
   const steps = control?.steps ?? false;
   const breaks = useMemo(() => (steps ? { at: breakpoints, fixed: !mayBreak } : null), [steps, breakpoints, mayBreak]);
   const graph = useMemo(() => stateGraphOf(plan, { lives, waits }, open, withFlows, breaks), [plan, lives, waits, open, withFlows, breaks]);
   const containers = useMemo(() => new Set(plan.states.filter((state) => state.path !== '' && isContainer(state)).map((state) => state.path)), [plan]);
   const peek = usePeek(onPeek);
-  useFollow(props, follows);
+  useFollow(props);
   return (
     <section className="states" aria-label="States">
       <div className="bar">
         <span className="quiet">{plan.states.length - 1 || 1} states{plan.complete ? '' : ' (more are not shown)'}</span>
         <label><input type="checkbox" checked={withFlows} onChange={(event) => setWithFlows(event.target.checked)} /> data flows</label>
-        {steps && (
-          <label title="Where the mission is held is opened and moved into view; where it was selected, it stays so">
-            <input type="checkbox" checked={follows} onChange={(event) => setFollows(event.target.checked)} /> follow
+        {mission.state !== 'ended' && (
+          <label title="The state that runs, or before which the mission is held, is opened and moved into view; where it was selected, it stays so">
+            <input type="checkbox" checked={follows} onChange={(event) => onFollows(event.target.checked)} /> follow
           </label>
         )}
         <button type="button" className="small" onClick={() => onOpen(containers)}>open all</button>
@@ -107,21 +111,32 @@ export function States(props: Props) {
         <Legend />
       </div>
       <Graph
-        label="Graph of states" groups={graph.groups} nodes={graph.nodes} edges={graph.edges}
+        label="Graph of states" needsLabels groups={graph.groups} nodes={graph.nodes} edges={graph.edges}
         selected={selected === null ? null : idOf(selected)} onSelect={(id) => onSelect(id === null ? null : pathOf(id))} onToggle={(id) => onToggle(pathOf(id))}
-        onMark={(id) => onBreak(pathOf(id))} markKey="b" follow={follows && control?.at?.[0] !== undefined ? idOf(control.at[0]) : null}
+        onMark={(id) => onBreak(pathOf(id))} markKey="b" follow={follows && followed[0] !== undefined ? idOf(followed[0]) : null} onCrowded={onCrowded}
         onPeek={peek} tip={tipOf(props)}
       />
     </section>
   );
 }
 
-/** Which containers of a plan are open; anew for one with other states. */
-export function useOpen(plan: Plan | null): [Set<string>, (open: Set<string>) => void] {
+/**
+ * Which containers of a plan are open; anew for one with other states. Until somebody opens or closes one, those around the
+ * states that are `shown` are, and as many others as can be read.
+ */
+export function useOpen(plan: Plan | null, shown: string[]) {
   const structure = plan && JSON.stringify(plan.states.map((state) => state.path));
-  const [open, setOpen] = useState<{ of: string | null; paths: Set<string> }>({ of: null, paths: new Set() });
+  const [kept, setKept] = useState<{ of: string | null; level: number; paths: Set<string> | null }>({ of: null, level: 0, paths: null });
   // eslint-disable-next-line react-hooks/exhaustive-deps
-  const atFirst = useMemo(() => (plan ? openAtFirst(plan) : new Set<string>()), [structure]);
-  const set = (paths: Set<string>) => setOpen({ of: structure, paths });
-  return [open.of === structure ? open.paths : atFirst, set];
+  const levels = useMemo(() => (plan ? openLevels(plan) : []), [structure]);
+  const { level, paths } = kept.of === structure ? kept : { level: 0, paths: null };
+  const around = JSON.stringify(openFor(shown));
+  const atFirst = useMemo(() => new Set([...(levels[level] ?? []), ...(JSON.parse(around) as string[])]), [levels, level, around]);
+  const setOpen = (open: Set<string>) => setKept({ of: structure, level, paths: open });
+  const onCrowded = () => {
+    if (paths !== null || level + 1 >= levels.length) return false;
+    setKept({ of: structure, level: level + 1, paths });
+    return true;
+  };
+  return { open: paths ?? atFirst, setOpen, onCrowded };
 }

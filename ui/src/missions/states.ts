@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { BoxMark } from '../network/BoxButtons';
 import type { GraphEdge, GraphGroup, GraphNode } from '../network/drawn_graph';
+import { fewestSeen } from '../network/folding';
 import { lifeWords, pathsTo, type Life, type Plan, type PlanState } from './mission';
 
 /** A plan with more states shows only its outermost ones open at first. */
@@ -21,15 +22,21 @@ export function isContainer(state: PlanState): boolean {
   return ['hierarchy', 'barrier', 'preemptive'].includes(state.kind);
 }
 
-/** Which containers are open at first: all, or as many of the outermost as can be seen. */
-export function openAtFirst(plan: Plan): Set<string> {
-  const open = new Set<string>();
+/**
+ * Which containers are open at first: all, or as many of the outermost as can be seen; where not all of that can be read,
+ * those of the next level, without the innermost ones of the level before.
+ */
+export function openLevels(plan: Plan): Set<string>[] {
+  const most = new Set<string>();
   let shown = 0;
   for (const state of plan.states) {
     ++shown;
-    if (state.path !== '' && isContainer(state) && shown <= mostOpen) open.add(state.path);
+    if (state.path !== '' && isContainer(state) && shown <= mostOpen) most.add(state.path);
   }
-  return open;
+  const depths = [...new Set([...most].map((path) => pathsTo(path).length))].sort((a, b) => b - a);
+  const levels = [most, ...depths.map((depth) => new Set([...most].filter((path) => pathsTo(path).length < depth)))];
+  const boxes = (open: Set<string>) => plan.states.filter((state) => state.path !== '' && visibleFor(state.path, open) === state.path && !open.has(state.path)).length;
+  return levels.filter((level, index) => index === 0 || (level.size < (levels[index - 1]?.size ?? 0) && boxes(level) >= fewestSeen));
 }
 
 /** Which containers are around states, so that those can be seen. */
@@ -45,6 +52,11 @@ function visibleFor(path: string, open: Set<string>): string {
   return path;
 }
 
+/** The states that are followed: before which the mission is held, or else that run. */
+export function followedOf(plan: Plan, at: string[], lives: Map<string, Life>): string[] {
+  return at.length > 0 ? at : plan.states.filter((state) => !isContainer(state) && lives.get(state.path) === 'running').map((state) => state.path);
+}
+
 /** Breakpoints as they are drawn; null: the mission cannot have any. */
 export interface Breaks {
   at: string[];
@@ -56,11 +68,13 @@ function markOf(path: string, breaks: Breaks | null): BoxMark | undefined {
   return breaks && path !== '' ? { on: breaks.at.includes(path), label: 'Breakpoint at ' + path, fixed: breaks.fixed } : undefined;
 }
 
-function detailOf(state: PlanState, life: Life, waits: string[] | undefined, breaks: Breaks | null): string {
+const countText = (count: number) => count + (count === 1 ? ' state' : ' states');
+
+function detailOf(state: PlanState, life: Life, waits: string[] | undefined, breaks: Breaks | null, inside: number): string {
   const returns = state.next.filter((one) => one.returns !== undefined).map((one) => (one.outcome === one.returns ? '↩ ' + one.returns : one.outcome + ' ↩ ' + one.returns));
-  const inside = isContainer(state) && breaks?.at.some((path) => path.startsWith(state.path + '/')) ? '● inside' : '';
-  if (waits) return ['waits for ' + waits.join('; '), inside].filter((part) => part !== '').join(' · ');
-  return [wordOf(life), isContainer(state) ? state.kind + ', closed' : '', inside, ...returns].filter((part) => part !== '').join(' · ') || state.action || state.kind;
+  const marked = isContainer(state) && breaks?.at.some((path) => path.startsWith(state.path + '/')) ? '● inside' : '';
+  if (waits) return ['waits for ' + waits.join('; '), marked].filter((part) => part !== '').join(' · ');
+  return [wordOf(life), isContainer(state) ? state.kind + ', ' + countText(inside) : '', marked, ...returns].filter((part) => part !== '').join(' · ') || state.action || state.kind;
 }
 
 /** The run, as the boxes of states show it. */
@@ -76,14 +90,16 @@ export function stateGraphOf(plan: Plan, { lives, waits }: Progress, open: Set<s
   const graph: StateGraph = { groups: [], nodes: [], edges: [] };
   const states = root && !isContainer(root) ? [root] : plan.states.filter((state) => state.path !== '' && visibleFor(state.path, open) === state.path);
   const starts = new Set(plan.states.map((state) => state.start));
+  const inside = new Map<string, number>();
+  for (const state of plan.states) for (const outer of pathsTo(state.path).slice(0, -1)) inside.set(outer, (inside.get(outer) ?? 0) + 1);
   for (const state of states) {
     const life = lives.get(state.path) ?? 'idle';
     const title = (starts.has(state.path) ? '▶ ' : '') + (state.title || plan.mission);
-    const box = { id: idOf(state.path), group: state.in ? idOf(state.in) : undefined, look: 'life-' + life, mark: markOf(state.path, breaks) };
+    const box = { id: idOf(state.path), group: state.in ? idOf(state.in) : undefined, look: 'life-' + life, first: starts.has(state.path), mark: markOf(state.path, breaks) };
     if (isContainer(state) && open.has(state.path)) {
       graph.groups.push({ ...box, title: title + ' (' + [state.kind, wordOf(life)].filter((part) => part !== '').join(', ') + ')', expanded: true });
     } else {
-      graph.nodes.push({ ...box, title, detail: detailOf(state, life, life === 'waiting' ? waits.get(state.path) : undefined, breaks), expanded: isContainer(state) ? false : undefined });
+      graph.nodes.push({ ...box, title, isWide: true, detail: detailOf(state, life, life === 'waiting' ? waits.get(state.path) : undefined, breaks, inside.get(state.path) ?? 0), expanded: isContainer(state) ? false : undefined });
     }
   }
   const edges = new Map<string, GraphEdge>();

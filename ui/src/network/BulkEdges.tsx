@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 import { ViewportPortal } from '@xyflow/react';
 import { useMemo } from 'react';
-import type { GraphEdge } from './drawn_graph';
-import type { Layout } from './layout';
-import { arrowOf, labelPlace, pathOf } from './route';
+import { labelWidth, type GraphEdge } from './drawn_graph';
+import type { Layout } from './boxes';
+import { labelBox } from './labels';
+import { arrowOf, pathOf } from './route';
 
-/** About that of a character of a label, and what is left free around the label. */
-const labelStep = 5.8;
-const labelMargin = 2;
-const labelHeight = 14;
-
-function Labels({ edges, routes }: { edges: GraphEdge[]; routes: Layout['routes'] }) {
-  const places = useMemo(() => new Map([...routes].map(([id, route]) => [id, labelPlace(route)])), [routes]);
+function Labels({ edges, labels }: { edges: GraphEdge[]; labels: Layout['labels'] }) {
   return edges.map(({ id, label }) => {
-    const place = places.get(id);
+    const place = labels.get(id);
     if (!label || !place) return null;
-    const width = label.length * labelStep + 2 * labelMargin;
+    const { x, y, width, height } = labelBox(place, labelWidth(label));
     return (
       <g key={id}>
-        <rect x={place.x - width / 2} y={place.y - labelHeight / 2} width={width} height={labelHeight} />
+        <rect x={x} y={y} width={width} height={height} />
         <text x={place.x} y={place.y}>{label}</text>
       </g>
     );
@@ -29,7 +24,7 @@ function Labels({ edges, routes }: { edges: GraphEdge[]; routes: Layout['routes'
  * Many edges as one drawing, and one path of it for each look: dozens of elements of their own, each a layer of its own while the
  * graph moves, would slow down each frame.
  */
-export function BulkEdges({ edges, routes, labelled }: { edges: GraphEdge[]; routes: Layout['routes']; labelled: boolean }) {
+export function BulkEdges({ edges, routes, labels }: { edges: GraphEdge[]; routes: Layout['routes']; labels: Layout['labels'] | null }) {
   const looks = edges.map((edge) => edge.look).join('\n'); // edges are new objects with each value
   const paths = useMemo(() => {
     const found = new Map<string, { lines: string[]; arrows: string[] }>();
@@ -53,7 +48,7 @@ export function BulkEdges({ edges, routes, labelled }: { edges: GraphEdge[]; rou
             <path className="arrows" d={arrows} />
           </g>
         ))}
-        {labelled && <Labels edges={edges} routes={routes} />}
+        {labels && <Labels edges={edges} labels={labels} />}
       </svg>
     </ViewportPortal>
   );

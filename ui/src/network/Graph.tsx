@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 import { ReactFlow, Background, Controls, ReactFlowProvider } from '@xyflow/react';
 import '@xyflow/react/dist/style.css';
-import { useCallback, useEffect, useId, useMemo, useRef, useState, type ReactNode } from 'react';
+import { useCallback, useId, useMemo, useRef, type ReactNode } from 'react';
 import { BoxActionsContext } from './BoxButtons';
 import { BulkEdges } from './BulkEdges';
-import type { GraphEdge, GraphGroup, GraphNode } from './drawn_graph';
+import { boxWidth, labelWidth, type GraphEdge, type GraphGroup, type GraphNode } from './drawn_graph';
 import { nodeTypes } from './GraphBoxes';
 import { GraphTip } from './GraphTip';
-import { Layouter, noLayout, type BoxTree, type Layout } from './layout';
+import { nodeWidth, type BoxTree } from './boxes';
 import { edgeTypes } from './RoutedEdge';
 import { useBoxActions } from './useBoxActions';
 import { cornerOf, useCamera } from './useCamera';
 import { useDrawnBoxes, useDrawnEdges } from './useDrawn';
+import { useLayout } from './useLayout';
 import './network.css';
 
 interface Props {
@@ -34,13 +35,17 @@ interface Props {
   onPeek?: (id: string | null) => void;
   /** The text beside a box. */
   tip?: { id: string; content: ReactNode } | null;
+  /** Labels of edges tell what happens, and do not change: each is shown. Else they are shown where there is room. */
+  needsLabels?: boolean;
+  /** See useLayout(). */
+  onCrowded?: () => boolean;
 }
 
 /** The boxes of all groups and nodes, in each other. */
 function treeOf(groups: GraphGroup[], nodes: GraphNode[]): BoxTree[] {
   const inside = new Map<string | undefined, BoxTree[]>([[undefined, []], ...groups.map((group): [string, BoxTree[]] => [group.id, []])]);
-  for (const group of groups) inside.get(group.group)?.push({ id: group.id, children: inside.get(group.id) });
-  for (const node of nodes) inside.get(node.group)?.push({ id: node.id });
+  for (const group of groups) inside.get(group.group)?.push({ id: group.id, first: group.first, children: inside.get(group.id) });
+  for (const node of nodes) inside.get(node.group)?.push({ id: node.id, first: node.first });
   return inside.get(undefined) ?? [];
 }
 
@@ -56,24 +61,19 @@ export function Graph(props: Props) {
   );
 }
 
-/** Where boxes and edges are. Values that change do not move anything. */
-function useLayout({ groups, nodes, edges }: Props): Layout {
-  const [layout, setLayout] = useState<Layout>(noLayout);
-  const layouter = useRef(new Layouter());
+/** The layout of the graph, anew where its structure changes. */
+function useGraphLayout({ groups, nodes, edges, needsLabels, selected, onCrowded }: Props) {
   const structure = JSON.stringify([
     groups.map((group) => [group.id, group.group]),
     nodes.map((node) => [node.id, node.group]),
-    edges.map((edge) => edge.id),
+    edges.map((edge) => [edge.id, needsLabels && edge.label]),
   ]);
-  useEffect(() => {
-    let current = true;
-    layouter.current.ask({ roots: treeOf(groups, nodes), edges }, (found) => current && setLayout(found));
-    return () => {
-      current = false;
-    };
-    // eslint-disable-next-line react-hooks/exhaustive-deps
-  }, [structure]);
-  return layout;
+  const input = () => {
+    const widths = new Map(nodes.map((node) => [node.id, boxWidth(node)]));
+    const planned = edges.map((edge) => ({ ...edge, labelWidth: needsLabels ? labelWidth(edge.label ?? '') : edge.room }));
+    return { roots: treeOf(groups, nodes), edges: planned, needsLabels, widthOf: (id: string) => widths.get(id) ?? nodeWidth };
+  };
+  return useLayout({ structure, input, isHeld: selected !== null && selected !== undefined, onCrowded });
 }
 
 /** While it moves the drawing is one picture; it is drawn anew, and sharp, where it comes to rest. */
@@ -86,12 +86,13 @@ function useMoves() {
 
 function Flow(props: Props) {
   const { label, groups, nodes, edges, selected, target, follow, markKey, onPeek, tip } = props;
-  const { boxes, routes } = useLayout(props);
+  const layout = useGraphLayout(props);
+  const { boxes, routes } = layout;
   const around = useMemo(() => new Map([...groups, ...nodes].map((one) => [one.id, one.group])), [groups, nodes]);
-  const camera = useCamera({ boxes, around, target, follow });
+  const camera = useCamera({ layout, around, target, follow, selected, first: [...nodes, ...groups].find((one) => one.first && one.group === undefined)?.id });
   const tipId = useId();
   const drawn = useDrawnBoxes({ groups, nodes, selected, markKey, tipId, tipped: tip?.id ?? null, areActive: props.onToggle !== undefined }, boxes);
-  const { single, bulk, labelled } = useDrawnEdges(edges, selected, routes);
+  const { single, bulk, labelled } = useDrawnEdges(edges, selected, layout);
   const { buttons, click, leave, press, enter, leaveNode, focus } = useBoxActions(props, camera.toggles);
   const { frame, begin, rest } = useMoves();
   const tipBox = tip ? boxes.get(tip.id) : undefined;
@@ -106,7 +107,7 @@ function Flow(props: Props) {
           onMoveStart={begin} onMove={camera.onMove} onMoveEnd={rest}
           nodesConnectable={false} minZoom={0.05} onlyRenderVisibleElements={nodes.length > mostDrawn}
         >
-          {bulk && <BulkEdges edges={edges} routes={routes} labelled={labelled} />}
+          {bulk && <BulkEdges edges={edges} routes={routes} labels={labelled ? layout.labels : null} />}
           {!bulk && <Background gap={22} size={1} />}
           <Controls showInteractive={false} />
         </ReactFlow>

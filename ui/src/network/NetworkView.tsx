@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useRef, useState } from 'react';
 import type { ConnectionStatus, Status } from '../robot/types';
+import { foldLevels, useFolding } from './folding';
 import { Graph } from './Graph';
 import { latencyOf, matching, rateOf, type Flow, type Flows } from './graph';
 import { bundlesOf, edgesOf, foldedAround, mostOpen, pictureOf, sameStructure, structureOf, type Structure } from './places';
@@ -33,21 +34,18 @@ function useStructure(status: Status): Structure {
   return last.current.structure;
 }
 
-/** Which places are folded: in large networks all but those that somebody has opened, in others those that somebody has closed. */
-function useFolding(structure: Structure) {
-  const [toggled, setToggled] = useState<ReadonlyMap<string, boolean>>(new Map());
-  const large = structure.placeOf.size > mostOpen;
-  const isFolded = useMemo(() => (place: string) => toggled.get(place) ?? large, [toggled, large]);
-  const set = (folded: boolean, places: string[]) => setToggled(new Map([...toggled, ...places.map((place): [string, boolean] => [place, folded])]));
+/** Which places are folded: in large networks all but those that somebody has opened, in others as many as others can be read. */
+function usePlaces(structure: Structure) {
+  const levels = useMemo(() => foldLevels(structure.places.map(({ id, tasks }) => ({ id, size: tasks.length, isInner: !id.startsWith('host:') })), structure.placeOf.size > mostOpen), [structure]);
+  const folding = useFolding(structure, levels);
   return {
-    isFolded,
-    toggle: (place: string) => set(!isFolded(place), [place]),
-    setAll: (folded: boolean) => set(folded, structure.places.map((place) => place.id)),
+    ...folding,
+    setAll: (folded: boolean) => folding.set(folded, structure.places.map((place) => place.id)),
     /** Unfolds the places around a task, so that it can be seen. */
     reveal: (task: string) => {
-      if (!foldedAround(structure, task, isFolded)) return;
+      if (!foldedAround(structure, task, folding.isFolded)) return;
       const place = structure.placeOf.get(task);
-      set(false, [place?.id, place?.inside].filter((id) => id !== undefined));
+      folding.set(false, [place?.id, place?.inside].filter((id) => id !== undefined));
     },
   };
 }
@@ -92,7 +90,7 @@ export function NetworkView({ status }: { status: Status }) {
   const found = useMemo(() => (words.trim() === '' ? null : new Set(matching(status, words))), [status, words]);
   const structure = useStructure(status);
   const total = structure.placeOf.size;
-  const folding = useFolding(structure);
+  const folding = usePlaces(structure);
   const { isFolded } = folding;
   const bundles = useMemo(() => bundlesOf(structure, isFolded), [structure, isFolded]);
   const { groups, nodes } = useMemo(() => pictureOf(status, structure, isFolded, found), [status, structure, isFolded, found]);
@@ -118,7 +116,7 @@ export function NetworkView({ status }: { status: Status }) {
         {total === 0 ? (
           <p className="empty">No task is running. Choose a controller in Switch.</p>
         ) : (
-          <Graph label="Graph of tasks" groups={groups} nodes={nodes} edges={edges} selected={selected} target={target} onSelect={setSelected} onToggle={folding.toggle} />
+          <Graph label="Graph of tasks" groups={groups} nodes={nodes} edges={edges} selected={selected} target={target} onSelect={setSelected} onToggle={folding.toggle} onCrowded={folding.onCrowded} />
         )}
       </section>
       {selected && <TaskPanel key={selected} id={selected} status={status} flows={flows} onClose={() => setSelected(null)} />}

@@ -6,6 +6,7 @@ import { howLong, troubleOfTask } from '../health/health';
 import { useConnection, useDocument } from '../robot/hooks';
 import { Skipped } from '../robot/Skipped';
 import type { OperationModel, PortModel, Status, TaskReport } from '../robot/types';
+import { Panel } from '../panes/Panel';
 import { Connections } from './Connections';
 import { toneOf, type Flows } from './graph';
 import { Plot } from './Plot';
@@ -203,7 +204,7 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
   const fixed = !connection.mayOperate;
   const report = isMap(shown?.value) ? (shown.value as unknown as TaskReport) : null;
   return (
-    <aside className="panel" aria-label={'Task ' + id}>
+    <Panel label={'Task ' + id}>
       <header>
         <h2>{id}</h2>
         <button type="button" onClick={onClose} aria-label="Close (Escape)">×</button>
@@ -222,6 +223,6 @@ export function TaskPanel({ id, status, flows, onClose }: { id: string; status: 
           </Interior>
         </BesideMission.Provider>
       )}
-    </aside>
+    </Panel>
   );
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, it } from 'vitest';
-import { Layouter, liftedEdges, noLayout, type Layout, type LayoutInput } from './layout';
+import { noLayout, type Layout, type LayoutInput } from './boxes';
+import { liftedEdges } from './elk_graph';
+import { Layouter } from './layout';
 
 it('what became old while it waited is not laid out', async () => {
   const begun: string[] = [];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { taskOf, type Status } from '../robot/types';
-import type { GraphEdge, GraphGroup, GraphNode } from './drawn_graph';
+import { labelWidth, type GraphEdge, type GraphGroup, type GraphNode } from './drawn_graph';
 import { placeOf, rateText, toneOf, type Flows } from './graph';
 import { durationOf } from './histogram';
 
@@ -141,7 +141,7 @@ function foldedNode(place: Place, status: Status, found: Set<string> | null): Gr
     hits > 0 ? hits + ' found' : '',
   ];
   return {
-    id: place.id, group: place.inside, title: '▸ ' + place.title, detail: detail.filter((part) => part !== '').join(', '), folded: true,
+    id: place.id, group: place.inside, title: '▸ ' + place.title, isWide: true, detail: detail.filter((part) => part !== '').join(', '), folded: true,
     look: 'tone-' + worst + (found && hits === 0 ? ' faint' : ''),
   };
 }
@@ -192,7 +192,7 @@ export function labelOf(status: Status, flows: Flows, { connections, folded }: B
 
 export function edgesOf(status: Status, flows: Flows, bundles: Bundle[]): GraphEdge[] {
   return bundles.map((bundle) => ({
-    id: bundle.id, source: bundle.source, target: bundle.target, label: labelOf(status, flows, bundle),
+    id: bundle.id, source: bundle.source, target: bundle.target, label: labelOf(status, flows, bundle), room: labelWidth(bundle.folded ? '×12, 120/s, 3.1 µs' : '120/s, 3.1 µs'),
     look: bundle.connections.some((key) => (status.connections[key]?.dropped ?? 0) > 0) ? 'warns' : '',
   }));
 }

@@ -4,9 +4,10 @@ import { useCallback, useMemo, useRef } from 'react';
 import type { BoxMark } from './BoxButtons';
 import type { GraphEdge, GraphGroup, GraphNode } from './drawn_graph';
 import { Keeper } from './keeper';
-import { geometry, nodeHeight, nodeWidth, type Box, type Layout } from './layout';
+import { geometry, nodeHeight, type Box, type Layout } from './boxes';
+import { labelPlace, type Point } from './route';
 
-const marker = { type: MarkerType.ArrowClosed, width: 16, height: 16 };
+const marker = { type: MarkerType.ArrowClosed, width: 16, height: 16, markerUnits: 'userSpaceOnUse' };
 /** More edges are one drawing, without the dots behind it, which would be drawn anew in each frame while it moves. */
 const mostSingle = 40;
 /** Of more edges only those of the selected task have labels, and are drawn one by one. */
@@ -29,7 +30,7 @@ function nodeBox(node: GraphNode, box: Box, selected: boolean): Node {
     id: node.id, type: 'task', zIndex: 2, parentId: node.group, position: box, draggable: false, selected,
     data: { title: node.title, detail: node.detail, look: node.look, folded: node.folded, expanded: node.expanded, mark: node.mark },
     ariaLabel: node.title + ', ' + node.detail + marked(node.mark),
-    ...geometry(nodeWidth, nodeHeight, ends),
+    ...geometry(box.width, nodeHeight, ends),
   };
 }
 
@@ -76,28 +77,29 @@ export function useDrawnBoxes({ groups, nodes, selected, markKey, tipId, tipped,
   }, [boxes, groups, nodes, selected, areActive, partsOf, attributesOf]);
 }
 
-function drawnEdge(edge: GraphEdge, route: unknown): Edge {
+function drawnEdge(edge: GraphEdge, route: Point[] | undefined, labelAt: Point | undefined): Edge {
   return {
-    id: edge.id, type: 'routed', data: { route }, source: edge.source, target: edge.target, label: edge.label, zIndex: -1, interactionWidth: 0,
+    id: edge.id, type: 'routed', data: { route, labelAt }, source: edge.source, target: edge.target, label: labelAt && edge.label, zIndex: -1, interactionWidth: 0,
     className: 'edge ' + edge.look, markerEnd: marker, focusable: false, ariaLabel: edge.source + ' to ' + edge.target,
   };
 }
 
-/** The edges that are drawn one by one; `bulk`: the others are one drawing, with labels where `labelled`. */
-export function useDrawnEdges(edges: GraphEdge[], selected: string | null | undefined, routes: Layout['routes']) {
+/** The edges that are drawn one by one, with labels where there is room; of many edges those of the selected box; `bulk`: the others are one drawing, with labels where `labelled`. */
+export function useDrawnEdges(edges: GraphEdge[], selected: string | null | undefined, { routes, labels }: Layout) {
   const kept = useRef(new Keeper<Edge>());
   const bulk = edges.length > mostSingle;
   const labelled = edges.length <= mostLabelled;
   const lit = bulk && !labelled ? selected : null;
   const single = useMemo(() => {
     const keeper = kept.current.begin();
-    const chosen = bulk ? edges.filter((edge) => lit !== null && (edge.source === lit || edge.target === lit)) : edges;
+    const chosen = bulk ? edges.filter((edge) => lit !== null && lit !== undefined && (edge.source === lit || edge.target === lit)) : edges;
     const drawn = chosen.filter((edge) => routes.has(edge.id)).map((edge) => { // others come with the next layout
       const route = routes.get(edge.id);
-      return keeper.keep(edge.id, [route, edge.label, edge.look], () => drawnEdge(edge, route));
+      const labelAt = labels.get(edge.id) ?? (!labelled && route ? labelPlace(route) : undefined);
+      return keeper.keep(edge.id, [route, labelAt?.x, labelAt?.y, edge.label, edge.look], () => drawnEdge(edge, route, labelAt));
     });
     keeper.end();
     return drawn;
-  }, [edges, routes, bulk, lit]);
+  }, [edges, routes, labels, bulk, labelled, lit]);
   return { single, bulk, labelled };
 }

@@ -3,6 +3,7 @@ import { useEffect, useMemo, useRef, useState } from 'react';
 import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, momentOf, type Film, type Moment, type PastAction, type PastTransition } from './film';
 import { toneOfOutcome } from '../robot/outcome';
+import { Panel } from '../panes/Panel';
 import { stepOf, timeOf } from './slider';
 
 const phases = ['prepare', 'commit', 'retire'];
@@ -99,7 +100,7 @@ function PlayerBar({ film, player, onClose }: { film: Film; player: Player; onCl
 function TransitionPanel({ film, at }: { film: Film; at: number }) {
   const { transition } = film;
   return (
-    <aside className="panel" aria-label="Past transition">
+    <Panel label="Past transition">
       <h2>{transition.from || 'empty'} → {transition.to || 'empty'}</h2>
       <p className={toneOfOutcome(transition.outcome) === 'good' ? 'good' : 'bad'}>
         {transition.outcome}
@@ -115,7 +116,7 @@ function TransitionPanel({ film, at }: { film: Film; at: number }) {
         <Actions key={name} name={name} actions={transition.actions.filter((action) => action.phase === name)} at={at} />
       ))}
       {transition.undo_actions.length > 0 && <Actions name="undo" actions={transition.undo_actions} at={at} />}
-    </aside>
+    </Panel>
   );
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo } from 'react';
-import { Graph } from '../network/Graph';
+import { FoldingGraph } from '../network/FoldingGraph';
 import type { Frame, Presence } from './film';
 
 const looks: Record<Presence, string> = { there: 'there', 'not yet': 'not-there', gone: 'not-there' };
@@ -24,5 +24,5 @@ export function FrameGraph({ label, frame }: { label: string; frame: Frame }) {
     [frame],
   );
   const edges = useMemo(() => frame.edges.map((edge) => ({ ...edge, look: 'fate-' + edge.fate + ' ' + looks[edge.presence] })), [frame]);
-  return <Graph label={label} groups={groups} nodes={nodes} edges={edges} />;
+  return <FoldingGraph label={label} groups={groups} nodes={nodes} edges={edges} quiet="fate-unchanged there" mixed="fate-changed there" />;
 }

@@ -3,6 +3,7 @@ import { useMemo } from 'react';
 import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, frameOfNetwork, networkOf } from './film';
 import { toneOfOutcome } from '../robot/outcome';
+import { Panel } from '../panes/Panel';
 import { stepOf, timeOf } from './slider';
 import { useMoment, useTransition, type PastMoment, type Span } from './usePast';
 
@@ -111,11 +112,11 @@ export function MomentView({ span, time, changed, onTime, onPlay }: Props) {
         <TimeBar span={span} time={time} onTime={onTime} />
         {frame ? <FrameGraph label="Network at that time" frame={frame} /> : <p className="empty">{moment ? 'What ran then is not known.' : ''}</p>}
       </section>
-      <aside className="panel" aria-label="At that time">
+      <Panel label="At that time">
         <h2>At that time</h2>
         {problem && <p className="bad" role="alert">{problem}</p>}
         {moment && <Facts moment={moment} onPlay={onPlay} />}
-      </aside>
+      </Panel>
     </>
   );
 }

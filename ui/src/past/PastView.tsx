@@ -4,6 +4,7 @@ import { useDocument } from '../robot/hooks';
 import { toneOfOutcome } from '../robot/outcome';
 import { eventsOf } from '../events/filter';
 import type { RobotEvent } from '../robot/types';
+import { ListPane } from '../panes/Panel';
 import { FilmView } from './FilmView';
 import { MomentView, timeText } from './MomentView';
 import type { PastRequest } from './film';
@@ -55,7 +56,7 @@ export function PastView() {
   const transition = film.answer && film.answer.id === chosen ? film.answer : null;
   return (
     <div className="view switch past">
-      <section className="controllers" aria-label="Past requests">
+      <ListPane label="Past requests">
         <h2>Past requests</h2>
         <label className="search">
           <span className="hidden">Find past requests</span>
@@ -69,7 +70,7 @@ export function PastView() {
         </ul>
         {requests.length === 0 && !problem && <p className="quiet">{words === '' ? 'Nothing has been requested yet.' : 'No request has these words.'}</p>}
         {more && <button type="button" onClick={older}>Older ones</button>}
-      </section>
+      </ListPane>
       {chosen !== null ? (
         transition ? (
           <FilmView key={transition.id} transition={transition} onClose={() => setChosen(null)} />

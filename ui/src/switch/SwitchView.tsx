@@ -2,11 +2,12 @@
 import { useEffect, useMemo, useState } from 'react';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
-import { Graph } from '../network/Graph';
+import { FoldingGraph } from '../network/FoldingGraph';
 import { useConnection, useDocument } from '../robot/hooks';
 import { toneOfOutcome } from '../robot/outcome';
 import type { Action, RobotEvent, Status, SwitchOutcome, Transition } from '../robot/types';
 import { eventsOf } from '../events/filter';
+import { ListPane, Panel } from '../panes/Panel';
 import { OpenRequests, UndoList } from './OpenRequests';
 import { undoingOf, undoneOf, type Undoing } from './undo';
 import './switch.css';
@@ -153,7 +154,7 @@ function Controllers({ status, chosen, onChoose, onProblem }: ControllersProps) 
     );
   };
   return (
-    <section className="controllers" aria-label="Controllers">
+    <ListPane label="Controllers">
       <h2>Controllers</h2>
       <ul className="plain">
         {status.controllers.map((name) => {
@@ -175,7 +176,7 @@ function Controllers({ status, chosen, onChoose, onProblem }: ControllersProps) 
         })}
       </ul>
       {status.commanded_by && <p className="quiet">Commanded by {status.commanded_by}</p>}
-    </section>
+    </ListPane>
   );
 }
 
@@ -194,8 +195,8 @@ function Legend({ difference }: { difference: Difference }) {
 function DifferenceGraph({ difference }: { difference: Difference }) {
   const places = [...new Set(difference.tasks.map((task) => task.place))].sort();
   return (
-    <Graph
-      label="Difference of the controllers"
+    <FoldingGraph
+      label="Difference of the controllers" quiet="fate-unchanged" mixed="fate-changed"
       groups={places.map((place) => ({ id: 'group:' + place, title: place === '' ? 'runtime' : place }))}
       nodes={difference.tasks.map((task) => ({
         id: task.id, group: 'group:' + task.place, title: task.id, detail: task.fate, look: 'fate-' + task.fate,
@@ -306,12 +307,12 @@ export function SwitchView({ status }: { status: Status }) {
         </div>
         {difference ? <DifferenceGraph difference={difference} /> : <p className="empty">{problem ? '' : 'The difference to what runs is drawn here before anything happens.'}</p>}
       </section>
-      <aside className="panel" aria-label="Transition">
+      <Panel label="Transition">
         <h2>Transition</h2>
         <OpenRequests status={status} />
         {problem && <p className="bad" role="alert">{problem}</p>}
         {transition && <TransitionPart status={status} transition={transition} events={events} planned={planned} attempted={attempted} />}
-      </aside>
+      </Panel>
     </div>
   );
 }

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useStore } from '@xyflow/react';
+import { useEffect, useRef, useState } from 'react';
+import { fittingZoom, noLayout, readable, type Layout, type LayoutInput, type Size } from './boxes';
+import { Layouter } from './layout';
+
+/** Panes that differ less have one layout. */
+const sameShape = 0.08;
+/** How long, in ms, a pane has had its size before the graph is laid out for it. */
+const restsFor = 150;
+
+/** The size of the pane, when it has come to rest; as it was while it `isHeld`. */
+function useShape(isHeld: boolean): Size | undefined {
+  const width = useStore((store) => store.width);
+  const height = useStore((store) => store.height);
+  const [shape, setShape] = useState<Size>();
+  useEffect(() => {
+    const differs = (now: number, before: number) => Math.abs(now / before - 1) > sameShape;
+    if (width === 0 || height === 0 || (shape && (isHeld || !(differs(width, shape.width) || differs(height, shape.height))))) return;
+    const timer = setTimeout(() => setShape({ width, height }), shape ? restsFor : 0);
+    return () => clearTimeout(timer);
+  }, [width, height, shape, isHeld]);
+  return shape;
+}
+
+export interface Laying {
+  /** Changes where the graph is to be laid out anew; values do not move anything. */
+  structure: string;
+  input: () => LayoutInput;
+  /** Something is selected, so that nothing may move because a panel opens beside the graph. */
+  isHeld: boolean;
+  /** Not all can be shown so that it can be read; whether something is folded now, so that this layout is not shown. */
+  onCrowded?: () => boolean;
+}
+
+/** Where boxes and edges are. */
+export function useLayout({ structure, input, isHeld, onCrowded }: Laying): Layout {
+  const [layout, setLayout] = useState<Layout>(noLayout);
+  const layouter = useRef(new Layouter());
+  const shape = useShape(isHeld);
+  useEffect(() => {
+    if (!shape) return undefined;
+    let current = true;
+    layouter.current.ask({ ...input(), shape }, (found) => {
+      if (!current) return;
+      if (fittingZoom(found.size, shape) >= readable || !onCrowded?.()) setLayout(found);
+    });
+    return () => {
+      current = false;
+    };
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [structure, shape]);
+  return layout;
+}
