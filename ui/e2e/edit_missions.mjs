@@ -200,6 +200,7 @@ async function editMission(page) {
   await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
   await has('    on: {success: return done}   # it has it', 'undone');
   await page.getByRole('button', { name: 'Redo', exact: true }).press('Enter');
+  await page.locator('button:disabled', { hasText: /^Redo$/ }).waitFor(); // there is nothing more
   await has('    on: {success: keep}   # it has it', 'done again');
   await seen(problems.getByText('No problems'));
   await capture(page, 'edit_mission');

@@ -50,6 +50,13 @@ states:
 async function drive(page) {
   const seen = (locator) => locator.waitFor({ timeout: 30000 });
 
+  // The keys.
+  await page.keyboard.press('?');
+  await seen(page.getByRole('dialog', { name: 'Keys' }).getByText('sets or removes a breakpoint'));
+  await capture(page, 'keys');
+  await page.keyboard.press('Escape');
+  await page.getByRole('dialog', { name: 'Keys' }).waitFor({ state: 'hidden' });
+
   // Look at a task.
   await seen(page.getByText('4 tasks, 4 connections'));
   await page.locator('.react-flow__node[data-id=drive]').click();

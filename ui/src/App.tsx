@@ -5,6 +5,7 @@ import { clockText, isInTrouble, stateText } from './health/health';
 import { HealthBanner } from './health/HealthBanner';
 import { HaltBanner, StopButton } from './halt/StopButton';
 import { isTyping } from './keys';
+import { KeysHelp } from './KeysHelp';
 import { MissionsView } from './missions/MissionsView';
 import { NetworkView } from './network/NetworkView';
 import { PastView } from './past/PastView';
@@ -88,6 +89,7 @@ function Top({ view, known: { status, isOld, skipped } }: { view: View; known: K
           {connection.role === 'observe' && <span className="badge">observe only</span>}
         </p>
       )}
+      <KeysHelp />
       {status && <StopButton status={status} />}
     </header>
   );

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { redoDepth, undoDepth } from '@codemirror/commands';
 import { useCallback, useDeferredValue, useEffect, useMemo, useState, useSyncExternalStore } from 'react';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
@@ -221,8 +222,8 @@ function DraftView({ draft, drafts, models, files, anyUnsaved, onFiles }: { draf
         {fixed ? <span className="badge">read only</span> : (
           <>
             <button type="button" className="primary" disabled={!unsaved || draft.saving} onClick={() => void drafts.save(path)} title="Ctrl+S in the text">Save</button>
-            <button type="button" onClick={() => drafts.undo(path)}>Undo</button>
-            <button type="button" onClick={() => drafts.redo(path)}>Redo</button>
+            <button type="button" disabled={undoDepth(draft.state) === 0} onClick={() => drafts.undo(path)}>Undo</button>
+            <button type="button" disabled={redoDepth(draft.state) === 0} onClick={() => drafts.redo(path)}>Redo</button>
             <Apply unsaved={anyUnsaved} />
           </>
         )}

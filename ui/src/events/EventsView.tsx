@@ -2,6 +2,7 @@
 import { useMemo, useState } from 'react';
 import { useDocument } from '../robot/hooks';
 import { Skipped } from '../robot/Skipped';
+import { LocalTime } from '../LocalTime';
 import { eventsOf, isTrouble, withWords, wordsOfAddress } from './filter';
 
 const mostLines = 500;
@@ -28,13 +29,13 @@ export function EventsView() {
       <div className="scroll" tabIndex={0} role="region" aria-label="List of events">
         <table>
           <thead>
-            <tr><th scope="col">Number</th><th scope="col">Time (UTC)</th><th scope="col">Kind</th><th scope="col">Subject</th><th scope="col">Message</th></tr>
+            <tr><th scope="col">Number</th><th scope="col">Time</th><th scope="col">Kind</th><th scope="col">Subject</th><th scope="col">Message</th></tr>
           </thead>
           <tbody>
             {found.slice(-mostLines).reverse().map((event) => (
               <tr key={event.number} className={isTrouble(event) ? 'trouble' : ''}>
                 <td className="number">{event.number}</td>
-                <td>{event.time.slice(0, 23).replace('T', ' ')}</td>
+                <td><LocalTime at={Date.parse(event.time)} /></td>
                 <td>{event.kind}</td>
                 <td>{event.subject}</td>
                 <td>{event.message}</td>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { localText } from '../local_time';
 import { isMap, type Json } from '../robot/change';
 import type { RobotEvent } from '../robot/types';
 
@@ -12,7 +13,7 @@ export function eventsOf(value: Json | undefined): RobotEvent[] {
 export function withWords(events: RobotEvent[], words: string): RobotEvent[] {
   const wanted = words.toLowerCase().split(/\s+/).filter((word) => word !== '');
   return events.filter((event) => {
-    const text = [event.kind, event.subject, event.message, event.number, event.time].join(' ').toLowerCase();
+    const text = [event.kind, event.subject, event.message, event.number, localText(Date.parse(event.time))].join(' ').toLowerCase();
     return wanted.every((word) => text.includes(word));
   });
 }

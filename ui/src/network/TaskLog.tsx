@@ -4,6 +4,7 @@ import { eventsOf } from '../events/filter';
 import { entriesOf, outputCommand } from '../events/task_log';
 import { useDocument } from '../robot/hooks';
 import type { TaskReport } from '../robot/types';
+import { LocalTime } from '../LocalTime';
 
 const mostEntries = 100;
 
@@ -30,7 +31,7 @@ export function TaskLog({ report }: { report: TaskReport }) {
         <ol className="log task-log" ref={list} onScroll={scrolled} tabIndex={0} aria-label="Log and events, the newest last">
           {entries.map((entry) => (
             <li key={entry.key} className={entry.isOwn ? 'level-' + entry.kind : ''}>
-              <time dateTime={entry.time}>{entry.time.slice(11, 23)}</time>{' '}
+              <LocalTime at={Date.parse(entry.time)} from={11} />{' '}
               {entry.isOwn ? <strong>{entry.kind}</strong> : entry.kind}: {entry.text}
             </li>
           ))}

@@ -4,13 +4,10 @@ import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, frameOfNetwork, networkOf } from './film';
 import { toneOfOutcome } from '../robot/outcome';
 import { Panel } from '../panes/Panel';
+import { localText } from '../local_time';
+import { LocalTime } from '../LocalTime';
 import { stepOf, timeOf } from './slider';
 import { useMoment, useTransition, type PastMoment, type Span } from './usePast';
-
-/** "2026-11-25 16:40:12.345", UTC. */
-export function timeText(seconds: number): string {
-  return new Date(seconds * 1000).toISOString().slice(0, 23).replace('T', ' ');
-}
 
 const sliderSteps = 1000;
 
@@ -53,7 +50,7 @@ function TimeBar({ span, time, onTime }: Pick<Props, 'span' | 'time' | 'onTime'>
         <label>
           <span className="hidden">Time</span>
           <input
-            type="range" min={0} max={sliderSteps} value={stepOf(scale, time)} aria-valuetext={timeText(time) + ' UTC'}
+            type="range" min={0} max={sliderSteps} value={stepOf(scale, time)} aria-valuetext={localText(time * 1000)}
             onChange={(event) => onTime(timeOf(scale, Number(event.target.value)))}
           />
         </label>
@@ -64,7 +61,7 @@ function TimeBar({ span, time, onTime }: Pick<Props, 'span' | 'time' | 'onTime'>
         </div>
       </div>
       <button type="button" onClick={() => next(1)} title="The transition behind">later ▸</button>
-      <output>{timeText(time)} UTC</output>
+      <output><LocalTime at={time * 1000} /></output>
     </div>
   );
 }
@@ -78,7 +75,7 @@ function Facts({ moment, onPlay }: { moment: PastMoment; onPlay: (id: number) =>
         <p data-controller={moment.controller ?? ''}>
           The robot ran <strong>{moment.controller || 'nothing with a name'}</strong>
           {moment.version && <span className="quiet"> ({moment.version})</span>}
-          {moment.since_s !== null && moment.transition === null && <>, as recorded at {timeText(moment.since_s)}</>}.
+          {moment.since_s !== null && moment.transition === null && <>, as recorded at <LocalTime at={moment.since_s * 1000} /></>}.
         </p>
       )}
       {moment.transition !== null && (

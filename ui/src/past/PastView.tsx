@@ -5,8 +5,9 @@ import { toneOfOutcome } from '../robot/outcome';
 import { eventsOf } from '../events/filter';
 import type { RobotEvent } from '../robot/types';
 import { ListPane } from '../panes/Panel';
+import { LocalTime } from '../LocalTime';
 import { FilmView } from './FilmView';
-import { MomentView, timeText } from './MomentView';
+import { MomentView } from './MomentView';
 import type { PastRequest } from './film';
 import { useRequests, useSpan, useTransition } from './usePast';
 import './past.css';
@@ -19,7 +20,7 @@ function RequestLine({ request, chosen, onChoose }: { request: PastRequest; chos
           {request.from || 'empty'} → {request.to || 'empty'}
           {request.cause !== 'request' && <span className="quiet"> ({request.cause})</span>}
           <br />
-          <span className="quiet">{timeText(request.ended_s).slice(0, 19)}</span>
+          <span className="quiet"><LocalTime at={request.ended_s * 1000} to={19} /></span>
         </span>
         <span className={'badge tone-' + toneOfOutcome(request.outcome)}>{request.outcome}</span>
       </button>
