@@ -206,6 +206,18 @@ TEST(TransitionFileTest, HandWrittenListsRead) {
   EXPECT_EQ(transition->counts().total(), 3);
 }
 
+TEST(TransitionFileTest, BeginsAndEndsAtSeveralControllersOrNone) {
+  const auto ends = [](const std::string& text) {
+    Diagnostics diagnostics;
+    const auto transition = read_transition(text, "t.yaml", diagnostics);
+    return diagnostics.has_errors() ? to_string(diagnostics)
+                                    : transition->from.str() + " to " + transition->to.str();
+  };
+  EXPECT_EQ(ends("transition: {from: drive+arm, to: '', actions: []}"), "arm+drive to ");
+  EXPECT_THAT(ends("transition: {from: drive+a b, actions: []}"), HasSubstr("'a b' is not a name"));
+  EXPECT_THAT(ends("transition: {to: drive++arm, actions: []}"), HasSubstr("'' is not a name"));
+}
+
 TEST(TransitionFileTest, ApplyConfigWithoutDefinitionSaysSo) {
   Diagnostics diagnostics;
   const auto transition =

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/model/controller_names.hpp>
 #include <segue/model/file_parts.hpp>
 #include <segue/model/files.hpp>
 #include <segue/type/yaml.hpp>
@@ -117,14 +118,25 @@ std::optional<Action> read_action(const Value& value, int id, Ids& ids, const So
   return action;
 }
 
+/// Those of a union are joined: "arm+drive". Empty: the empty network.
+NetworkName read_controllers(Fields& fields, std::string_view key, const Source& source) {
+  const Value* value = fields.find(key);
+  if (value == nullptr || !value->is_string()) return NetworkName(fields.name(key));
+  const auto controllers = controllers_in(value->as_string());
+  for (const NetworkName& controller : controllers) {
+    if (!check_name(controller.str(), fields.what() + ": " + quote(key), *value, source)) return {};
+  }
+  return joined_name(controllers);
+}
+
 Transition read_transition_body(const Value& value, const Source& source) {
   Fields fields(value, "the transition", source);
   Transition transition;
   transition.file = source.file();
   transition.name = fields.name("name");
   if (transition.name.empty()) transition.name = detail::name_from_file(source.file());
-  transition.from = NetworkName(fields.name("from"));
-  transition.to = NetworkName(fields.name("to"));
+  transition.from = read_controllers(fields, "from", source);
+  transition.to = read_controllers(fields, "to", source);
   if (auto order = fields.choice("order", kOrderNames, "bad-order")) {
     transition.order = static_cast<Order>(*order);
   }

@@ -109,6 +109,13 @@ TEST_F(Looking, RestartsTasks) {
   EXPECT_EQ(controller(), "explore");
   EXPECT_THAT(segue({"status"}).output, HasSubstr("controller explore, idle"));
   EXPECT_EQ(configured(json({"restart", "laser", "drive"})).size(), 8U);
+  ASSERT_EQ(segue({"switch", "explore+hold"}).status, 0);
+  EXPECT_EQ(segue({"restart", "laser"}).status, 0);
+  EXPECT_EQ(controller(), "explore+hold");
+  write("stop.yaml", "transition: {actions: [{id: 1, kind: stop, task: laser}]}\n");
+  ASSERT_EQ(segue({"switch", "--transition", "stop.yaml"}).status, 0);
+  EXPECT_EQ(controller(), "");
+  EXPECT_EQ(segue({"restart", "laser", "odometry"}).status, 0) << "of a network without a name";
   EXPECT_THAT(error_of({"restart", "lasr"}),
               HasSubstr("lasr: the robot has no such task, did you mean 'laser'?"));
 }
