@@ -6,7 +6,6 @@
 #include <segue/concurrent/thread.hpp>
 
 #include <fmt/core.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -41,12 +40,6 @@ std::string cut_to(std::string line, std::size_t columns) {
   while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0U) == 0x80U)
     --end;
   return line.substr(0, end) + "...";
-}
-
-std::size_t terminal_columns() {
-  winsize size{};
-  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
-  return size.ws_col;
 }
 
 }  // namespace
@@ -163,7 +156,7 @@ std::vector<std::string> MissionProgress::lines() const {
 void MissionProgress::draw_block() {
   for (const std::string& discarded : plan_.off_path())
     running_.erase(discarded);
-  const std::size_t columns = terminal_columns();
+  const std::size_t columns = terminal_columns(STDERR_FILENO);
   std::string text = shown_ > 0 ? fmt::format("\x1b[{}A\r\x1b[J", shown_) : std::string();
   shown_ = 0;
   for (const std::string& line : lines()) {

@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -89,19 +90,6 @@ std::string label(Colour colour, std::string_view text) {
   return errors_are_terminal() && wants_colour() ? painted(colour, text) : std::string(text);
 }
 
-/// The width of a text in columns: without escape sequences and UTF-8 continuation bytes.
-std::size_t width(std::string_view text) {
-  std::size_t columns = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '\x1b') {
-      i = std::min(text.find('m', i), text.size() - 1);
-    } else if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) {
-      ++columns;
-    }
-  }
-  return columns;
-}
-
 Value error_value(const Error& error) {
   Value value = Value::map({{"code", to_string(error.code)}, {"message", error.message}});
   if (!error.subject.empty()) value.as_map().set("subject", error.subject);
@@ -158,6 +146,14 @@ bool output_is_terminal() {
 
 bool errors_are_terminal() {
   return ::isatty(STDERR_FILENO) == 1;
+}
+
+std::size_t terminal_columns(int descriptor) {
+  winsize size{};
+  if (::ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  const char* columns = std::getenv("COLUMNS");
+  const auto wanted = columns == nullptr ? 0 : std::strtoul(columns, nullptr, 10);
+  return wanted > 0 ? wanted : 80;
 }
 
 std::string coloured(Colour colour, std::string_view text) {
@@ -311,30 +307,6 @@ const Value::List& list_at(const Value& map, std::string_view key) {
   static const Value::List none;
   const Value* value = map.find(key);
   return value != nullptr && value->is_list() ? value->as_list() : none;
-}
-
-std::string Table::text() const {
-  std::vector<std::size_t> widths;
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    widths.push_back(width(columns_[c].title));
-    for (const auto& row : rows_)
-      widths[c] = std::max(widths[c], width(row[c]));
-  }
-  std::string text;
-  const auto add_row = [&](const auto& cell_of) {
-    std::string line;
-    for (std::size_t c = 0; c < columns_.size(); ++c) {
-      const std::string cell = cell_of(c);
-      const std::string padding(widths[c] - width(cell), ' ');
-      line += columns_[c].align == Align::Right ? padding + cell : cell + padding;
-      if (c + 1 < columns_.size()) line += "  ";
-    }
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
-  };
-  add_row([&](std::size_t c) { return coloured(Colour::Bold, columns_[c].title); });
-  for (const auto& row : rows_)
-    add_row([&](std::size_t c) { return row[c]; });
-  return text;
 }
 
 void Progress::show(std::string_view text) {

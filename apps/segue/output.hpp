@@ -22,6 +22,8 @@ enum class Colour { Red, Green, Yellow, Blue, Bold, Dim };
 /// `text` in that colour if standard output is a terminal and NO_COLOR is not set, else as it is.
 std::string coloured(Colour colour, std::string_view text);
 bool output_is_terminal();
+/// How many columns the terminal of that descriptor has; as COLUMNS says, or 80, where it does not say.
+std::size_t terminal_columns(int descriptor);
 /// Begins a new page of the terminal.
 inline constexpr std::string_view kClearScreen = "\x1b[H\x1b[2J";
 bool errors_are_terminal();
@@ -66,19 +68,31 @@ double number_at(const type::Value& map, std::string_view key);
 std::string printable_at(const type::Value& map, std::string_view key);
 const type::Value::List& list_at(const type::Value& map, std::string_view key);
 
-/// Columns as wide as their widest cell. Colours of cells do not count.
+/// Columns as wide as their widest cell. Colours of cells do not count. To a terminal no line is wider than
+/// that: texts are folded within their column, and where that would leave columns of a few letters, the table
+/// goes on below with its first column again.
 class Table {
  public:
   enum class Align { Left, Right };
   struct Column {
     std::string title;
-    Align align = Align::Left;
+    Align align = Align::Left;  ///< numbers are at the right, and are never folded
   };
   explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
   void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  /// As wide as the terminal at most, if standard output is one.
   [[nodiscard]] std::string text() const;
+  /// As wide as `limit` columns at most, unless the first column and a number take more.
+  [[nodiscard]] std::string text(std::size_t limit) const;
 
  private:
+  /// Some of the columns, side by side.
+  struct Block;
+  [[nodiscard]] std::vector<Block> blocks(std::size_t limit) const;
+  /// Narrows the widest columns of texts until the block is as wide as `limit`, but none below `least`.
+  void fold(Block& block, std::size_t limit, std::size_t least) const;
+  void add_line(const Block& block, const std::vector<std::string>& cells, std::string& text) const;
+
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
 };

@@ -2,6 +2,8 @@
 // Verbs that look around in a running robot: hz, bw, delay, graph, types, doctor; and restart.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -95,6 +97,24 @@ TEST_F(Looking, ShowsTypesAndThePortsThatHaveThem) {
   EXPECT_FALSE(scan.find("ports")->as_list().empty());
   EXPECT_THAT(segue({"types", "demo::Scan"}).output, HasSubstr("demo::LaserScanner"));
   EXPECT_THAT(error_of({"types", "Scam"}), HasSubstr("did you mean 'Scan'?"));
+}
+
+TEST_F(Looking, NoLineOfATableIsWiderThanTheTerminal) {
+  const auto widest = [](const std::string& text) {
+    static const std::regex colours("\x1b\\[[0-9]*m|\r");
+    std::istringstream lines(std::regex_replace(text, colours, ""));
+    std::size_t most = 0;
+    for (std::string line; std::getline(lines, line);)
+      most = std::max(most, line.size());
+    return most;
+  };
+  for (const std::vector<std::string>& verb :
+       {std::vector<std::string>{"types"}, {"component", "list"}, {"component", "show", "demo::Drive"}}) {
+    EXPECT_GT(widest(segue(verb).output), 100U) << verb.back() << ": into a pipe as wide as it is";
+    const auto shown = run_on_terminal(command(verb), folder_);
+    EXPECT_EQ(shown.status, 0);
+    EXPECT_LE(widest(shown.output), 100U) << shown.output;
+  }
 }
 
 TEST_F(Looking, RestartsTasks) {
