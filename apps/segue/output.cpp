@@ -156,6 +156,11 @@ std::size_t terminal_columns(int descriptor) {
   return wanted > 0 ? wanted : 80;
 }
 
+std::size_t terminal_rows(int descriptor) {
+  winsize size{};
+  return ::ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 ? size.ws_row : 24;
+}
+
 std::string coloured(Colour colour, std::string_view text) {
   return output_is_terminal() && wants_colour() ? painted(colour, text) : std::string(text);
 }

@@ -24,6 +24,8 @@ std::string coloured(Colour colour, std::string_view text);
 bool output_is_terminal();
 /// How many columns the terminal of that descriptor has; as COLUMNS says, or 80, where it does not say.
 std::size_t terminal_columns(int descriptor);
+/// How many lines it has; 24 where it does not say.
+std::size_t terminal_rows(int descriptor);
 /// Begins a new page of the terminal.
 inline constexpr std::string_view kClearScreen = "\x1b[H\x1b[2J";
 bool errors_are_terminal();
@@ -67,6 +69,9 @@ double seconds(Duration duration);
 double number_at(const type::Value& map, std::string_view key);
 std::string printable_at(const type::Value& map, std::string_view key);
 const type::Value::List& list_at(const type::Value& map, std::string_view key);
+
+/// The lines of the text, folded at blanks so that none is wider than `columns`; each with a line end.
+std::string folded_lines(const std::string& text, std::size_t columns);
 
 /// Columns as wide as their widest cell. Colours of cells do not count. To a terminal no line is wider than
 /// that: texts are folded within their column, and where that would leave columns of a few letters, the table

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <sstream>
 
 #include "output.hpp"
 
@@ -87,6 +88,16 @@ std::size_t sum_of(const std::vector<std::size_t>& widths) {
 }
 
 }  // namespace
+
+std::string folded_lines(const std::string& text, std::size_t columns) {
+  std::istringstream lines(text);
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    for (const std::string& part : folded(line, columns))
+      result += part + '\n';
+  }
+  return result;
+}
 
 struct Table::Block {
   std::vector<std::size_t> columns;

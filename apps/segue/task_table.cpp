@@ -95,4 +95,37 @@ std::string task_table(const Value& status, bool with_cpu) {
   return table.text() + errors_text(tasks);
 }
 
+std::string use_table(const Value::List& tasks, std::size_t columns,
+                      const std::function<std::string(const std::string& task)>& processor_share) {
+  using Align = Table::Align;
+  constexpr std::size_t kWithProcess = 100;
+  constexpr std::size_t kWithComponent = 130;
+  const bool with_process = columns >= kWithProcess && has_processes(tasks);
+  const bool with_component = columns >= kWithComponent;
+  std::vector<Table::Column> titles = {{"TASK"},
+                                       {"STATE"},
+                                       {"CPU", Align::Right},
+                                       {"MEAN", Align::Right},
+                                       {"WORST", Align::Right},
+                                       {"LATENCY", Align::Right},
+                                       {"MISSED", Align::Right}};
+  if (with_process) titles.push_back({"PROCESS"});
+  if (with_component) titles.push_back({"COMPONENT"});
+  Table table(std::move(titles));
+  for (const Value& task : tasks) {
+    const std::string id = printable_at(task, "id");
+    std::vector<std::string> row = {id,
+                                    state_cell(task),
+                                    processor_share(id),
+                                    micros(task, "cycle_us"),
+                                    micros(task, "worst_us"),
+                                    micros(task, "latency_us"),
+                                    fmt::format("{}", number_at(task, "missed"))};
+    if (with_process) row.push_back(process_cell(task));
+    if (with_component) row.push_back(printable_at(task, "component"));
+    table.add(std::move(row));
+  }
+  return table.text(columns);
+}
+
 }  // namespace segue::cli

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <functional>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -114,6 +115,45 @@ TEST_F(Looking, NoLineOfATableIsWiderThanTheTerminal) {
     const auto shown = run_on_terminal(command(verb), folder_);
     EXPECT_EQ(shown.status, 0);
     EXPECT_LE(widest(shown.output), 100U) << shown.output;
+  }
+}
+
+/// A terminal of 80 columns and few rows on which `typed` is typed when the first page is there.
+Terminal small_terminal(const std::string& typed) {
+  return {.columns = 80, .rows = 8, .typed = typed, .typed_after = "q quits"};
+}
+
+TEST_F(Looking, TopShowsWhatFitsOnTheTerminalUntilQIsTyped) {
+  const auto shown = run_on_terminal(command({"top", "--sort", "name"}), folder_, small_terminal("q"));
+  EXPECT_EQ(shown.status, 0);
+  const auto page = shown.output.substr(0, shown.output.find("q quits"));
+  EXPECT_LE(std::ranges::count(page, '\n'), 6) << page;
+  EXPECT_THAT(page, AllOf(HasSubstr("explore, idle; up"), HasSubstr("drive  "), HasSubstr("... 3 more"),
+                          Not(HasSubstr("wanderer "))));
+}
+
+TEST_F(Looking, TopLeavesTheTerminalAsItWas) {
+  for (const std::string typed : {"q", "\x03"}) {
+    const auto shell =
+        run_on_terminal({"/bin/sh", "-c",
+                         "trap : INT; '" + std::string(segue::paths::kProgram) + "' top; stty -a; echo done"},
+                        folder_, small_terminal(typed));
+    EXPECT_THAT(shell.output, AllOf(HasSubstr(" icanon"), HasSubstr(" echo "), HasSubstr("done"))) << typed;
+  }
+}
+
+TEST_F(Looking, TopSortsTasks) {
+  const auto order = [&](const std::string& key) {
+    std::vector<double> numbers;
+    const Value status = json({"top", "--once", "--sort", key});
+    for (const Value& task : status.find("tasks")->as_list())
+      numbers.push_back(task.find(key + "_us")->as_double());
+    return numbers;
+  };
+  for (const std::string key : {"cpu", "worst", "latency"}) {
+    const auto numbers = order(key);
+    EXPECT_THAT(numbers, SizeIs(4));
+    EXPECT_TRUE(std::ranges::is_sorted(numbers, std::ranges::greater())) << key;
   }
 }
 

@@ -50,7 +50,7 @@ posix_spawnattr_t hearing_interrupts() {
 }
 
 pid_t spawn(const std::vector<std::string>& command, const std::filesystem::path& folder, int output,
-            int errors) {
+            int errors, bool input_is_terminal = false) {
   std::vector<char*> arguments;
   for (const std::string& word : command)
     arguments.push_back(const_cast<char*>(word.c_str()));
@@ -58,10 +58,13 @@ pid_t spawn(const std::vector<std::string>& command, const std::filesystem::path
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  // The first terminal that the leader of a session opens becomes that of its processes.
+  const std::string input = input_is_terminal ? ::ttyname(output) : "/dev/null";
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, input.c_str(), O_RDWR, 0);
   posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
   posix_spawnattr_t attributes = hearing_interrupts();
+  if (input_is_terminal) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSID);
   pid_t pid = -1;
   const int failed =
       ::posix_spawn(&pid, command.front().c_str(), &actions, &attributes, arguments.data(), environ);
@@ -179,23 +182,28 @@ Finished run(const std::vector<std::string>& command, const std::filesystem::pat
   return Process(command, folder).wait();
 }
 
-Finished run_on_terminal(const std::vector<std::string>& command, const std::filesystem::path& folder) {
+Finished run_on_terminal(const std::vector<std::string>& command, const std::filesystem::path& folder,
+                         const Terminal& kind) {
   int master = -1;
   int terminal = -1;
-  const winsize size{40, 100, 0, 0};
+  const winsize size{kind.rows, kind.columns, 0, 0};
   if (::openpty(&master, &terminal, nullptr, nullptr, &size) != 0) throw std::runtime_error("openpty");
   ::fcntl(master, F_SETFD, FD_CLOEXEC);
   ::fcntl(terminal, F_SETFD, FD_CLOEXEC);
-  const pid_t pid = spawn(command, folder, terminal, terminal);
+  const pid_t pid = spawn(command, folder, terminal, terminal, !kind.typed.empty());
   ::close(terminal);
   Finished finished;
   const auto deadline = Clock::now() + kPatience;
   std::array<char, 65536> buffer{};
   pollfd waited{master, POLLIN, 0};
+  bool is_typed = kind.typed.empty();
   while (::poll(&waited, 1, static_cast<int>(left_until(deadline).count())) > 0) {
     const auto got = ::read(master, buffer.data(), buffer.size());
     if (got <= 0) break;  // nobody has the terminal any more
     finished.output.append(buffer.data(), static_cast<std::size_t>(got));
+    if (is_typed || finished.output.find(kind.typed_after) == std::string::npos) continue;
+    is_typed = true;
+    if (::write(master, kind.typed.data(), kind.typed.size()) < 0) break;
   }
   ::close(master);
   const bool is_late = Clock::now() >= deadline;

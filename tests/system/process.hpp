@@ -60,8 +60,17 @@ class Process {
 /// Starts a process and waits for its end.
 Finished run(const std::vector<std::string>& command, const std::filesystem::path& folder = ".");
 
-/// The same with its standard output and error on a terminal of 100 columns; all that it writes there is
-/// `output`, as it is.
-Finished run_on_terminal(const std::vector<std::string>& command, const std::filesystem::path& folder = ".");
+struct Terminal {
+  unsigned short columns = 100;
+  unsigned short rows = 40;
+  /// Typed once `typed_after` was written there. Standard input is the terminal unless this is empty.
+  std::string typed;
+  std::string typed_after;
+};
+
+/// The same with its standard output and error on a terminal; all that it writes there is `output`, as it is,
+/// with what the terminal echoes.
+Finished run_on_terminal(const std::vector<std::string>& command, const std::filesystem::path& folder = ".",
+                         const Terminal& kind = {});
 
 }  // namespace segue::testing
