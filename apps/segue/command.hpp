@@ -72,6 +72,7 @@ void add_hz(Verb& app, Context& context);
 void add_bw(Verb& app, Context& context);
 void add_delay(Verb& app, Context& context);
 void add_read(Verb& app, Context& context);
+void add_plot(Verb& app, Context& context);
 void add_set(Verb& app, Context& context);
 void add_write(Verb& app, Context& context);
 void add_call(Verb& app, Context& context);

@@ -13,7 +13,7 @@ namespace segue::cli {
 namespace {
 
 /// Verbs whose first argument names a part of the running robot, and its kind for `complete-names`.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kVerbsWithNames = {
+constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kVerbsWithNames = {
     {{"switch", "controllers"},
      {"plan", "controllers"},
      {"prepare", "controllers"},
@@ -24,6 +24,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kVerbsWi
      {"delay", "ports"},
      {"restart", "tasks"},
      {"read", "ports"},
+     {"plot", "ports"},
      {"set", "properties"},
      {"call", "operations"},
      {"units", "units"}}};

@@ -157,6 +157,39 @@ TEST_F(Looking, TopSortsTasks) {
   }
 }
 
+TEST_F(Looking, PlotsNumbersOfSamples) {
+  const auto drawn = run_on_terminal(command({"plot", "odometry.pose.x", "laser.scan", "-n", "20"}), folder_);
+  EXPECT_EQ(drawn.status, 1);
+  EXPECT_THAT(drawn.output, HasSubstr("fields of one port are plotted at once"));
+  const auto picture =
+      run_on_terminal(command({"plot", "odometry.pose.x", "odometry.pose.y", "-n", "20"}), folder_);
+  EXPECT_EQ(picture.status, 0);
+  EXPECT_THAT(picture.output,
+              AllOf(HasSubstr("x: "), HasSubstr("y: "), HasSubstr("0.0 s"), HasSubstr("\xe2")));
+  EXPECT_THAT(run_on_terminal(command({"plot", "laser.scan", "-n", "1"}), folder_).output,
+              AllOf(HasSubstr("ranges[0]: "), HasSubstr(" more fields")));
+  std::istringstream lines(segue({"plot", "laser.scan.ranges[3]", "-n", "5", "--format", "json"}).output);
+  double last = -1;
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    const auto sample = type::parse_json(line);
+    ASSERT_TRUE(sample) << line;
+    EXPECT_GT(sample->find("time_s")->as_double(), last);
+    last = sample->find("time_s")->as_double();
+    EXPECT_GT(sample->find("fields")->find("ranges[3]")->as_double(), 0) << line;
+  }
+  EXPECT_EQ(count, 5);
+  EXPECT_THAT(segue({"plot", "odometry.pose", "-n", "1"}).output,
+              AllOf(HasSubstr("  x: "), HasSubstr("  theta: ")));
+}
+
+TEST_F(Looking, SaysWhatCanBePlotted) {
+  EXPECT_THAT(error_of({"plot", "odometry.pose.z"}),
+              HasSubstr("odometry.pose: its sample has no number 'z'; it has: x, y and theta"));
+  EXPECT_THAT(error_of({"plot", "odometry.pos.x"}), HasSubstr("no output port 'pos', did you mean 'pose'?"));
+  EXPECT_THAT(error_of({"plot", "odometry.pose.x["}), HasSubstr("'x[' is not a field such as"));
+}
+
 TEST_F(Looking, RestartsTasks) {
   const auto configured = [&](const Value& report) {
     std::multiset<std::string> actions;

@@ -364,6 +364,7 @@ TEST_F(RunningRobot, EveryVerbThatTalksToItPrintsJson) {
                                                        {"delay", "odometry"},
                                                        {"read", "odometry.pose"},
                                                        {"read", "odometry.pose", "-n", "3"},
+                                                       {"plot", "odometry.pose", "-n", "3"},
                                                        {"set", "drive.max_speed=0.25"},
                                                        {"call", "joystick.push", "forward=1", "turn=0"},
                                                        {"repair"},
