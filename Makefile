@@ -1,7 +1,7 @@
 # Everything a person runs by hand. CMake does the work; presets are in CMakePresets.json.
 JOBS ?= $(shell nproc)
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo demo-table demo-artemis studio manual test bench format tidy install clean
+.PHONY: help setup build demo demo-table demo-artemis studio manual test bench format tidy install package clean
 
 help: ## this text
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 22
@@ -47,6 +47,10 @@ tidy: ## clang-tidy over the whole tree
 
 install: build ## install below PREFIX (default /usr/local)
 	@cmake --install build/release --prefix $(or $(PREFIX),/usr/local)
+
+package: build ## Debian packages, in build/packages
+	@tools/setup --packages
+	@tools/package build/release build/packages
 
 clean: ## remove what was built
 	@rm -rf build
