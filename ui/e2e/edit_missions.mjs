@@ -395,7 +395,7 @@ async function editFiles(page) {
   await seen(problems.getByText('No problems'));
   await capture(page, 'edit_delete');
   await page.getByRole('button', { name: 'Delete the file' }).press('Enter');
-  await seen(page.getByText('Choose a file.'));
+  await seen(page.getByText('Choose a file at the left'));
   assert.ok(!existsSync(file('controllers/parked.yaml')));
 }
 

@@ -199,11 +199,21 @@ export function EditView() {
       {draft ? (
         <DraftView key={draft.path} draft={draft} drafts={drafts} models={models} files={files} onFiles={onFiles} anyUnsaved={files.some((file) => drafts.isUnsaved(drafts.get(file.path)))} />
       ) : (
-        <p className="empty">Choose a file. What is edited here changes the robot only when it is saved and applied.</p>
+        <NoFile mayOperate={connection.mayOperate} />
       )}
     </div>
   );
 }
+
+function NoFile({ mayOperate }: { mayOperate: boolean }) {
+  return (
+    <p className="empty">
+      Choose a file at the left: its text and its graph are shown here side by side.{' '}
+      {mayOperate && <><em>New controller</em> and <em>New mission</em> make one. What is edited changes the robot only when it is saved and applied (<code>segue apply</code>).</>}
+    </p>
+  );
+}
+
 /** Shown again when the view is. */
 let lastPath: string | null = null;
 

@@ -7,6 +7,18 @@ import { eventsOf, isTrouble, withWords, wordsOfAddress } from './filter';
 
 const mostLines = 500;
 
+function NoEvents({ isFiltered }: { isFiltered: boolean }) {
+  return (
+    <p className="empty">
+      {isFiltered ? (
+        <>No event fits: take words out of the search, or the mark from <em>only trouble</em>.</>
+      ) : (
+        <>What happens to the robot is listed here as soon as it is heard: requests, actions of transitions, and trouble. <code>segue run ROBOT --controller CONTROLLER</code> starts it.</>
+      )}
+    </p>
+  );
+}
+
 export function EventsView() {
   const shown = useDocument('events');
   const [words, setWords] = useState(() => wordsOfAddress(window.location.hash));
@@ -43,6 +55,7 @@ export function EventsView() {
             ))}
           </tbody>
         </table>
+        {found.length === 0 && <NoEvents isFiltered={all.length > 0} />}
         {found.length > mostLines && <p className="quiet">Older ones are not shown; search for them.</p>}
       </div>
     </section>

@@ -36,6 +36,15 @@ function FileButton({ onRun, onProblem }: { onRun: (run: Run) => void; onProblem
   );
 }
 
+function NoMission() {
+  return (
+    <p className="empty">
+      No mission has commanded the robot since its runtime began; its states, and when each of them ran, would be here. Start one with <code>segue mission run FILE</code>, or choose
+      a file at <em>Open a recorded run</em>.
+    </p>
+  );
+}
+
 /** The element that was clicked on: a row of the chart by its label, or a state by its path. */
 interface Choice {
   row?: string;
@@ -182,7 +191,7 @@ export function MissionsView() {
           {problem && <span className="bad" role="alert">{problem}</span>}
         </div>
         {!recorded && <Banners {...current} />}
-        {!run && isHeard && <p className="empty">No mission has commanded the robot since its runtime began. Start one: segue mission run FILE</p>}
+        {!run && isHeard && <NoMission />}
         {plan && mission && (
           <States
             plan={plan} mission={mission} control={control} lives={lives} waits={waits} selected={path} onSelect={choose}

@@ -114,7 +114,9 @@ export function NetworkView({ status }: { status: Status }) {
           {status.differences.length > 0 && <span className="badge warn">{status.differences.length} differences</span>}
         </div>
         {total === 0 ? (
-          <p className="empty">No task is running. Choose a controller in Switch.</p>
+          <p className="empty">
+            No task is running; those that do are drawn here, with their connections. Choose a controller in <a href="#switch">Switch</a>, or run <code>segue switch CONTROLLER</code>.
+          </p>
         ) : (
           <Graph label="Graph of tasks" groups={groups} nodes={nodes} edges={edges} selected={selected} target={target} onSelect={setSelected} onToggle={folding.toggle} onCrowded={folding.onCrowded} />
         )}

@@ -44,6 +44,21 @@ function useSettled(number: number): string {
   return number + ' ' + settled;
 }
 
+/** Nothing until the journal has been asked; what is wrong with it stands in the list of requests. */
+function NoPast({ isEmpty, problem }: { isEmpty: boolean; problem: string | null }) {
+  if (!isEmpty && problem === null) return null;
+  return (
+    <p className="empty">
+      Films of the robot&apos;s transitions, and what ran at any time, are shown here, from its journal.{' '}
+      {problem === null ? (
+        <>It has nothing yet: choose a controller in <a href="#switch">Switch</a>, or run <code>segue switch CONTROLLER</code>.</>
+      ) : (
+        <>It cannot be read. A robot keeps one unless it was started with <code>segue run --no-journal</code>.</>
+      )}
+    </p>
+  );
+}
+
 /** The past of the robot, from its journal: films of its transitions, and what ran at any time. */
 export function PastView() {
   const events = useDocument('events');
@@ -81,7 +96,7 @@ export function PastView() {
       ) : span && span.first_s !== null ? (
         <MomentView span={span} time={time ?? span.last_s ?? 0} changed={changed} onTime={setTime} onPlay={setChosen} />
       ) : (
-        <p className="empty">{problem ?? 'The journal has nothing yet.'}</p>
+        <NoPast isEmpty={span !== null} problem={problem} />
       )}
     </div>
   );

@@ -104,7 +104,7 @@ export function PlotsView({ status }: { status: Status }) {
   return (
     <section className="view" aria-label="Plots">
       <Bar robot={robot} all={all} onAdd={() => setEditing('new')} />
-      {panels.length === 0 && <p className="empty">No panel yet. Add one: plots over time, lists, images and a map of any port.</p>}
+      {panels.length === 0 && <p className="empty">No panel yet: curves over time, lists, images and maps of what tasks write to their ports are shown here. Press <em>Add a panel</em>, then choose a port and its fields.</p>}
       <div className="panels">
         {panels.map((panel, index) => (
           <PanelFrame

@@ -146,6 +146,7 @@ export interface Action {
   phase?: string;
   after: number[];
   task?: string;
+  operation?: string;
   from?: string;
   to?: string;
   process?: string;

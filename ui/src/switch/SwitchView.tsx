@@ -286,6 +286,21 @@ function TransitionPart({ status, transition, events, planned, attempted }: Tran
   );
 }
 
+function NoDifference({ hasOthers }: { hasOthers: boolean }) {
+  return (
+    <p className="empty">
+      {hasOthers ? (
+        'Choose a controller at the left: its difference to what runs is drawn here before anything happens.'
+      ) : (
+        <>
+          This robot has no other controller to switch to; the difference to what runs would be drawn here. Make one with <em>New controller</em> in <a href="#edit">Edit</a>, or name
+          its file under <code>controllers</code> in the robot file, and take it with <code>segue apply</code>.
+        </>
+      )}
+    </p>
+  );
+}
+
 export function SwitchView({ status }: { status: Status }) {
   const shownEvents = useDocument('events');
   const events = useMemo(() => eventsOf(shownEvents?.value), [shownEvents]);
@@ -305,7 +320,7 @@ export function SwitchView({ status }: { status: Status }) {
           </span>
           {difference && <Legend difference={difference} />}
         </div>
-        {difference ? <DifferenceGraph difference={difference} /> : <p className="empty">{problem ? '' : 'The difference to what runs is drawn here before anything happens.'}</p>}
+        {difference ? <DifferenceGraph difference={difference} /> : !problem && <NoDifference hasOthers={status.controllers.some((name) => name !== status.controller)} />}
       </section>
       <Panel label="Transition">
         <h2>Transition</h2>

@@ -40,6 +40,11 @@ describe('the difference', () => {
     );
     expect([...progress.values()]).toEqual(['done', 'failed', 'waiting', 'waiting', 'waiting']);
   });
+  it('knows calls of operations by what events call them', () => {
+    const call = { id: 1, kind: 'call_operation', task: 'odometry', operation: 'reset', after: [] };
+    const told = [{ number: 1, kind: 'action_done', subject: 'call_operation odometry.reset', time: '', message: '' }];
+    expect(progressOf([call], told, 0).get(1)).toBe('done');
+  });
   it('does not take what undoes it for progress', () => {
     const event = (number: number, kind: string, subject: string) => ({ number, kind, subject, time: '', message: '' });
     const told = [event(1, 'action_failed', 'start guard'), event(2, 'transition_undone', 'go_to'), event(3, 'action_done', 'start guard')];

@@ -44,6 +44,7 @@ export function differenceOf(status: Status, transition: Transition): Difference
 /** How events name an action; they may say more behind it, such as the policy of a connection. */
 export function subjectOf(action: Action): string {
   if (action.from && action.to) return action.kind + ' ' + action.from + ' -> ' + action.to;
+  if (action.task && action.operation) return action.kind + ' ' + action.task + '.' + action.operation;
   return action.kind + ' ' + (action.task ?? [action.host, action.process].filter(Boolean).join('/'));
 }
 
