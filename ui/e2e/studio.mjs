@@ -50,7 +50,8 @@ states:
 async function drive(page) {
   const seen = (locator) => locator.waitFor({ timeout: 30000 });
 
-  // The keys.
+  // The keys, once the page listens to them.
+  await seen(page.getByText('4 tasks, 4 connections'));
   await page.keyboard.press('?');
   await seen(page.getByRole('dialog', { name: 'Keys' }).getByText('sets or removes a breakpoint'));
   await capture(page, 'keys');
