@@ -176,8 +176,7 @@ std::vector<std::string> unit_names(control::RobotService& robot) {
 int complete_names(const std::string& kind) {
   const auto running = control::running_robots();
   if (running.size() != 1) return kDone;
-  const auto socket = control::socket_path(running.front());
-  const auto robot = socket ? control::connect(*socket, std::chrono::seconds(3)) : socket.error();
+  const auto robot = connect_to(running.front(), std::chrono::seconds(3));
   const auto status = robot ? (*robot)->status() : Result<type::Value>(robot.error());
   if (!status) return kDone;
   const bool is_listed = kind == "controllers" || kind == "transitions" || kind == "units";

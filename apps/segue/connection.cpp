@@ -37,6 +37,12 @@ std::pair<std::string, int> choose(Context& context) {
 
 }  // namespace
 
+Result<std::unique_ptr<control::RobotService>> connect_to(std::string_view robot, Duration timeout) {
+  const auto socket = control::socket_path(robot);
+  if (!socket) return socket.error();
+  return control::connect(*socket, timeout);
+}
+
 std::pair<std::unique_ptr<control::RobotService>, int> reach(Context& context) {
   const auto [name, status] = choose(context);
   if (name.empty()) return {nullptr, status};
@@ -82,6 +88,10 @@ void add_beside_option(Verb& verb, bool& beside) {
 
 std::string sender(std::string_view verb) {
   return fmt::format("segue {} (pid {}, uid {})", verb, ::getpid(), ::getuid());
+}
+
+Error no_such_task(const std::string& id, const std::vector<std::string>& tasks) {
+  return fail(ErrorCode::NotFound, "the robot has no such task" + did_you_mean(id, tasks), id);
 }
 
 Result<Address> resolve(control::RobotService& robot, std::string_view text, std::string_view what) {

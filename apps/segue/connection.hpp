@@ -17,6 +17,10 @@
 /// Verbs that talk to a running robot.
 namespace segue::cli {
 
+/// Connects to the running robot of that name.
+Result<std::unique_ptr<control::RobotService>> connect_to(std::string_view robot,
+                                                          Duration timeout = std::chrono::seconds(5));
+
 /// Connects to the robot of --robot, or to the only one running (whose name is then in the context). Problems
 /// are printed on standard error; then the first part is null and the second is the exit status.
 std::pair<std::unique_ptr<control::RobotService>, int> reach(Context& context);
@@ -31,6 +35,9 @@ struct Address {
   std::string member;
 };
 Result<Address> resolve(control::RobotService& robot, std::string_view text, std::string_view what);
+
+/// NotFound, of a task that the robot does not have among `tasks`.
+Error no_such_task(const std::string& id, const std::vector<std::string>& tasks);
 
 /// Names from a status: "controllers" and "transitions", or the ids of "tasks".
 std::vector<std::string> names_at(const type::Value& status, std::string_view key);

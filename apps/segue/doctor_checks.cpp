@@ -54,9 +54,8 @@ Finding check_real_time() {
   rlimit limit{};
   ::getrlimit(RLIMIT_RTPRIO, &limit);
   if (permitted) {
-    found.what =
-        limit.rlim_cur == 0 ? "permitted" : fmt::format("permitted, priorities up to {}", limit.rlim_cur);
-    if (limit.rlim_cur == RLIM_INFINITY) found.what = "permitted";
+    const bool is_limited = limit.rlim_cur != 0 && limit.rlim_cur != RLIM_INFINITY;
+    found.what = is_limited ? fmt::format("permitted, priorities up to {}", limit.rlim_cur) : "permitted";
     return found;
   }
   found.health = Health::Advice;
@@ -218,9 +217,7 @@ std::vector<Finding> check_leftovers(const std::vector<std::string>& robots) {
 
 Finding check_robot(const std::string& name) {
   Finding found{"robot " + name};
-  const auto socket = control::socket_path(name);
-  auto robot =
-      socket ? control::connect(*socket) : Result<std::unique_ptr<control::RobotService>>(socket.error());
+  const auto robot = connect_to(name);
   const auto status = robot ? (*robot)->status() : Result<type::Value>(robot.error());
   if (!status) {
     found.health = Health::Bad;

@@ -22,9 +22,7 @@ class ProgressWatcher {
  public:
   explicit ProgressWatcher(const Context& context) {
     if (context.json() || !progress_.active()) return;
-    auto socket = control::socket_path(context.robot);
-    auto robot =
-        socket ? control::connect(*socket) : Result<std::unique_ptr<control::RobotService>>(socket.error());
+    auto robot = connect_to(context.robot);
     if (robot) thread_ = std::thread([this, connection = std::move(*robot)] { watch(*connection); });
   }
   ~ProgressWatcher() {

@@ -203,9 +203,7 @@ std::string robot_meant(const Context& context) {
 
 /// Has a running robot write to its journal what has happened so far, before that is read.
 void complete_journal(const std::string& robot) {
-  const auto socket = control::socket_path(robot);
-  auto running =
-      socket ? control::connect(*socket) : Result<std::unique_ptr<control::RobotService>>(socket.error());
+  const auto running = connect_to(robot);
   if (running) static_cast<void>((*running)->past(Value::map({{"ask", "span"}})));
 }
 

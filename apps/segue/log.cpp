@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
-#include <segue/control/server.hpp>
 #include <segue/model/files.hpp>
 #include <segue/process_server/process_log.hpp>
 #include <segue/runtime/host_places.hpp>
@@ -16,8 +15,7 @@
 #include <set>
 #include <utility>
 
-#include "command.hpp"
-#include "output.hpp"
+#include "connection.hpp"
 
 namespace segue::cli {
 
@@ -188,9 +186,7 @@ Result<ReadLog> log_at_host(const std::string& process, const model::Robot& robo
 
 /// "HOST/PROCESS" of all processes on other hosts that have tasks of the running robot.
 Result<std::vector<std::string>> processes_at_hosts(const std::string& robot) {
-  const auto socket = control::socket_path(robot);
-  const auto service =
-      socket ? control::connect(*socket) : Result<std::unique_ptr<control::RobotService>>(socket.error());
+  const auto service = connect_to(robot);
   const auto status = service ? (*service)->status() : Result<type::Value>(service.error());
   if (!status) return status.error();
   std::set<std::string> processes;

@@ -53,22 +53,23 @@ std::string bandwidth_text(const Value& measured) {
                      format_quantity(size, "B"), format_quantity(rate_of(measured), "Hz"));
 }
 
-Result<std::vector<std::string>> ports_of(control::RobotService& robot, const std::string& name) {
-  const auto status = robot.status();
-  if (!status) return status.error();
-  const auto tasks = task_names(*status);
+/// The port of this name, or all output ports of the task of this name but its state.
+Result<std::vector<Address>> ports_of(control::RobotService& robot, const std::string& name,
+                                      const std::vector<std::string>& tasks) {
   if (std::ranges::count(tasks, name) == 0) {
-    if (name.find('.') != std::string::npos) return std::vector{name};
-    return fail(ErrorCode::NotFound, "the robot has no such task" + did_you_mean(name, tasks), name);
+    if (name.find('.') == std::string::npos) return no_such_task(name, tasks);
+    auto address = resolve(robot, name, "PORT");
+    if (!address) return address.error();
+    return std::vector{std::move(*address)};
   }
   const auto task = robot.task(name);
   if (!task) return task.error();
-  std::vector<std::string> ports;
+  std::vector<Address> ports;
   for (const Value& port : list_at(*task, "ports")) {
     const auto* pattern = port.find("pattern");
     const bool is_port = pattern == nullptr || !pattern->as_bool();
     if (is_port && printable_at(port, "direction") == "output" && printable_at(port, "name") != "state")
-      ports.push_back(name + "." + printable_at(port, "name"));
+      ports.push_back({name, printable_at(port, "name")});
   }
   if (ports.empty()) return fail(ErrorCode::NotFound, "has no output ports", name);
   return ports;
@@ -76,16 +77,17 @@ Result<std::vector<std::string>> ports_of(control::RobotService& robot, const st
 
 Result<std::vector<MeasuredPort>> open_ports(control::RobotService& robot,
                                              const std::vector<std::string>& names) {
+  const auto status = robot.status();
+  if (!status) return status.error();
+  const auto tasks = task_names(*status);
   std::vector<MeasuredPort> measured;
   for (const std::string& name : names) {
-    const auto ports = ports_of(robot, name);
+    const auto ports = ports_of(robot, name, tasks);
     if (!ports) return ports.error();
-    for (const std::string& port : *ports) {
-      const auto address = resolve(robot, port, "PORT");
-      if (!address) return address.error();
-      auto stream = robot.open_port(address->task, address->member, task_host::kMeasureWrites);
+    for (const Address& port : *ports) {
+      auto stream = robot.open_port(port.task, port.member, task_host::kMeasureWrites);
       if (!stream) return stream.error();
-      measured.push_back({port, std::move(*stream)});
+      measured.push_back({port.task + "." + port.member, std::move(*stream)});
     }
   }
   return measured;

@@ -26,7 +26,7 @@ Result<Value> find_task(const Value& status, const std::string& id) {
   const auto& tasks = list_at(status, "tasks");
   const auto task = std::ranges::find(tasks, id, [](const Value& one) { return printable_at(one, "id"); });
   if (task != tasks.end()) return *task;
-  return fail(ErrorCode::NotFound, "the robot has no such task" + did_you_mean(id, task_names(status)), id);
+  return no_such_task(id, task_names(status));
 }
 
 /// The actions that take a task in this state through pre-operational and back; nothing for other states.

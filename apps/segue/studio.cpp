@@ -78,11 +78,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
   auto page = page_of(options);
   if (!page) return failed(context, page.error());
   StopSignal stop(options.until_eof ? STDIN_FILENO : -1);
-  const auto connect = [robot]() -> Result<std::unique_ptr<control::RobotService>> {
-    const auto socket = control::socket_path(robot);
-    if (!socket) return socket.error();
-    return control::connect(*socket);
-  };
+  const auto connect = [robot] { return connect_to(robot); };
   const auto credentials = credentials_of(options);
   if (!credentials) return failed(context, credentials.error());
   const web::ServerOptions serving = {

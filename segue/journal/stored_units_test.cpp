@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/journal/stored_units.hpp>
 
+#include <support/temporary_files.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -20,13 +21,6 @@ Result<void> permitted() {
 
 class StoredUnitsTest : public ::testing::Test {
  protected:
-  StoredUnitsTest() {
-    std::string pattern = ::testing::TempDir() + "segue-units-XXXXXX";
-    EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  ~StoredUnitsTest() override { std::filesystem::remove_all(folder_); }
-
   /// As another runtime of the same robot finds them.
   [[nodiscard]] StoredUnits reopened(const std::string& robot = "rover", std::uint32_t screws = 40) const {
     return StoredUnits(folder_ / "state/units.sqlite", robot, {{"screws", screws}, {"place", 3}});
@@ -37,7 +31,8 @@ class StoredUnitsTest : public ::testing::Test {
     return counts.value_or(StoredUnits::Counts());
   }
 
-  std::filesystem::path folder_;
+  segue::testing::TemporaryFiles files_;
+  const std::filesystem::path folder_ = files_.folder();
 };
 
 TEST_F(StoredUnitsTest, CountEachExecutionOfARunOnce) {

@@ -4,6 +4,8 @@
 #include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 
+#include <support/temporary_files.hpp>
+
 #include <gmock/gmock.h>
 
 #include <cstdint>
@@ -54,9 +56,6 @@ std::string line_of(const MissionEntry& one) {
 class ReportedMission : public ::testing::Test {
  protected:
   ReportedMission() {
-    std::string pattern = ::testing::TempDir() + "segue-reports-XXXXXX";
-    EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
     RuntimeOptions options;
     options.journal = folder_ / "journal.sqlite";
     robot_.emplace(std::move(options));
@@ -64,10 +63,6 @@ class ReportedMission : public ::testing::Test {
                      .add_controller(testing::network_of("network: one\ntasks: {a: {component: x::A}}"))
                      .has_errors());
     lease_ = *served().take_lease("segue mission run");
-  }
-  ~ReportedMission() override {
-    robot_.reset();
-    std::filesystem::remove_all(folder_);
   }
 
   Runtime& runtime() { return robot_->runtime; }
@@ -90,7 +85,8 @@ class ReportedMission : public ::testing::Test {
     return all;
   }
 
-  std::filesystem::path folder_;
+  segue::testing::TemporaryFiles files_;
+  const std::filesystem::path folder_ = files_.folder();
   std::optional<testing::StandInRobot> robot_;
   std::uint64_t lease_ = 0;
 };

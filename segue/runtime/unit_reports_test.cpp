@@ -3,6 +3,8 @@
 #include <segue/runtime/served_runtime.hpp>
 #include <segue/runtime/test_support.hpp>
 
+#include <support/temporary_files.hpp>
+
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -25,16 +27,7 @@ Value drilled(const std::string& run, const std::string& execution, int screws) 
 
 class UnitReports : public ::testing::Test {
  protected:
-  UnitReports() {
-    std::string pattern = ::testing::TempDir() + "segue-unit-reports-XXXXXX";
-    EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    begin_runtime();
-  }
-  ~UnitReports() override {
-    robot_.reset();
-    std::filesystem::remove_all(folder_);
-  }
+  UnitReports() { begin_runtime(); }
 
   /// Also after the one before has failed.
   void begin_runtime() {
@@ -55,7 +48,8 @@ class UnitReports : public ::testing::Test {
     return units->as_list().at(0).find("count")->as_int();
   }
 
-  std::filesystem::path folder_;
+  segue::testing::TemporaryFiles files_;
+  const std::filesystem::path folder_ = files_.folder();
   std::optional<testing::StandInRobot> robot_;
   std::optional<RuntimeService> service_;
 };
