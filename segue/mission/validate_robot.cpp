@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/names_of.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/controllers.hpp>
 #include <segue/model/member_check.hpp>
@@ -126,9 +127,7 @@ void check_controllers(const Mission& mission, const std::vector<model::Network>
 
 void check_robot_units(const Mission& mission, const std::vector<model::UnitStock>& units,
                        Diagnostics& diagnostics) {
-  std::vector<std::string> names;
-  for (const model::UnitStock& stock : units)
-    names.push_back(stock.name);
+  const std::vector<std::string> names = names_of(units);
   for (const Resource& resource : mission.resources) {
     if (!resource.of_robot || std::ranges::find(names, resource.name) != names.end()) continue;
     diagnostics.error("unknown-units",
