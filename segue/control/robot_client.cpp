@@ -334,7 +334,8 @@ class Client final : public RobotService {
         *channel_, wait, std::move(answered), [what](RpcChannel::Connection& connection, Duration left) {
           auto request = connection.as<wire::Robot>().takeInstanceRequest();
           request.setPool(as_text(what.pool));
-          request.setRatherNot(as_text(what.rather_not));
+          request.setLost(as_text(what.lost.task));
+          request.setLostPid(what.lost.pid);
           request.setTimeout(left.count());
           return RpcChannel::send<model::TakenInstance>(request, [](auto& results) {
             return Result<model::TakenInstance>({detail::as_string(results.getTask()), results.getPid()});

@@ -39,9 +39,9 @@ class Instances {
     return fail(ErrorCode::NotFound, "the robot has no pool " + quote(pool));
   }
 
-  /// Blocks until the robot gives an instance; rather another one than `lost`, which may be there again.
+  /// Blocks until the robot gives an instance; rather another one than `lost`, whose task may run again.
   /// Cancelled when asked to stop.
-  Result<model::TakenInstance> take(const std::string& pool, const std::string& lost,
+  Result<model::TakenInstance> take(const std::string& pool, const model::TakenInstance& lost,
                                     const std::stop_token& stop) const {
     while (true) {
       auto taken =
@@ -153,15 +153,15 @@ class PoolExecution {
   /// Blocks until the action has ended. One that is preempted does not wait for its instance.
   Ending run(const std::shared_ptr<CommandedRobot>& robot, const Instances& instances,
              ExecutionThreads& threads, const std::stop_token& stop, std::vector<Value>& outputs) const {
-    std::string last;
+    model::TakenInstance lost;
     for (std::size_t attempt = 1;; ++attempt) {
-      const auto instance = instances.take(call_.pool, last, stop);
+      const auto instance = instances.take(call_.pool, lost, stop);
       if (!instance) return failed(instance.error(), instances, stop);
       const auto outcome = ask(robot, instances, threads, *instance, stop);
       if (!outcome || stop.stop_requested()) return {kPreempted, {}};
-      last = instance->task;
       if (outcome->answer) return ended_with(*outcome->answer, outputs);
       if (!outcome->lost) return failed(explained(outcome->answer.error(), *instance), instances, stop);
+      lost = *instance;
       const auto pool = instances.query(call_.pool, stop);
       // An instance that is not in a state for it, such as one that is being stopped, has not begun.
       const bool may_repeat = may_repeat_ || outcome->answer.error().code == ErrorCode::InvalidState;

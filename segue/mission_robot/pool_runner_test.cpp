@@ -39,14 +39,14 @@ class PlanningRobot final : public CommandedRobot {
     if (is_gone_) return gone();
     return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}, 2}};
   }
-  /// Rather another one than `rather_not`; nobody is answered before there is one.
+  /// Rather another one than the one that was lost; nobody is answered before there is one.
   void take_instance(const model::InstanceQuestion& what, const Wait& /*wait*/,
                      model::InstanceAnswer answered) override {
     const Lock lock(mutex_);
     if (is_gone_) return answered(gone());
     const PoolInstanceView* best = nullptr;
     for (const PoolInstanceView& one : instances_) {
-      if (one.ready && (best == nullptr || best->task == what.rather_not)) best = &one;
+      if (one.ready && (best == nullptr || best->task == what.lost.task)) best = &one;
     }
     if (best != nullptr) return answered(model::TakenInstance{best->task, best->pid});
     if (std::ranges::all_of(instances_, &PoolInstanceView::given_up))

@@ -156,7 +156,7 @@ TEST_F(ServedRobotTest, SeesWhichInstancesOfPoolsWork) {
 TEST_F(ServedRobotTest, GetsInstancesOfPools) {
   const auto taken =
       answer_to<model::TakenInstance>(soon(), [&](const Wait& wait, model::InstanceAnswer answer) {
-        robot_.take_instance({"planner", "planner_2"}, wait, std::move(answer));
+        robot_.take_instance({"planner", {"planner_2", 8}}, wait, std::move(answer));
       });
   ASSERT_TRUE(taken);
   EXPECT_EQ(taken->task, "planner_1 rather than planner_2");

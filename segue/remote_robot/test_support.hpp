@@ -110,7 +110,7 @@ class FakeService final : public control::RobotService {
   }
   void take_instance(const model::InstanceQuestion& what, const Wait& /*wait*/,
                      model::InstanceAnswer answered) override {
-    answered(model::TakenInstance{what.pool + "_1 rather than " + what.rather_not, 9});
+    answered(model::TakenInstance{what.pool + "_1 rather than " + what.lost.task, what.lost.pid + 1});
   }
   Result<Value> switch_to(std::string_view controller, const control::RequestOptions& asked,
                           const Wait& wait) override {

@@ -74,5 +74,5 @@ interface Robot {
   units @31 () -> (answer :Wire.Answer);
   # The answer's value is the count before.
   setUnits @32 (name :Text, count :UInt32, who :Text) -> (answer :Wire.Answer);
-  takeInstance @30 (pool :Text, ratherNot :Text, timeout :Int64) -> (error :Wire.Error, task :Text, pid :Int32);
+  takeInstance @30 (pool :Text, lost :Text, timeout :Int64, lostPid :Int32) -> (error :Wire.Error, task :Text, pid :Int32);
 }

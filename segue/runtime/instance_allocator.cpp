@@ -72,9 +72,11 @@ std::optional<Result<model::TakenInstance>> InstanceAllocator::take(const model:
   Instance* free = nullptr;
   std::vector<std::string> reasons;
   for (Instance& one : state->instances) {
+    const bool was_lost = one.seen.task.str() == what.lost.task && one.seen.pid == what.lost.pid;
+    if (was_lost && one.lost_at < since) lose(one, "its caller has lost it", since);
     if (!one.seen.ready) {
       reasons.push_back(one.seen.task.str() + ": " + one.seen.reason);
-    } else if (!works(one, now) && (free == nullptr || free->seen.task.str() == what.rather_not)) {
+    } else if (!works(one, now) && (free == nullptr || free->seen.task.str() == what.lost.task)) {
       free = &one;
     }
   }
@@ -115,30 +117,36 @@ void InstanceAllocator::used(const model::TaskId& task, TimePoint now) {
   }
 }
 
-void InstanceAllocator::note(const std::vector<PoolReport>& seen, TimePoint now) {
+void InstanceAllocator::note(const std::vector<PoolReport>& seen, TimePoint when) {
   const Lock lock(mutex_);
   for (const PoolReport& pool : seen) {
     for (const PoolInstance& one : pool.instances) {
       Instance* known = find_instance(one.task);
       if (known == nullptr) continue;
+      const bool is_outdated = one.pid == known->seen.pid && known->lost_at >= when;
+      if (one.ready && is_outdated) continue;
       const bool begins = one.ready && (!known->seen.ready || known->seen.pid != one.pid);
       known->seen = one;
-      if (begins || one.busy) known->last_used = now;
+      if (begins || one.busy) known->last_used = when;
       if (begins) known->reserved_until = {};
     }
     State* state = find(pool.pool);
     if (state != nullptr && std::ranges::any_of(pool.instances, &PoolInstance::ready)) {
-      state->last_ready = now;
+      state->last_ready = when;
     }
   }
 }
 
-void InstanceAllocator::lost(const model::TaskId& task, const std::string& why) {
+void InstanceAllocator::lost(const model::TaskId& task, const std::string& why, TimePoint now) {
   const Lock lock(mutex_);
-  Instance* one = find_instance(task);
-  if (one == nullptr || !one->seen.ready) return;  // supervision knows more of it
-  one->seen.ready = false;
-  one->seen.reason = why;
+  if (Instance* one = find_instance(task)) lose(*one, why, now);
+}
+
+void InstanceAllocator::lose(Instance& one, const std::string& why, TimePoint now) {
+  one.lost_at = now;
+  if (!one.seen.ready) return;  // supervision knows more of it
+  one.seen.ready = false;
+  one.seen.reason = why;
 }
 
 int InstanceAllocator::shortage(const State& state, TimePoint now) const {

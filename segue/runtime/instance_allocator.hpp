@@ -44,10 +44,11 @@ class InstanceAllocator {
   /// A call of this task has ended.
   void used(const model::TaskId& task, TimePoint now);
 
-  /// How supervision has seen the pools.
-  void note(const std::vector<PoolReport>& seen, TimePoint now);
+  /// How supervision has seen the pools, at `when` or later. An instance that was lost since then counts as
+  /// lost until a later report.
+  void note(const std::vector<PoolReport>& seen, TimePoint when);
   /// The instance has ended, or does not run any more.
-  void lost(const model::TaskId& task, const std::string& why);
+  void lost(const model::TaskId& task, const std::string& why, TimePoint now);
 
   /// An instance that is to be made because callers wait; it does not count before add(). Nothing: none is.
   [[nodiscard]] std::optional<model::TaskId> next_to_make(TimePoint now, const MemoryOf& memory_of);
@@ -69,6 +70,7 @@ class InstanceAllocator {
     PoolInstance seen;
     TimePoint last_used{};
     TimePoint reserved_until{};
+    TimePoint lost_at{};
   };
   struct State {
     const model::Pool& pool;
@@ -80,6 +82,7 @@ class InstanceAllocator {
 
   State* find(std::string_view pool) SEGUE_REQUIRES(mutex_);
   Instance* find_instance(const model::TaskId& task) SEGUE_REQUIRES(mutex_);
+  static void lose(Instance& one, const std::string& why, TimePoint now);
   [[nodiscard]] bool works(const Instance& one, TimePoint now) const SEGUE_REQUIRES(mutex_);
   /// How many callers wait for more instances than will be free.
   [[nodiscard]] int shortage(const State& state, TimePoint now) const SEGUE_REQUIRES(mutex_);

@@ -46,8 +46,8 @@ class Allocation : public ::testing::Test {
     }
     allocator_->note(seen, now_);
   }
-  std::string take(const std::string& pool = "planner", const std::string& rather_not = "") {
-    const auto taken = allocator_->take({pool, rather_not}, since_, now_);
+  std::string take(const std::string& pool = "planner", const model::TakenInstance& lost = {}) {
+    const auto taken = allocator_->take({pool, lost}, since_, now_);
     return !taken ? "waits" : *taken ? (*taken)->task : to_string(taken->error());
   }
   /// The instance that is made for those who wait; it runs then.
@@ -112,14 +112,27 @@ TEST_F(Allocation, GivesAnInstanceToOthersWhereItsCallerDoesNotCallIt) {
 TEST_F(Allocation, GivesRatherAnotherInstanceThanOneThatWasLost) {
   have({range("planner", 2, 2)});
   see({{"planner_1", 11}, {"planner_2", 12}});
-  EXPECT_EQ(take("planner", "planner_1"), "planner_2");
-  EXPECT_EQ(take("planner", "planner_1"), "planner_1") << "rather than none";
+  EXPECT_EQ(take("planner", {"planner_1", 7}), "planner_2") << "it runs again";
+  EXPECT_EQ(take("planner", {"planner_1", 7}), "planner_1") << "rather than none";
+}
+
+TEST_F(Allocation, GivesNoInstanceThatItsCallerHasLostBeforeItIsSeenAgain) {
+  have({range("planner", 1, 1)});
+  see({{"planner_1", 11}});
+  now_ += 1s;
+  since_ = now_;
+  EXPECT_EQ(take("planner", {"planner_1", 11}), "waits");
+  see({{"planner_1", 11}});
+  EXPECT_EQ(take(), "waits") << "supervision has looked before it was lost";
+  now_ += 1ns;
+  see({{"planner_1", 11}});
+  EXPECT_EQ(take("planner", {"planner_1", 11}), "planner_1") << "its task runs anew in the same process";
 }
 
 TEST_F(Allocation, GivesNoInstanceThatWasLost) {
   have({range("planner", 1, 1)});
   see({{"planner_1", 11}});
-  allocator_->lost(model::TaskId("planner_1"), "its process is gone");
+  allocator_->lost(model::TaskId("planner_1"), "its process is gone", now_);
   EXPECT_EQ(take(), "waits");
   see({{"planner_1", 21}});
   EXPECT_EQ(take(), "planner_1");
@@ -131,7 +144,7 @@ TEST_F(Allocation, SaysOfALostInstanceWhatSupervisionKnows) {
   seen[0].instances[0].given_up = true;
   seen[0].instances[0].reason = "its process is gone: signal 9";
   allocator_->note(seen, now_);
-  allocator_->lost(model::TaskId("planner_1"), "is fatal");
+  allocator_->lost(model::TaskId("planner_1"), "is fatal", now_);
   EXPECT_THAT(take(), HasSubstr("planner_1: its process is gone: signal 9"));
 }
 
@@ -153,7 +166,7 @@ TEST_F(Allocation, LetsCallersWaitAsLongAsAnyInstanceIsReady) {
   now_ += 1h;
   EXPECT_EQ(take(), "waits") << "until it has answered";
   calls_.ended(call, InstanceCalls::End::Unknown);
-  allocator_->lost(model::TaskId("planner_1"), "its process is gone");
+  allocator_->lost(model::TaskId("planner_1"), "its process is gone", now_);
   now_ += InstanceAllocator::kReadyDeadline;
   EXPECT_EQ(take(), "waits");
   now_ += 1ns;
@@ -217,7 +230,7 @@ TEST_F(Allocation, EndsInstancesThatNobodyHasNeededForAWhile) {
   allocator_->add(model::TaskId("planner_3"), now_);
   see({{"planner_1", 11}, {"planner_2", 12}, {"planner_3", 13}});
   now_ += 5s;
-  EXPECT_EQ(take("planner", "planner_1"), "planner_2");
+  EXPECT_EQ(take("planner", {"planner_1", 7}), "planner_2");
   allocator_->used(model::TaskId("planner_2"), now_);
   now_ += 5s - 1ns;
   EXPECT_EQ(leaves(), "none");

@@ -102,6 +102,7 @@ Result<type::Value> PoolKeeper::call(const model::TaskId& task, std::string_view
 
 void PoolKeeper::take(const model::InstanceQuestion& what, const Wait& wait, model::InstanceAnswer answered) {
   using End = task_host::detail::Watches::End;
+  if (!what.lost.task.empty()) notify_();  // so that supervision looks whether it runs
   waits_.add(wait, [this, what, answered = std::move(answered), since = RealClock::instance().now(),
                     is_counted = false](End end) mutable {
     std::optional<Result<model::TakenInstance>> answer;
@@ -127,13 +128,14 @@ void PoolKeeper::take(const model::InstanceQuestion& what, const Wait& wait, mod
 
 void PoolKeeper::on_event(const task_host::TaskEvent& event) {
   if (event.state != TaskState::Running) {
-    allocator_.lost(event.task, "is " + std::string(to_string(event.state)));
+    allocator_.lost(event.task, "is " + std::string(to_string(event.state)), RealClock::instance().now());
   }
 }
 
 void PoolKeeper::on_event(const task_host::ProcessEvent& event) {
   if (event.gone) {
-    allocator_.lost(model::TaskId(event.process.process.str()), "its process is gone");
+    allocator_.lost(model::TaskId(event.process.process.str()), "its process is gone",
+                    RealClock::instance().now());
   }
 }
 
@@ -214,7 +216,8 @@ void PoolKeeper::look_after(const Repair& repair) {
 }
 
 void PoolKeeper::note_instances() {
-  allocator_.note(report(sources_.host.tasks()), RealClock::instance().now());
+  const TimePoint when = RealClock::instance().now();
+  allocator_.note(report(sources_.host.tasks()), when);
   waits_.ring();
 }
 
@@ -334,6 +337,7 @@ void PoolKeeper::start(const DetectedFault& fault, const Repair& repair) {
     sources_.journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
   }
   calls_.starts(instance);
+  allocator_.lost(instance, "is being started", RealClock::instance().now());
   // A call that an instance carries out cannot be interrupted, so a process that is to be replaced is killed.
   const auto pools_part = model::unite(only(instance, network_), part(seen.network));
   if (repair(seen, scope_of_instance(fault), pools_part, fault.needs_process)) {

@@ -215,7 +215,7 @@ class FakeRobotService : public RobotService {
   }
   void take_instance(const model::InstanceQuestion& what, const Wait& /*wait*/,
                      model::InstanceAnswer answered) override {
-    answered(model::TakenInstance{what.pool + "_1 rather than " + what.rather_not, 7});
+    answered(model::TakenInstance{what.pool + "_1 rather than " + what.lost.task, what.lost.pid + 1});
   }
   Result<std::unique_ptr<SampleStream>> open_port(std::string_view, std::string_view port, std::size_t,
                                                   const Wait& /*wait*/) override {

@@ -353,7 +353,8 @@ class RobotServer final : public DecodingServer<wire::Robot> {
     return answer_later<model::TakenInstance>(
         role_for(Verb::TakeInstance), caller_, context,
         [&service = service_,
-         what = model::InstanceQuestion{as_string(params.getPool()), as_string(params.getRatherNot())},
+         what = model::InstanceQuestion{as_string(params.getPool()),
+                                        {as_string(params.getLost()), params.getLostPid()}},
          deadline = deadline_after(params.getTimeout())](const std::stop_token& dropped,
                                                          model::InstanceAnswer answered) {
           service.take_instance(what, Wait(deadline, dropped), std::move(answered));
