@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/draw/dot.hpp>
-
-#include <fmt/core.h>
+#include <segue/draw/task_graph.hpp>
 
 #include <algorithm>
 #include <map>
@@ -16,33 +14,14 @@ namespace segue::cli {
 
 namespace {
 
-using draw::dot_quoted;
+using draw::TaskGraph;
 using type::Value;
 
 struct GraphOptions {
   std::string file;  ///< a network file; empty: the running robot
   bool dot = false;
+  bool svg = false;
   ModelSources sources;
-};
-
-struct GraphTask {
-  std::string id;
-  std::string component;
-  std::string state;
-  std::string process;  ///< "HOST/PROCESS"; empty: that of the runtime
-};
-
-struct GraphConnection {
-  std::string from_task;
-  std::string from_port;
-  std::string to_task;
-  std::string to_port;
-  std::string policy;
-};
-
-struct TaskGraph {
-  std::vector<GraphTask> tasks;
-  std::vector<GraphConnection> connections;
 };
 
 /// "task.port", whose last part is the port.
@@ -54,6 +33,7 @@ std::pair<std::string, std::string> parts_of(const std::string& port) {
 
 TaskGraph graph_of(const Value& status) {
   TaskGraph graph;
+  graph.name = printable_at(status, "robot");
   for (const Value& task : list_at(status, "tasks")) {
     const std::string host = printable_at(task, "host");
     const std::string process = printable_at(task, "process");
@@ -61,9 +41,13 @@ TaskGraph graph_of(const Value& status) {
                            printable_at(task, "state_name"),
                            process.empty() || host.empty() ? process : host + "/" + process});
   }
+  const auto is_there = [&](const std::string& id) {
+    return std::ranges::find(graph.tasks, id, &TaskGraph::Task::id) != graph.tasks.end();
+  };
   for (const Value& connection : list_at(status, "connections")) {
     auto [from_task, from_port] = parts_of(printable_at(connection, "from"));
     auto [to_task, to_port] = parts_of(printable_at(connection, "to"));
+    if (!is_there(from_task) || !is_there(to_task)) continue;
     graph.connections.push_back({from_task, from_port, to_task, to_port, printable_at(connection, "policy")});
   }
   return graph;
@@ -71,6 +55,7 @@ TaskGraph graph_of(const Value& status) {
 
 TaskGraph graph_of(const model::Network& network) {
   TaskGraph graph;
+  graph.name = network.name.str();
   for (const auto& task : network.tasks) {
     std::string process;
     for (const auto& deployment : network.deployments) {
@@ -88,25 +73,41 @@ TaskGraph graph_of(const model::Network& network) {
   return graph;
 }
 
-/// The tasks along the connections: those that nothing leads to first; of a loop the one that comes first.
-std::vector<const GraphTask*> in_order_of_flow(const TaskGraph& graph) {
-  std::vector<const GraphTask*> order;
-  std::set<std::string> placed;
-  const auto waits = [&](const GraphTask& task) {
-    return std::ranges::any_of(graph.connections, [&](const GraphConnection& connection) {
-      return connection.to_task == task.id && connection.from_task != task.id &&
-             !placed.contains(connection.from_task);
-    });
-  };
-  while (order.size() < graph.tasks.size()) {
-    const auto left = [&](const GraphTask& task) { return !placed.contains(task.id); };
-    auto next =
-        std::ranges::find_if(graph.tasks, [&](const auto& task) { return left(task) && !waits(task); });
-    if (next == graph.tasks.end()) next = std::ranges::find_if(graph.tasks, left);
-    placed.insert(next->id);
-    order.push_back(&*next);
+/// Notes which of these inputs of the task no connection leads to.
+void note_unwritten(const std::vector<std::string>& inputs, const TaskGraph& graph, TaskGraph::Task& task) {
+  for (const std::string& input : inputs) {
+    const auto leads_there = [&](const TaskGraph::Connection& one) {
+      return one.to_task == task.id && one.to_port == input;
+    };
+    if (std::ranges::none_of(graph.connections, leads_there)) task.unwritten.push_back(input);
   }
-  return order;
+}
+
+/// A task that has gone in the meantime has none.
+void find_unwritten(control::RobotService& robot, TaskGraph& graph) {
+  for (TaskGraph::Task& task : graph.tasks) {
+    const auto details = robot.task(task.id);
+    if (!details) continue;
+    std::vector<std::string> inputs;
+    for (const Value& port : list_at(*details, "ports")) {
+      const auto* pattern = port.find("pattern");
+      const bool is_port = pattern == nullptr || !pattern->as_bool();
+      if (is_port && printable_at(port, "direction") == "input") inputs.push_back(printable_at(port, "name"));
+    }
+    note_unwritten(inputs, graph, task);
+  }
+}
+
+void find_unwritten(const model::ComponentCatalog& catalog, TaskGraph& graph) {
+  for (TaskGraph::Task& task : graph.tasks) {
+    const auto* component = catalog.find(model::ComponentName(task.component));
+    if (component == nullptr) continue;
+    std::vector<std::string> inputs;
+    for (const model::PortModel& port : component->ports) {
+      if (port.direction == model::Direction::Input && !port.dynamic) inputs.push_back(port.name);
+    }
+    note_unwritten(inputs, graph, task);
+  }
 }
 
 /// "scan -> map.scan, guard.scan", one line a port.
@@ -126,47 +127,25 @@ std::string outputs_text(const TaskGraph& graph, const std::string& task) {
 
 std::string text_of(const TaskGraph& graph) {
   std::string text;
-  for (const GraphTask* task : in_order_of_flow(graph)) {
-    text += coloured(Colour::Bold, task->id) + "  " + task->component + ", " + task->state;
-    if (!task->process.empty()) text += ", in " + task->process;
-    text += '\n' + outputs_text(graph, task->id);
+  for (const std::uint32_t index : draw::order_of_flow(graph)) {
+    const TaskGraph::Task& task = graph.tasks[index];
+    text += coloured(Colour::Bold, task.id) + "  " + task.component + ", " + task.state;
+    if (!task.process.empty()) text += ", in " + task.process;
+    text += '\n' + outputs_text(graph, task.id);
+    if (!task.unwritten.empty()) text += "  nothing writes to " + listed(task.unwritten) + '\n';
   }
   return text.empty() ? "no tasks\n" : text;
 }
 
-/// For Graphviz: a box for each task, a frame for each process.
-std::string dot_of(const TaskGraph& graph) {
-  std::map<std::string, std::vector<const GraphTask*>> processes;
-  for (const GraphTask& task : graph.tasks)
-    processes[task.process].push_back(&task);
-  std::string text =
-      "digraph network {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n"
-      "  edge [fontname=\"sans-serif\", fontsize=10];\n";
-  for (const auto& [process, tasks] : processes) {
-    const std::string indent = process.empty() ? "  " : "    ";
-    if (!process.empty())
-      text += fmt::format("  subgraph {} {{\n    label={};\n", dot_quoted("cluster_" + process),
-                          dot_quoted(process));
-    for (const GraphTask* task : tasks)
-      text += fmt::format("{}{} [label={}];\n", indent, dot_quoted(task->id),
-                          dot_quoted(task->id + "\n" + task->component));
-    if (!process.empty()) text += "  }\n";
-  }
-  for (const auto& connection : graph.connections) {
-    text += fmt::format("  {} -> {} [label={}];\n", dot_quoted(connection.from_task),
-                        dot_quoted(connection.to_task),
-                        dot_quoted(connection.from_port + " -> " + connection.to_port));
-  }
-  return text + "}\n";
-}
-
 Value to_value(const TaskGraph& graph) {
   Value::List tasks;
-  for (const GraphTask* task : in_order_of_flow(graph)) {
-    tasks.push_back(Value::map({{"id", task->id},
-                                {"component", task->component},
-                                {"state", task->state},
-                                {"process", task->process}}));
+  for (const std::uint32_t index : draw::order_of_flow(graph)) {
+    const TaskGraph::Task& task = graph.tasks[index];
+    tasks.push_back(Value::map({{"id", task.id},
+                                {"component", task.component},
+                                {"state", task.state},
+                                {"process", task.process},
+                                {"unwritten", Value::List(task.unwritten.begin(), task.unwritten.end())}}));
   }
   Value::List connections;
   for (const auto& connection : graph.connections) {
@@ -179,7 +158,9 @@ Value to_value(const TaskGraph& graph) {
 
 int show_graph(const TaskGraph& graph, const GraphOptions& options, const Context& context) {
   if (options.dot) {
-    print_content(dot_of(graph));
+    print_content(draw::to_dot(graph));
+  } else if (options.svg) {
+    print_content(draw::to_svg(graph));
   } else if (context.json()) {
     print_json(to_value(graph));
   } else {
@@ -194,7 +175,9 @@ int show_file(const GraphOptions& options, const Context& context) {
   const auto network = load_valid_network(options.file, catalog, diagnostics);
   if (!network || diagnostics.has_errors()) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
-  return show_graph(graph_of(*network), options, context);
+  TaskGraph graph = graph_of(*network);
+  find_unwritten(catalog, graph);
+  return show_graph(graph, options, context);
 }
 
 }  // namespace
@@ -204,17 +187,21 @@ void add_graph(Verb& app, Context& context) {
   Verb& verb = add_verb(
       app, context, "graph", "who is connected with whom, in a running robot or a network file",
       "  segue graph                               # of the running robot\n"
-      "  segue graph controllers/explore.yaml\n  segue graph --dot | dot -Tsvg > graph.svg  # with Graphviz",
+      "  segue graph controllers/explore.yaml\n  segue graph --svg > graph.svg              # as a drawing",
       [options, &context] {
         if (!options->file.empty()) return show_file(*options, context);
         return with_robot(context, [&](control::RobotService& robot) {
           const auto status = robot.status();
-          return status ? show_graph(graph_of(*status), *options, context) : failed(context, status.error());
+          if (!status) return failed(context, status.error());
+          TaskGraph graph = graph_of(*status);
+          find_unwritten(robot, graph);
+          return show_graph(graph, *options, context);
         });
       });
   verb.option("NETWORK", options->file,
               "a network file, or several: a.yaml+b.yaml (default: what the robot runs)");
-  verb.flag("--dot", options->dot, "print it for Graphviz");
+  const Option dot = verb.flag("--dot", options->dot, "print it for Graphviz");
+  verb.flag("--svg", options->svg, "draw it").excludes(dot);
   add_model_options(verb, options->sources);
   add_robot_option(verb, context);
 }

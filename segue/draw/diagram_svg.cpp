@@ -8,21 +8,16 @@
 #include <iterator>
 
 #include <segue/draw/diagram_style.hpp>
-#include <segue/draw/layout.hpp>
+#include <segue/draw/layout_path.hpp>
 #include <segue/draw/svg.hpp>
 
 namespace segue::draw {
 
 namespace {
 
-constexpr double kBox = 170;    ///< width of a box
-constexpr double kCurve = 70;   ///< width between two layers in which lines bend
-constexpr double kLabel = 120;  ///< width of the labels of lines
-constexpr double kLayer = kBox + kCurve + kLabel;
 constexpr double kLeast = 36;  ///< least height of a box
 constexpr double kLane = 14;   ///< height of a line
-constexpr double kMargin = 16;
-constexpr double kTop = 78;
+constexpr LayoutMeasures kMeasures;
 
 class Drawing {
  public:
@@ -37,15 +32,15 @@ class Drawing {
     }
     std::vector<LayoutLine> lines = lines_;
     const Layout one_row = lay_out(boxes_, lines, kLeast, kLane);
-    layout_ = lay_out(boxes_, lines_, kLeast, kLane, layers_for_page(one_row, kLayer));
+    layout_ = lay_out(boxes_, lines_, kLeast, kLane, layers_for_page(one_row, kMeasures.layer()));
   }
 
   std::string draw() {
-    const double width = std::max(left_of(std::max(layout_.columns(), 1U) - 1) + kBox + kMargin, 760.0);
-    const double height = kTop + layout_.bottom + kMargin;
+    const double width = std::max(kMeasures.width_of(layout_), 760.0);
+    const double height = kMeasures.top + layout_.bottom + kMeasures.margin;
     svg::begin(out_, std::ceil(width), std::ceil(height), 11, diagram_.name);
-    text(kMargin, 20, "start", diagram_.name, "font-size='15' font-weight='bold'");
-    text(kMargin, 37, "start", caption_of(diagram_), "fill='#555555'");
+    text(kMeasures.margin, 20, "start", diagram_.name, "font-size='15' font-weight='bold'");
+    text(kMeasures.margin, 37, "start", caption_of(diagram_), "fill='#555555'");
     legend();
     for (std::size_t i = 0; i < lines_.size(); ++i)
       line(lines_[i], *dependencies_[i]);
@@ -55,11 +50,6 @@ class Drawing {
   }
 
  private:
-  /// Lines that arrive in the first column of a further row need room for their labels.
-  [[nodiscard]] double left_of(std::uint32_t column) const {
-    return kMargin + (layout_.layers > layout_.per_row ? kLabel : 0) + column * kLayer;
-  }
-
   void text(double x, double y, std::string_view anchor, std::string_view content, std::string_view style) {
     svg::text(out_, x, y, anchor, content, style);
   }
@@ -72,7 +62,7 @@ class Drawing {
       roles.at(static_cast<std::size_t>(diagram_.nodes[i].role)) = true;
     for (const Diagram::Dependency* dependency : dependencies_)
       kinds.at(static_cast<std::size_t>(dependency->causes.front().kind)) = true;
-    double x = kMargin;
+    double x = kMeasures.margin;
     for (std::size_t i = 0; i < roles.size(); ++i) {
       if (!roles.at(i)) continue;
       const auto role = static_cast<Diagram::Role>(i);
@@ -129,48 +119,31 @@ class Drawing {
 
   void line(const LayoutLine& line, const Diagram::Dependency& dependency) {
     const std::string_view colour = colour_of(dependency.causes.front().kind);
-    const double end = left_of(layout_.column(line.to));
-    const double y = kTop + line.arrives;
+    const double end = kMeasures.left_of(layout_, layout_.column(line.to));
+    const double y = kMeasures.top + line.arrives;
     svg::begin_group(out_, tooltip_of(diagram_, dependency, line.to));
     std::string prefix;
     if (line.cut) {
-      stroke(end - kLabel, y, end - 1, y, colour, dependency.holds_start);
-      svg::circle(out_, end - kLabel, y, 2.5, fmt::format("fill='{}'", colour));
+      stroke(end - kMeasures.label, y, end - 1, y, colour, dependency.holds_start);
+      svg::circle(out_, end - kMeasures.label, y, 2.5, fmt::format("fill='{}'", colour));
       prefix = fmt::format("{}: ", line.from);
     } else {
-      curve(line, end, colour, dependency.holds_start);
+      svg::path(out_, path_of(line, layout_, kMeasures), line_style(colour, dependency.holds_start));
     }
     arrow(end, y, colour);
     label(end - 8, y - 3, dependency, prefix);
     svg::end_group(out_);
   }
 
-  void curve(const LayoutLine& line, double end, std::string_view colour, bool firm) {
-    double x = left_of(layout_.column(line.from)) + kBox;
-    double y = kTop + line.leaves;
-    std::string path = fmt::format("M{:.1f} {:.1f}", x, y);
-    const auto bend_to = [&](double to) {
-      fmt::format_to(std::back_inserter(path), "C{:.1f} {:.1f} {:.1f} {:.1f} {:.1f} {:.1f}", x + kCurve / 2,
-                     y, x + kCurve / 2, to, x + kCurve, to);
-      y = to;
-    };
-    for (const double via : line.via) {
-      bend_to(kTop + via);
-      x += kLayer;
-      fmt::format_to(std::back_inserter(path), "H{:.1f}", x);
-    }
-    bend_to(kTop + line.arrives);
-    svg::path(out_, fmt::format("{}H{:.1f}", path, end - 1), line_style(colour, firm));
-  }
-
   void box(std::uint32_t number) {
     const Diagram::Node& node = diagram_.nodes[number];
     const RoleStyle style = style_of(node.role);
-    const double x = left_of(layout_.column(number));
-    const double y = kTop + layout_.top[number];
+    const double x = kMeasures.left_of(layout_, layout_.column(number));
+    const double y = kMeasures.top + layout_.top[number];
     const double height = layout_.height[number];
     svg::begin_group(out_, fmt::format("{} {}\n{}", number, node.name, tooltip_of(node)));
-    svg::rect(out_, x, y, kBox, height, fmt::format("rx='4' fill='{}' stroke='#888888'", style.fill));
+    svg::rect(out_, x, y, kMeasures.box, height,
+              fmt::format("rx='4' fill='{}' stroke='#888888'", style.fill));
     // The container is written below, so only the last part of the path is.
     const auto inside = node.container.empty() ? 0 : node.container.size() + 1;
     const std::string own = node.name.substr(std::min(inside, node.name.size()));

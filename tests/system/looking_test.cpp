@@ -83,12 +83,16 @@ TEST_F(Looking, DrawsWhoIsConnectedWithWhom) {
   const std::string dot = segue({"graph", "--dot"}).output;
   EXPECT_THAT(dot, HasSubstr("digraph network {"));
   EXPECT_THAT(dot, HasSubstr("\"laser\" -> \"wanderer\" [label=\"scan -> scan\"];"));
+  EXPECT_THAT(segue({"graph", "--svg"}).output,
+              AllOf(HasSubstr("<svg"), HasSubstr("laser.scan -&gt; wanderer.scan")));
   const Value running = json({"graph"});
   const Value file = json({"graph", "rover/controllers/explore.yaml"});
   EXPECT_EQ(running.find("connections")->as_list().size(), 4U);
   EXPECT_EQ(file.find("connections")->as_list().size(), 4U);
   EXPECT_EQ(file.find("tasks")->as_list().size(), running.find("tasks")->as_list().size());
   EXPECT_EQ(segue({"graph", "no_file.yaml"}).status, 1);
+  write("lone.yaml", "network: lone\ntasks: {wanderer: {component: demo::Wanderer}}\n");
+  EXPECT_THAT(segue({"graph", "lone.yaml"}).output, HasSubstr("  nothing writes to "));
 }
 
 TEST_F(Looking, ShowsTypesAndThePortsThatHaveThem) {
