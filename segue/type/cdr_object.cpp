@@ -109,11 +109,12 @@ bool put_text(const std::string& text, Sink& sink) {
 bool put_container(const DescribedType& described, const void* object, Sink& sink) {
   if (described.shape->type.is_string()) return put_text(*static_cast<const std::string*>(object), sink);
   if (is_bits(described)) return put_bits(*static_cast<const std::vector<bool>*>(object), sink);
-  const std::size_t count = described.sequence.size(object);
+  const std::size_t count = described.sequence.size(described, object);
   if (!sink.put_count(count)) return false;
   if (count == 0) return true;
   if (!sink.enter()) return false;
-  const bool done = put_items(*described.shape->element, described.sequence.item(object, 0), count, sink);
+  const bool done =
+      put_items(*described.shape->element, described.sequence.item(described, object, 0), count, sink);
   sink.leave();
   return done;
 }
@@ -274,7 +275,7 @@ bool get_container(const DescribedType& described, void* object, Source& source)
   std::size_t count = 0;
   if (!source.get_count(count, shape.element->shape->cdr.least)) return false;
   if (shape.type.is_optional() && count > 1) return false;
-  void* items = described.sequence.reuse(object, count);
+  void* items = described.sequence.reuse(described, object, count);
   if (count == 0) return true;
   return source.enter() && get_sequence(*shape.element, items, count, source);
 }

@@ -82,30 +82,24 @@ struct Describe {
 };
 
 template <class T>
-void construct(void* memory) {
+void construct(const TypeInfo&, void* memory) {
   ::new (memory) T();
 }
 
 template <class T>
-void destroy(void* object) noexcept {
+void destroy(const TypeInfo&, void* object) noexcept {
   std::destroy_at(static_cast<T*>(object));
 }
 
 template <class T>
-void copy(void* to, const void* from) {
+void copy(const TypeInfo& self, void* to, const void* from) {
   if constexpr (std::is_array_v<T>) {
     for (std::size_t i = 0; i < std::extent_v<T>; ++i)
-      copy<std::remove_extent_t<T>>(*static_cast<T*>(to) + i, *static_cast<const T*>(from) + i);
+      copy<std::remove_extent_t<T>>(self, *static_cast<T*>(to) + i, *static_cast<const T*>(from) + i);
   } else {
     *static_cast<T*>(to) = *static_cast<const T*>(from);
   }
 }
-
-template <class T>
-Value to_value_of(const void* object);
-
-template <class T>
-Result<void> from_value_of(void* object, const Value& value, std::string_view path);
 
 template <class T>
 constexpr DescribedType make_described() {
@@ -119,11 +113,7 @@ constexpr DescribedType make_described() {
   // Preliminary, narrowed by complete(). Not is_trivially_copyable, which does not hold for Eigen's fixed
   // matrices.
   described.info.trivially_copyable = std::is_trivially_destructible_v<T>;
-  described.info.construct = &construct<T>;
-  described.info.destroy = &destroy<T>;
-  described.info.copy = &copy<T>;
-  described.info.to_value = &to_value_of<T>;
-  described.info.from_value = &from_value_of<T>;
+  described.info.functions = {&construct<T>, &destroy<T>, &copy<T>, &object_to_value, &object_from_value};
   described.name = &Describe<T>::name;
   described.describe = &Describe<T>::describe;
   if constexpr (requires { Describe<T>::kSequence; }) described.sequence = Describe<T>::kSequence;
@@ -134,16 +124,6 @@ constexpr DescribedType make_described() {
 
 template <class T>
 inline constinit DescribedType described_type = make_described<T>();
-
-template <class T>
-Value to_value_of(const void* object) {
-  return to_value(described_type<T>, object);
-}
-
-template <class T>
-Result<void> from_value_of(void* object, const Value& value, std::string_view path) {
-  return from_value(described_type<T>, object, value, path);
-}
 
 /// Receives the names listed in SEGUE_TYPE.
 template <class T>

@@ -87,17 +87,19 @@ struct Describe<std::vector<T>> {
   static void describe(Shape& shape) {
     describe_container(shape, "/std/vector", sizeof(Vector), described_type<T>);
   }
-  static std::size_t size(const void* object) { return static_cast<const Vector*>(object)->size(); }
-  static const void* item(const void* object, std::size_t index) {
+  static std::size_t size(const DescribedType&, const void* object) {
+    return static_cast<const Vector*>(object)->size();
+  }
+  static const void* item(const DescribedType&, const void* object, std::size_t index) {
     return static_cast<const Vector*>(object)->data() + index;
   }
-  static void* resize(void* object, std::size_t size) {
+  static void* resize(const DescribedType&, void* object, std::size_t size) {
     auto& vector = *static_cast<Vector*>(object);
     vector.clear();
     vector.resize(size);
     return vector.data();
   }
-  static void* reuse(void* object, std::size_t size) {
+  static void* reuse(const DescribedType&, void* object, std::size_t size) {
     auto& vector = *static_cast<Vector*>(object);
     vector.resize(size);
     return vector.data();
@@ -121,13 +123,13 @@ struct Describe<std::optional<T>> {
   static void describe(Shape& shape) {
     describe_container(shape, "/std/optional", sizeof(Optional), described_type<T>);
   }
-  static std::size_t size(const void* object) {
+  static std::size_t size(const DescribedType&, const void* object) {
     return static_cast<const Optional*>(object)->has_value() ? 1 : 0;
   }
-  static const void* item(const void* object, std::size_t) {
+  static const void* item(const DescribedType&, const void* object, std::size_t) {
     return std::addressof(**static_cast<const Optional*>(object));
   }
-  static void* resize(void* object, std::size_t size) {
+  static void* resize(const DescribedType&, void* object, std::size_t size) {
     auto& optional = *static_cast<Optional*>(object);
     if (size == 0) optional.reset();
     if (size > 0 && !optional) optional.emplace();

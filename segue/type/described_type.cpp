@@ -110,13 +110,13 @@ Value array_to_value(const Shape& shape, const void* object) {
 Value container_to_value(const DescribedType& described, const void* object) {
   const Shape& shape = *described.shape;
   if (shape.type.is_string()) return *static_cast<const std::string*>(object);
-  const std::size_t size = described.sequence.size(object);
+  const std::size_t size = described.sequence.size(described, object);
   if (shape.type.is_optional())
-    return size == 0 ? Value() : to_value(*shape.element, described.sequence.item(object, 0));
+    return size == 0 ? Value() : to_value(*shape.element, described.sequence.item(described, object, 0));
   Value::List list;
   list.reserve(size);
   for (std::size_t i = 0; i < size; ++i)
-    list.push_back(to_value(*shape.element, described.sequence.item(object, i)));
+    list.push_back(to_value(*shape.element, described.sequence.item(described, object, i)));
   return list;
 }
 
@@ -189,12 +189,12 @@ Result<void> assign_container(const DescribedType& described, void* object, cons
   const Shape& shape = *described.shape;
   if (shape.type.is_string()) return assign_string(object, value, path);
   if (shape.type.is_optional()) {
-    void* item = described.sequence.resize(object, value.is_null() ? 0 : 1);
+    void* item = described.sequence.resize(described, object, value.is_null() ? 0 : 1);
     return item == nullptr ? Result<void>{} : assign(*shape.element, item, value, path);
   }
   const Value::List* list = items_for(value, *shape.type.element);
   if (list == nullptr) return unexpected_value(path, "a list", value);
-  void* items = described.sequence.resize(object, list->size());
+  void* items = described.sequence.resize(described, object, list->size());
   return assign_items(*shape.element, static_cast<std::byte*>(items), *list, path);
 }
 
@@ -302,6 +302,15 @@ Result<void> from_value(const DescribedType& described, void* object, const Valu
   if (auto done = assign(described, scratch.object(), value, path); !done) return done;
   described.info.copy(object, scratch.object());
   return {};
+}
+
+Value object_to_value(const TypeInfo& self, const void* object) {
+  return to_value(*self.described, object);
+}
+
+Result<void> object_from_value(const TypeInfo& self, void* object, const Value& value,
+                               std::string_view path) {
+  return from_value(*self.described, object, value, path);
 }
 
 Value bits_to_value(const void* object) {

@@ -47,20 +47,22 @@ struct CdrPlan {
 /// The structure of a described type. Created once and never destroyed.
 struct Shape {
   Type type;
-  std::vector<DescribedField> fields;  ///< Compound
-  DescribedType* element = nullptr;    ///< Array, Container
-  CdrPlan cdr;
+  std::vector<DescribedField> fields{};  ///< Compound
+  DescribedType* element = nullptr;      ///< Array, Container
+  const void* initial = nullptr;         ///< of a made Compound: an object with its defaults; may be null
+  CdrPlan cdr{};
 };
 
-/// Items of a container whose size may change, or of an optional (size 0 or 1).
+/// Items of a container whose size may change, or of an optional (size 0 or 1). Each function gets the
+/// container's type.
 struct SequenceAccess {
-  std::size_t (*size)(const void* object) = nullptr;
-  const void* (*item)(const void* object, std::size_t index) = nullptr;
+  std::size_t (*size)(const DescribedType& self, const void* object) = nullptr;
+  const void* (*item)(const DescribedType& self, const void* object, std::size_t index) = nullptr;
   /// Resizes to `size` items and returns the first; items are default values, but an optional keeps its
   /// value.
-  void* (*resize)(void* object, std::size_t size) = nullptr;
+  void* (*resize)(const DescribedType& self, void* object, std::size_t size) = nullptr;
   /// Resizes to `size` items and returns the first; existing items keep their values and so their memory.
-  void* (*reuse)(void* object, std::size_t size) = nullptr;
+  void* (*reuse)(const DescribedType& self, void* object, std::size_t size) = nullptr;
 };
 
 /// A matrix that is not a vector. Its numbers are contiguous, by rows or by columns as the name of the type
@@ -92,7 +94,7 @@ struct Conversion {
   Result<void> (*from_value)(void* object, const Value& value, std::string_view path) = nullptr;
 };
 
-/// A described C++ type; constant initialised, one per type and process.
+/// A described type; one per type and process. That of a C++ type is constant initialised.
 struct DescribedType {
   TypeInfo info;  ///< type, hash and described are set by complete()
   void (*name)(std::string& text) = nullptr;
@@ -153,6 +155,14 @@ void append_duration_name(std::string& text, std::string_view number, std::int64
 /// std::vector<bool>, whose items have no address.
 Value bits_to_value(const void* object);
 Result<void> bits_from_value(void* object, const Value& value, std::string_view path);
+
+/// Completes types that were made with their shapes (made_type.cpp); parts come first or are complete.
+/// Thread safe.
+void complete_made(std::span<DescribedType* const> made);
+
+/// to_value and from_value as TypeFunctions of all described types.
+Value object_to_value(const TypeInfo& self, const void* object);
+Result<void> object_from_value(const TypeInfo& self, void* object, const Value& value, std::string_view path);
 
 /// Whole conversions; from_value leaves the object unchanged on failure.
 Value to_value(const DescribedType& described, const void* object);

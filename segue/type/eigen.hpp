@@ -52,19 +52,19 @@ struct Describe<Eigen::Matrix<Number, Rows, Columns, Options, MaxRows, MaxColumn
     }
   }
 
-  static std::size_t size(const void* object) {
+  static std::size_t size(const DescribedType&, const void* object) {
     return static_cast<std::size_t>(static_cast<const Matrix*>(object)->size());
   }
-  static const void* item(const void* object, std::size_t index) {
+  static const void* item(const DescribedType&, const void* object, std::size_t index) {
     return static_cast<const Matrix*>(object)->data() + index;
   }
-  static void* resize(void* object, std::size_t size) {
+  static void* resize(const DescribedType&, void* object, std::size_t size) {
     auto& vector = *static_cast<Matrix*>(object);
     if constexpr (kVector && !kFixed) vector.setZero(static_cast<Eigen::Index>(size));
     return vector.data();
   }
 
-  static void* reuse(void* object, std::size_t size) {
+  static void* reuse(const DescribedType&, void* object, std::size_t size) {
     auto& vector = *static_cast<Matrix*>(object);
     if constexpr (kVector && !kFixed) vector.resize(static_cast<Eigen::Index>(size));
     return vector.data();

@@ -89,12 +89,12 @@ bool put_container(const DescribedType& described, const void* object, Sink& sin
     return put_count(text.size(), sink) && sink.put(text.data(), text.size());
   }
   if (is_bits(described)) return put_bits(*static_cast<const std::vector<bool>*>(object), sink);
-  const std::size_t count = described.sequence.size(object);
+  const std::size_t count = described.sequence.size(described, object);
   const auto engaged = static_cast<std::uint8_t>(count);
   const bool counted = shape.type.is_optional() ? sink.put(&engaged, 1) : put_count(count, sink);
   if (!counted || count == 0) return counted;
   if (!sink.enter()) return false;
-  const bool done = put_items(*shape.element, described.sequence.item(object, 0), count, sink);
+  const bool done = put_items(*shape.element, described.sequence.item(described, object, 0), count, sink);
   sink.leave();
   return done;
 }
@@ -221,7 +221,7 @@ bool get_container(const DescribedType& described, void* object, Source& source)
   const bool counted = shape.type.is_optional() ? source.get_engaged(count)
                                                 : source.get_count(count, shape.element->flat.least);
   if (!counted) return false;
-  void* items = described.sequence.reuse(object, count);
+  void* items = described.sequence.reuse(described, object, count);
   if (count == 0) return true;
   if (!source.enter()) return false;
   const bool done = get_items(*shape.element, items, count, source);

@@ -63,17 +63,22 @@ void add(Registry& all, const TypeInfo& info) SEGUE_REQUIRES(all.mutex) {
   all.by_name.try_emplace(std::string(info.name()), &info);
 }
 
+/// Derives from their shapes what else there is to know of types, and registers them.
+void finish(Registry& all, std::span<detail::DescribedType* const> fresh) SEGUE_REQUIRES(all.mutex) {
+  for (detail::DescribedType* one : fresh) {
+    one->info.trivially_copyable = travels_as_bytes(*one);
+    one->info.hash = structural_hash(one->shape->type);
+  }
+  detail::plan_flat(fresh);
+  detail::plan_cdr(fresh);
+  for (const detail::DescribedType* one : fresh)
+    add(all, one->info);
+}
+
 /// Describes the type and its parts.
 void complete(Registry& all, detail::DescribedType& described) SEGUE_REQUIRES(all.mutex) {
   detail::part(described);
-  for (detail::DescribedType* fresh : all.fresh) {
-    fresh->info.trivially_copyable = travels_as_bytes(*fresh);
-    fresh->info.hash = structural_hash(fresh->shape->type);
-  }
-  detail::plan_flat(all.fresh);
-  detail::plan_cdr(all.fresh);
-  for (const detail::DescribedType* fresh : std::exchange(all.fresh, {}))
-    add(all, fresh->info);
+  finish(all, std::exchange(all.fresh, {}));
 }
 
 /// Completes what SEGUE_TYPE announced since the last call.
@@ -141,6 +146,12 @@ const TypeInfo& complete(DescribedType& described) {
   const Lock lock(all.mutex);
   type::complete(all, described);
   return described.info;
+}
+
+void complete_made(std::span<DescribedType* const> made) {
+  Registry& all = registry();
+  const Lock lock(all.mutex);
+  finish(all, made);
 }
 
 void describe_number(Shape& shape, NumericCategory category, std::size_t size,

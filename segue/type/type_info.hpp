@@ -15,23 +15,42 @@ namespace detail {
 struct DescribedType;
 }
 
-/// Lets ports and properties handle objects of a C++ type at run time. One per described type and process;
-/// immutable; valid until the library that defined it is unloaded (component libraries never are).
+struct TypeInfo;
+
+/// How objects of a type are handled; each gets the type's TypeInfo. See there.
+struct TypeFunctions {
+  void (*construct)(const TypeInfo& self, void* memory) = nullptr;
+  void (*destroy)(const TypeInfo& self, void* object) noexcept = nullptr;
+  void (*copy)(const TypeInfo& self, void* to, const void* from) = nullptr;
+  Value (*to_value)(const TypeInfo& self, const void* object) = nullptr;
+  Result<void> (*from_value)(const TypeInfo& self, void* object, const Value& value,
+                             std::string_view path) = nullptr;
+};
+
+/// Lets ports and properties handle objects of a type at run time. One per type and process;
+/// immutable; valid until the library that defined it is unloaded (component libraries never are). Of a C++
+/// type it is type_info<T>(), of another one make_type_info() (made_type.hpp).
 struct TypeInfo {
   const Type* type = nullptr;
-  std::uint64_t hash = 0;                     ///< structural_hash(*type)
-  std::size_t size = 0;                       ///< sizeof
-  std::size_t alignment = 0;                  ///< alignof
-  bool trivially_copyable = false;            ///< no pointers inside: may travel as bytes
-  void (*construct)(void* memory) = nullptr;  ///< default value
-  void (*destroy)(void* object) noexcept = nullptr;
-  void (*copy)(void* to, const void* from) = nullptr;  ///< assignment; reuses the capacity of `to`
-  Value (*to_value)(const void* object) = nullptr;
-  /// Leaves `object` unchanged on failure. `path` ("properties.range") begins the error message.
-  Result<void> (*from_value)(void* object, const Value& value, std::string_view path) = nullptr;
+  std::uint64_t hash = 0;           ///< structural_hash(*type)
+  std::size_t size = 0;             ///< sizeof
+  std::size_t alignment = 0;        ///< alignof
+  bool trivially_copyable = false;  ///< no pointers inside: may travel as bytes
+  TypeFunctions functions{};
   const detail::DescribedType* described = nullptr;  ///< internals, for read_flat and the like
 
   [[nodiscard]] std::string_view name() const { return type->name; }
+
+  /// Makes the default value in `memory`.
+  void construct(void* memory) const { functions.construct(*this, memory); }
+  void destroy(void* object) const noexcept { functions.destroy(*this, object); }
+  /// Assigns; reuses the memory that `to` has.
+  void copy(void* to, const void* from) const { functions.copy(*this, to, from); }
+  [[nodiscard]] Value to_value(const void* object) const { return functions.to_value(*this, object); }
+  /// Leaves `object` unchanged on failure. `path` ("properties.range") begins the error message.
+  Result<void> from_value(void* object, const Value& value, std::string_view path) const {
+    return functions.from_value(*this, object, value, path);
+  }
 };
 
 /// The TypeInfo of a C++ type: numbers, bool, std::string, std::vector, std::array, C arrays, std::optional,

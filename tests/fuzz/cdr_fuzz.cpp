@@ -8,6 +8,8 @@
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
 #include <segue/type/flat.hpp>
+#include <segue/type/made_type.hpp>
+#include <segue/type/memory_layout.hpp>
 
 #include <array>
 #include <cstddef>
@@ -45,12 +47,22 @@ struct All {
   std::vector<std::vector<std::string>> texts;
 };
 
+struct Mixed {
+  std::uint8_t odd = 0;
+  std::string name;
+  std::vector<Sample> samples;
+  std::vector<bool> bits;
+  std::array<std::vector<std::uint16_t>, 2> two;
+  std::vector<std::vector<std::string>> texts;
+};
+
 SEGUE_TYPE(Mode, Back, Idle, Drive)
 SEGUE_TYPE(Sample, value, valid, mode)
 SEGUE_TYPE(Point, id, kind, x)
 SEGUE_TYPE(Empty)
 SEGUE_TYPE(Tree, value, branches)
 SEGUE_TYPE(All, odd, name, samples, points, remark, bits, two, empty, last, texts)
+SEGUE_TYPE(Mixed, odd, name, samples, bits, two, texts)
 
 }  // namespace fuzzed
 
@@ -99,6 +111,31 @@ void read(std::span<const std::byte> bytes) {
   require(info.to_value(&used) == info.to_value(&object), "an object that was used reads the same");
 }
 
+/// A type with the members of Mixed that is made at run time.
+const TypeInfo& made_mixed() {
+  static const TypeInfo& info = [&]() -> const TypeInfo& {
+    std::vector<std::pair<std::string, const Type*>> members;
+    for (const Field& field : type_info<fuzzed::Mixed>().type->fields)
+      members.emplace_back(field.name, field.type);
+    static const Type kType = *make_compound("/fuzzed/MadeMixed", std::move(members));
+    return **make_type_info(kType);
+  }();
+  return info;
+}
+
+/// A made type reads what the described type of the same members reads.
+void read_made(std::span<const std::byte> bytes) {
+  const TypeInfo& made = made_mixed();
+  alignas(std::max_align_t) std::array<std::byte, sizeof(fuzzed::Mixed)> memory{};
+  fuzzed::Mixed object;
+  made.construct(memory.data());
+  const bool done = read_cdr(type_info<fuzzed::Mixed>(), &object, bytes);
+  require(read_cdr(made, memory.data(), bytes) == done, "made and described types accept the same");
+  require(made.to_value(memory.data()) == type_info<fuzzed::Mixed>().to_value(&object), "and read the same");
+  convert(made, bytes, done ? memory.data() : nullptr, &object);
+  made.destroy(memory.data());
+}
+
 }  // namespace
 }  // namespace segue::type
 
@@ -106,7 +143,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::span bytes = std::as_bytes(std::span(data + 1, size - 1));
   using segue::type::read;
-  switch (data[0] % 5) {
+  switch (data[0] % 6) {
     case 0:
       read<fuzzed::Tree>(bytes);
       break;
@@ -119,8 +156,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 3:
       read<std::vector<bool>>(bytes);
       break;
-    default:
+    case 4:
       read<fuzzed::All>(bytes);
+      break;
+    default:
+      read<fuzzed::Mixed>(bytes);
+      segue::type::read_made(bytes);
   }
   return 0;
 }
