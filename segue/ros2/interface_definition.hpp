@@ -13,7 +13,7 @@
 /// The interfaces of ROS 2 (messages, services, actions) as plain values. Needs nothing of ROS 2.
 namespace segue::ros2 {
 
-/// What a field holds, apart from how many of it. The numbers are those of
+/// The kind of a field, apart from how many items it has. The numbers are those of
 /// type_description_interfaces/msg/FieldType for a single item (REP-2016).
 enum class Primitive : std::uint8_t {
   Nested = 1,

@@ -130,8 +130,10 @@ class SectionReader {
 
   void read_constant(const FieldType& type, std::string_view name, std::string_view text,
                      MessageDefinition& message) {
-    const bool is_basic = type.primitive != Primitive::Nested && type.multiplicity == Multiplicity::Single;
-    if (!is_basic) return error("bad-type", "constant " + quote(name) + ": a constant has a basic type");
+    const bool is_basic = type.primitive != Primitive::Nested && type.multiplicity == Multiplicity::Single &&
+                          type.string_capacity == 0;
+    if (!is_basic)
+      return error("bad-type", "constant " + quote(name) + ": a constant has a basic type, without a bound");
     if (!is_constant_name(name))
       return error("bad-name", quote(name) +
                                    " is not a valid name of a constant: capital letters, digits and single "

@@ -130,6 +130,7 @@ TEST(InterfaceText, SaysWhatIsWrongInWords) {
   EXPECT_THAT(problems("int32[<=1] x [1,2]"), HasSubstr("a list of at most 1 item"));
   EXPECT_THAT(problems("Own x 1"), HasSubstr("can have no default"));
   EXPECT_THAT(problems("int32[] X=1"), HasSubstr("a constant has a basic type"));
+  EXPECT_THAT(problems("string<=3 X=abc"), HasSubstr("without a bound"));
   EXPECT_THAT(problems("int32 x=1"), HasSubstr("'x' is not a valid name of a constant"));
   EXPECT_THAT(problems("int32 X=1\nint32 X=2"), HasSubstr("constant 'X' is there twice"));
   EXPECT_THAT(problems("int32 a", "srv"), HasSubstr("a service has two parts"));

@@ -22,7 +22,7 @@ std::string hash_of(const std::string& name) {
   return hash ? *hash : to_string(hash.error());
 }
 
-/// What rosidl gives, by name.
+/// The hashes that rosidl gives, by name.
 std::map<std::string, std::string> known_hashes() {
   const auto text = read_file(paths::in_sources("/segue/ros2/test_data/type_hashes.txt"));
   EXPECT_TRUE(text);
@@ -50,7 +50,7 @@ TEST(TypeHash, IsThatOfRosidlForEveryStandardInterface) {
   EXPECT_GT(judged.size(), 200U);
 }
 
-/// What an action consists of, down to the events of its services.
+/// All parts of an action, down to the events of its services.
 TEST(TypeHash, IsThatOfRosidlForAnAction) {
   const testing::TemporaryFiles folder;
   folder.write("example_interfaces/action/Fibonacci.action",
