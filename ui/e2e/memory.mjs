@@ -40,7 +40,7 @@ async function openViews() {
     opened.push({ name, session: await stage.browser.newCDPSession(page), page });
   }
   await first.locator('.react-flow__node[data-id=drive]').click();
-  await first.getByRole('button', { name: '← velocity' }).click();
+  await first.getByRole('button', { name: 'output velocity' }).click();
   const plots = opened.find((one) => one.name === 'Plots').page;
   await addPlot(plots);
   return opened;

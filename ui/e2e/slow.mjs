@@ -71,7 +71,7 @@ function follow(page) {
 async function showScans(page) {
   await page.locator('.react-flow__node[data-id=laser]').click();
   const panel = page.getByRole('complementary', { name: 'Task laser' });
-  await panel.getByRole('button', { name: '← scan' }).click();
+  await panel.getByRole('button', { name: 'output scan' }).click();
   await panel.locator('.samples pre').waitFor();
   return panel.locator('.samples');
 }

@@ -63,7 +63,7 @@ async function drive(page) {
   await page.locator('.react-flow__node[data-id=drive]').click();
   const panel = page.getByRole('complementary', { name: 'Task drive' });
   await seen(panel.getByLabel('max_speed'));
-  await panel.getByRole('button', { name: '← velocity' }).click();
+  await panel.getByRole('button', { name: 'output velocity' }).click();
   await seen(panel.locator('.plot canvas'));
   await capture(page, 'network');
 

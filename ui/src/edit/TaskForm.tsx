@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type FormEvent } from 'react';
+import { PortName } from '../PortName';
 import { portOf, taskOf } from '../robot/types';
 import { Panel } from '../panes/Panel';
 import { written } from './Fields';
@@ -55,7 +56,7 @@ function PortRow({ task, port, network, models, edits, fixed }: { task: string; 
   const others = fixed ? [] : partners(network, models, name, port.direction);
   return (
     <div className="port-row">
-      <div><strong>{output ? '→' : '←'} {port.name}</strong> <small className="quiet">{[port.type, port.doc].filter(Boolean).join('; ')}</small></div>
+      <div><strong><PortName name={port.name} direction={port.direction} /></strong> <small className="quiet">{[port.type, port.doc].filter(Boolean).join('; ')}</small></div>
       <ul className="plain">
         {network.connections.map((one, index) =>
           one && (output ? one.from : one.to) === name ? (

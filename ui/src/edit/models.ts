@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { isMap, type Json } from '../robot/change';
-import { portOf, taskOf, type PortModel } from '../robot/types';
+import { portOf, taskOf, type Direction, type PortModel } from '../robot/types';
 import type { NetworkText } from './text';
 
 export interface PropertyModel {
@@ -56,7 +56,7 @@ export function portIn(network: NetworkText, models: Models, port: string): Edit
 /** The ports that a task is drawn with: those of its component, and others that are connected. */
 export function portsOf(network: NetworkText, models: Models, id: string): EditedPort[] {
   const component = network.tasks.find((task) => task.id === id)?.component ?? '';
-  const used = new Map<string, string>();
+  const used = new Map<string, Direction>();
   for (const connection of network.connections) {
     if (connection && taskOf(connection.from) === id) used.set(portOf(connection.from), 'output');
     if (connection && taskOf(connection.to) === id) used.set(portOf(connection.to), 'input');
@@ -79,7 +79,7 @@ export function refusal(network: NetworkText, models: Models, from: string, to: 
 }
 
 /** The ports that can be connected with an output port, or with an input port. */
-export function partners(network: NetworkText, models: Models, port: string, direction: string): string[] {
+export function partners(network: NetworkText, models: Models, port: string, direction: Direction): string[] {
   return network.tasks
     .flatMap((task) => portsOf(network, models, task.id).filter((one) => one.direction !== direction).map((one) => task.id + '.' + one.name))
     .filter((other) => (direction === 'output' ? refusal(network, models, port, other) : refusal(network, models, other, port)) === null);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { PortName } from '../PortName';
 import type { PortValue, Values } from './control';
 import type { KnownValues } from './values';
 
@@ -52,12 +53,12 @@ const short = (port: PortValue) => (port.text.length > longest ? port.text.slice
 /** The values of a state in a few lines, for a tip. */
 export function ValuesTip({ path, known }: { path: string; known: KnownValues | null }) {
   const values = known?.values;
-  const lines = values ? [...values.inputs.map((port) => ['→', port] as const), ...values.outputs.map((port) => ['←', port] as const)] : [];
+  const lines = values ? [...values.inputs.map((port) => ['input', port] as const), ...values.outputs.map((port) => ['output', port] as const)] : [];
   return (
     <>
       <strong>{path}</strong>
       <p className="quiet">{values ? whenOf(values) : 'asking the mission …'}</p>
-      {lines.slice(0, mostLines).map(([arrow, port]) => <div key={arrow + port.name}>{arrow} {port.name}: <code>{short(port)}</code></div>)}
+      {lines.slice(0, mostLines).map(([direction, port]) => <div key={direction + port.name}><PortName name={port.name} direction={direction} />: <code>{short(port)}</code></div>)}
       {lines.length > mostLines && <div className="quiet">{lines.length - mostLines} more in its panel</div>}
     </>
   );

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createContext, useContext, useState, type FormEvent, type ReactNode } from 'react';
+import { PortName } from '../PortName';
 import { reason } from '../reason';
 import { isMap, type Json } from '../robot/change';
 import { howLong, troubleOfTask } from '../health/health';
@@ -108,7 +109,7 @@ function Port({ task, port, fixed }: { task: string; port: PortModel; fixed: boo
   return (
     <li>
       <button type="button" className="line" aria-expanded={open} onClick={() => setOpen(!open)} title={port.doc}>
-        <span>{input ? '→ ' : '← '}{port.name}</span>
+        <PortName name={port.name} direction={port.direction} />
         <span className="quiet">{port.type}</span>
       </button>
       {open && !input && <PortSamples task={task} port={port} />}
@@ -138,7 +139,7 @@ function Operation({ task, operation, fixed }: { task: string; operation: Operat
     <form className="operation" onSubmit={(event) => void submit(event)} title={operation.doc}>
       <div className="row">
         <strong>{operation.name}</strong>
-        <button type="submit" disabled={fixed} aria-label={'Call ' + operation.name}>Call</button>
+        {!fixed && <button type="submit" aria-label={'Call ' + operation.name}>Call</button>}
         {note && <output className={note.bad ? 'bad' : 'good'}>{note.text}</output>}
       </div>
       {operation.arguments.map((argument, index) => (
@@ -190,6 +191,7 @@ function Interior({ id, report, fixed, children }: { id: string; report: TaskRep
       {children}
       <h3>Operations</h3>
       {report.operations.length === 0 && <p className="quiet">none</p>}
+      {fixed && report.operations.length > 0 && <p className="quiet">Who observes cannot call.</p>}
       {report.operations.map((operation) => <Operation key={operation.name} task={id} operation={operation} fixed={fixed} />)}
       <Timing report={report} />
       <TaskLog report={report} />

@@ -90,9 +90,11 @@ export interface OpenRequest {
   cancelled_by: string | null;
 }
 
+export type Direction = 'input' | 'output';
+
 export interface PortModel {
   name: string;
-  direction: string;
+  direction: Direction;
   type: string;
   doc: string;
 }
