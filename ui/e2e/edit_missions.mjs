@@ -200,7 +200,7 @@ async function editMission(page) {
   await page.getByRole('button', { name: 'Undo', exact: true }).press('Enter');
   await has('    on: {success: return done}   # it has it', 'undone');
   await page.getByRole('button', { name: 'Redo', exact: true }).press('Enter');
-  await page.locator('button:disabled', { hasText: /^Redo$/ }).waitFor(); // there is nothing more
+  await page.getByRole('button', { name: 'Redo', exact: true, disabled: true, description: 'nothing to redo' }).waitFor();
   await has('    on: {success: keep}   # it has it', 'done again');
   await seen(problems.getByText('No problems'));
   await capture(page, 'edit_mission');
@@ -261,6 +261,10 @@ async function editNeeds(page) {
   await page.getByRole('button', { name: 'container: hierarchy' }).press('Enter');
   await has('  hierarchy:', 'a container is added');
   const container = panel('hierarchy');
+  await container.getByLabel('New entry of resources').focus();
+  await page.keyboard.press('Enter'); // adds nothing: it says what it needs
+  await seen(container.getByRole('button', { name: 'add', disabled: true, description: 'needs an entry' }).first());
+  assert.equal(await container.locator('output.bad').count(), 0);
   await container.getByLabel('New entry of resources').fill('{block: arm, count: 2}');
   await page.keyboard.press('Enter');
   await seen(container.locator('output.bad', { hasText: 'arm' }));
@@ -296,6 +300,7 @@ async function editSemanticData(page) {
   // What would be wrong stands where it was typed, and is not taken.
   const entry = data.getByRole('form', { name: 'New entry' });
   await entry.getByLabel('in', { exact: true }).selectOption({ label: 'segue' });
+  await seen(entry.getByRole('button', { name: 'Add a group', disabled: true, description: 'needs a key' }));
   await entry.getByLabel('key').fill('effect');
   await entry.getByLabel('text').fill('["+greeted()"]');
   await entry.getByRole('button', { name: 'Add the text' }).press('Enter');

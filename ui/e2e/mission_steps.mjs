@@ -195,7 +195,8 @@ async function runOn(page, other) {
   await seen(state('drive').locator('.life-running'));
   await seen(badge('running'));
   assert.ok(await button('Into').isDisabled());
-  assert.equal(await button('Into').getAttribute('title'), 'Not now: the mission must be paused first');
+  await button('Into').hover();
+  await seen(page.locator('.why-not:visible', { hasText: 'the mission must be paused first' }));
   await page.emulateMedia({ colorScheme: 'dark' });
   await stage.capture(page, 'steps_dark');
   await page.emulateMedia({ colorScheme: 'light' });

@@ -100,6 +100,7 @@ async function addPanels(page, looking) {
   await page.keyboard.press('Enter');
   const dialog = page.getByRole('dialog', { name: 'Add a panel' });
   await dialog.getByText('output ports').waitFor();
+  await dialog.getByRole('button', { name: 'Add', exact: true, disabled: true, description: 'needs a field of a port' }).waitFor();
   await page.keyboard.type('demo::Velocity drive');
   await dialog.getByText(/^1 of/).waitFor();
   await page.keyboard.press('Enter');

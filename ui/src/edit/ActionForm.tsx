@@ -92,7 +92,7 @@ export function List({ name, doc, kind, value, fixed, edits }: ListProps) {
           onSet={(typed) => edits.setEntry([name, index], typed, kind)}
         />
       ))}
-      {!fixed && <Adding label={'New entry of ' + name} withType={false} onAdd={(typed) => edits.addEntry(name, typed, kind)} />}
+      {!fixed && <Adding label={'New entry of ' + name} what="an entry" withType={false} onAdd={(typed) => edits.addEntry(name, typed, kind)} />}
     </>
   );
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { redoDepth, undoDepth } from '@codemirror/commands';
 import { useCallback, useDeferredValue, useEffect, useMemo, useState, useSyncExternalStore } from 'react';
+import { ActionButton } from '../ActionButton';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { useConnection, useLink } from '../robot/hooks';
@@ -76,10 +77,10 @@ function FileList({ files, complete, chosen, drafts, onChoose, onFiles }: FileLi
             <ul className="plain">
               {those.map((file) => (
                 <li key={file.path}>
-                  <button type="button" className="line" aria-pressed={chosen === file.path} disabled={file.problem !== ''} title={file.problem} onClick={() => onChoose(file.path)}>
+                  <ActionButton type="button" className="line" aria-pressed={chosen === file.path} whyNot={file.problem} onClick={() => onChoose(file.path)}>
                     <span>{file.path}</span>
                     {(drafts.isUnsaved(drafts.get(file.path)) || semantic.hasUnsaved(file.path)) && <span className="badge warn">unsaved</span>}
-                  </button>
+                  </ActionButton>
                 </li>
               ))}
             </ul>
@@ -163,10 +164,11 @@ function Apply({ unsaved }: { unsaved: boolean }) {
     }
     setBusy(false);
   };
+  const asks = busy ? 'the robot is being asked' : '';
   return (
     <>
-      <button type="button" disabled={busy} onClick={() => void ask('plan_files')}>Plan</button>
-      <button type="button" disabled={busy || unsaved} title={unsaved ? 'There are unsaved changes' : 'The robot takes the files as they are saved'} onClick={() => void ask('apply_files')}>Apply</button>
+      <ActionButton type="button" tip whyNot={asks} onClick={() => void ask('plan_files')}>Plan</ActionButton>
+      <ActionButton type="button" tip whyNot={asks || (unsaved ? 'save the changes first' : '')} title="The robot takes the files as they are saved" onClick={() => void ask('apply_files')}>Apply</ActionButton>
       {note && <output className={note.bad ? 'bad' : 'good'}>{note.text}</output>}
     </>
   );
@@ -231,9 +233,9 @@ function DraftView({ draft, drafts, models, files, anyUnsaved, onFiles }: { draf
         <strong>{path}</strong>
         {fixed ? <span className="badge">read only</span> : (
           <>
-            <button type="button" className="primary" disabled={!unsaved || draft.saving} onClick={() => void drafts.save(path)} title="Ctrl+S in the text">Save</button>
-            <button type="button" disabled={undoDepth(draft.state) === 0} onClick={() => drafts.undo(path)}>Undo</button>
-            <button type="button" disabled={redoDepth(draft.state) === 0} onClick={() => drafts.redo(path)}>Redo</button>
+            <ActionButton type="button" className="primary" tip whyNot={draft.saving ? 'is being saved' : unsaved ? '' : 'nothing is unsaved'} onClick={() => void drafts.save(path)} title="Ctrl+S in the text">Save</ActionButton>
+            <ActionButton type="button" tip whyNot={undoDepth(draft.state) > 0 ? '' : 'nothing to undo'} onClick={() => drafts.undo(path)}>Undo</ActionButton>
+            <ActionButton type="button" tip whyNot={redoDepth(draft.state) > 0 ? '' : 'nothing to redo'} onClick={() => drafts.redo(path)}>Redo</ActionButton>
             <Apply unsaved={anyUnsaved} />
           </>
         )}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useId, useState, type FormEvent, type KeyboardEvent } from 'react';
 import { stringify } from 'yaml';
+import { ActionButton } from '../ActionButton';
 
 /** A value as it is typed and shown; nothing: ''. */
 export const written = (value: unknown) => (value === undefined ? '' : stringify(value, { collectionStyle: 'flow', lineWidth: 0, flowCollectionPadding: false }).trimEnd());
@@ -68,8 +69,8 @@ export function Choice({ label, value, options, empty, fixed, onChoose }: { labe
   );
 }
 
-/** A name, and where wanted a type, of something new. */
-export function Adding({ label, withType, onAdd }: { label: string; withType: boolean; onAdd: (name: string, type: string) => Refusal }) {
+/** A name (or `what`), and where wanted a type, of something new. */
+export function Adding({ label, what = 'a name', withType, onAdd }: { label: string; what?: string; withType: boolean; onAdd: (name: string, type: string) => Refusal }) {
   const [name, setName] = useState('');
   const [type, setType] = useState('any');
   const [problem, setProblem] = useState<string | null>(null);
@@ -90,7 +91,7 @@ export function Adding({ label, withType, onAdd }: { label: string; withType: bo
           {portTypes.map((one) => <option key={one}>{one}</option>)}
         </select>
       )}
-      <button type="submit" className="small" disabled={name.trim() === ''}>add</button>
+      <ActionButton type="submit" className="small" whyNot={name.trim() === '' ? 'needs ' + what : ''}>add</ActionButton>
       {problem && <output className="bad">{problem}</output>}
     </form>
   );

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type FormEvent } from 'react';
+import { ActionButton } from '../ActionButton';
 import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Connection } from '../robot/connection';
@@ -49,7 +50,7 @@ function PathForm({ label, first, action, onDone, onClose }: { label: string; fi
       }}
     >
       <input aria-label={label} value={path} spellCheck={false} autoFocus onChange={(event) => setPath(event.target.value)} />
-      <button type="submit" className="primary" disabled={busy || path.trim() === ''}>{action}</button>
+      <ActionButton type="submit" className="primary" whyNot={busy ? 'is being done' : path.trim() === '' ? 'needs a path' : ''}>{action}</ActionButton>
       <button type="button" onClick={onClose}>Cancel</button>
       {problem && <output className="bad">{problem}</output>}
     </form>
@@ -132,11 +133,11 @@ export function FileActions(props: Props) {
   if (asked === 'rename') return <PathForm label="New name of the file" first={file.path} action="Rename" onDone={rename} onClose={close} />;
   if (asked === 'delete') return <DeleteQuestion path={file.path} onDelete={remove} onClose={close} />;
   if (file.kind === 'rafcon') return <button type="button" onClick={() => setAsked('save')}>Save as a mission …</button>;
-  const unsaved = drafts.isUnsaved(draft);
+  const whyNot = drafts.isUnsaved(draft) ? 'save the changes first' : '';
   return (
     <>
-      <button type="button" disabled={unsaved} title={unsaved ? 'There are unsaved changes' : undefined} onClick={() => setAsked('rename')}>Rename …</button>
-      <button type="button" disabled={unsaved} title={unsaved ? 'There are unsaved changes' : undefined} onClick={() => setAsked('delete')}>Delete …</button>
+      <ActionButton type="button" tip whyNot={whyNot} onClick={() => setAsked('rename')}>Rename …</ActionButton>
+      <ActionButton type="button" tip whyNot={whyNot} onClick={() => setAsked('delete')}>Delete …</ActionButton>
     </>
   );
 }

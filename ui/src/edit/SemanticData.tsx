@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useId, useState, useSyncExternalStore, type FormEvent } from 'react';
+import { ActionButton } from '../ActionButton';
 import { isMap, type Json, type JsonMap } from '../robot/change';
 import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
@@ -66,6 +67,7 @@ function NewEntry({ data, change }: { data: JsonMap; change: Change }) {
   const groups = groupsIn(data);
   const known = groups.some((group) => group.join() === 'segue') ? groups : [...groups, ['segue']];
   const around = known[into] ?? [];
+  const keyless = key.trim() === '' ? 'needs a key' : '';
   const add = async (what: Json) => {
     const name = key.trim();
     const refused = refusalOf(data, around, name) ?? (await change({ keys: [...around, name], value: what }));
@@ -86,8 +88,8 @@ function NewEntry({ data, change }: { data: JsonMap; change: Change }) {
       <p className="row"><label htmlFor={id + '-value'}>text</label><input id={id + '-value'} value={value} spellCheck={false} onChange={(event) => setValue(event.target.value)} /></p>
       {around.join() === 'segue' && declarations[key.trim()] && <p className="quiet">{declarations[key.trim()]}</p>}
       <p className="row">
-        <button type="submit" disabled={key.trim() === ''}>Add the text</button>
-        <button type="button" disabled={key.trim() === '' || value !== ''} title="An entry that gets entries of its own" onClick={() => void add({})}>Add a group</button>
+        <ActionButton type="submit" whyNot={keyless}>Add the text</ActionButton>
+        <ActionButton type="button" whyNot={keyless || (value !== '' ? 'a group has no text' : '')} title="An entry that gets entries of its own" onClick={() => void add({})}>Add a group</ActionButton>
       </p>
       {problem && <output className="bad" role="alert">{problem}</output>}
     </form>
@@ -99,9 +101,9 @@ function Bar({ draft, drafts, onSaved }: { draft: SemanticDraft; drafts: Semanti
   const unsaved = draft.edits.length > 0;
   return (
     <p className="row">
-      <button type="button" className="primary" disabled={!unsaved || draft.saving} onClick={() => void drafts.save(path, state).then((done) => done && onSaved())}>Save semantic data</button>
-      <button type="button" disabled={!unsaved} onClick={() => drafts.undo(path, state)}>Undo</button>
-      <button type="button" disabled={draft.undone.length === 0} onClick={() => drafts.redo(path, state)}>Redo</button>
+      <ActionButton type="button" className="primary" tip whyNot={draft.saving ? 'is being saved' : unsaved ? '' : 'nothing is unsaved'} onClick={() => void drafts.save(path, state).then((done) => done && onSaved())}>Save semantic data</ActionButton>
+      <ActionButton type="button" tip whyNot={unsaved ? '' : 'nothing to undo'} onClick={() => drafts.undo(path, state)}>Undo</ActionButton>
+      <ActionButton type="button" tip whyNot={draft.undone.length > 0 ? '' : 'nothing to redo'} onClick={() => drafts.redo(path, state)}>Redo</ActionButton>
       <span className="quiet" aria-live="polite">{unsaved ? draft.edits.length + ' unsaved' : 'as in the file'}</span>
     </p>
   );

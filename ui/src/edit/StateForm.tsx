@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ReactNode } from 'react';
+import { ActionButton } from '../ActionButton';
 import { Panel } from '../panes/Panel';
 import { ActionForm, List, type ActionEdits } from './ActionForm';
 import { Adding, Choice, Field, written } from './Fields';
@@ -191,8 +192,8 @@ function Place({ props }: { props: Props }) {
     <>
       <h3>Place</h3>
       <p className="row">
-        <button type="button" disabled={at === 0} onClick={() => edits.move(around, around.children[at - 1]?.name ?? null)}>Earlier</button>
-        <button type="button" disabled={at === around.children.length - 1} onClick={() => edits.move(around, around.children[at + 2]?.name ?? null)}>Later</button>
+        <ActionButton type="button" whyNot={at > 0 ? '' : 'it is the first'} onClick={() => edits.move(around, around.children[at - 1]?.name ?? null)}>Earlier</ActionButton>
+        <ActionButton type="button" whyNot={at < around.children.length - 1 ? '' : 'it is the last'} onClick={() => edits.move(around, around.children[at + 2]?.name ?? null)}>Later</ActionButton>
       </p>
       {others.length > 0 && (
         <select aria-label="Move into" value="" onChange={(event) => edits.move(others[Number(event.target.value)] ?? around, null)}>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from 'react';
+import { ActionButton } from '../ActionButton';
 import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import { toneOfOutcome } from '../robot/outcome';
@@ -53,9 +54,9 @@ export function HealthBanner({ status }: { status: Status }) {
         ))}
       </ul>
       {may && (
-        <button type="button" disabled={busy} title="Requests what runs once more, so that what is missing or faulty is made anew" onClick={() => void repair()}>
-          {busy ? 'Repairing …' : 'Repair'}
-        </button>
+        <ActionButton type="button" whyNot={busy ? 'repairing …' : ''} title="Requests what runs once more, so that what is missing or faulty is made anew" onClick={() => void repair()}>
+          Repair
+        </ActionButton>
       )}
       {problem && <span className="bad">Not repaired: {problem}</span>}
     </section>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect } from 'react';
+import { ActionButton } from '../ActionButton';
 import { isTyping } from '../keys';
 import { stepButtons, type Control } from './control';
 import type { Mission } from './mission';
@@ -27,7 +28,9 @@ function HeldAt({ at, onSelect }: { at: string[]; onSelect: (path: string) => vo
 export function Controls({ mission, control, requests, onSelect }: Props) {
   const { state } = mission;
   const { may, asked, ask } = requests;
-  const busy = asked.length > 0 || state === 'stopping';
+  const waits = state === 'stopping' ? 'the mission is being stopped' : asked.length > 0 ? 'the mission has not heard yet what it was asked for' : '';
+  const busy = waits !== '';
+  const stops = state === 'stopping' || asked.some((one) => one.request.what === 'stop');
   const steps = control?.steps ? stepButtons(state, control, busy) : [];
   const active = may && state !== 'ended';
   const goOn = state === 'paused' ? ({ what: 'resume' } as const) : ({ what: 'pause' } as const);
@@ -48,16 +51,13 @@ export function Controls({ mission, control, requests, onSelect }: Props) {
     <>
       {active && (
         <span role="group" aria-label="Steer the mission" className="steer">
-          <button type="button" disabled={busy} aria-keyshortcuts="c" title="Key c" onClick={() => ask(goOn)}>{goOn.what === 'resume' ? 'Resume' : 'Pause'}</button>
+          <ActionButton type="button" tip whyNot={waits} aria-keyshortcuts="c" title="Key c" onClick={() => ask(goOn)}>{goOn.what === 'resume' ? 'Resume' : 'Pause'}</ActionButton>
           {steps.map(({ how, label, key, title, reason }) => (
-            <button
-              key={how} type="button" disabled={reason !== ''} aria-keyshortcuts={key} title={reason === '' ? title + ' (key ' + key + ')' : 'Not now: ' + reason}
-              onClick={() => ask({ what: 'step', how })}
-            >
+            <ActionButton key={how} type="button" tip whyNot={reason} aria-keyshortcuts={key} title={title + ' (key ' + key + ')'} onClick={() => ask({ what: 'step', how })}>
               {label}
-            </button>
+            </ActionButton>
           ))}
-          <button type="button" disabled={state === 'stopping' || asked.some((one) => one.request.what === 'stop')} onClick={() => ask({ what: 'stop' })}>Stop</button>
+          <ActionButton type="button" tip whyNot={stops ? 'it is asked to stop' : ''} onClick={() => ask({ what: 'stop' })}>Stop</ActionButton>
         </span>
       )}
       <span className="news">

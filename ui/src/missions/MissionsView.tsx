@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from 'react';
+import { ActionButton } from '../ActionButton';
 import { isTyping } from '../keys';
 import { Splitter } from '../panes/Splitter';
 import { reason } from '../reason';
@@ -124,7 +125,7 @@ function RecordedName({ name, onBack }: { name: string; onBack: () => void }) {
 function MissionName({ mission, hasPlan, current, onChoose }: { mission: Mission; hasPlan: boolean; current: Current; onChoose: (path: string | null) => void }) {
   return (
     <>
-      <button type="button" className="name" title="Its own inputs and outputs" disabled={!hasPlan} onClick={() => onChoose('')}>{mission.mission}</button>
+      <ActionButton type="button" className="name" title="Its own inputs and outputs" tip whyNot={hasPlan ? '' : 'the plan is not here yet'} onClick={() => onChoose('')}>{mission.mission}</ActionButton>
       <StateBadge mission={mission} />
       <Controls mission={mission} control={current.control} requests={current.requests} onSelect={onChoose} />
     </>

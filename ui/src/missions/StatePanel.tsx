@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState, type ReactNode } from 'react';
+import { ActionButton } from '../ActionButton';
 import { Panel } from '../panes/Panel';
 import { preemptedBy, whyNotAt, type Control } from './control';
 import { lifeWords, type Life, type Mission, type PlanState } from './mission';
@@ -20,18 +21,17 @@ function GoOn({ path, lives, kinds, requests }: { path: string; lives: Map<strin
   };
   if (!confirms || preempted.length === 0) {
     return (
-      <button
-        type="button" disabled={reason !== ''} title={reason === '' ? 'The mission goes on at this state, with the inputs that it would have now' : 'Not now: ' + reason}
-        onClick={() => (preempted.length > 0 ? setConfirms(true) : go())}
+      <ActionButton
+        type="button" whyNot={reason} title="The mission goes on at this state, with the inputs that it would have now" onClick={() => (preempted.length > 0 ? setConfirms(true) : go())}
       >
         Go on here{preempted.length > 0 ? ' …' : ''}
-      </button>
+      </ActionButton>
     );
   }
   return (
     <span role="group" aria-label={'Go on at ' + path} className="confirm">
       {preempted.join(', ')} {preempted.length > 1 ? 'are' : 'is'} under way and will be preempted.{' '}
-      <button type="button" className="primary" disabled={reason !== ''} onClick={go}>Preempt and go on here</button>{' '}
+      <ActionButton type="button" className="primary" whyNot={reason} onClick={go}>Preempt and go on here</ActionButton>{' '}
       <button type="button" onClick={() => setConfirms(false)}>Cancel</button>
     </span>
   );
@@ -85,7 +85,7 @@ export function StatePanel({ state, mission, control, lives, waits, kinds, reque
       {steps && path !== '' && (
         <p className="row">
           <label className="break">
-            <input type="checkbox" checked={breakpoints.includes(path)} disabled={!requests.may} aria-keyshortcuts="b" onChange={() => onBreak(path)} /> breakpoint
+            <input type="checkbox" checked={breakpoints.includes(path)} disabled={!requests.may} aria-keyshortcuts="b" onChange={() => onBreak(path)} /> breakpoint{!requests.may && <span className="quiet"> (set by who may operate)</span>}
             {breakpoints.includes(path) !== control?.breakpoints.includes(path) && <span className="quiet"> asked …</span>}
           </label>
           {requests.may && mission.state !== 'stopping' && <GoOn path={path} lives={lives} kinds={kinds} requests={requests} />}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useRef, useState } from 'react';
+import { ActionButton } from '../ActionButton';
 import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, momentOf, type Film, type Moment, type PastAction, type PastTransition } from './film';
 import { toneOfOutcome } from '../robot/outcome';
@@ -78,7 +79,7 @@ function PlayerBar({ film, player, onClose }: { film: Film; player: Player; onCl
   return (
     <div className="bar film-bar">
       <button type="button" onClick={onClose}>Close the film</button>
-      <button type="button" className="primary" onClick={play} disabled={film.length === 0}>{playing ? 'Pause' : 'Play'}</button>
+      <ActionButton type="button" className="primary" tip onClick={play} whyNot={film.length > 0 ? '' : 'nothing was done'}>{playing ? 'Pause' : 'Play'}</ActionButton>
       <label>
         Speed{' '}
         <select value={speed} onChange={(event) => setSpeed(Number(event.target.value))}>

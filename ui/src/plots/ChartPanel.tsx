@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { KeyboardEvent } from 'react';
+import { ActionButton } from '../ActionButton';
 import { Footer } from './Footer';
 import type { Panel } from './layout';
 import { colourOf, useChart } from './useChart';
@@ -43,7 +44,7 @@ export function ChartPanel({ panel, paused, onPause }: { panel: Panel; paused: b
       <div className="panel-tools">
         <button type="button" className="small" aria-label="Zoom in" onClick={() => zoomBy(0.5)}>+</button>
         <button type="button" className="small" aria-label="Zoom out" onClick={() => zoomBy(2)}>−</button>
-        <button type="button" className="small" disabled={!zoom} onClick={showAll}>All</button>
+        <ActionButton type="button" className="small" tip whyNot={zoom ? '' : 'all is shown'} onClick={showAll}>All</ActionButton>
       </div>
       <div
         ref={holder}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState, type FormEvent } from 'react';
+import { ActionButton } from '../ActionButton';
 import { isMap } from '../robot/change';
 import { useDocument } from '../robot/hooks';
 import type { Status } from '../robot/types';
@@ -194,7 +195,7 @@ export function PanelDialog({ status, panel, onDone, onClose }: Props) {
         <div className="row">
           <input aria-label="Title" placeholder="Title" maxLength={255} value={title} onChange={(event) => setTitle(event.target.value)} />
           <button type="button" onClick={() => dialog.current?.close()}>Cancel</button>
-          <button type="submit" className="primary" disabled={fitting.length === 0}>{panel ? 'Change' : 'Add'}</button>
+          <ActionButton type="submit" className="primary" whyNot={fitting.length > 0 ? '' : choices.length > 0 ? 'needs a field that a ' + kindNames[kind] + ' can show' : 'needs a field of a port'}>{panel ? 'Change' : 'Add'}</ActionButton>
         </div>
       </form>
     </dialog>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useRef, useState } from 'react';
+import { ActionButton } from '../ActionButton';
 import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Status } from '../robot/types';
@@ -73,8 +74,8 @@ function Bar({ robot, all, onAdd }: { robot: string; all: Panels; onAdd: () => v
   const { panels, note, keep, load } = all;
   return (
     <div className="bar">
-      <button type="button" className="primary" disabled={panels.length >= mostPanels} onClick={onAdd}>Add a panel</button>
-      <button type="button" disabled={panels.length === 0} onClick={() => download(robot + '.layout.json', layoutText(panels))}>Save to a file</button>
+      <ActionButton type="button" className="primary" whyNot={panels.length < mostPanels ? '' : mostPanels + ' panels are the most'} onClick={onAdd}>Add a panel</ActionButton>
+      <ActionButton type="button" tip whyNot={panels.length > 0 ? '' : 'there is no panel to save'} onClick={() => download(robot + '.layout.json', layoutText(panels))}>Save to a file</ActionButton>
       <LoadButton onFile={(file) => void load(file)} />
       <span className="quiet">{panels.length} panels; this browser keeps them.</span>
       {note && (

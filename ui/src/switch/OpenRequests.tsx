@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from 'react';
+import { ActionButton } from '../ActionButton';
 import { useConnection } from '../robot/hooks';
 import type { OpenRequest, Status } from '../robot/types';
 import type { Undoing } from './undo';
@@ -31,14 +32,14 @@ export function OpenRequests({ status }: { status: Status }) {
               {request.who !== '' && <span className="quiet"> (asked for by {request.who})</span>}
             </span>
             {!fixed && (
-              <button
+              <ActionButton
                 type="button"
-                disabled={completes || request.cancelled_by !== null}
-                title={completes ? 'It ends by itself now' : 'Undo it: the robot runs again what it ran before'}
+                whyNot={completes ? 'it ends by itself now' : request.cancelled_by !== null ? 'it is cancelled already' : ''}
+                title="Undo it: the robot runs again what it ran before"
                 onClick={() => cancel(request)}
               >
                 Cancel<span className="hidden"> {request.to}</span>
-              </button>
+              </ActionButton>
             )}
           </div>
         );

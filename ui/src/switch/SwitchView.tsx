@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from 'react';
+import { ActionButton } from '../ActionButton';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { FoldingGraph } from '../network/FoldingGraph';
@@ -221,9 +222,9 @@ function DoIt({ status, planned: { force, setForce }, attempted, isEmpty }: DoIt
   return (
     <>
       <div className="doit">
-        <button type="button" className="primary" disabled={busy || attempt !== null || isEmpty} onClick={() => void begin()}>
+        <ActionButton type="button" className="primary" whyNot={busy ? 'the robot switches' : attempt ? 'this plan has been asked for' : isEmpty ? 'nothing would change' : ''} onClick={() => void begin()}>
           Switch
-        </button>
+        </ActionButton>
         <label>
           <input type="checkbox" checked={force} disabled={attempt !== null} aria-describedby="force-means" onChange={(event) => setForce(event.target.checked)} /> force
         </label>
@@ -233,7 +234,7 @@ function DoIt({ status, planned: { force, setForce }, attempted, isEmpty }: DoIt
         {attempt && !busy && <button type="button" onClick={forget}>Plan again</button>}
       </div>
       <p id="force-means" className="quiet force-means">
-        Force kills the processes that go, instead of stopping their tasks first: for tasks that hang.
+        {attempt ? 'Set before the switch is asked for. ' : ''}Force kills the processes that go, instead of stopping their tasks first: for tasks that hang.
       </p>
     </>
   );
