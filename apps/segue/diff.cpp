@@ -2,6 +2,7 @@
 #include <segue/base/file.hpp>
 #include <segue/journal/journal_reader.hpp>
 #include <segue/model/files.hpp>
+#include <segue/runtime/runtime_report.hpp>
 #include <segue/solve/estimate.hpp>
 #include <segue/solve/solve.hpp>
 
@@ -12,7 +13,6 @@
 #include <vector>
 
 #include <segue/draw/transition_picture.hpp>
-#include "estimate_text.hpp"
 #include "journal_file.hpp"
 #include "models.hpp"
 #include "output.hpp"
@@ -54,13 +54,12 @@ int show_transition(const model::Transition& transition, const std::optional<sol
   const auto durations = expected ? expected->typical : std::vector<Duration>();
   if (options.dot) return write_or_print(context, "", draw::to_dot(transition, durations));
   if (options.svg) return write_or_print(context, "", draw::to_svg(transition, durations));
-  if (!context.json()) {
-    print(describe(transition) + (expected ? describe(*expected, transition) : ""));
-    return kDone;
-  }
   type::Value value = model::to_value(transition);
-  if (expected) value.as_map().set("estimate_s", to_value(*expected));
-  print_json(value);
+  if (expected) value.as_map().set("estimate_s", runtime::to_value(*expected));
+  if (context.json())
+    print_json(value);
+  else
+    print(describe_transition(value));
   return kDone;
 }
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "estimate_text.hpp"
 
-#include <segue/journal/journal_report.hpp>
-#include <segue/model/files.hpp>
-
 #include <fmt/core.h>
 
-#include <algorithm>
+#include <cstddef>
+#include <string_view>
 
 #include "output.hpp"
+#include "report_text.hpp"
 
 namespace segue::cli {
 
@@ -16,31 +15,24 @@ namespace {
 
 using type::Value;
 
-std::string range_text(const model::DurationRange& range) {
-  return fmt::format("{} to {}, typically {}", format_seconds(seconds(range.low)),
-                     format_seconds(seconds(range.high)), format_seconds(seconds(range.typical)));
-}
-
 std::string range_text(const Value& range) {
   return fmt::format("{} to {}", format_seconds(number_at(range, "low")),
                      format_seconds(number_at(range, "high")));
 }
 
-/// The action with this id, and its position in the list.
-std::size_t find_action(const model::Transition& transition, int id) {
-  const auto& actions = transition.actions;
-  const auto found = std::find_if(actions.begin(), actions.end(),
-                                  [&](const model::Action& action) { return action.id == id; });
-  return static_cast<std::size_t>(found - actions.begin());
+std::string typical_range_text(const Value& range) {
+  return fmt::format("{}, typically {}", range_text(range), format_seconds(number_at(range, "typical")));
 }
 
-std::string path_text(const solve::Estimate& estimate, const model::Transition& transition) {
+std::string path_text(const Value& estimate, const Value::List& actions) {
   std::string text = coloured(Colour::Bold, "critical path") + '\n';
-  for (const int id : estimate.critical_path) {
-    const std::size_t place = find_action(transition, id);
-    const model::Action& action = transition.actions.at(place);
-    text += fmt::format("{:>5}  {:<8} {:>8}  {}\n", id, to_string(action.phase),
-                        format_seconds(seconds(estimate.typical.at(place))), printable(action.label()));
+  const auto& typical = list_at(estimate, "actions");
+  for (const Value& id : list_at(estimate, "critical_path")) {
+    const std::size_t place = id.is_number() ? static_cast<std::size_t>(id.as_double()) - 1 : actions.size();
+    if (place >= actions.size() || place >= typical.size() || !typical[place].is_number()) continue;
+    const Value& action = actions[place];
+    text += fmt::format("{:>5}  {:<8} {:>8}  {}\n", number_at(action, "id"), printable_at(action, "phase"),
+                        format_seconds(typical[place].as_double()), action_label(action));
   }
   return text;
 }
@@ -51,34 +43,25 @@ bool within(const Value& range, double measured) {
 
 }  // namespace
 
-Value to_value(const solve::Estimate& estimate) {
-  Value value = Value::map({{"total", journal::to_value(estimate.total)}});
-  for (const auto phase : {model::Phase::Prepare, model::Phase::Commit, model::Phase::Retire})
-    value.as_map().set(std::string(to_string(phase)), journal::to_value(estimate.of(phase)));
-  Value::List path;
-  for (const int id : estimate.critical_path)
-    path.emplace_back(id);
-  value.as_map().set("critical_path", std::move(path));
-  value.as_map().set("never_measured", estimate.never_measured);
-  return value;
-}
-
-std::string describe(const solve::Estimate& estimate, const model::Transition& transition) {
-  if (transition.actions.empty()) return {};
+std::string estimate_text(const Value& transition) {
+  const Value* estimate = transition.find("estimate_s");
+  const auto& actions = list_at(transition, "actions");
+  if (estimate == nullptr || actions.empty()) return {};
   std::string text = coloured(Colour::Bold, "expected") + '\n';
-  text += fmt::format("  total    {}\n", range_text(estimate.total));
-  for (const auto phase : {model::Phase::Prepare, model::Phase::Commit, model::Phase::Retire}) {
-    const model::DurationRange& range = estimate.of(phase);
-    if (range.high > Duration(0)) text += fmt::format("  {:<8} {}\n", to_string(phase), range_text(range));
+  for (const std::string_view part : {"total", "prepare", "commit", "retire"}) {
+    const Value* range = estimate->find(part);
+    if (range != nullptr && (part == "total" || number_at(*range, "high") > 0))
+      text += fmt::format("  {:<8} {}\n", part, typical_range_text(*range));
   }
-  text += path_text(estimate, transition);
-  const auto count = static_cast<int>(transition.actions.size());
-  if (estimate.never_measured == count) {
+  text += path_text(*estimate, actions);
+  const auto count = actions.size();
+  const auto unmeasured = static_cast<std::size_t>(number_at(*estimate, "never_measured"));
+  if (unmeasured == count) {
     text += "none of these actions has been measured yet; this is a guess\n";
-  } else if (estimate.never_measured > 0) {
+  } else if (unmeasured > 0) {
     text += fmt::format(
         "{} of {} actions have not been measured yet and are estimated from others of their kind\n",
-        estimate.never_measured, count);
+        unmeasured, count);
   }
   return text;
 }

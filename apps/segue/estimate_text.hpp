@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/model/transition.hpp>
-#include <segue/solve/estimate.hpp>
 #include <segue/type/value.hpp>
 
 #include <string>
@@ -10,12 +8,9 @@
 /// Estimates for people and tools.
 namespace segue::cli {
 
-/// {"total", "prepare", "commit", "retire": {"low", "typical", "high"}, "critical_path": ids,
-/// "never_measured"}, in seconds.
-type::Value to_value(const solve::Estimate& estimate);
-
-/// Lines: the ranges of total and phases, the critical path, and the number of actions never measured.
-std::string describe(const solve::Estimate& estimate, const model::Transition& transition);
+/// Lines, from the JSON of `diff`: the ranges of total and phases, the critical path, and the number of
+/// actions never measured; "" where it has no estimate or no actions.
+std::string estimate_text(const type::Value& transition);
 
 /// "; expected 2.1 ms to 4.0 ms (commit 1.0 ms to 1.6 ms)" from a finished transition's JSON; "" without
 /// a prediction.

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "estimate_text.hpp"
 #include "output.hpp"
 
 namespace segue::cli {
@@ -19,25 +20,6 @@ using type::Value;
 
 std::string name_or_empty(const std::string& name) {
   return name.empty() ? std::string(kEmptyNetwork) : name;
-}
-
-/// "stop slam" from an action's JSON.
-std::string action_label(const Value& action) {
-  const std::string kind = printable_at(action, "kind");
-  const std::string task = printable_at(action, "task");
-  if (kind == "connect" || kind == "disconnect") {
-    const std::string policy = printable_at(action, "policy");
-    const std::string suffix = policy.empty() || policy == "data" ? "" : " (" + policy + ")";
-    return fmt::format("{} {} -> {}{}", kind, printable_at(action, "from"), printable_at(action, "to"),
-                       suffix);
-  }
-  if (kind == "hand_over")
-    return fmt::format("{} {} -> {}", kind, printable_at(action, "from"), printable_at(action, "to"));
-  if (kind == "deploy" || kind == "undeploy") {
-    return fmt::format("{} {}/{}", kind, printable_at(action, "host"), printable_at(action, "process"));
-  }
-  if (kind == "call_operation") return fmt::format("{} {}.{}", kind, task, printable_at(action, "operation"));
-  return fmt::format("{} {}", kind, task);
 }
 
 std::string phase_text(const Value& transition, std::string_view phase) {
@@ -86,6 +68,24 @@ Colour colour_of(const std::string& kind) {
 
 }  // namespace
 
+std::string action_label(const Value& action) {
+  const std::string kind = printable_at(action, "kind");
+  const std::string task = printable_at(action, "task");
+  if (kind == "connect" || kind == "disconnect") {
+    const std::string policy = printable_at(action, "policy");
+    const std::string suffix = policy.empty() || policy == "data" ? "" : " (" + policy + ")";
+    return fmt::format("{} {} -> {}{}", kind, printable_at(action, "from"), printable_at(action, "to"),
+                       suffix);
+  }
+  if (kind == "hand_over")
+    return fmt::format("{} {} -> {}", kind, printable_at(action, "from"), printable_at(action, "to"));
+  if (kind == "deploy" || kind == "undeploy") {
+    return fmt::format("{} {}/{}", kind, printable_at(action, "host"), printable_at(action, "process"));
+  }
+  if (kind == "call_operation") return fmt::format("{} {}.{}", kind, task, printable_at(action, "operation"));
+  return fmt::format("{} {}", kind, task);
+}
+
 std::string describe_transition(const Value& transition) {
   static const Value none;
   const Value* counts = transition.find("counts");
@@ -98,11 +98,17 @@ std::string describe_transition(const Value& transition) {
                       number_at(numbers, "state_changes"), printable_at(transition, "order"));
   for (const auto phase : model::kPhaseNames)
     text += phase_text(transition, phase);
-  return text + "total: " + counts_text(numbers) + '\n';
+  return text + "total: " + counts_text(numbers) + '\n' + estimate_text(transition);
 }
 
-std::string describe(const model::Transition& transition) {
-  return describe_transition(model::to_value(transition));
+std::string changes_of(const Value& transition) {
+  const auto& changes = list_at(transition, "changes");
+  std::string text;
+  for (const Value& change : changes) {
+    if (change.is_string()) text += "    " + printable(change.as_string()) + '\n';
+  }
+  return text.empty() ? text
+                      : coloured(Colour::Bold, fmt::format("changes ({})", changes.size())) + '\n' + text;
 }
 
 std::string outcome_line(const Value& result) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/model/transition.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstddef>
@@ -16,11 +15,15 @@ namespace segue::cli {
 /// The empty network where a name is expected, as for `segue switch` and `segue diff`.
 inline constexpr std::string_view kEmptyNetwork = "empty";
 
-/// A transition as text: a summary, the actions of each phase, the counts.
-std::string describe(const model::Transition& transition);
+/// "stop slam", from an action's JSON.
+std::string action_label(const type::Value& action);
 
-/// A transition as text, from the JSON of `diff` that a running robot sends.
+/// A transition as text, from the JSON of `diff`: a summary, the actions of each phase, the counts, and the
+/// estimate where it has one.
 std::string describe_transition(const type::Value& transition);
+
+/// The changes of the network, as sentences; "" where the transition names none.
+std::string changes_of(const type::Value& transition);
 
 /// "explore -> manual: done, 12 actions in 3.1 ms (commit 1.2 ms)"
 std::string outcome_line(const type::Value& result);

@@ -37,7 +37,7 @@ int show_plan(const Value& transition, const Context& context) {
   if (context.json()) {
     print_json(transition);
   } else {
-    print(describe_transition(transition));
+    print(describe_transition(transition) + changes_of(transition));
   }
   return kDone;
 }

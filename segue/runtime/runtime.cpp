@@ -147,6 +147,23 @@ Result<model::Transition> Runtime::plan(const Request& request, const RequestOpt
   return std::move(plan->transition);
 }
 
+Result<PlannedSwitch> Runtime::preview(const Request& request, const RequestOptions& options) const {
+  const auto& robot = *implementation_;
+  const auto current = robot.belief.starting_point().network;
+  auto plan = robot.switching.plan(current, request, options);
+  if (!plan) {
+    return std::move(plan.error());
+  }
+  PlannedSwitch planned{.transition = std::move(plan->transition), .changes = {}, .expected = {}};
+  planned.changes =
+      model::changes(belief(), robot.host.condensed(std::move(plan->controller)), kMostPlannedChanges);
+  const auto known = robot.journal.known();
+  if (known && !known->actions.empty()) {
+    planned.expected = solve::estimate(current, planned.transition, *known);
+  }
+  return planned;
+}
+
 RuntimeState Runtime::state() const {
   return implementation_->queue.state();
 }

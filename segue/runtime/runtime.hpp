@@ -9,6 +9,7 @@
 #include <segue/model/transition.hpp>
 #include <segue/runtime/event.hpp>
 #include <segue/runtime/halt_result.hpp>
+#include <segue/runtime/planned_switch.hpp>
 #include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/readiness.hpp>
 #include <segue/runtime/request_options.hpp>
@@ -125,6 +126,8 @@ class Runtime {
   [[nodiscard]] std::vector<OpenRequest> open_requests() const;
   /// The transition that request() would execute now.
   Result<model::Transition> plan(const Request& request, const RequestOptions& options = {}) const;
+  /// plan(), with what changes and how long it takes.
+  Result<PlannedSwitch> preview(const Request& request, const RequestOptions& options = {}) const;
 
   [[nodiscard]] RuntimeState state() const;
   /// The network believed to be running; before the first request its name is "".

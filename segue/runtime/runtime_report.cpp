@@ -204,6 +204,28 @@ Value to_value(const SwitchResult& result) {
   return value;
 }
 
+Value to_value(const solve::Estimate& estimate) {
+  Value value = Value::map({{"total", journal::to_value(estimate.total)}});
+  for (const auto phase : {model::Phase::Prepare, model::Phase::Commit, model::Phase::Retire}) {
+    value.as_map().set(std::string(to_string(phase)), journal::to_value(estimate.of(phase)));
+  }
+  value.as_map().set("actions",
+                     list_of(estimate.typical, [](Duration typical) { return Value(seconds(typical)); }));
+  value.as_map().set("critical_path", list_of(estimate.critical_path, [](int id) { return Value(id); }));
+  value.as_map().set("never_measured", estimate.never_measured);
+  return value;
+}
+
+Value to_value(const PlannedSwitch& planned) {
+  Value value = model::to_value(planned.transition);
+  value.as_map().set("changes",
+                     list_of(planned.changes, [](const std::string& text) { return Value(text); }));
+  if (planned.expected) {
+    value.as_map().set("estimate_s", to_value(*planned.expected));
+  }
+  return value;
+}
+
 Value to_value(const ControllerChange& change) {
   return Value::map({{"controller", change.controller.str()},
                      {"change", to_string(change.kind)},

@@ -22,6 +22,13 @@ std::string_view outcome_of(const ActionRecord& record);
 /// skipped).
 type::Value to_value(const SwitchResult& result);
 
+/// {"total", "prepare", "commit", "retire": {"low", "typical", "high"}, "actions": what each typically takes,
+/// in the order of the transition, "critical_path": ids, "never_measured": a number of actions}, in seconds.
+type::Value to_value(const solve::Estimate& estimate);
+
+/// The fields of the transition, "changes": sentences, and where it is known "estimate_s" (as above).
+type::Value to_value(const PlannedSwitch& planned);
+
 /// {"controller", "change" (added, changed, removed), "runs", "file", "from_version", "to_version", "edits"}
 type::Value to_value(const ControllerChange& change);
 

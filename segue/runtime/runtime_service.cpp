@@ -22,8 +22,8 @@ constexpr auto kJournalPatience = std::chrono::seconds(2);
 /// How long whoever wants to command a robot waits until it is at rest.
 constexpr auto kRestPatience = std::chrono::seconds(5);
 
-Result<type::Value> answer_of(const Result<model::Transition>& planned) {
-  return planned ? Result<type::Value>(model::to_value(*planned)) : planned.error();
+Result<type::Value> answer_of(const Result<PlannedSwitch>& planned) {
+  return planned ? Result<type::Value>(to_value(*planned)) : planned.error();
 }
 
 Result<model::Transition> read_given(const control::GivenTransition& given) {
@@ -141,7 +141,7 @@ Result<type::Value> RuntimeService::switch_to(std::string_view controller, const
 
 Result<type::Value> RuntimeService::diff(std::string_view controller, const RequestOptions& options,
                                          const Wait& /*wait*/) {
-  return answer_of(runtime_.plan(model::NetworkName(controller), options));
+  return answer_of(runtime_.preview(model::NetworkName(controller), options));
 }
 
 /// The result of a request, which is cancelled where it is not wanted any more.
@@ -199,7 +199,7 @@ Result<type::Value> RuntimeService::diff_to_network(std::string_view text, std::
   if (!sent.network) {
     return std::move(sent.refusal);
   }
-  return answer_of(runtime_.plan(*std::move(sent.network), options));
+  return answer_of(runtime_.preview(*std::move(sent.network), options));
 }
 
 Result<type::Value> RuntimeService::plan(std::string_view controller, const RequestOptions& options,
@@ -252,12 +252,12 @@ Result<type::Value> RuntimeService::plan_for(const ControllerSet& set,
     }
     return is_unknown ? unknown(wanted, set) : std::move(target.error());
   }
-  auto transition = runtime_.plan(*target, options);
-  if (!transition) {
-    return std::move(transition.error());
+  const auto planned = runtime_.preview(*target, options);
+  if (!planned) {
+    return planned.error();
   }
   answer.as_map().set("to_version", target->version);
-  answer.as_map().set("transition", model::to_value(*transition));
+  answer.as_map().set("transition", to_value(*planned));
   return answer;
 }
 

@@ -169,6 +169,17 @@ TEST_F(RuntimeTest, ExecutesAGivenTransitionAndRefusesOneThatDoesNotFit) {
   expect_truth(first_);
 }
 
+TEST_F(RuntimeTest, APreviewSaysWhatChangesAndChangesNothing) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  const auto planned = runtime_.preview(model::NetworkName("second"));
+  ASSERT_TRUE(planned) << to_string(planned.error());
+  EXPECT_THAT(planned->changes, ::testing::IsSupersetOf({"task 'changed': property 'gain': 1 -> 2",
+                                                         "task 'gone' is removed", "task 'added' is added"}));
+  EXPECT_FALSE(planned->expected) << "there is no journal";
+  EXPECT_EQ(planned->transition, *runtime_.plan(model::NetworkName("second")));
+  expect_truth(first_);
+}
+
 bool takes_down(const model::Action& action) {
   using enum model::ActionKind;
   const bool down = action.kind == Recover || action.kind == Stop || action.kind == Disconnect ||

@@ -78,7 +78,6 @@ TEST_F(SessionTest, EachVerbNeedsItsRole) {
       {"status", control::Verb::Status},
       {"task", control::Verb::Task},
       {"events", control::Verb::Events},
-      {"history", control::Verb::History},
       {"past", control::Verb::Past},
       {"diff", control::Verb::Plan},
       {"plan_files", control::Verb::Plan},

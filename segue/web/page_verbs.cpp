@@ -24,7 +24,6 @@ using type::Value;
 
 constexpr Duration kSwitchTime = std::chrono::seconds(60);
 constexpr Duration kCallTime = std::chrono::seconds(10);
-constexpr std::size_t kLongestHistory = 200;
 
 struct Request {
   RobotService& robot;
@@ -192,16 +191,6 @@ Result<Value> ask_events(const Request& request) {
   return request.robot.events(*after, Duration(0));
 }
 
-/// The newest transitions of the history.
-Result<Value> ask_history(const Request& request) {
-  auto history = request.robot.history();
-  if (!history || !history->is_list()) return history;
-  auto& list = history->as_list();
-  if (list.size() > kLongestHistory)
-    list.erase(list.begin(), list.end() - static_cast<std::ptrdiff_t>(kLongestHistory));
-  return history;
-}
-
 /// Asks the journal of the robot, which says itself what a question needs.
 Result<Value> ask_past(const Request& request) {
   return request.robot.past(request.command.arguments());
@@ -220,7 +209,6 @@ const std::vector<VerbEntry>& verb_entries() {
       {{"status", Verb::Status, {}}, ask_status},
       {{"task", Verb::Task, {"task"}}, ask_task},
       {{"events", Verb::Events, {"after"}}, ask_events},
-      {{"history", Verb::History, {}}, ask_history},
       {{"past", Verb::Past, {"ask", "id", "before", "limit", "words", "time_s"}}, ask_past},
       {{"diff", Verb::Plan, {"controller", "force", "order", "timeout_s"}}, ask_diff},
       {{"switch", Verb::Switch, {"controller", "force", "order", "take_over", "timeout_s"}}, do_switch},

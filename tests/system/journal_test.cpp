@@ -171,5 +171,20 @@ TEST_F(JournalOfARobot, IsKeptOnRequestOnly) {
   EXPECT_EQ(json({"history", "--journal", "here.sqlite"}).as_list().size(), 3U);
 }
 
+using PlannedByTheJournal = SystemTest;
+
+TEST_F(PlannedByTheJournal, ADryRunSaysHowLongTheSwitchTakes) {
+  start();
+  ASSERT_EQ(segue({"switch", "explore"}).status, 0);
+  ASSERT_TRUE(eventually([&] {
+    return json({"switch", "manual", "--dry-run"}).find("estimate_s") != nullptr;
+  })) << "what was measured is written a little later";
+  const auto plan = json({"switch", "manual", "--dry-run"});
+  EXPECT_EQ(plan.find("estimate_s")->find("actions")->as_list().size(),
+            plan.find("actions")->as_list().size());
+  const auto text = segue({"switch", "manual", "--dry-run"});
+  EXPECT_TRUE(contains(text.output, "expected\n  total ")) << text.output;
+}
+
 }  // namespace
 }  // namespace segue::testing

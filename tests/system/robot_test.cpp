@@ -62,6 +62,7 @@ TEST_F(RunningRobot, ADryRunShowsTheTransitionAndDoesNothing) {
   EXPECT_EQ(json({"status"}).find("controller")->as_string(), "");
   const auto text = segue({"switch", "explore", "--dry-run", "--order", "paper"});
   EXPECT_TRUE(contains(text.output, "order paper")) << text.output;
+  EXPECT_TRUE(contains(text.output, "task 'odometry' is added")) << text.output;
 }
 
 TEST_F(RunningRobot, ItExecutesATransitionFile) {

@@ -10,6 +10,25 @@ const [segue, pictures] = process.argv.slice(2);
 const stage = new Stage(segue, pictures);
 const status = () => JSON.parse(stage.run(['status', '--format', 'json']));
 
+/** The page shows of a switch what the command line does, before anything happens. */
+async function planASwitch(page) {
+  await page.getByRole('link', { name: 'Switch' }).click();
+  await page.getByRole('button', { name: 'go_to', exact: true }).click();
+  const panel = page.getByRole('complementary', { name: 'Transition' });
+  const commanded = JSON.parse(stage.run(['switch', 'go_to', '--dry-run', '--format', 'json']));
+  await panel.getByText(`${commanded.counts.total} actions, ${commanded.counts.state_changes} of them state changes; order seamless`).waitFor();
+  const changes = await panel.getByRole('region', { name: 'Changes' }).getByRole('listitem').allInnerTexts();
+  assert.deepEqual(changes, commanded.changes.map((change) => change.replaceAll(' -> ', ' → ')));
+  const actions = await panel.locator('[data-progress]').allInnerTexts();
+  assert.deepEqual(actions.map((text) => Number(/\d+/.exec(text)[0])), commanded.actions.map((action) => action.id));
+  assert.ok(actions.some((text) => text.includes('(circular_buffer of 4)')), actions.join('\n'));
+  await panel.getByRole('row', { name: /^total( [\d.]+ (µs|ms|s)){3}$/ }).waitFor();
+  const size = page.viewportSize();
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await stage.capture(page, 'switch_planned');
+  await page.setViewportSize(size);
+}
+
 async function cancelASwitch(page) {
   await page.getByRole('link', { name: 'Switch' }).click();
   await page.getByRole('button', { name: 'go_to', exact: true }).click();
@@ -48,6 +67,7 @@ await stage.play(async () => {
   await stage.start(['run', 'rover/robot.yaml', '--controller', 'explore', '--stand-ins', 'slow.yaml'], /robot rover runs/);
   await stage.settled('explore');
   const page = await stage.enter();
+  await planASwitch(page);
   await cancelASwitch(page);
   await page.emulateMedia({ colorScheme: 'dark' });
   await stage.capture(page, 'switch_cancelled_dark');

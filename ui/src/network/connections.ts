@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { taskOf, type ConnectionStatus, type Status } from '../robot/types';
 import { rateText, type Flow } from './graph';
-import { durationOf } from './histogram';
+import { microsecondsText } from '../units';
 
 /** The connections of a task with their keys, those that lead to it first. */
 export function connectionsOf(status: Status, task: string): [string, ConnectionStatus][] {
@@ -16,7 +16,7 @@ export function describeConnection(connection: ConnectionStatus, flow: Flow | un
   const flows = [
     connection.policy + (connection.size > 1 ? ' of ' + connection.size : ''),
     rateText(flow?.rate ?? 0),
-    flow && flow.latency !== null ? `latency ${durationOf(flow.latency)}, ${durationOf(worst)} at the most` : '',
+    flow && flow.latency !== null ? `latency ${microsecondsText(flow.latency)}, ${microsecondsText(worst)} at the most` : '',
   ].filter((part) => part !== '');
   return `${flows.join(', ')}; ${connection.written} written, ${connection.read} read, ${connection.dropped} dropped`;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { barsOf, durationOf, summaryOf } from './histogram';
+import { microsecondsText } from '../units';
+import { barsOf, summaryOf } from './histogram';
 
 const none = { p50_us: 0, p99_us: 0, bins: [] };
 const some = {
@@ -15,7 +16,7 @@ const some = {
 
 describe('histograms', () => {
   it('have durations of three digits', () => {
-    expect([0, 0.128, 1.536, 196.608, 3072, 17179869].map(durationOf)).toEqual(['0 µs', '0.128 µs', '1.54 µs', '197 µs', '3.07 ms', '17.2 s']);
+    expect([0, 0.128, 1.536, 196.608, 3072, 17179869].map(microsecondsText)).toEqual(['0 µs', '0.128 µs', '1.54 µs', '197 µs', '3.07 ms', '17.2 s']);
   });
   it('have bars whose heights follow the digits of the counts', () => {
     const bars = barsOf(some);

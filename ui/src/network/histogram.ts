@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Histogram } from '../robot/types';
-
-/** "1.25 µs", "3.2 s": three digits. */
-export function durationOf(microseconds: number): string {
-  const digits = (value: number) => String(Number(value.toPrecision(3)));
-  if (microseconds >= 1e6) return digits(microseconds / 1e6) + ' s';
-  if (microseconds >= 1e3) return digits(microseconds / 1e3) + ' ms';
-  return digits(microseconds) + ' µs';
-}
+import { microsecondsText } from '../units';
 
 export interface Bar {
   /** From 0 to 1, the highest bar: proportional to the logarithm of the count. */
@@ -22,8 +15,8 @@ export function barsOf(histogram: Histogram): Bar[] {
   const most = Math.max(1, ...histogram.bins.map((bin) => bin.count));
   return histogram.bins.map(({ from_us, below_us, count }) => ({
     height: Math.log1p(count) / Math.log1p(most),
-    from: durationOf(from_us),
-    below: below_us === null ? '' : durationOf(below_us),
+    from: microsecondsText(from_us),
+    below: below_us === null ? '' : microsecondsText(below_us),
     count,
   }));
 }
@@ -32,5 +25,5 @@ export function barsOf(histogram: Histogram): Bar[] {
 export function summaryOf(histogram: Histogram): string {
   const total = histogram.bins.reduce((sum, bin) => sum + bin.count, 0);
   if (total === 0) return 'none yet';
-  return `half within ${durationOf(histogram.p50_us)}, 99 % within ${durationOf(histogram.p99_us)}`;
+  return `half within ${microsecondsText(histogram.p50_us)}, 99 % within ${microsecondsText(histogram.p99_us)}`;
 }

@@ -2,7 +2,7 @@
 import { taskOf, type Status } from '../robot/types';
 import { labelWidth, type GraphEdge, type GraphGroup, type GraphNode } from './drawn_graph';
 import { placeOf, rateText, toneOf, type Flows } from './graph';
-import { durationOf } from './histogram';
+import { microsecondsText } from '../units';
 
 /** A process, or a host with several processes. */
 export interface Place {
@@ -183,7 +183,7 @@ export function labelOf(status: Status, flows: Flows, { connections, folded }: B
   return [
     folded && connections.length > 1 ? '×' + connections.length : '',
     rateText(rate),
-    latency !== null ? durationOf(latency) : '',
+    latency !== null ? microsecondsText(latency) : '',
     dropped > 0 ? dropped + ' dropped' : '',
   ]
     .filter((part) => part !== '')

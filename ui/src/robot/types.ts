@@ -153,6 +153,9 @@ export interface Action {
   to?: string;
   process?: string;
   host?: string;
+  /** Of a connection; `size` of a buffer. */
+  policy?: string;
+  size?: number;
   took_s?: number;
   duration_s?: number;
   outcome?: string;
@@ -164,6 +167,24 @@ export interface Transition {
   to: string;
   actions: Action[];
   removes?: string[];
+}
+
+/** In seconds. */
+export interface DurationRange {
+  low: number;
+  typical: number;
+  high: number;
+}
+
+/** A transition that was only planned: the JSON of `segue switch --dry-run`. */
+export interface PlannedTransition extends Transition {
+  order?: string;
+  /** By kinds of actions, and "state_changes" and "total". */
+  counts?: { [kind: string]: number };
+  /** Sentences; absent where the robot runs an older Segue. */
+  changes?: string[];
+  /** Absent where the robot has measured nothing yet. `actions`: typical seconds, in the order of the transition. */
+  estimate_s?: Record<'total' | 'prepare' | 'commit' | 'retire', DurationRange> & { actions: number[]; critical_path: number[]; never_measured: number };
 }
 
 export interface SwitchOutcome extends Transition {

@@ -6,59 +6,23 @@ import type { Json } from '../robot/change';
 import { FoldingGraph } from '../network/FoldingGraph';
 import { useConnection, useDocument } from '../robot/hooks';
 import { toneOfOutcome } from '../robot/outcome';
-import type { Action, RobotEvent, Status, SwitchOutcome, Transition } from '../robot/types';
+import type { PlannedTransition, RobotEvent, Status, SwitchOutcome } from '../robot/types';
 import { eventsOf } from '../events/filter';
 import { ListPane, Panel } from '../panes/Panel';
 import { OpenRequests, UndoList } from './OpenRequests';
 import { undoingOf, undoneOf, type Undoing } from './undo';
 import './switch.css';
-import { differenceOf, estimateOf, progressOf, subjectOf, type Difference, type Progress } from './difference';
-
-const phases = ['prepare', 'commit', 'retire'];
-
-function seconds(value: number): string {
-  return value < 0.001 ? (value * 1e6).toFixed(0) + ' µs' : value < 1 ? (value * 1e3).toFixed(1) + ' ms' : value.toFixed(1) + ' s';
-}
+import { durationText } from '../units';
+import { differenceOf, progressOf, type Difference } from './difference';
+import { Changes, Phases, PlanSummary } from './Plan';
 
 /** A switch as it was planned when it was asked for: the picture stays while the robot changes. */
 interface Attempt {
-  transition: Transition;
+  transition: PlannedTransition;
   difference: Difference;
   after: number;
   outcome: SwitchOutcome | null;
   error: string | null;
-}
-
-interface PhaseProps {
-  name: string;
-  actions: Action[];
-  progress: Map<number, Progress>;
-  critical: Set<number>;
-  undone: Set<number>;
-}
-
-function Phase({ name, actions, progress, critical, undone }: PhaseProps) {
-  const done = actions.filter((action) => progress.get(action.id) === 'done').length;
-  return (
-    <section aria-label={'Phase ' + name}>
-      <h3>
-        {name} <span className="quiet">{done} of {actions.length}</span>
-      </h3>
-      <ul className="actions">
-        {actions.map((action) => {
-          const state = undone.has(action.id) && progress.get(action.id) === 'done' ? 'undone' : (progress.get(action.id) ?? 'waiting');
-          return (
-            <li key={action.id} className={state} data-progress={state}>
-              <span aria-hidden="true">{{ done: '✓', failed: '✗', undone: '↶', waiting: '·' }[state]}</span> {subjectOf(action)}
-              <span className="hidden">, {state}</span>
-              {critical.has(action.id) && <span className="quiet" title="on the longest chain of actions that wait for each other"> ◆</span>}
-            </li>
-          );
-        })}
-        {actions.length === 0 && <li className="quiet">nothing</li>}
-      </ul>
-    </section>
-  );
 }
 
 function Outcome({ attempt }: { attempt: Attempt }) {
@@ -69,12 +33,12 @@ function Outcome({ attempt }: { attempt: Attempt }) {
   return (
     <div className={'outcome ' + (good ? 'good' : 'bad')} role="status">
       <strong>{outcome.outcome}</strong>
-      {outcome.duration_s !== undefined && <span> after {seconds(outcome.duration_s)}, including {seconds(outcome.commit_s)} commit</span>}
+      {outcome.duration_s !== undefined && <span> after {durationText(outcome.duration_s)}, including {durationText(outcome.commit_s)} commit</span>}
       {outcome.error && <p>{outcome.error}</p>}
       {outcome.undo && (
         <p>
           {outcome.undo.restored ? 'Undone: what ran before runs again' : 'What ran before could not be restored'} ({outcome.undo.actions.length} actions,{' '}
-          {seconds(outcome.undo.duration_s)})
+          {durationText(outcome.undo.duration_s)})
         </p>
       )}
     </div>
@@ -86,21 +50,18 @@ function usePlan(status: Status) {
   const connection = useConnection();
   const [chosen, setChosen] = useState<string | null>(null);
   const [force, setForce] = useState(false);
-  const [plan, setPlan] = useState<Transition | null>(null);
+  const [plan, setPlan] = useState<PlannedTransition | null>(null);
   const [problem, setProblem] = useState<string | null>(null);
-  const [history, setHistory] = useState<Transition[]>([]);
   useEffect(() => {
     if (chosen === null) return;
     let current = true;
     const ask = async () => {
       try {
         const found = await connection.call('diff', { controller: chosen, force });
-        const past = await connection.call('history');
         if (!current) return;
         const refused = found as unknown as { outcome?: string; error?: string };
         setProblem(refused.outcome === 'refused' ? (refused.error ?? 'refused') : null);
-        setPlan(refused.outcome === 'refused' ? null : (found as unknown as Transition));
-        setHistory(past as unknown as Transition[]);
+        setPlan(refused.outcome === 'refused' ? null : (found as unknown as PlannedTransition));
       } catch (error) {
         if (current) [setPlan(null), setProblem(reason(error))];
       }
@@ -110,7 +71,7 @@ function usePlan(status: Status) {
       current = false;
     };
   }, [connection, chosen, force, status.controller, status.state]);
-  return { chosen, setChosen, force, setForce, plan, problem, setProblem, history };
+  return { chosen, setChosen, force, setForce, plan, problem, setProblem };
 }
 type Planned = ReturnType<typeof usePlan>;
 
@@ -240,49 +201,35 @@ function DoIt({ status, planned: { force, setForce }, attempted, isEmpty }: DoIt
   );
 }
 
-interface PhasesProps {
-  actions: Action[];
-  attempt: Attempt | null;
-  events: RobotEvent[];
-  critical: Set<number>;
-}
-
 /** How far the transition is, phase by phase. */
-function Phases({ actions, attempt, events, critical }: PhasesProps) {
+function Course({ transition, attempt, events }: { transition: PlannedTransition; attempt: Attempt | null; events: RobotEvent[] }) {
+  const { actions } = transition;
   const progress = progressOf(actions, attempt ? events : [], attempt?.after ?? Infinity);
   const undoing: Undoing = attempt ? undoingOf(events, attempt.after) : { why: null, steps: [] };
-  const undone = undoneOf(actions, undoing);
   return (
     <>
       {attempt && <Outcome attempt={attempt} />}
       <UndoList undoing={undoing} />
-      {phases.map((name) => (
-        <Phase key={name} name={name} actions={actions.filter((action) => (action.phase ?? 'commit') === name)} progress={progress} undone={undone} critical={critical} />
-      ))}
+      {!attempt && <Changes changes={transition.changes} />}
+      <Phases transition={transition} progress={progress} undone={undoneOf(actions, undoing)} />
     </>
   );
 }
 
 interface TransitionProps {
   status: Status;
-  transition: Transition;
+  transition: PlannedTransition;
   events: RobotEvent[];
   planned: Planned;
   attempted: Attempted;
 }
 
 function TransitionPart({ status, transition, events, planned, attempted }: TransitionProps) {
-  const { actions } = transition;
-  const { history } = planned;
-  const estimate = useMemo(() => estimateOf(actions, history), [actions, history]);
   return (
     <>
-      <p>
-        {actions.length} actions
-        {estimate.known > 0 && <>; the longest chain takes about {seconds(estimate.seconds)} <span className="quiet">(from what {estimate.known} of them took before)</span></>}
-      </p>
-      <DoIt status={status} planned={planned} attempted={attempted} isEmpty={actions.length === 0} />
-      <Phases actions={actions} attempt={attempted.attempt} events={events} critical={estimate.known > 0 ? estimate.critical : new Set()} />
+      <PlanSummary transition={transition} />
+      <DoIt status={status} planned={planned} attempted={attempted} isEmpty={transition.actions.length === 0} />
+      <Course transition={transition} attempt={attempted.attempt} events={events} />
     </>
   );
 }

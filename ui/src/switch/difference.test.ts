@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import type { Status, TaskStatus, Transition } from '../robot/types';
-import { differenceOf, estimateOf, progressOf, subjectOf } from './difference';
+import { differenceOf, progressOf } from './difference';
 
 const task = (id: string) => ({ id, host: '', process: '', state: 'running' }) as TaskStatus;
 const connection = (from: string, to: string) => ({ from, to, policy: 'data', size: 1, written: 0, read: 0, dropped: 0 });
@@ -49,24 +49,5 @@ describe('the difference', () => {
     const event = (number: number, kind: string, subject: string) => ({ number, kind, subject, time: '', message: '' });
     const told = [event(1, 'action_failed', 'start guard'), event(2, 'transition_undone', 'go_to'), event(3, 'action_done', 'start guard')];
     expect(progressOf(transition.actions, told, 0).get(3)).toBe('failed');
-  });
-  it('estimates along the longest chain', () => {
-    const past: Transition = {
-      from: '', to: '',
-      actions: [
-        { id: 1, kind: 'apply_config', task: 'guard', after: [], took_s: 1, outcome: 'done' },
-        { id: 2, kind: 'start', task: 'other', after: [], took_s: 4, outcome: 'done' },
-        { id: 3, kind: 'connect', after: [], took_s: 9, outcome: 'failed' },
-      ],
-    };
-    const estimate = estimateOf(transition.actions, [past]);
-    expect(estimate.seconds).toBe(5);
-    expect(estimate.known).toBe(3);
-    expect([...estimate.critical].sort()).toEqual([1, 3]);
-    expect(subjectOf(transition.actions[1]!)).toBe('connect guard.safe -> drive.command');
-  });
-  it('ends with actions that wait for each other', () => {
-    expect(estimateOf([{ id: 1, kind: 'a', after: [2] }, { id: 2, kind: 'b', after: [1] }], []).seconds).toBe(0);
-    expect(estimateOf([], []).seconds).toBe(0);
   });
 });
