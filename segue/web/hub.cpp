@@ -139,7 +139,8 @@ Hub::~Hub() {
 Result<void> Hub::subscribe(const std::shared_ptr<Viewer>& viewer, const std::string& document) {
   const auto port = port_of(document);
   const auto task = task_of(document);
-  if (!port && !task && document != "status" && document != "events" && document != "mission")
+  if (!port && !task && document != "status" && document != "events" && document != "mission" &&
+      document != "units")
     return fail(ErrorCode::NotFound, "there is no document " + quote(document));
   const Lock lock(mutex_);
   auto& entry = documents_[document];
@@ -252,6 +253,11 @@ Hub::Answer Hub::ask(Watched& document, const RobotLink::Connected& link) {
   if (document.kind == kPorts) return read_port(document, link);
   if (document.kind == kEvents) return follow_events(document, link);
   if (document.name == "mission") return follow_mission(document, link);
+  if (document.name == "units") {
+    const auto units = link.robot->units();
+    if (!units) return units.error();
+    return Value::map({{"units", units->is_list() ? keyed(units->as_list(), {"name"}) : Value(ValueMap{})}});
+  }
   auto snapshot = document.task.empty() ? link.robot->status() : link.robot->task(document.task);
   if (!snapshot) return snapshot.error();
   return document.task.empty() ? with_keys(std::move(*snapshot)) : std::move(*snapshot);

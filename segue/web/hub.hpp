@@ -39,7 +39,8 @@ class Viewer {
 /// Turns a robot into documents while somebody looks at them; what nobody looks at is not asked of the robot.
 /// The documents: "status", with "tasks" and "connections" as maps; "events", a map of the last events by
 /// number; "mission", as of control::RobotService::mission, with "plan" where it is known and "entries" as a
-/// map by number, and {"run": 0} where there is none; "task/ID", the report of a task; "port/TASK/PORT",
+/// map by number, and {"run": 0} where there is none; "units", {"units": those of
+/// control::RobotService::units by name}; "task/ID", the report of a task; "port/TASK/PORT",
 /// {"type", "time_s", "period_s", "value"}: the newest sample, when it was read (monotonic), and how long
 /// after it the next one is read at the soonest. All functions may be called from any thread.
 class Hub {

@@ -54,6 +54,13 @@ TEST_F(HubTest, NobodyLookingCostsTheRobotNothing) {
   }));
 }
 
+TEST_F(HubTest, UnitsAreADocumentByTheirNames) {
+  Hub hub(link_, often_);
+  ASSERT_TRUE(hub.subscribe(viewer_, "units"));
+  const Value screws = Value::map({{"name", "screws"}, {"count", 40}});
+  EXPECT_TRUE(becomes(hub, "units", Value::map({{"units", Value::map({{"screws", screws}})}})));
+}
+
 TEST_F(HubTest, AChangeIsAVersionAndNothingElseIs) {
   Hub hub(link_, often_);
   robot_.show(Value::map({{"tasks", Value::list({Value::map({{"id", "a"}, {"n", 1}})})}}));

@@ -6,6 +6,7 @@ import { Graph } from './Graph';
 import { latencyOf, matching, rateOf, type Flow, type Flows } from './graph';
 import { bundlesOf, edgesOf, foldedAround, mostOpen, pictureOf, sameStructure, structureOf, type Structure } from './places';
 import { TaskPanel } from './TaskPanel';
+import { Units } from './Units';
 
 /** The flow through each connection between the last two statuses. */
 function useFlows(status: Status): Flows {
@@ -111,6 +112,7 @@ export function NetworkView({ status }: { status: Status }) {
               <button type="button" className="small" onClick={() => folding.setAll(false)}>unfold all</button>
             </>
           )}
+          <Units status={status} />
           {status.differences.length > 0 && <span className="badge warn">{status.differences.length} differences</span>}
         </div>
         {total === 0 ? (

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Histogram, TaskReport } from '../robot/types';
+import { microsecondsText } from '../units';
 import { barsOf, summaryOf } from './histogram';
 
 const width = 330;
@@ -51,8 +52,8 @@ export function Timing({ report }: { report: TaskReport }) {
       <dl className="numbers">
         {Object.entries(report.timing).map(([name, number]) => (
           <div key={name}>
-            <dt>{name.replace(/_us$/, ' (µs)').replace(/_/g, ' ')}</dt>
-            <dd>{Number.isInteger(number) ? number : number.toFixed(1)}</dd>
+            <dt>{name.replace(/_us$/, '').replace(/_/g, ' ')}</dt>
+            <dd>{name.endsWith('_us') ? microsecondsText(number) : number}</dd>
           </div>
         ))}
       </dl>
