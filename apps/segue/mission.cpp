@@ -133,6 +133,11 @@ void add_runner(Verb& verb, Context& context) {
       "--break PATH", options->breakpoints,
       "on a robot, be held before this state until `segue mission step` or `resume`, or the studio");
   add_journal_options(runner, *options, steps_back);
+  runner.flag("--through-robot", options->through_robot,
+              "let the robot show, steer and record the run, even where no action needs the robot");
+  runner.option("--for WHO", options->asked_by, "on a robot, who has asked for the run, for its journal");
+  runner.flag("--until-eof", options->until_eof,
+              "preempt it when standard input ends, too: for programs that start missions");
   runner.option("--python PROGRAM", options->python, "the interpreter of Python scripts; default: python3");
   runner.flag("-f,--follow", options->follow,
               "print every state or node that begins or ends, as it happens; in JSON one a line");

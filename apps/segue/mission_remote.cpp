@@ -72,7 +72,7 @@ void MissionRemote::Answers::add_to(type::ValueMap& control) const {
 }
 
 MissionRemote::MissionRemote(remote_robot::ServedRobot& robot, const mission::Program& program, Plan plan,
-                             RunControl& control, std::stop_source stop)
+                             std::string_view mode, RunControl& control, std::stop_source stop)
     : robot_(robot),
       mission_(program.mission().name),
       keeps_(program.mission().at_end == mission::Mission::AtEnd::Keep),
@@ -81,7 +81,8 @@ MissionRemote::MissionRemote(remote_robot::ServedRobot& robot, const mission::Pr
       control_(control),
       stop_(std::move(stop)),
       stopping_(stop_.get_token(), Stopping{*answers_}) {
-  robot_.record().began(mission_);  // before the thread reports the plan, which would else be that of no run
+  robot_.record().began(mission_,
+                        mode);  // before the thread reports the plan, which would else be that of no run
   thread_ =
       concurrent::start_stoppable_thread("segue-remote", [this](const std::stop_token& end) { work(end); });
 }

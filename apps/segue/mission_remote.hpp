@@ -31,10 +31,11 @@ class MissionRemote {
   /// see it.
   using Plan = std::function<type::Value(PlanDetail)>;
 
+  /// `mode`: how the run goes, for the journal (remote_robot::MissionRecord::began).
   /// Starts a thread that reports and listens until this is destroyed. All must outlive it. `stop` is
   /// requested when the mission shall stop; where it is requested otherwise, the robot hears it at once.
   MissionRemote(remote_robot::ServedRobot& robot, const mission::Program& program, Plan plan,
-                mission_run::RunControl& control, std::stop_source stop);
+                std::string_view mode, mission_run::RunControl& control, std::stop_source stop);
   MissionRemote(const MissionRemote&) = delete;
   MissionRemote& operator=(const MissionRemote&) = delete;
 

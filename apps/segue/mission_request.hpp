@@ -33,6 +33,7 @@ struct MissionOptions {
   std::string mode;  ///< "": task networks concurrently, missions sequentially
   std::string clock = "real";
   bool simulate = false;
+  bool through_robot = false;  ///< others see and steer it through the robot, whatever it needs
   std::vector<std::string> inputs;
   std::vector<std::string> facts;
   std::string start_at;
@@ -43,9 +44,11 @@ struct MissionOptions {
   bool resume = false;
   std::string under_way = "go-on";
   RunFiles files;
-  bool follow = false;   ///< print its events
-  bool progress = true;  ///< show what goes on, in real time
-  bool show = true;      ///< what was executed, on standard output
+  bool follow = false;     ///< print its events
+  bool progress = true;    ///< show what goes on, in real time
+  bool show = true;        ///< what was executed, on standard output
+  bool until_eof = false;  ///< the end of standard input preempts it, as a signal does
+  std::string asked_by;    ///< for whom it runs, for the robot's journal; empty: for nobody else
   std::string python = "python3";
   std::size_t look_ahead = 3;  ///< controllers of a robot that are kept prepared
 };

@@ -16,6 +16,7 @@
 #include <segue/remote_robot/served_robot.hpp>
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <memory>
 #include <stop_token>
@@ -92,7 +93,8 @@ Ran run_with_progress(const LoadedMission& plan, RunRequest request, const Missi
 bool needs_robot(const LoadedMission& plan, const MissionOptions& options) {
   if (plan.program() == nullptr) return false;
   const bool is_stepped = !options.breakpoints.empty() || options.steps_back;
-  return is_stepped || (!options.simulate && mission::needs_robot(plan.program()->mission()));
+  return is_stepped || options.through_robot ||
+         (!options.simulate && mission::needs_robot(plan.program()->mission()));
 }
 
 void show_executions(const FinishedRun& run) {
@@ -265,8 +267,9 @@ void tell_end(const Ran& run, MissionRemote& remote) {
 }  // namespace
 
 MissionRobot::MissionRobot(control::RobotService& service, std::string_view verb,
-                           mission::ControllerOptions how, bool stops_if_unreachable)
-    : robot_(std::make_shared<remote_robot::ServedRobot>(service, sender(verb))),
+                           mission::ControllerOptions how, bool stops_if_unreachable, int input)
+    : signal_(input),
+      robot_(std::make_shared<remote_robot::ServedRobot>(service, sender(verb))),
       how_(std::move(how)),
       controllers_(std::make_shared<mission::ControllerUnion>(
           robot_, mission::ControllerUnion::Options{.deadline = how_.request_deadline})) {
@@ -291,7 +294,8 @@ Ran MissionRobot::run(const LoadedMission& plan, RunRequest request, mission_run
   remote_.emplace(
       *robot_, *plan.program(),
       [plan, planned](MissionRemote::PlanDetail detail) { return shown_plan(plan, planned, detail); },
-      steering, stop_);
+      std::holds_alternative<mission_run::Concurrent>(planned.mode) ? "concurrent" : "sequential", steering,
+      stop_);
   request.on_event = [this](const mission::StateEvent& event) { remote_->observe(event); };
   Ran run = run_with_progress(plan, std::move(request), options, stop_.get_token(), context);
   tell_end(run, *remote_);
@@ -314,6 +318,11 @@ bool MissionRobot::leave(bool keep, const std::string& name) {
 
 namespace {
 
+/// The end of which preempts the run; -1: none does.
+int input_of(const MissionOptions& options) {
+  return options.until_eof ? STDIN_FILENO : -1;
+}
+
 /// Lets the robot carry out actions that are controllers. The plan is made anew, since it depends on which
 /// controllers the robot can run at once. `steering` is that of the request.
 int run_on_robot(RunRequest request, mission_run::RunControl& steering, const MissionOptions& options,
@@ -321,7 +330,8 @@ int run_on_robot(RunRequest request, mission_run::RunControl& steering, const Mi
   mission::ControllerOptions how;
   how.look_ahead = options.look_ahead;
   const bool can_be_resumed = request.journal.has_value();
-  MissionRobot robot(service, "mission run", how, can_be_resumed);
+  const std::string verb = "mission run" + (options.asked_by.empty() ? "" : " for " + options.asked_by);
+  MissionRobot robot(service, verb, how, can_be_resumed, input_of(options));
   const auto conflicts = robot.take();
   if (!conflicts) return failed(context, conflicts.error());
   const auto plan =
@@ -352,7 +362,7 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, Conte
   auto request = run_request(options, network, plan->is_network(), steering);
   if (!request) return failed(context, request.error());
   if (!needs_robot(*plan, options)) {
-    StopSignal stop;  // until the run has been shown
+    StopSignal stop(input_of(options));  // until the run has been shown
     return show(run_with_progress(*plan, *request, options, stop.token(), context), *plan, options, nullptr,
                 context);
   }

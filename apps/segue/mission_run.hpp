@@ -35,10 +35,11 @@ Result<void> run_by_robot(mission_run::RunRequest& request, const mission_run::L
 /// runs on until a later one needs the robot in a way that conflicts with it. For the thread that creates it.
 class MissionRobot {
  public:
-  /// SIGINT and SIGTERM request a stop. `verb` commands the robot, for its journal. `stops_if_unreachable`: a
-  /// run is stopped, rather than that its actions abort, where the robot cannot be reached any more.
+  /// SIGINT and SIGTERM request a stop, and the end of `input`, unless that is -1. `verb` commands the robot,
+  /// for its journal. `stops_if_unreachable`: a run is stopped, rather than that its actions abort, where the
+  /// robot cannot be reached any more.
   MissionRobot(control::RobotService& service, std::string_view verb, mission::ControllerOptions how,
-               bool stops_if_unreachable);
+               bool stops_if_unreachable, int input = -1);
 
   /// Takes the robot's lease, unless this has it, which it keeps until leave().
   Result<mission::ControllerConflicts> take();

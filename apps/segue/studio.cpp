@@ -17,7 +17,9 @@
 
 #include "connection.hpp"
 #include "models.hpp"
+#include "output.hpp"
 #include "stop_signal.hpp"
+#include "studio_missions.hpp"
 #include "studio_process.hpp"
 
 namespace segue::cli {
@@ -63,7 +65,7 @@ Result<std::optional<control::Credentials>> credentials_of(const StudioOptions& 
 std::string introduction(const std::string& robot, const StudioOptions& options, bool secure) {
   return fmt::format(
       "the studio of robot {}{}{}. {}", robot, options.observe ? " (observe only)" : "",
-      options.until_eof ? "" : "; Ctrl-C ends it, the robot goes on",
+      options.until_eof ? "" : "; Ctrl-C ends it and missions that it has started, the robot goes on",
       secure ? "Open it in browsers that have the certificate of a person:" : "Open in one browser:");
 }
 
@@ -81,6 +83,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
   const auto connect = [robot] { return connect_to(robot); };
   const auto credentials = credentials_of(options);
   if (!credentials) return failed(context, credentials.error());
+  StudioMissions missions(robot);
   const web::ServerOptions serving = {
       .port = static_cast<std::uint16_t>(options.port),
       .listen = options.listen.empty() ? "127.0.0.1" : options.listen,
@@ -88,15 +91,20 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
       .role = options.observe ? control::Role::Observe : control::Role::Administer,
       .robot = robot,
       .models = models_for_editing,
-      .entered = [&context](const std::string& address) {
-        if (!context.json()) print_line("browser connected; to open another:");
-        print_address(address, context);
-      }};
+      .run_mission = [&missions](const web::MissionOrder& order,
+                                 TimePoint deadline) { return missions.run(order, deadline); },
+      .entered =
+          [&context](const std::string& address) {
+            if (!context.json()) print_line("browser connected; to open another:");
+            print_address(address, context);
+          }};
   const auto server = web::Server::start(std::move(*page), connect, serving);
   if (!server) return failed(context, server.error());
   if (!context.json()) print_line(introduction(robot, options, credentials->has_value()));
   print_address((*server)->address(), context);
   stop.wait(std::nullopt);
+  if (missions.running() > 0) print_note("the mission that was started here ends, too");
+  missions.end();
   return kDone;
 }
 

@@ -121,6 +121,8 @@ struct MissionEntry {
   std::string outcome{};
   std::string error{};   ///< Ended: why it aborted; else empty
   Duration duration{0};  ///< Ended: since it began
+  /// Began, of the mission itself: how it runs, "sequential" or "concurrent"; empty: it did not say.
+  std::string mode{};
 
   friend bool operator==(const MissionEntry&, const MissionEntry&) = default;
 };

@@ -158,10 +158,7 @@ Result<std::vector<MissionEntry>> JournalReader::missions(std::size_t limit) {
   Implementation& self = *implementation_;
   return self.at_one_moment([&]() -> Result<std::vector<MissionEntry>> {
     const auto rows =
-        latest<std::optional<MissionEntry>>(self.database,
-                                            "SELECT time, kind, who, mission, action, iteration, controller, "
-                                            "outcome, error, duration FROM mission",
-                                            limit, mission_in);
+        latest<std::optional<MissionEntry>>(self.database, detail::kSelectMission, limit, mission_in);
     if (!rows) return rows.error();
     std::vector<MissionEntry> entries;
     for (const auto& row : *rows) {

@@ -187,7 +187,7 @@ TEST(JournalReader, SkipsInvalidRows) {
     UPDATE action SET phase = 7 WHERE "transition" = 2 AND number = 0;
     UPDATE action SET id = -5 WHERE "transition" = 3 AND number = 0;
     UPDATE "transition" SET total_low = 5, total_typical = 4, total_high = 6;
-    INSERT INTO mission VALUES (1, 0, 'danced', '', 'patrol', '', 0, '', '', '', 0);
+    INSERT INTO mission VALUES (1, 0, 'danced', '', 'patrol', '', 0, '', '', '', 0, '');
     INSERT INTO duration VALUES ('', 'a', 'start', 'h', 1, 5, '1 2', 0);
     INSERT INTO duration VALUES ('', 'b', 'start', 'h', 1, 5, 'x', 0);
     INSERT INTO duration VALUES ('', 'c', 'start', 'h', 1, 5, '5 ', 0);

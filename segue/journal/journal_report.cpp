@@ -106,6 +106,7 @@ Value to_value(const MissionEntry& entry) {
     map.set("action", entry.action);
     map.set("iteration", entry.iteration);
   }
+  if (!entry.mode.empty()) map.set("mode", entry.mode);
   if (entry.kind == MissionEntry::Kind::Asked) map.set("controller", entry.controller);
   if (entry.kind != MissionEntry::Kind::Ended) return value;
   map.set("outcome", entry.outcome);

@@ -37,7 +37,8 @@ TEST(Journal, KeepsEveryFieldOfEveryEntry) {
   whole.actions[1].outcome = "failed";
   whole.actions[1].error = "no map";
   const RequestEntry request{7, whole.time, "mission", "manual"};
-  const MissionEntry began{whole.time, MissionEntry::Kind::Began, "segue mission run (pid 7)", "survey"};
+  MissionEntry began{whole.time, MissionEntry::Kind::Began, "segue mission run (pid 7)", "survey"};
+  began.mode = "concurrent";
   const MissionEntry asked{
       whole.time, MissionEntry::Kind::Asked, "segue mission run", "survey", "fetch 'it'/go;", 3, "go_to"};
   const MissionEntry ended{

@@ -2,6 +2,8 @@
 #include <segue/base/text.hpp>
 #include <segue/journal/journal_report.hpp>
 #include <segue/journal/past.hpp>
+#include <segue/journal/past_missions.hpp>
+#include <segue/journal/past_question.hpp>
 #include <segue/journal/rows.hpp>
 #include <segue/journal/schema.hpp>
 
@@ -18,39 +20,23 @@ namespace segue::journal {
 namespace {
 
 using detail::Database;
+using detail::list_of;
+using detail::page_asked;
+using detail::seconds;
+using detail::seconds_or_null;
 using detail::Statement;
+using detail::whole;
+using detail::wrong;
 using type::Value;
 
-constexpr std::int64_t kMostRequests = 100;
 constexpr std::int64_t kMostMarks = 500;
 constexpr std::int64_t kMostMissionEntries = 4000;
 constexpr std::int64_t kMostDifferences = 50;
 constexpr std::size_t kMostWords = 8;
 constexpr std::size_t kLongestWords = 200;
+constexpr const char* kQuestions = "must be 'requests', 'request', 'missions', 'mission', 'at' or 'span'";
 /// Beyond it, nanoseconds since 1970 do not fit.
 constexpr double kLatest = 9e9;
-
-double seconds(std::int64_t nanoseconds) {
-  return static_cast<double>(nanoseconds) / 1e9;
-}
-
-Value seconds_or_null(const Statement& row, int column) {
-  return row.is_null(column) ? Value() : Value(seconds(row.integer(column)));
-}
-
-Error wrong(std::string_view name, std::string_view what) {
-  return fail(ErrorCode::InvalidArgument, quote(name) + " " + std::string(what));
-}
-
-/// A non-negative integer.
-Result<std::int64_t> whole(const Value& question, std::string_view name, std::int64_t otherwise) {
-  const Value* value = question.find(name);
-  if (value == nullptr) return otherwise;
-  if (!value->is_integer() || (value->kind() == Value::Kind::Int && value->as_int() < 0) ||
-      (value->kind() == Value::Kind::UInt && value->as_uint() > (std::uint64_t{1} << 62U)))
-    return wrong(name, "must be a non-negative integer");
-  return static_cast<std::int64_t>(value->as_uint());
-}
 
 Result<std::int64_t> time_asked(const Value& question) {
   const Value* value = question.find("time_s");
@@ -72,18 +58,6 @@ Result<std::vector<std::string>> words_in(const Value& question) {
   return words;
 }
 
-/// Collects the values of all rows of a started statement.
-template <class Convert>
-Result<Value::List> list_of(Statement& rows, Convert convert) {
-  Value::List list;
-  while (true) {
-    const auto more = rows.next();
-    if (!more) return more.error();
-    if (!*more) return list;
-    list.push_back(convert(rows));
-  }
-}
-
 Value request_in(const Statement& row) {
   return Value::map({{"id", row.integer(0)},
                      {"request", row.integer(1)},
@@ -101,12 +75,8 @@ Value request_in(const Statement& row) {
 }
 
 Result<Value> requests(Database& database, const Value& question) {
-  constexpr std::int64_t kNewest = std::int64_t{1} << 62U;
-  const auto before = whole(question, "before", kNewest);
-  if (!before) return before.error();
-  const auto limit = whole(question, "limit", kMostRequests);
-  if (!limit) return limit.error();
-  if (*limit < 1 || *limit > kMostRequests) return wrong("limit", "must be from 1 to 100");
+  const auto page = page_asked(question);
+  if (!page) return page.error();
   auto words = words_in(question);
   if (!words) return words.error();
   std::string select =
@@ -120,10 +90,10 @@ Result<Value> requests(Database& database, const Value& question) {
   auto rows = database.prepare(select + " ORDER BY id DESC LIMIT ?");
   if (!rows) return rows.error();
   const auto& all = *words;
-  rows->start(*before, all[0], all[1], all[2], all[3], all[4], all[5], all[6], all[7], *limit + 1);
+  rows->start(page->before, all[0], all[1], all[2], all[3], all[4], all[5], all[6], all[7], page->limit + 1);
   auto found = list_of(*rows, request_in);
   if (!found) return found.error();
-  const bool more = found->size() > static_cast<std::size_t>(*limit);
+  const bool more = found->size() > static_cast<std::size_t>(page->limit);
   if (more) found->pop_back();
   return Value::map({{"requests", std::move(*found)}, {"more", more}});
 }
@@ -369,8 +339,10 @@ class Moment {
 Result<Value> answer(Database& database, const std::string& ask, const Value& question) {
   if (ask == "requests") return requests(database, question);
   if (ask == "request") return request(database, question);
+  if (ask == "missions") return detail::missions(database, question);
+  if (ask == "mission") return detail::mission(database, question);
   if (ask == "span") return span(database);
-  if (ask != "at") return wrong("ask", "must be 'requests', 'request', 'at' or 'span'");
+  if (ask != "at") return wrong("ask", kQuestions);
   const auto time = time_asked(question);
   return time ? Moment(database, *time).describe() : Result<Value>(time.error());
 }
@@ -379,8 +351,7 @@ Result<Value> answer(Database& database, const std::string& ask, const Value& qu
 
 Result<Value> answer_about_past(const std::filesystem::path& path, const Value& question) {
   const Value* ask = question.is_map() ? question.find("ask") : nullptr;
-  if (ask == nullptr || !ask->is_string())
-    return wrong("ask", "must be 'requests', 'request', 'at' or 'span'");
+  if (ask == nullptr || !ask->is_string()) return wrong("ask", kQuestions);
   std::error_code failed;
   if (!std::filesystem::exists(path, failed))
     return fail(ErrorCode::NotFound, "there is no journal " + quote(path.native()));

@@ -20,6 +20,14 @@ namespace segue::journal {
 /// "request": one, {"id"}. Answers its JSON of `history` and {"id", "ended_s", "lasted_s", "undo_actions",
 /// "before", "after": networks, as JSON text; null: not recorded}.
 ///
+/// "missions": the newest runs of missions, newest first, {"before": only those older than that id; "limit":
+/// 100 at most}. Answers {"missions": [{"id", "mission", "who", "mode" ("sequential", "concurrent"; "": not
+/// recorded), "began_s", "ended_s" (null: not recorded, as while it runs), "outcome", "error"}], "more":
+/// there are older ones}.
+///
+/// "mission": one run, {"id"}. Answers the same and {"entries" (as of control::RobotService::mission(), the
+/// newest 4000), "dropped": entries before those}.
+///
 /// "at": the robot at a time, {"time_s"}. Answers {"time_s", "known", "since_s" (the entry that says what
 /// ran), "controller", "version", "network" (JSON text; null: not known), "transition" (the id of the one
 /// that was in progress; null: none), "missions": [{"mission", "who", "actions": those that ran}],
@@ -28,8 +36,8 @@ namespace segue::journal {
 /// "span": of what is recorded. Answers {"first_s", "last_s" (null: nothing), "marks": [{"id", "time_s",
 /// "outcome"}], 500 at most, evenly chosen}.
 ///
-/// NotFound where there is no journal, or no such request; InvalidArgument where the question is none. Blocks
-/// while the file is read.
+/// NotFound where there is no journal, or no such request or run; InvalidArgument where the question is none.
+/// Blocks while the file is read.
 Result<type::Value> answer_about_past(const std::filesystem::path& path, const type::Value& question);
 
 }  // namespace segue::journal

@@ -180,6 +180,67 @@ TEST_F(PastTest, NetworksAreKeptOnceAndGoWithTheirTransitions) {
   EXPECT_EQ(*database->integer("SELECT count(*) FROM network WHERE text = 'network of once'"), 0);
 }
 
+TEST_F(PastTest, RunsOfMissionsComeInPagesNewestFirst) {
+  using Kind = MissionEntry::Kind;
+  {
+    Journal journal(path_);
+    for (int i = 0; i < 5; ++i) {
+      MissionEntry began{at(10 * i), Kind::Began, "ann", "patrol"};
+      began.mode = "concurrent";
+      journal.add(began);
+      journal.add(MissionEntry{at(10 * i + 1), Kind::Began, "ann", "patrol", "look"});
+      if (i != 2) journal.add(MissionEntry{at(10 * i + 4), Kind::Ended, "ann", "patrol", "", 0, "", "done"});
+    }
+    journal.add(MissionEntry{at(90), Kind::Began, "ann", "fetch"});
+  }
+  const Value first = ask({{"ask", "missions"}, {"limit", 4}});
+  const auto& runs = first.find("missions")->as_list();
+  ASSERT_EQ(runs.size(), 4U);
+  EXPECT_EQ(*first.find("more"), Value(true));
+  EXPECT_EQ(*runs[0].find("mission"), Value("fetch"));
+  EXPECT_EQ(*runs[0].find("ended_s"), Value()) << "it runs";
+  EXPECT_EQ(*runs[0].find("mode"), Value(""));
+  EXPECT_EQ(*runs[1].find("outcome"), Value("done"));
+  EXPECT_EQ(*runs[1].find("mode"), Value("concurrent"));
+  EXPECT_EQ(runs[1].find("began_s")->as_double(), static_cast<double>(kStart) + 40);
+  EXPECT_EQ(runs[1].find("ended_s")->as_double(), static_cast<double>(kStart) + 44);
+  EXPECT_EQ(*runs[3].find("ended_s"), Value()) << "its end was not recorded";
+  const Value second = ask({{"ask", "missions"}, {"before", *runs[3].find("id")}});
+  EXPECT_EQ(second.find("missions")->as_list().size(), 2U);
+  EXPECT_EQ(*second.find("more"), Value(false));
+}
+
+TEST_F(PastTest, ARunOfAMissionHasWhatItDid) {
+  using Kind = MissionEntry::Kind;
+  {
+    Journal journal(path_);
+    journal.add(MissionEntry{at(1), Kind::Began, "ann", "patrol"});
+    journal.add(MissionEntry{at(2), Kind::Began, "ann", "patrol", "look", 3});
+    journal.add(MissionEntry{at(3), Kind::Asked, "ann", "patrol", "look", 3, "explore"});
+    journal.add(MissionEntry{at(4), Kind::Ended, "ann", "patrol", "look", 3, "", "aborted", "it was dark"});
+    journal.add(MissionEntry{at(5), Kind::Ended, "ann", "patrol", "", 0, "", "aborted", "look aborted"});
+    journal.add(MissionEntry{at(6), Kind::Began, "ann", "lost"});
+    journal.add(MissionEntry{at(7), Kind::Began, "ann", "lost", "look"});
+    journal.add(MissionEntry{at(8), Kind::Began, "ann", "again"});
+  }
+  const Value run = ask({{"ask", "mission"}, {"id", 1}});
+  EXPECT_EQ(*run.find("outcome"), Value("aborted"));
+  EXPECT_EQ(*run.find("error"), Value("look aborted"));
+  EXPECT_EQ(*run.find("dropped"), Value(0));
+  const auto& entries = run.find("entries")->as_list();
+  ASSERT_EQ(entries.size(), 5U);
+  EXPECT_EQ(*entries[0].find("action"), Value(""));
+  EXPECT_EQ(*entries[1].find("iteration"), Value(3));
+  EXPECT_EQ(*entries[2].find("controller"), Value("explore"));
+  EXPECT_EQ(*entries[3].find("error"), Value("it was dark"));
+  EXPECT_EQ(entries[3].find("time_s")->as_double(), static_cast<double>(kStart) + 4);
+  const Value lost = ask({{"ask", "mission"}, {"id", 6}});
+  EXPECT_EQ(*lost.find("ended_s"), Value());
+  EXPECT_EQ(lost.find("entries")->as_list().size(), 2U) << "not those of the next run";
+  for (const int none : {0, 2, 5, 9})
+    EXPECT_EQ(refusal(Value::map({{"ask", "mission"}, {"id", none}})), ErrorCode::NotFound) << none;
+}
+
 TEST_F(PastTest, BadQuestionsAreRefused) {
   EXPECT_EQ(refusal(Value::map({{"ask", "span"}})), ErrorCode::NotFound);
   { Journal journal(path_); }
@@ -189,6 +250,7 @@ TEST_F(PastTest, BadQuestionsAreRefused) {
         Value::map({{"ask", "requests"}, {"before", -1}}), Value::map({{"ask", "requests"}, {"words", 1}}),
         Value::map({{"ask", "requests"}, {"words", std::string(201, 'x')}}),
         Value::map({{"ask", "requests"}, {"words", "1 2 3 4 5 6 7 8 9"}}),
+        Value::map({{"ask", "missions"}, {"limit", 0}}), Value::map({{"ask", "mission"}, {"id", -1}}),
         Value::map({{"ask", "request"}, {"id", "1; DROP TABLE action"}}), Value::map({{"ask", "at"}}),
         Value::map({{"ask", "at"}, {"time_s", -1}}), Value::map({{"ask", "at"}, {"time_s", 1e300}}),
         Value::map({{"ask", "at"}, {"time_s", std::nan("")}})}) {

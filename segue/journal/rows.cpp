@@ -129,6 +129,7 @@ std::optional<MissionEntry> mission_in(const Statement& row) {
   entry.outcome = row.text(7);
   entry.error = row.text(8);
   entry.duration = duration_in(row, 9);
+  entry.mode = row.text(10);
   return entry;
 }
 

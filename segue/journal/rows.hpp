@@ -29,8 +29,11 @@ TransitionEntry transition_in(const Statement& row);
 Result<void> read_actions(Database& database, std::int64_t transition, TransitionEntry& entry,
                           std::uint64_t& invalid);
 
-/// The entry in a row "time, kind, who, mission, action, iteration, controller, outcome, error, duration";
+/// The entry in a row of kSelectMission;
 /// nothing: it is invalid.
+inline constexpr std::string_view kSelectMission =
+    "SELECT time, kind, who, mission, action, iteration, controller, outcome, error, duration, mode, id FROM "
+    "mission";
 std::optional<MissionEntry> mission_in(const Statement& row);
 
 }  // namespace segue::journal::detail

@@ -86,7 +86,13 @@ INSERT INTO duration SELECT '', component, kind, host, count, mean, recent, time
 DROP TABLE duration_by_name;
 )";
 
-constexpr std::array kSteps = {kFirst, kVersions, kMissions, kPreparedAhead, kCancelled, kPast, kFolders};
+constexpr std::string_view kModes = R"(
+ALTER TABLE mission ADD COLUMN mode TEXT NOT NULL DEFAULT '';
+CREATE INDEX mission_run ON mission (id) WHERE action = '';
+)";
+
+constexpr std::array kSteps = {kFirst,     kVersions, kMissions, kPreparedAhead,
+                               kCancelled, kPast,     kFolders,  kModes};
 
 /// The write-ahead log is truncated to this limit after a checkpoint.
 constexpr std::string_view kSetUp = R"(

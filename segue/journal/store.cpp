@@ -61,12 +61,12 @@ Result<void> write_row(Database& database, const VersionEntry& entry) {
 Result<void> write_row(Database& database, const MissionEntry& entry) {
   auto row = database.prepare(
       "INSERT INTO mission (time, kind, who, mission, action, iteration, controller, outcome, error, "
-      "duration) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      "duration, mode) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   if (!row) return row.error();
   return row->run(since_1970(entry.time), to_string(entry.kind), cut(entry.who), cut(entry.mission),
                   cut(entry.action), static_cast<std::int64_t>(entry.iteration), cut(entry.controller),
-                  cut(entry.outcome), cut(entry.error), entry.duration.count());
+                  cut(entry.outcome), cut(entry.error), entry.duration.count(), cut(entry.mode));
 }
 
 Result<void> write_row(Database& database, const GapEntry& entry) {

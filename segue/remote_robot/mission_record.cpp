@@ -22,11 +22,11 @@ std::int64_t nanoseconds(std::chrono::system_clock::time_point time) {
 
 }  // namespace
 
-void MissionRecord::began(std::string_view mission) {
+void MissionRecord::began(std::string_view mission, std::string_view mode) {
   const Lock lock(mutex_);
   mission_ = mission;
   begins_[{}] = RealClock::instance().now();
-  add({.kind = "began"});
+  add({.kind = "began", .mode = std::string(mode)});
 }
 
 void MissionRecord::observe(const mission::StateEvent& event) {
@@ -93,6 +93,7 @@ Value MissionRecord::to_value(const Entry& entry) {
     map.append("action", entry.action);
     map.append("iteration", entry.iteration);
   }
+  if (!entry.mode.empty()) map.append("mode", entry.mode);
   if (!entry.controller.empty()) map.append("controller", entry.controller);
   if (entry.kind != "ended") return value;
   map.append("outcome", entry.outcome);

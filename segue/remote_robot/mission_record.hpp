@@ -30,7 +30,8 @@ class MissionRecord {
   MissionRecord() : MissionRecord(Limits{}) {}
 
   /// Events that follow belong to that mission. Events before the first mission began are not recorded.
-  void began(std::string_view mission);
+  /// `mode`: how it runs, "sequential" or "concurrent"; empty: that is not recorded.
+  void began(std::string_view mission, std::string_view mode = {});
   /// An action began or ended. Where the mission itself is the action, it is told by began() and ended().
   void observe(const mission::StateEvent& event);
   /// An action asks for a controller, or for its end where `controller` is empty, which is not recorded.
@@ -58,6 +59,7 @@ class MissionRecord {
     std::string outcome{};
     std::string error{};
     Duration duration{0};
+    std::string mode{};  ///< of the mission itself
   };
   static type::Value to_value(const Entry& entry);
   void add(Entry entry) SEGUE_REQUIRES(mutex_);

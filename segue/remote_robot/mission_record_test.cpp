@@ -29,7 +29,7 @@ TEST(MissionRecord, SaysWhatAMissionDid) {
   record.observe({Kind::Began, "nowhere", 0});
   EXPECT_FALSE(record.has_waiting()) << "no mission has begun";
   EXPECT_EQ(record.waiting().second, 0U);
-  record.began("patrol");
+  record.began("patrol", "concurrent");
   EXPECT_EQ(record.mission(), "patrol");
   record.observe({Kind::Began, "there", 2});
   record.asked({"there", 2, "go_to"});
@@ -42,6 +42,8 @@ TEST(MissionRecord, SaysWhatAMissionDid) {
                                               "ended there aborted no way", "ended done"));
   EXPECT_EQ(last, 5U);
   const auto& entries = happened.find("entries")->as_list();
+  EXPECT_EQ(*entries[0].find("mode"), Value("concurrent"));
+  EXPECT_EQ(entries[1].find("mode"), nullptr);
   EXPECT_EQ(entries[1].find("iteration")->as_uint(), 2U);
   EXPECT_GE(entries[3].find("duration_ns")->as_int(), 0);
   EXPECT_GE(entries[4].find("duration_ns")->as_int(), entries[3].find("duration_ns")->as_int());

@@ -108,6 +108,7 @@ void MissionReports::take(const Value& one, const std::string& mission, WallTime
   entry.outcome = cut_text_at(one, "outcome");
   entry.error = cut_text_at(one, "error", kLongestError);
   entry.duration = Duration(count_at(one, "duration_ns"));
+  entry.mode = cut_text_at(one, "mode");
   add(std::move(entry));
 }
 
@@ -126,6 +127,7 @@ void MissionReports::end(const std::string& why) {
   entry.duration = std::max<Duration>(now - entry.time, Duration::zero());
   entry.time = now;
   entry.kind = MissionEntry::Kind::Ended;
+  entry.mode.clear();
   entry.outcome = journal::kLost;
   entry.error = why.substr(0, kLongestError);
   recent_.add(entry);

@@ -87,6 +87,8 @@ TEST_F(SessionTest, EachVerbNeedsItsRole) {
       {"prepare", control::Verb::Prepare},
       {"cancel", control::Verb::Cancel},
       {"mission", control::Verb::SendCommand},
+      {"mission_form", control::Verb::LookAtFiles},
+      {"start_mission", control::Verb::Lease},
       {"stop", control::Verb::Stop},
       {"release", control::Verb::ReleaseStop},
       {"set", control::Verb::Set},

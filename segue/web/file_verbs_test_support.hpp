@@ -16,8 +16,10 @@ namespace segue::web {
 /// A robot with files in the folder `home_`, and a browser that asks for them.
 class RobotFilesTest : public WebTest {
  protected:
-  explicit RobotFilesTest(ModelsOf models)
-      : link_([this] { return connection()(); }), hub_(link_), verbs_(link_, std::move(models)) {}
+  explicit RobotFilesTest(ModelsOf models, RunMission run = {})
+      : link_([this] { return connection()(); }),
+        hub_(link_),
+        verbs_(link_, std::move(models), std::move(run)) {}
 
   void SetUp() override {
     WebTest::SetUp();

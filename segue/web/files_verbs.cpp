@@ -216,6 +216,16 @@ Result<Value> FileVerbs::list(const Command& /*command*/) {
       {{"folder", robot->parent_path().string()}, {"complete", found.complete}, {"files", std::move(files)}});
 }
 
+Result<FileVerbs::Found> FileVerbs::find(const std::string& path) {
+  const auto robot = robot_file();
+  if (!robot) return robot.error();
+  auto file = find_file(*robot, path);
+  if (!file) return file.error();
+  auto folder = FileFolder::open(robot->parent_path());
+  if (!folder) return folder.error();
+  return Found{std::move(*file), std::move(*folder), robot->parent_path()};
+}
+
 Result<Value> FileVerbs::read(const Command& command) {
   const auto texts = texts_of(command, {"path"});
   if (!texts) return texts.error();

@@ -63,6 +63,14 @@ class FileVerbs {
   Result<type::Value> save_semantic_data(const Command& command);
   /// path -> {"libraries"}: of libraries_for().
   Result<type::Value> libraries(const Command& command);
+  /// A file of the robot, and its folder.
+  struct Found {
+    RobotFile file;
+    FileFolder folder;
+    std::filesystem::path root;
+  };
+  /// NotFound where the robot has no such file.
+  Result<Found> find(const std::string& path);
   /// {"components": {name: model}}, read anew.
   Result<type::Value> models(const Command& command);
 

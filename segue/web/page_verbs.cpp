@@ -11,6 +11,7 @@
 #include <memory>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace segue::web {
@@ -196,12 +197,13 @@ Result<Value> ask_past(const Request& request) {
   return request.robot.past(request.command.arguments());
 }
 
+using OfRobot = Result<Value> (*)(const Request&);
 using OfFiles = Result<Value> (FileVerbs::*)(const Command&);
+using OfMissions = Result<Value> (MissionStarts::*)(const Command&, const std::string& who);
 
 struct VerbEntry {
   VerbForm form;
-  Result<Value> (*execute)(const Request&);
-  OfFiles of_files = nullptr;  ///< in place of `execute`
+  std::variant<OfRobot, OfFiles, OfMissions> execute;
 };
 
 const std::vector<VerbEntry>& verb_entries() {
@@ -217,31 +219,29 @@ const std::vector<VerbEntry>& verb_entries() {
       {{"stop", Verb::Stop, {"timeout_s"}}, do_stop},
       {{"release", Verb::ReleaseStop, {}}, do_release},
       {{"mission", Verb::SendCommand, {"what", "how", "at", "of"}}, ask_of_mission},
+      {{"mission_form", Verb::LookAtFiles, {"path"}}, &MissionStarts::form},
+      {{"start_mission", Verb::Lease, {"path", "inputs", "mode", "simulate", "steps_back", "timeout_s"}},
+       &MissionStarts::start},
       {{"prepare", Verb::Prepare, {"controllers", "timeout_s"}}, do_prepare},
       {{"set", Verb::Set, {"task", "property", "value", "yaml", "beside_mission", "timeout_s"}}, do_set},
       {{"call", Verb::Call, {"task", "operation", "value", "yaml", "beside_mission", "timeout_s"}}, do_call},
       {{"write", Verb::Write, {"task", "port", "value", "yaml", "beside_mission", "timeout_s"}}, do_write},
-      {{"files", Verb::LookAtFiles, {}}, nullptr, &FileVerbs::list},
-      {{"read_file", Verb::LookAtFiles, {"path"}}, nullptr, &FileVerbs::read},
-      {{"check_file", Verb::LookAtFiles, {"path", "text"}}, nullptr, &FileVerbs::check},
-      {{"save_file", Verb::ChangeFiles, {"path", "text", "version"}}, nullptr, &FileVerbs::save},
+      {{"files", Verb::LookAtFiles, {}}, &FileVerbs::list},
+      {{"read_file", Verb::LookAtFiles, {"path"}}, &FileVerbs::read},
+      {{"check_file", Verb::LookAtFiles, {"path", "text"}}, &FileVerbs::check},
+      {{"save_file", Verb::ChangeFiles, {"path", "text", "version"}}, &FileVerbs::save},
       {{"create_file", Verb::ChangeFiles, {"path", "text", "robot_text", "robot_version"}},
-       nullptr,
        &FileVerbs::create},
       {{"rename_file", Verb::ChangeFiles, {"path", "to", "version", "robot_text", "robot_version"}},
-       nullptr,
        &FileVerbs::rename},
       {{"delete_file", Verb::ChangeFiles, {"path", "version", "robot_text", "robot_version"}},
-       nullptr,
        &FileVerbs::remove},
-      {{"libraries", Verb::LookAtFiles, {"path"}}, nullptr, &FileVerbs::libraries},
-      {{"models", Verb::LookAtFiles, {}}, nullptr, &FileVerbs::models},
-      {{"semantic_data", Verb::LookAtFiles, {"path", "state"}}, nullptr, &FileVerbs::semantic_data},
+      {{"libraries", Verb::LookAtFiles, {"path"}}, &FileVerbs::libraries},
+      {{"models", Verb::LookAtFiles, {}}, &FileVerbs::models},
+      {{"semantic_data", Verb::LookAtFiles, {"path", "state"}}, &FileVerbs::semantic_data},
       {{"check_semantic_data", Verb::LookAtFiles, {"path", "state", "version", "edits"}},
-       nullptr,
        &FileVerbs::check_semantic_data},
       {{"save_semantic_data", Verb::ChangeFiles, {"path", "state", "version", "edits"}},
-       nullptr,
        &FileVerbs::save_semantic_data},
       {{"plan_files", Verb::Plan, {"force", "order", "timeout_s"}}, ask_plan},
       {{"apply_files", Verb::Apply, {"force", "order", "take_over", "timeout_s"}}, do_apply},
@@ -265,7 +265,8 @@ std::vector<VerbForm> verb_forms() {
   return forms;
 }
 
-Verbs::Verbs(RobotLink& link, ModelsOf models) : link_(link), files_(link, std::move(models)) {}
+Verbs::Verbs(RobotLink& link, ModelsOf models, RunMission run)
+    : link_(link), files_(link, std::move(models)), missions_(files_, std::move(run)) {}
 
 void Verbs::begin(Command command, Role role, const std::string& who, Answer answer) {
   const VerbEntry* entry = find_verb(command.verb());
@@ -297,10 +298,12 @@ void Verbs::begin(Command command, Role role, const std::string& who, Answer ans
 
 Result<Value> Verbs::execute(const Command& command, const std::string& who) {
   const VerbEntry& entry = *find_verb(command.verb());
-  if (entry.of_files != nullptr) return (files_.*entry.of_files)(command);
+  if (const auto* of_files = std::get_if<OfFiles>(&entry.execute)) return (files_.**of_files)(command);
+  if (const auto* of_missions = std::get_if<OfMissions>(&entry.execute))
+    return (missions_.**of_missions)(command, who);
   const auto link = link_.get();
   if (!link) return link.error();
-  auto answer = entry.execute({*link->robot, command, who});
+  auto answer = std::get<OfRobot>(entry.execute)({*link->robot, command, who});
   if (!answer) link_.failed(link->generation, answer.error());
   return answer;
 }

@@ -8,6 +8,7 @@
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>
 #include <segue/web/files_verbs.hpp>
+#include <segue/web/mission_starts.hpp>
 #include <segue/web/robot_link.hpp>
 
 #include <atomic>
@@ -42,7 +43,7 @@ class Verbs {
   /// Calls that stop the robot, beside the others: nothing keeps them waiting.
   static constexpr std::size_t kMostStops = 4;
 
-  explicit Verbs(RobotLink& link, ModelsOf models = {});
+  explicit Verbs(RobotLink& link, ModelsOf models = {}, RunMission run = {});
   /// Waits for the calls in progress, until their deadlines at most.
   ~Verbs() {
     pool_.close();
@@ -60,6 +61,7 @@ class Verbs {
 
   RobotLink& link_;
   FileVerbs files_;
+  MissionStarts missions_;
   std::atomic<std::size_t> calls_of_observers_{0};  ///< in progress; only a limit, which orders nothing
   concurrent::ThreadPool pool_{"segue-studio", {.threads = kMostCalls, .idle = 2}};
   concurrent::ThreadPool stops_{"segue-stops", {.threads = kMostStops, .idle = 1}};

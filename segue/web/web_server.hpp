@@ -6,6 +6,7 @@
 #include <segue/rpc/peer.hpp>
 #include <segue/web/files_verbs.hpp>
 #include <segue/web/hub.hpp>
+#include <segue/web/mission_starts.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/robot_link.hpp>
 
@@ -28,7 +29,8 @@ struct ServerOptions {
   Role role = Role::Administer;  ///< nobody gets more
   std::string robot{};           ///< its name, for the page
   Hub::Periods periods{};
-  ModelsOf models{};  ///< for files that are edited; empty: no component is known
+  ModelsOf models{};         ///< for files that are edited; empty: no component is known
+  RunMission run_mission{};  ///< empty: pages start no missions
   /// A browser has come in with the token; this address is for the next one. Called by the server's thread.
   std::function<void(const std::string& address)> entered{};
 };

@@ -153,6 +153,22 @@ TEST_F(MissionHistory, ShowsInOneOrderWhatTheRobotDid) {
   EXPECT_EQ(segue({"history", "--missions", "--versions"}).status, 2);
 }
 
+TEST_F(MissionHistory, HasWhoAskedForARunAndHow) {
+  start();
+  write("idle.yaml",
+        "mission: idle\nstart: a\nactions: {a: {run: {simulated: {duration: 1ms}}}}\n"
+        "states: {a: {on: {success: return success}}}\n");
+  EXPECT_EQ(segue({"mission", "run", "idle.yaml"}).status, 0) << "the robot hears nothing of it";
+  EXPECT_EQ(segue({"mission", "run", "idle.yaml", "--mode", "concurrent", "--through-robot", "--for", "ann"})
+                .status,
+            0);
+  EXPECT_THAT(history_until("ended idle success"),
+              ElementsAre("began idle", "began idle/a", "ended idle/a success", "ended idle success"));
+  const auto began = json({"history", "--missions"}).as_list().front();
+  EXPECT_THAT(began.find("who")->as_string(), HasSubstr("segue mission run for ann (pid "));
+  EXPECT_EQ(began.find("mode")->as_string(), "concurrent");
+}
+
 TEST_F(MissionHistory, IsThatOfConcurrentRunsAndScriptsToo) {
   start();
   write("tour.yaml", kTour);

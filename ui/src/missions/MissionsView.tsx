@@ -4,15 +4,17 @@ import { ActionButton } from '../ActionButton';
 import { isTyping } from '../keys';
 import { Splitter } from '../panes/Splitter';
 import { reason } from '../reason';
-import { useDocument } from '../robot/hooks';
+import { useConnection, useDocument } from '../robot/hooks';
 import { controlOf, withToggled } from './control';
 import { Controls, StateBadge } from './Controls';
 import { GanttChart } from './GanttChart';
 import { livesOf, missionOf, planOf, planProblem, type Life, type Mission, type PlanState } from './mission';
 import { NodeFacts, NodePanel } from './NodePanel';
+import { PastRuns } from './PastRuns';
 import { breakpointsAfter, useRequests } from './requests';
 import { runOfFile, runOfMission, stateOf, type Run } from './run';
 import { StatePanel } from './StatePanel';
+import { StartMission } from './StartMission';
 import { States, useOpen } from './States';
 import { followedOf } from './states';
 import { waitsOf, withWaiting } from './waiting';
@@ -37,10 +39,10 @@ function FileButton({ onRun, onProblem }: { onRun: (run: Run) => void; onProblem
   );
 }
 
-function NoMission() {
+function NoMission({ mayStart }: { mayStart: boolean }) {
   return (
     <p className="empty">
-      No mission has commanded the robot since its runtime began; its states, and when each of them ran, would be here. Start one with <code>segue mission run FILE</code>, or choose
+      No mission has commanded the robot since its runtime began; its states, and when each of them ran, would be here. Start one {mayStart && <>with <em>Start a mission</em>, or </>}with <code>segue mission run FILE</code>; choose one of <em>Past runs</em>, or
       a file at <em>Open a recorded run</em>.
     </p>
   );
@@ -118,8 +120,25 @@ function useKeys(state: PlanState | undefined, { control, requests, breaks }: Cu
   });
 }
 
-function RecordedName({ name, onBack }: { name: string; onBack: () => void }) {
-  return <><strong>{name}</strong><span className="badge">recorded</span><button type="button" onClick={onBack}>Back to the robot</button></>;
+/** A run that is shown in place of that of the robot. */
+interface Recorded {
+  run: Run;
+  /** "recorded", "simulated", or how a past run ended. */
+  what: string;
+  /** The id of a past run. */
+  past: number | null;
+}
+
+function RecordedName({ recorded, onBack }: { recorded: Recorded; onBack: () => void }) {
+  return <><strong>{recorded.run.name}</strong><span className="badge ended">{recorded.past === null ? recorded.what : 'past run: ' + recorded.what}</span><button type="button" onClick={onBack}>Back to the robot</button></>;
+}
+
+type Side = 'start' | 'runs' | null;
+
+/** The buttons that open and close the pane at the left. */
+function SideButtons({ side, mayStart, onSide }: { side: Side; mayStart: boolean; onSide: (side: Side) => void }) {
+  const button = (own: 'start' | 'runs', text: string) => <button type="button" aria-expanded={side === own} onClick={() => onSide(side === own ? null : own)}>{text}</button>;
+  return <>{mayStart && button('start', 'Start a mission')}{button('runs', 'Past runs')}</>;
 }
 
 function MissionName({ mission, hasPlan, current, onChoose }: { mission: Mission; hasPlan: boolean; current: Current; onChoose: (path: string | null) => void }) {
@@ -172,9 +191,10 @@ function SidePanel({ state, current, planned, run, chosen, known }: { state: Pla
 export function MissionsView() {
   const current = useMission();
   const { isHeard, mission, control, live, lives, waits, requests, breakpoints, breaks } = current;
-  const [recorded, setRecorded] = useState<Run | null>(null);
-  const [problem, setProblem] = useState('');
-  const run = recorded ?? live;
+  const { mayOperate } = useConnection();
+  const [recorded, setRecorded] = useState<Recorded | null>(null);
+  const [side, setSide] = useState<Side>(null), [problem, setProblem] = useState('');
+  const run = recorded?.run ?? live;
   const planned = usePlan(recorded ? null : mission, current);
   const { plan, states, open, setOpen, toggle, follows, setFollows, followed, onCrowded } = planned;
   const chosen = useChoice(run);
@@ -182,17 +202,21 @@ export function MissionsView() {
   const state = path === null ? undefined : states.get(path);
   const valuesOf = useValues(mission, control, [state?.path, peeked].filter((one) => typeof one === 'string').filter((one) => states.has(one)));
   useKeys(state, current, dismiss);
+  const show = (found: Run, what: string, past: number | null = null) => [setRecorded({ run: found, what, past }), choose(null)];
   return (
     <div className="view split missions">
+      {side === 'start' && mayOperate && <StartMission onBegun={() => [setRecorded(null), setSide(null)]} onSimulated={(found) => show(found, 'simulated')} />}
+      {side === 'runs' && <PastRuns mission={mission} chosen={recorded?.past ?? null} onOpen={(found, id, ended) => show(found, ended, id)} onLive={() => setRecorded(null)} />}
       <section className="main" aria-label="Missions">
         <div className="bar">
-          {recorded && <RecordedName name={recorded.name} onBack={() => setRecorded(null)} />}
+          {recorded && <RecordedName recorded={recorded} onBack={() => setRecorded(null)} />}
           {!recorded && mission && <MissionName mission={mission} hasPlan={plan !== null} current={current} onChoose={choose} />}
-          <FileButton onRun={(found) => [setRecorded(found), choose(null)]} onProblem={setProblem} />
+          <SideButtons side={side} mayStart={mayOperate} onSide={setSide} />
+          <FileButton onRun={(found) => show(found, 'recorded')} onProblem={setProblem} />
           {problem && <span className="bad" role="alert">{problem}</span>}
         </div>
         {!recorded && <Banners {...current} />}
-        {!run && isHeard && <NoMission />}
+        {!run && isHeard && <NoMission mayStart={mayOperate} />}
         {plan && mission && (
           <States
             plan={plan} mission={mission} control={control} lives={lives} waits={waits} selected={path} onSelect={choose}

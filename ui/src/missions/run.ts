@@ -251,6 +251,11 @@ export function runOfFile(content: string): Run {
   } catch (error) {
     throw new Error('this is not JSON: ' + reason(error));
   }
+  return runOfDocument(document);
+}
+
+/** The same of the document; throws an Error, too. */
+export function runOfDocument(document: Json): Run {
   if (!isMap(document) || !Array.isArray(document['nodes']))
     throw new Error('this is not a run; segue mission run FILE --format json prints one');
   const nodes = document['nodes'].filter(isMap);
