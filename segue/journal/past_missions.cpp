@@ -47,7 +47,7 @@ Value mission_entry_in(const Statement& row) {
   return value;
 }
 
-/// What the mission did from row `first` to row `last`, oldest first.
+/// The entries of the mission from row `first` to row `last`, oldest first.
 Result<Value::List> mission_entries(Database& database, std::int64_t first, std::int64_t last) {
   auto rows =
       database.prepare(std::string(kSelectMission) + " WHERE id >= ? AND id <= ? ORDER BY id DESC LIMIT ?");

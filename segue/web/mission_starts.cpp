@@ -44,7 +44,7 @@ Result<Startable> load(FileVerbs& files, const Command& command) {
   return Startable{file.place, std::move(*mission)};
 }
 
-/// What a person has written for an input.
+/// The value that a person has written for an input.
 Result<Value> value_of(const mission::Port& input, const std::string& text) {
   auto value = input.type == "text" ? Result<Value>(Value(text)) : type::parse_yaml(text);
   if (!value) return fail(ErrorCode::ParseError, "this is not YAML: " + value.error().message);

@@ -47,7 +47,7 @@ export function inputProblem(type: string, text: string): string | null {
   return null;
 }
 
-/** What is sent of the fields that somebody has edited; of one that is empty again, the default counts, unless it is a text. */
+/** The texts to send: those of fields that somebody has edited. Of one that is empty again, the default counts, unless it is a text. */
 export function givenInputs(form: MissionForm, typed: Record<string, string>): Record<string, string> {
   const given: Record<string, string> = {};
   for (const { name, type } of form.inputs) {
@@ -67,7 +67,7 @@ export function problemsOf(form: MissionForm, typed: Record<string, string>): Re
   return found;
 }
 
-/** What became of a request to start a mission. */
+/** The result of a request to start a mission. */
 export type Started = { problems: Record<string, string> } | { simulated: Run } | 'begun';
 
 /** From the answer of the verb "start_mission". */
