@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string_view>
 
-/// InvalidArgument with the reason why that part of a question is wrong.
+/// The parts that questions about the past have in common. For this folder only.
 namespace segue::journal::detail {
 
 double seconds(std::int64_t nanoseconds);
