@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useRef, useState, type KeyboardEvent, type PointerEvent, type RefObject } from 'react';
-import { useLatest } from '../useLatest';
+import { useEffect, useRef, useState, type KeyboardEvent, type PointerEvent } from 'react';
 import { Footer } from './Footer';
 import { sourceText, type Panel } from './layout';
-import type { Point, Pose } from './map';
+import { poseText, type Point } from './map';
 import { MapView } from './map_view';
 import { useDark, useFrame, useSamples, useSize } from './useSamples';
-
-function poseText(pose: Pose): string {
-  return 'x ' + pose.x.toFixed(2) + ' m, y ' + pose.y.toFixed(2) + ' m, ' + ((pose.theta * 180) / Math.PI).toFixed(0) + '°';
-}
+import { useWheel } from './useWheel';
 
 /** The map of a panel on its canvas; the poses that it shows as words. */
 function useMap(panel: Panel, paused: boolean) {
@@ -32,21 +28,6 @@ function useMap(panel: Panel, paused: boolean) {
   useEffect(draw, [draw, dark, follow]);
   useSize(canvas, draw);
   return { canvas, words, map, draw, follow, setFollow, state };
-}
-
-/** React's own listener for wheels is passive, so that it could not keep the page from scrolling. */
-function useWheel(canvas: RefObject<HTMLCanvasElement | null>, turn: (event: WheelEvent, place: HTMLCanvasElement) => void): void {
-  const turnNow = useLatest(turn);
-  useEffect(() => {
-    const place = canvas.current;
-    if (!place) return;
-    const listen = (event: WheelEvent) => {
-      event.preventDefault();
-      turnNow.current(event, place);
-    };
-    place.addEventListener('wheel', listen, { passive: false });
-    return () => place.removeEventListener('wheel', listen);
-  }, [canvas, turnNow]);
 }
 
 function useDrag(pan: (x: number, y: number) => void) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useState } from 'react';
+import { lazy, Suspense, useState } from 'react';
 import { ChartPanel } from './ChartPanel';
 import { ImagePanel } from './ImagePanel';
 import { windows, type Panel } from './layout';
 import { MapPanel } from './MapPanel';
+
+const SpacePanel = lazy(() => import('./SpacePanel').then((part) => ({ default: part.SpacePanel }))); // its library is large
 
 const sizes = [1, 2, 3].flatMap((rows) => [1, 2, 3].map((columns) => columns + ' × ' + rows));
 
@@ -24,7 +26,7 @@ interface Props {
 
 /** How much of the past is shown, in kinds that show it. */
 function TimeChoice({ panel, onChange }: Pick<Props, 'panel' | 'onChange'>) {
-  if (panel.kind !== 'time' && panel.kind !== 'map') return null;
+  if (panel.kind !== 'time' && panel.kind !== 'map' && panel.kind !== 'space') return null;
   const chosenWindows = windows.includes(panel.seconds) ? windows : [panel.seconds, ...windows];
   return (
     <select aria-label={'Time shown in ' + panel.title} value={panel.seconds} onChange={(event) => onChange({ ...panel, seconds: Number(event.target.value) })}>
@@ -84,6 +86,7 @@ export function PanelFrame({ onDrop, ...props }: Props) {
       <Header {...props} paused={paused} onPause={setPaused} />
       {panel.kind === 'image' && <ImagePanel {...shown} />}
       {panel.kind === 'map' && <MapPanel {...shown} />}
+      {panel.kind === 'space' && <Suspense fallback={<p className="empty">…</p>}><SpacePanel {...shown} /></Suspense>}
       {(panel.kind === 'time' || panel.kind === 'profile') && (
         <ChartPanel key={panel.kind + JSON.stringify(panel.sources)} {...shown} onPause={setPaused} />
       )}

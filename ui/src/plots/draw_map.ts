@@ -13,16 +13,19 @@ export interface Scene {
 const light = { lines: '#e3e6eb', text: '#59616f', free: [255, 255, 255], occupied: [26, 31, 41], path: '#0b6b49', scan: '#b3261e', trail: '#8fb0ee', pose: '#1f5fd0' };
 const dark = { lines: '#2a303a', text: '#a0a9b8', free: [52, 59, 70], occupied: [230, 233, 238], path: '#6fd3a8', scan: '#ff9d95', trail: '#3f66ad', pose: '#82aefc' };
 
+/** The colours of maps and of views in 3D. */
+export const coloursOf = (isDark: boolean) => (isDark ? dark : light);
+
 const pictures = new WeakMap<object, { dark: boolean; picture: HTMLCanvasElement }>();
 
 /** A grid as a picture, made once for each sample. */
-function pictureOf(grid: Grid, isDark: boolean): HTMLCanvasElement {
+export function pictureOf(grid: Grid, isDark: boolean): HTMLCanvasElement {
   const known = pictures.get(grid);
   if (known?.dark === isDark) return known.picture;
   const picture = document.createElement('canvas');
   picture.width = grid.width;
   picture.height = grid.height;
-  const colours = isDark ? dark : light;
+  const colours = coloursOf(isDark);
   const pixels = gridPixels(grid, colours.free, colours.occupied) as Uint8ClampedArray<ArrayBuffer>;
   picture.getContext('2d')?.putImageData(new ImageData(pixels, grid.width, grid.height), 0, 0);
   pictures.set(grid, { dark: isDark, picture });
@@ -106,7 +109,7 @@ function drawScale({ context, height, view }: Drawing, step: number, colour: str
 }
 
 export function drawScene(context: CanvasRenderingContext2D, style: CSSStyleDeclaration, isDark: boolean, width: number, height: number, view: View, scene: Scene): void {
-  const colours = isDark ? dark : light;
+  const colours = coloursOf(isDark);
   const drawing = { context, isDark, width, height, view };
   const step = roundLength(view, 60);
   context.clearRect(0, 0, width, height);

@@ -6,7 +6,7 @@ export type Path = string[];
 
 /** The forms in which a value can be shown. */
 export type Shape = 'number' | 'numbers' | 'pose' | 'path' | 'scan' | 'grid' | 'image';
-export type PanelKind = 'time' | 'profile' | 'image' | 'map';
+export type PanelKind = 'time' | 'profile' | 'image' | 'map' | 'space';
 
 export interface Field {
   path: Path;
@@ -15,12 +15,13 @@ export interface Field {
   size: number;
 }
 
-export const kindNames: Record<PanelKind, string> = { time: 'plot over time', profile: 'profile of a list', image: 'image', map: 'map' };
+export const kindNames: Record<PanelKind, string> = { time: 'plot over time', profile: 'profile of a list', image: 'image', map: 'map', space: '3D view' };
 const shapesOf: Record<PanelKind, Shape[]> = {
   time: ['number', 'numbers'],
   profile: ['numbers'],
   image: ['image'],
   map: ['pose', 'path', 'scan', 'grid'],
+  space: ['pose', 'path', 'scan', 'grid'],
 };
 /** Longer lists are shown as profiles rather than as one line for each element, where nobody says otherwise. */
 const mostLinesUnasked = 12;

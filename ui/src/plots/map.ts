@@ -22,6 +22,11 @@ export interface View {
 const smallestScale = 0.05;
 const largestScale = 5000;
 
+/** A pose in words. */
+export function poseText(pose: Pose): string {
+  return 'x ' + pose.x.toFixed(2) + ' m, y ' + pose.y.toFixed(2) + ' m, ' + ((pose.theta * 180) / Math.PI).toFixed(0) + '°';
+}
+
 export function poseOf(value: Json | undefined): Pose | null {
   if (!isMap(value) || !isNumber(value['x']) || !isNumber(value['y'])) return null;
   return { x: value['x'], y: value['y'], theta: isNumber(value['theta']) ? value['theta'] : 0 };
