@@ -123,7 +123,10 @@ async function lookBack(page) {
   await page.emulateMedia({ colorScheme: 'dark' });
   await stage.capture(page, 'past_runs_dark');
   await page.emulateMedia({ colorScheme: 'light' });
-  await button('Back to the robot').click();
+  await page.getByRole('link', { name: 'The robot then' }).click();
+  await page.getByRole('complementary', { name: 'At that time' }).getByText('watch', { exact: true }).waitFor();
+  await page.getByRole('link', { name: 'Missions' }).click();
+  await badge('ended: preempted').waitFor();
 }
 
 async function startAgain(page) {

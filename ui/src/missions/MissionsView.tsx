@@ -130,7 +130,7 @@ interface Recorded {
 }
 
 function RecordedName({ recorded, onBack }: { recorded: Recorded; onBack: () => void }) {
-  return <><strong>{recorded.run.name}</strong><span className="badge ended">{recorded.past === null ? recorded.what : 'past run: ' + recorded.what}</span><button type="button" onClick={onBack}>Back to the robot</button></>;
+  return <><strong>{recorded.run.name}</strong><span className="badge ended">{recorded.past === null ? recorded.what : 'past run: ' + recorded.what}</span>{recorded.past !== null && recorded.run.began !== null && <a href={'#past/' + recorded.run.began}>The robot then</a>}<button type="button" onClick={onBack}>Back to the robot</button></>;
 }
 
 type Side = 'start' | 'runs' | null;

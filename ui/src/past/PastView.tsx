@@ -9,6 +9,7 @@ import { LocalTime } from '../LocalTime';
 import { FilmView } from './FilmView';
 import { MomentView } from './MomentView';
 import type { PastRequest } from './film';
+import { timeInAddress } from './slider';
 import { useRequests, useSpan, useTransition } from './usePast';
 import './past.css';
 
@@ -65,7 +66,7 @@ export function PastView() {
   const changed = useSettled(newestEnd(eventsOf(events?.value)));
   const [words, setWords] = useState('');
   const [chosen, setChosen] = useState<number | null>(null);
-  const [time, setTime] = useState<number | null>(null);
+  const [time, setTime] = useState<number | null>(() => timeInAddress(window.location.hash));
   const { requests, more, older, problem } = useRequests(words, changed);
   const { answer: span } = useSpan(changed);
   const film = useTransition(chosen);

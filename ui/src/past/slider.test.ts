@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { stepOf, timeOf } from './slider';
+import { stepOf, timeInAddress, timeOf } from './slider';
 
 describe('a slider over time', () => {
   it('reaches both ends from wherever a film was stopped', () => {
@@ -26,5 +26,12 @@ describe('a slider over time', () => {
     const nothing = { first: 7, last: 7, steps: 200 };
     expect([0, 100, 200].map((step) => timeOf(nothing, step))).toEqual([7, 7, 7]);
     expect(stepOf(nothing, 7)).toBe(200);
+  });
+});
+
+describe('an address', () => {
+  it('names a time, or none', () => {
+    expect(timeInAddress('#past/1800000000.25')).toBe(1800000000.25);
+    for (const other of ['#past', '#past/', '#past/now', '#missions/5', '#past/5/6', '#past/-5']) expect(timeInAddress(other), other).toBe(null);
   });
 });

@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
+/** The time (seconds since 1970) in an address such as "#past/1800000000.5"; null: it names none. */
+export function timeInAddress(hash: string): number | null {
+  const found = /^#past\/(\d+(?:\.\d+)?)$/.exec(hash);
+  return found ? Number(found[1]) : null;
+}
+
 /** Times from `first` to `last` as positions of a slider, 0 to `steps`. */
 export interface Scale {
   first: number;
