@@ -26,8 +26,8 @@ demo-artemis: build ## the four controllers of the Artemis rover, switched onlin
 studio: build ## the Artemis rover in a browser: its twelve transitions by hand, until Ctrl-C
 	@build/release/bin/segue run --stand-in examples/04_artemis/robot.yaml --controller search_explore --studio
 
-manual: ## the manual as HTML, in build/manual; with pictures of the studio after `make test`
-	@tools/setup --test
+manual: ## the manual as HTML with a search and the C++ reference, in build/manual; with pictures of the studio after `make test`
+	@tools/setup --manual
 	@tools/manual
 
 test: ## what CI runs (tools/test --help: single stages, quick checks before a commit, those of the night)
