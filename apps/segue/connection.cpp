@@ -7,6 +7,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 namespace segue::cli {
 
 namespace {
@@ -91,8 +93,27 @@ std::string sender(std::string_view verb) {
 }
 
 Error no_such_task(const std::string& id, const std::vector<std::string>& tasks) {
-  return fail(ErrorCode::NotFound, "the robot has no such task" + did_you_mean(id, tasks), id);
+  return fail(ErrorCode::NotFound, "the robot has no such task" + did_you_mean_or_list(id, tasks, "running:"),
+              id);
 }
+
+namespace {
+
+/// The error about a task that does not run, which `names` do: it may be lost, or be no task of the
+/// controller.
+Error unknown_task(const Value& status, const std::string& wanted, const std::vector<std::string>& names) {
+  const auto differences = names_at(status, "differences");
+  if (std::ranges::find(differences, "task " + quote(wanted) + " is missing") != differences.end()) {
+    return fail(
+        ErrorCode::NotFound,
+        "task " + quote(wanted) + " is missing; `segue status` says why, `segue repair` starts it anew");
+  }
+  const std::string known = names.empty() ? "; no task is running" : "; running: " + listed(names);
+  return fail(ErrorCode::NotFound,
+              fmt::format("the robot has no task {}{}{}", quote(wanted), did_you_mean(wanted, names), known));
+}
+
+}  // namespace
 
 Result<Address> resolve(control::RobotService& robot, std::string_view text, std::string_view what) {
   if (text.find('.') == std::string_view::npos) {
@@ -109,10 +130,7 @@ Result<Address> resolve(control::RobotService& robot, std::string_view text, std
     if (fits && name.size() > best.task.size()) best = {name, std::string(text.substr(name.size() + 1))};
   }
   if (!best.task.empty()) return best;
-  const std::string wanted(text.substr(0, text.find('.')));
-  const std::string known = names.empty() ? "; no task is running" : "; running: " + listed(names);
-  return fail(ErrorCode::NotFound,
-              fmt::format("the robot has no task {}{}{}", quote(wanted), did_you_mean(wanted, names), known));
+  return unknown_task(*status, std::string(text.substr(0, text.find('.'))), names);
 }
 
 }  // namespace segue::cli

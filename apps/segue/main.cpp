@@ -71,20 +71,30 @@ int usage_error(const Verb& app, const segue::Error& error, const std::vector<st
   return segue::cli::kUsage;
 }
 
-int run(int count, char** arguments) {
+/// `segue help VERB` is `segue VERB --help`.
+std::vector<char*> words_of(int count, char** arguments) {
+  static char help[] = "--help";
+  std::vector<char*> words(arguments, arguments + count);
+  if (count < 2 || words[1] != std::string_view("help")) return words;
+  words.erase(words.begin() + 1);
+  words.push_back(help);
+  return words;
+}
+
+int run(std::vector<char*> arguments) {
   Verb app("segue",
            "Segue runs robots that must do many different things: controllers are networks of components,\n"
            "and it switches between any two of them without a stop.");
   app.version("segue " SEGUE_VERSION);
   app.require_verb();
   app.footer(
-      "`segue VERB --help` explains a verb with an example. Start with: segue init my_robot\n"
+      "`segue help VERB` explains a verb with an example. Start with: segue init my_robot\n"
       "Exit status: 0 done; 1 failed or refused; 2 wrong usage; 3 cannot connect to the runtime; 4 changes\n"
       "(`plan --exit-code`); 5 the robot is in trouble (`status --exit-code`).");
   Context context;
   add_verbs(app, context);
-  const auto parsed = app.parse(count, arguments);
-  if (!parsed) return usage_error(app, parsed.error(), {arguments + 1, arguments + count});
+  const auto parsed = app.parse(static_cast<int>(arguments.size()), arguments.data());
+  if (!parsed) return usage_error(app, parsed.error(), {arguments.begin() + 1, arguments.end()});
   if (!*parsed) return segue::cli::kDone;
   return context.action ? context.action() : static_cast<int>(segue::cli::kUsage);
 }
@@ -95,7 +105,7 @@ int main(int count, char** arguments) {
   std::signal(SIGPIPE, SIG_IGN);
   segue::ask_for_short_time_slices();
   try {
-    return run(count, arguments);
+    return run(words_of(count, arguments));
   } catch (const std::exception& exception) {
     std::cerr << "segue: error: " << segue::printable(exception.what()) << " (this is a defect of segue)\n";
     return segue::cli::kFailed;

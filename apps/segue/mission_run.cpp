@@ -347,6 +347,17 @@ int run_on_robot(RunRequest request, mission_run::RunControl& steering, const Mi
   return is_at_rest ? status : std::max<int>(status, kFailed);
 }
 
+/// States that options name must be known before a robot is commanded.
+Result<void> check_places(const LoadedMission& plan, const MissionOptions& options) {
+  if (plan.program() == nullptr) return {};
+  std::vector<std::string> paths = options.breakpoints;
+  if (!options.start_at.empty()) paths.push_back(options.start_at);
+  for (const std::string& path : paths) {
+    if (auto states = plan.program()->states_on(path); !states) return states.error();
+  }
+  return {};
+}
+
 }  // namespace
 
 int run_plan(const MissionOptions& options, const NetworkOptions& network, Context& context) {
@@ -358,6 +369,7 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, Conte
   const auto plan = LoadedMission::load(options.file, {.libraries = options.libraries});
   if (!plan) return report_failure(context, plan.error());
   print_diagnostics(plan->warnings());
+  if (const auto known = check_places(*plan, options); !known) return failed(context, known.error());
   mission_run::RunControl steering;
   auto request = run_request(options, network, plan->is_network(), steering);
   if (!request) return failed(context, request.error());

@@ -47,9 +47,9 @@ Result<Value> mission_of(control::RobotService& robot) {
   const Value* doing = status->find("doing");
   if (doing != nullptr && doing->find("mission") != nullptr) return *doing;
   const std::string who = printable_at(*status, "commanded_by");
-  return fail(ErrorCode::NotFound, who.empty()
-                                       ? std::string("no mission commands the robot")
-                                       : "the robot is commanded by " + who + ", which is not a mission");
+  return fail(ErrorCode::NotFound,
+              who.empty() ? std::string("no mission commands the robot; `segue mission run FILE` starts one")
+                          : "the robot is commanded by " + who + ", which is not a mission");
 }
 
 Value control_of(const Value& doing) {

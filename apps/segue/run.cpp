@@ -129,9 +129,8 @@ Result<void> check_controller(const EmbeddedRobot& robot, runtime::Runtime& runt
   std::vector<std::string> names;
   for (const auto& known : runtime.controllers())
     names.push_back(known.str());
-  return fail(ErrorCode::NotFound,
-              fmt::format("robot {} has no controller {}{}; it has {}", quote(robot.robot().name),
-                          quote(name), did_you_mean(name, names), names.empty() ? "none" : listed(names)));
+  return fail(ErrorCode::NotFound, fmt::format("robot {} has no controller {}{}", quote(robot.robot().name),
+                                               quote(name), did_you_mean_or_list(name, names, "it has")));
 }
 
 /// Blocks until the first controller runs, and then until there is a reason to end.

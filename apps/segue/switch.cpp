@@ -67,6 +67,18 @@ void suggest_controllers(control::RobotService& robot, const std::string& contro
     print_note(names.empty() ? "the robot has no controllers" : "the robot's controllers: " + listed(names));
 }
 
+/// A switch takes controllers as they were loaded: says so where files have changed since.
+void note_changed_files(control::RobotService& robot) {
+  const auto status = robot.status();
+  if (!status) return;
+  std::vector<std::string> files;
+  for (const Value& change : list_at(*status, "changed_files"))
+    files.push_back(printable_at(change, "file"));
+  if (files.empty()) return;
+  print_note("changed since the robot loaded them: " + listed(files) +
+             "; `segue plan` shows what that changes, `segue apply` does it");
+}
+
 /// The name by which the robot is asked for the network: "empty", where the robot has no controller of that
 /// name, and "-" are the empty network, like for `segue diff`.
 std::string name_for(control::RobotService& robot, const std::string& said) {
@@ -130,8 +142,10 @@ int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options,
   const bool refused = answer && printable_at(*answer, "outcome") == "refused";
   if (answer && options.dry_run && !refused) return show_plan(*answer, context);
   const int status = answer ? show_outcome(*answer, context) : failed(context, answer.error());
-  if (status == kFailed && options.transition.empty() && options.network.empty())
-    suggest_controllers(robot, options.controller);
+  if (options.transition.empty() && options.network.empty()) {
+    if (status == kFailed) suggest_controllers(robot, options.controller);
+    if (status == kDone && !context.json()) note_changed_files(robot);
+  }
   return status;
 }
 

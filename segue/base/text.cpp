@@ -120,6 +120,18 @@ std::string did_you_mean(std::string_view word, std::span<const std::string> can
   return best == nullptr ? std::string{} : ", did you mean " + quote(*best) + "?";
 }
 
+std::string did_you_mean_or_list(std::string_view word, std::span<const std::string> candidates,
+                                 std::string_view has) {
+  constexpr std::size_t kMostListed = 12;
+  std::string similar = did_you_mean(word, candidates);
+  if (!similar.empty() || candidates.empty()) return similar;
+  std::vector<std::string> names(candidates.begin(),
+                                 candidates.begin() + std::min(candidates.size(), kMostListed));
+  if (candidates.size() > kMostListed)
+    names.push_back(std::to_string(candidates.size() - kMostListed) + " more");
+  return "; " + std::string(has) + ' ' + listed(names);
+}
+
 std::string counted(std::size_t count, std::string_view noun) {
   return std::to_string(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
 }

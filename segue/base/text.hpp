@@ -23,6 +23,11 @@ std::string escape_markup(std::string_view text);
 /// ", did you mean 'x'?" with the most similar of the first thousand `candidates`, or "" if none is similar.
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
 
+/// For messages about an unknown name: did_you_mean(), or, where no candidate is similar, the first twelve of
+/// them: "; it has a, b and c" for `has` "it has". "" if there are no candidates.
+std::string did_you_mean_or_list(std::string_view word, std::span<const std::string> candidates,
+                                 std::string_view has);
+
 /// "a, b and c"
 std::string listed(std::span<const std::string> items);
 

@@ -77,6 +77,15 @@ TEST(DidYouMean, SuggestsTheNearestNameOrNothing) {
   EXPECT_EQ(did_you_mean("zzz", names), "");
 }
 
+TEST(DidYouMean, ListsTheNamesWhereNoneIsNear) {
+  const std::vector<std::string> names = {"look", "take"};
+  EXPECT_EQ(did_you_mean_or_list("lok", names, "it has"), ", did you mean 'look'?");
+  EXPECT_EQ(did_you_mean_or_list("zzzz", names, "it has"), "; it has look and take");
+  EXPECT_EQ(did_you_mean_or_list("zzzz", {}, "it has"), "");
+  const std::vector<std::string> many(14, "take");
+  EXPECT_THAT(did_you_mean_or_list("zzzz", many, "it has"), ::testing::EndsWith("take and 2 more"));
+}
+
 TEST(DidYouMean, SuggestsNoNameThatDiffersInMoreThanAThird) {
   EXPECT_EQ(did_you_mean("planning", std::vector<std::string>{"planxyng"}), ", did you mean 'planxyng'?");
   EXPECT_EQ(did_you_mean("planning", std::vector<std::string>{"plxyzing"}), "");

@@ -197,6 +197,29 @@ std::string Program::start_abort_text(StateIndex container) const {
   return "state " + quote(state(container).id.str()) + " aborts where it starts";
 }
 
+Result<std::vector<StateIndex>> Program::states_on(std::string_view path) const {
+  std::vector<StateIndex> states;
+  StateIndex around = 0;
+  for (std::string_view rest = path; !rest.empty();) {
+    while (node(around).kind == StateKind::Library)
+      around = node(around).library;
+    const std::string_view id = rest.substr(0, rest.find('/'));
+    rest.remove_prefix(std::min(rest.size(), id.size() + 1));
+    std::vector<std::string> names;
+    for (const StateIndex child : node(around).children)
+      names.push_back(state(child).id.str());
+    const auto found = std::ranges::find(names, id);
+    if (found == names.end()) {
+      const std::string place = states.empty() ? "the mission" : quote(state(states.back()).id.str());
+      return fail(ErrorCode::NotFound,
+                  "there is no state " + quote(path) + did_you_mean_or_list(id, names, place + " has"));
+    }
+    around = node(around).children[static_cast<std::size_t>(found - names.begin())];
+    states.push_back(around);
+  }
+  return states;
+}
+
 Result<std::size_t> Program::input_for(std::string_view name, const type::Value& value) const {
   const auto& ports = *nodes_[0].input_ports;
   const auto found = position(ports, name);

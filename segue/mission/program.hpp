@@ -100,6 +100,9 @@ class Program {
   [[nodiscard]] std::string abort_text(StateIndex child, Outcome outcome) const;
   /// The error of a container that aborts because its start leads there.
   [[nodiscard]] std::string start_abort_text(StateIndex container) const;
+  /// The state at a path such as "fetch/take" and those around it, the outermost first; without roots of
+  /// libraries. NotFound, with the names that there are.
+  [[nodiscard]] Result<std::vector<StateIndex>> states_on(std::string_view path) const;
   /// The position of the mission's input of that name. NotFound; TypeMismatch where it does not take `value`.
   [[nodiscard]] Result<std::size_t> input_for(std::string_view name, const type::Value& value) const;
 

@@ -48,31 +48,8 @@ Result<void> Engine::set_input(std::string_view name, type::Value value) {
   return {};
 }
 
-namespace {
-
-/// The state and those around it, the outermost first; without roots of libraries.
-Result<std::vector<StateIndex>> states_on(const Program& program, std::string_view path) {
-  std::vector<StateIndex> states;
-  StateIndex around = 0;
-  for (std::string_view rest = path; !rest.empty();) {
-    while (program.node(around).kind == StateKind::Library)
-      around = program.node(around).library;
-    const std::string_view id = rest.substr(0, rest.find('/'));
-    rest.remove_prefix(std::min(rest.size(), id.size() + 1));
-    const auto& children = program.node(around).children;
-    const auto found =
-        std::ranges::find_if(children, [&](StateIndex i) { return program.state(i).id.str() == id; });
-    if (found == children.end()) return fail(ErrorCode::NotFound, "there is no state " + quote(path));
-    around = *found;
-    states.push_back(around);
-  }
-  return states;
-}
-
-}  // namespace
-
 Result<void> Engine::start_at(std::string_view path) {
-  const auto states = states_on(*core_->program, path);
+  const auto states = core_->program->states_on(path);
   if (!states) return states.error();
   core_->start_path.assign(states->rbegin(), states->rend());
   return {};
@@ -106,14 +83,14 @@ void Engine::step_out() {
   core_->release(Mode::Marked);
 }
 void Engine::run_to(std::string path) {
-  const auto states = states_on(*core_->program, path);
+  const auto states = core_->program->states_on(path);
   if (states && !states->empty()) core_->breakpoints.set_once({std::move(path), states->back()});
   core_->release(Mode::Run);
 }
 Result<void> Engine::set_breakpoints(const std::vector<std::string>& paths) {
   std::vector<detail::Breakpoints::Place> places;
   for (const std::string& path : paths) {
-    const auto states = states_on(*core_->program, path);
+    const auto states = core_->program->states_on(path);
     if (!states) return states.error();
     if (states->empty()) return fail(ErrorCode::InvalidArgument, "a breakpoint must be at a state");
     places.push_back({path, states->back()});
@@ -122,13 +99,13 @@ Result<void> Engine::set_breakpoints(const std::vector<std::string>& paths) {
   return {};
 }
 Result<void> Engine::go_on_at(std::string_view path) {
-  const auto states = states_on(*core_->program, path);
+  const auto states = core_->program->states_on(path);
   if (!states) return states.error();
   if (states->empty()) return fail(ErrorCode::InvalidArgument, "a mission goes on at a state in it");
   return core_->go_on_at(*states);
 }
 Result<type::Value> Engine::values_of(std::string_view path) {
-  const auto states = states_on(*core_->program, path);
+  const auto states = core_->program->states_on(path);
   if (!states) return states.error();
   return core_->values_of(*states);
 }

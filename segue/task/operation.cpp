@@ -67,7 +67,7 @@ Result<std::vector<const type::Value*>> OperationBase::ordered(const type::Value
   }
   if (given != wanted) {
     return wrong_arguments(info_,
-                           "expected " + std::to_string(wanted) + " arguments, got " + std::to_string(given));
+                           "expected " + counted(wanted, "argument") + ", got " + std::to_string(given));
   }
   for (std::size_t i = 0; i < given; ++i)
     values.push_back(&arguments.as_list()[i]);

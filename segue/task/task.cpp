@@ -124,7 +124,7 @@ Result<type::Value> Task::Implementation::call(std::string_view operation, const
   if (found == nullptr) {
     return fail(ErrorCode::NotFound,
                 "there is no operation " + quote(operation) +
-                    did_you_mean(operation, names_of(component->operations())),
+                    did_you_mean_or_list(operation, names_of(component->operations()), "it has"),
                 name);
   }
   auto prepared = found->prepare(arguments);

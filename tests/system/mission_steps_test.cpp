@@ -93,8 +93,9 @@ TEST_F(MissionSteps, AreForMissionsThatRunAsWritten) {
   const auto refused = segue({"mission", "run", "endless.yaml", "--break", "a", "--mode", "concurrent"});
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.errors, HasSubstr("for missions that run as they are written"));
-  EXPECT_THAT(segue({"mission", "run", "endless.yaml", "--break", "b"}).errors,
-              HasSubstr("there is no state 'b'"));
+  const auto misspelt = segue({"mission", "run", "endless.yaml", "--break", "b"});
+  EXPECT_THAT(misspelt.errors, HasSubstr("there is no state 'b'; the mission has a"));
+  EXPECT_THAT(misspelt.errors, Not(HasSubstr("at rest"))) << "the robot was not commanded";
   EXPECT_THAT(segue({"mission", "run", "endless.yaml", "--break", "a", "--clock", "virtual"}).errors,
               HasSubstr("virtual time"));
 
