@@ -1,7 +1,6 @@
 # The Debian packages of `make package`. Which package a file belongs to is said by the COMPONENT of its install rule: runtime,
 # dev, components, studio, examples. Included last: what is installed here is made by the installed command.
 set(packaging ${CMAKE_SOURCE_DIR}/packaging)
-set(SEGUE_MAINTAINER "The authors of Segue <maintainers@segue.invalid>" CACHE STRING "Maintainer of the Debian packages")
 
 # Manual pages, and completion where each shell looks for it.
 if(TARGET segue)
@@ -18,7 +17,6 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME segue)
 set(CPACK_PACKAGE_VENDOR Segue)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${SEGUE_MAINTAINER})
 set(CPACK_DEBIAN_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
@@ -35,10 +33,10 @@ set(CPACK_COMPONENTS_ALL runtime dev components examples)
 # Variables of finish_tree.cmake; CPack passes on what begins with CPACK_ only, unless it stands in a file of the project's.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/PackageProject.cmake @ONLY CONTENT [[
 set(SEGUE_PACKAGING "@packaging@")
-set(SEGUE_MAINTAINER "@SEGUE_MAINTAINER@")
 set(SEGUE_PAGE_PACKAGES "@CMAKE_BINARY_DIR@/ui/work")
 set(PROJECT_VERSION "@PROJECT_VERSION@")
 unset(CPACK_PACKAGE_DESCRIPTION_SUMMARY)  # each package has its own
+include(@packaging@/maintainer.cmake)
 ]])
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_BINARY_DIR}/PackageProject.cmake)
 
