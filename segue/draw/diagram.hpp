@@ -26,6 +26,7 @@ struct Diagram {
   enum class Kind : std::uint8_t { Data, Condition, World, Resource, Group, Opaque, OpaqueSubtree };
   static constexpr std::size_t kKinds = 7;
 
+  /// One reason why a node comes after another.
   struct Cause {
     Kind kind = Kind::Data;
     std::string
@@ -33,16 +34,19 @@ struct Diagram {
     std::string detail{};  ///< the output that becomes the input; what both do with the fact or resource; why
     std::uint32_t node = task_network::kNone;  ///< of Opaque and OpaqueSubtree: who that is
   };
+  /// A node that comes before another, and why.
   struct Dependency {
     std::uint32_t from = 0;
     std::vector<Cause> causes;  ///< one at least; those that the engine keeps come first
     bool implied = false;       ///< others lead from the one to the other anyway
     bool holds_start = true;    ///< else it may run ahead, and only its result waits
   };
+  /// The units of a resource that a node needs.
   struct Units {
     std::string resource;
     bool observed = false;  ///< a robot shows how many there are
   };
+  /// A node with what it waits for.
   struct Node {
     std::string name;
     Role role = Role::Irreversible;
@@ -68,6 +72,7 @@ struct Diagram {
       senses_ahead{};          ///< shown below: what may sense before something earlier has acted
   bool ahead_complete = true;  ///< else only the first nodes were examined for this
 
+  /// How many nodes have each role, and how many pairs of them are ordered.
   struct Counts {
     std::array<std::size_t, 7> roles{};
     std::size_t dependencies = 0;  ///< pairs of nodes

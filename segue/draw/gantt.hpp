@@ -23,6 +23,7 @@ struct Gantt {
     std::size_t lane = 0;  ///< the first free one; the bars of a lane do not overlap
     bool wasted = false;   ///< the result was discarded
   };
+  /// A node of the run; a row of the chart.
   struct Node {
     std::string name;
     ActionClass kind = ActionClass::Irreversible;
@@ -34,6 +35,7 @@ struct Gantt {
     std::vector<std::uint32_t> resources{};
     std::vector<std::uint32_t> bars{};  ///< from arrange()
   };
+  /// A resource with the nodes that used it.
   struct Resource {
     std::string name;
     std::vector<std::uint32_t> bars{};  ///< of the nodes that used it, from arrange()

@@ -9,6 +9,7 @@ namespace segue::draw {
 
 /// Tasks and their connections, as lists and pictures show them. A plain value; one thread at a time.
 struct TaskGraph {
+  /// A task, as `segue status` shows it.
   struct Task {
     std::string id;
     std::string component;
@@ -16,6 +17,7 @@ struct TaskGraph {
     std::string process;                   ///< "HOST/PROCESS"; empty: that of the runtime
     std::vector<std::string> unwritten{};  ///< inputs that no connection leads to
   };
+  /// A connection between two of the tasks.
   struct Connection {
     std::string from_task;
     std::string from_port;

@@ -20,6 +20,7 @@ namespace segue::journal {
 /// is not a valid identifier, NotFound if neither variable is set. Does not create anything.
 Result<std::filesystem::path> default_path(std::string_view robot);
 
+/// How much a journal keeps, and of which robot it is.
 struct JournalOptions {
   /// The oldest transitions are removed once there are more actions than this; entries of any other kind once
   /// there are more than a tenth of it. A file of a hundred thousand actions has about 20 MB.

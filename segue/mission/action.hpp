@@ -121,6 +121,7 @@ struct DecisionRule {
   std::string outcome;
   friend bool operator==(const DecisionRule&, const DecisionRule&) = default;
 };
+/// The rules of a decider, in their order.
 struct Decision {
   std::vector<DecisionRule> rules;
   friend bool operator==(const Decision&, const Decision&) = default;
@@ -129,7 +130,6 @@ struct Decision {
 using Procedure =
     std::variant<std::monostate, Callback, Script, Simulated, Decision, ControllerUse, PoolCall>;
 
-/// A leaf of the state machine: its work, and the declarations about it.
 /// How likely an action ends with an outcome, `aborted` among them: between 0 and 1.
 struct OutcomeLikelihood {
   std::string outcome;
@@ -137,6 +137,7 @@ struct OutcomeLikelihood {
   friend bool operator==(const OutcomeLikelihood&, const OutcomeLikelihood&) = default;
 };
 
+/// A leaf of the state machine: its work, and the declarations about it.
 struct Action {
   ActionName name;
   std::string description;

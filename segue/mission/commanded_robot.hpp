@@ -78,6 +78,7 @@ struct ControllerRequest {
 
 /// Which of a robot's controllers cannot run at once, and what both need.
 struct ControllerConflicts {
+  /// Two controllers, by name, that both need `what`.
   struct Pair {
     std::string a;
     std::string b;
@@ -96,6 +97,7 @@ struct ControllerConflicts {
 /// tasks.
 struct ControllerTrouble {
   std::string why;
+  /// A task that is in trouble.
   struct Task {
     std::string id;
     std::string why;
@@ -114,6 +116,7 @@ struct PoolInstanceView {
   std::string reason{};   ///< why it is not ready
   bool busy = false;      ///< an operation is carried out, for whomever
 };
+/// A pool of the robot, as missions see it.
 struct PoolView {
   std::string name;
   std::vector<PoolInstanceView> instances;  ///< that there are now

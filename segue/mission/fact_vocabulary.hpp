@@ -19,18 +19,21 @@ struct FactVocabulary {
   /// Types of arguments that need no declaration: any object, a number, true or false, any text.
   static constexpr std::array<std::string_view, 4> kBuiltIn = {"object", "number", "boolean", "text"};
 
+  /// A type of objects.
   struct Type {
     std::string name;
     std::string parent;  ///< a declared type, or "object"
     SourcePlace where;
     friend bool operator==(const Type&, const Type&) = default;
   };
+  /// An object that facts may name.
   struct Object {
     std::string name;
     std::string type;
     SourcePlace where;
     friend bool operator==(const Object&, const Object&) = default;
   };
+  /// A predicate with the types of its arguments.
   struct Predicate {
     std::string name;
     std::vector<std::string> arguments;  ///< types

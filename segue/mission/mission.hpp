@@ -43,6 +43,7 @@ struct Target {
   friend bool operator==(const Target&, const Target&) = default;
 };
 
+/// Which state follows an outcome.
 struct StateTransition {
   std::string outcome;
   Target to;
@@ -53,6 +54,7 @@ struct StateTransition {
 /// The owner of the ports that a data flow connects: a child, or the container itself with its three kinds of
 /// ports.
 enum class Owner : std::uint8_t { Child, Inputs, Outputs, Variables };
+/// One end of a data flow.
 struct FlowPort {
   Owner owner = Owner::Child;
   StateId state;  ///< the child

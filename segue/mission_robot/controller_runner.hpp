@@ -12,6 +12,7 @@
 
 namespace segue::mission {
 
+/// How often a robot is looked at and how long it is waited for while it carries out actions.
 struct ControllerOptions {
   /// How often ports are read for outputs that have not come yet. The robot reports what ends an action:
   /// states of tasks when they change, samples when they come, every 10 ms at most; operations are called

@@ -43,6 +43,7 @@ struct ControllerWish {
 /// committed. Thread safe.
 class ControllerUnion {
  public:
+  /// How requests of actions that run at the same time become one transition.
   struct Options {
     Duration gather = std::chrono::milliseconds(3);  ///< how long a transition waits for others to join it
     /// How long a controller that was seen to run is not looked at anew.

@@ -40,6 +40,7 @@ struct ShownUnits {
 /// Thread safe.
 class FactObserver {
  public:
+  /// How often the robot is looked at, and how long its answers may take.
   struct Options {
     /// How often a task is asked that cannot be seen, and an operation whose task is not updated. All else is
     /// looked at when the robot says that it has changed.

@@ -11,6 +11,7 @@
 
 namespace segue::mission {
 
+/// How long it may take until an instance counts as lost.
 struct PoolOptions {
   /// How often it is looked whether an instance that did not answer is lost.
   Duration period = std::chrono::milliseconds(50);

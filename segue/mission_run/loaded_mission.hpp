@@ -35,6 +35,7 @@ struct FlatNetwork;
 /// draw/diagram.hpp, convert/ahead_of_failures.hpp, mission/program.hpp.
 namespace segue::mission_run {
 
+/// Folders of libraries, and the robot for which a plan is checked.
 struct LoadOptions {
   /// Folders in which libraries are looked for; for RAFCON's machines NAME=FOLDER.
   std::vector<std::string> libraries{};
@@ -42,6 +43,7 @@ struct LoadOptions {
   const mission::ControllerConflicts* conflicts = nullptr;
 };
 
+/// How a plan is shown as a task network.
 struct ConvertRequest {
   type::ValueMap inputs{};           ///< missions only, as the next
   std::vector<std::string> facts{};  ///< as in RunRequest

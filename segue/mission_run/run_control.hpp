@@ -42,6 +42,7 @@ class RunControl {
   /// Tells `done` the values of the ports of a state, as JSON; an error where no run has them.
   void values_of(std::string path, std::function<void(Result<type::Value>)> done);
 
+  /// Where a run is, and which steps it can take.
   struct Position {
     bool steps = false;                            ///< it can be stepped: it runs sequentially
     bool back = false;                             ///< and be stepped back

@@ -77,6 +77,7 @@ struct Scripts {
   std::shared_ptr<mission::ScriptRobot> robot = {};  ///< `self.robot` in scripts; null: there is none
 };
 
+/// How a plan is run.
 struct RunRequest {
   RunMode mode{};
   RunClock clock = RunClock::Real;

@@ -16,6 +16,7 @@ namespace segue::mission {
 
 class ExecutionThreads;
 
+/// How long it may take until what a script looks at counts as lost.
 struct ScriptRobotOptions {
   /// Called where the robot cannot be reached any more; see ControllerOptions::unreachable.
   std::function<void(const Error& why)> unreachable{};
@@ -32,6 +33,7 @@ class ScriptRobot {
  public:
   /// One execution's rights and its use of the robot.
   class Use;
+  /// The rights of one script on the robot.
   struct Rights {
     bool may_command = false;              ///< else it only looks, and calls operations
     std::vector<std::string> controllers;  ///< that it may request

@@ -62,6 +62,7 @@ struct DurationRecord {
   friend bool operator==(const DurationRecord&, const DurationRecord&) = default;
 };
 
+/// How long actions took in the past.
 struct ActionTimes {
   std::map<ActionKey, DurationRecord> actions;
   /// Waiting times: from the end of an action's predecessors to its reported end, less its own duration and

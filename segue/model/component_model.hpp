@@ -32,6 +32,7 @@ struct PortModel {
   friend bool operator==(const PortModel&, const PortModel&) = default;
 };
 
+/// A property of a component.
 struct PropertyModel {
   std::string name;
   std::string type;
@@ -41,6 +42,7 @@ struct PropertyModel {
   friend bool operator==(const PropertyModel&, const PropertyModel&) = default;
 };
 
+/// An argument of an operation.
 struct ArgumentModel {
   std::string name;
   std::string type;
@@ -48,6 +50,7 @@ struct ArgumentModel {
   friend bool operator==(const ArgumentModel&, const ArgumentModel&) = default;
 };
 
+/// An operation of a component.
 struct OperationModel {
   std::string name;
   std::vector<ArgumentModel> arguments;

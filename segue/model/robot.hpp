@@ -15,6 +15,7 @@
 
 namespace segue::model {
 
+/// A computer of a robot.
 struct Host {
   HostName name;
   std::string address;      ///< "local", "tcp://10.0.0.2:7447" or "unix:/run/segue/@host.sock"
@@ -24,6 +25,7 @@ struct Host {
   friend bool operator==(const Host&, const Host&) = default;
 };
 
+/// How often, and after which delay, a faulty part is started anew.
 struct RestartPolicy {
   int max = 3;  ///< attempts before giving up
   Duration backoff =

@@ -26,6 +26,7 @@ struct TaskReaches {
   std::string state;
   friend bool operator==(const TaskReaches&, const TaskReaches&) = default;
 };
+/// A sample of the port fulfils the condition.
 struct SampleShows {
   Member port;
   Condition what;

@@ -8,6 +8,7 @@
 
 namespace segue::model {
 
+/// An instance of a pool that a caller has for itself.
 struct TakenInstance {
   std::string task;
   int pid = 0;  ///< tells one life of its process from the next

@@ -81,6 +81,7 @@ struct HandOverAction {
   TaskId to;
   friend bool operator==(const HandOverAction&, const HandOverAction&) = default;
 };
+/// The call of an operation, as a step of a transition.
 struct CallAction {
   TaskId task;
   std::string operation;
@@ -88,6 +89,7 @@ struct CallAction {
   friend bool operator==(const CallAction&, const CallAction&) = default;
 };
 
+/// One step of a transition.
 struct Action {
   int id = 0;  ///< from 1, in the order of the list
   ActionKind kind = ActionKind::Recover;

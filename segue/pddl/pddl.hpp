@@ -27,10 +27,12 @@ struct DomainParameter {
   std::string name;
   std::vector<std::string> types;  ///< its objects are of any of them
 };
+/// A predicate of a domain.
 struct DomainPredicate {
   std::string name;
   std::vector<DomainParameter> parameters;
 };
+/// An action of a domain.
 struct DomainAction {
   std::string name;
   std::vector<DomainParameter> parameters;

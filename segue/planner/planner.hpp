@@ -13,12 +13,14 @@
 /// A planner for PDDL problems of moderate size, where no other is at hand.
 namespace segue::planner {
 
+/// The limits of a search.
 struct PlannerOptions {
   TimePoint deadline = TimePoint::max();
   std::stop_token stop;
   std::size_t memory = std::size_t{2} << 30U;  ///< bytes, roughly
 };
 
+/// A plan that was found.
 struct Plan {
   std::string text;  ///< a step a line, "(drive a b)", and the cost as a comment, as read_pddl() takes it
   double cost = 0;   ///< the sum of what actions add to `total-cost`, or the number of steps

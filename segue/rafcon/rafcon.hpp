@@ -34,6 +34,7 @@ struct RafconCounts {
   friend bool operator==(const RafconCounts&, const RafconCounts&) = default;
 };
 
+/// A mission that was read from a RAFCON machine.
 struct RafconImport {
   Mission mission;
   RafconCounts counts;

@@ -22,6 +22,7 @@ namespace segue::remote_robot {
 /// taken them (ServedRobot::report). Thread safe; nothing blocks.
 class MissionRecord {
  public:
+  /// How many entries wait and travel at once.
   struct Limits {
     std::size_t waiting = 4000;  ///< entries; beyond that the oldest are dropped, and counted
     std::size_t at_once = 500;   ///< entries of one report

@@ -32,6 +32,7 @@ enum class TaskPlacement {
   Processes   ///< in processes of their own on this computer, as the network says
 };
 
+/// How a program runs a robot.
 struct EmbeddedOptions {
   bool stand_in = false;        ///< a stand-in for every component that is not installed
   bool only_stand_ins = false;  ///< stand-ins for all components

@@ -12,6 +12,7 @@
 /// Bringing a robot to rest (model::Halt).
 namespace segue::runtime {
 
+/// Who wants the robot to rest, and why.
 struct HaltRequest {
   std::string who;
   std::string why{};   ///< "mission 'fetch' was lost"; may be empty

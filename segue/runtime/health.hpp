@@ -24,6 +24,7 @@ struct Trouble {
 inline constexpr std::array<std::string_view, 6> kTroubleKindNames = {"robot", "host",       "process",
                                                                       "task",  "connection", "pool"};
 
+/// Whether a robot does what it should, and else what is wrong.
 struct Health {
   enum class State {
     Healthy,

@@ -18,6 +18,7 @@ struct PoolInstance {
   std::string reason;  ///< why it is not ready
   bool busy = false;   ///< an operation is under way
 };
+/// A pool with its instances.
 struct PoolReport {
   std::string pool;
   std::vector<PoolInstance> instances;  ///< that shall run now

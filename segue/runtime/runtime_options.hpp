@@ -12,6 +12,7 @@
 
 namespace segue::runtime {
 
+/// A robot as its runtime knows it, besides its controllers.
 struct RuntimeOptions {
   /// The controller to switch to if a failed transition cannot be undone; nothing: keep what then runs.
   std::optional<model::NetworkName> fallback;

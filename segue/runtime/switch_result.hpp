@@ -22,6 +22,7 @@ namespace segue::runtime {
 enum class Outcome { Done, Superseded, Refused, Failed, Cancelled };
 std::string_view to_string(Outcome outcome);
 
+/// How one action of a transition went.
 struct ActionRecord {
   model::Action action;
   Duration started{0};             ///< since the begin of the transition

@@ -12,6 +12,7 @@
 
 namespace segue::solve {
 
+/// How an estimate is computed: equal options give equal results.
 struct EstimateOptions {
   int trials = 200;  ///< fewer for transitions with very many actions
   std::uint64_t seed = 1;

@@ -13,6 +13,7 @@
 /// I/O, no clock. Linear in the size of the networks.
 namespace segue::solve {
 
+/// How a transition is computed.
 struct Options {
   model::Order order = model::Order::Seamless;
   /// Whether the host can hold two incarnations of a task that moves to another process. If not, the new one

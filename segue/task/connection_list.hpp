@@ -45,6 +45,7 @@ inline Lifetime settled(Lifetime lifetime, bool committed) {
 template <class End>
 class ConnectionList {
  public:
+  /// A connection of the list.
   struct Entry {
     std::shared_ptr<End> end;
     Lifetime lifetime = Lifetime::Always;

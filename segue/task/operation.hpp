@@ -29,6 +29,7 @@ class Component;
 /// a hook.
 enum class RunsIn : std::uint8_t { TaskThread, CallerThread };
 
+/// An argument of an operation.
 struct OperationArgument {
   std::string name;
   const type::TypeInfo* type = nullptr;  ///< nullptr: any

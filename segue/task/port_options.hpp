@@ -5,6 +5,7 @@
 
 namespace segue::task {
 
+/// Options of a port, fixed when it is made.
 struct PortOptions {
   bool dynamic = false;  ///< created in on_configure, destroyed in on_cleanup
   std::string doc{};

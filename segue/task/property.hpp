@@ -16,6 +16,7 @@ namespace segue::task {
 
 class Component;
 
+/// Options of a property, fixed when it is made.
 struct PropertyOptions {
   bool live = false;  ///< may be set while the task is Stopped or Running; else in PreOperational only
   std::string doc{};

@@ -77,8 +77,10 @@ class Order {
   std::uint32_t linked_nodes_ = 0;
 };
 
+/// The dependencies by which others come after a node, as a range; valid as long as the order is not changed.
 class Order::After {
  public:
+  /// A position in them.
   class Iterator {
    public:
     using value_type = Dependency;

@@ -14,6 +14,7 @@
 
 namespace segue::task_network {
 
+/// How a node of a run ended.
 struct NodeResult {
   NodeStatus status = NodeStatus::NotReached;
   OutcomeId outcome = kSuccess;
@@ -39,6 +40,7 @@ struct UnitWait {
   TimePoint until;
 };
 
+/// Counts of a run.
 struct RunStatistics {
   std::uint64_t starts = 0;
   std::uint64_t speculative = 0;  ///< runs that began before it was certain that they count
@@ -53,6 +55,7 @@ struct RunStatistics {
 /// progress is not needed any more.
 enum class LogKind : std::uint8_t { Start, End, Commit, Skip, Discard, Cancel };
 
+/// An event of a node, and when it was.
 struct LogEntry {
   TimePoint when;
   NodeId node{};

@@ -28,6 +28,7 @@ enum class NumericCategory : std::uint8_t { Bool, Signed, Unsigned, Float };
 
 class Type;
 
+/// A name of an enumeration, with its value.
 struct EnumSymbol {
   std::string name;
   std::int64_t value = 0;

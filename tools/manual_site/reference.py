@@ -10,8 +10,6 @@ from site_frame import MEMBER, Site
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 FOLDER = "reference"
-# Classes without a comment. The number may only become smaller: document a class rather than raise it.
-MOST_UNDOCUMENTED = 62
 # What Doxygen 1.9 does not understand of correct code: specialisations in namespace std, a class that is nested and defined later.
 MISUNDERSTOOD = re.compile(r"scope for class std::hash|Compound std::hash|task_network::Order::after")
 MACROS = ["GUARDED_BY(x)", "REQUIRES(x)", "EXCLUDES(x)", "ACQUIRE(x)", "RELEASE(x)", "CAPABILITY(x)"]
@@ -31,6 +29,7 @@ WARN_LOGFILE = {work}/warnings
 EXCLUDE_SYMBOLS = detail *::detail *::detail::* std
 JAVADOC_AUTOBRIEF = YES
 HIDE_UNDOC_CLASSES = NO
+EXTRACT_PRIV_VIRTUAL = YES
 HIDE_UNDOC_MEMBERS = NO
 WARN_IF_UNDOCUMENTED = YES
 MACRO_EXPANSION = YES
@@ -77,14 +76,9 @@ def main_page(headers: list[str]) -> str:
 
 
 def problems_in(warnings: str) -> list[str]:
-    """Wrong comments, and too many classes without one."""
+    """Wrong comments, and classes without one."""
     lines = [line.replace(f"{ROOT}/", "") for line in warnings.splitlines() if " warning: " in line and not MISUNDERSTOOD.search(line)]
-    undocumented = [line for line in lines if "Compound " in line and "is not documented" in line]
-    problems = [line for line in lines if "is not documented" not in line]
-    if len(undocumented) > MOST_UNDOCUMENTED:
-        problems += undocumented
-        problems.append(f"{len(undocumented)} classes of installed headers have no comment, {MOST_UNDOCUMENTED} had none: say what they are")
-    return problems
+    return [line for line in lines if "Compound " in line or "is not documented" not in line]
 
 
 def add_reference(site: Site) -> tuple[int, list[str]]:
