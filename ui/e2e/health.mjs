@@ -21,7 +21,7 @@ function exitOf(args) {
   }
 }
 
-const robotFile = 'robot: bot\ncontrollers: [drive.net]\npolicies: {on_failure: report}\n';
+const robotFile = 'robot: bot\ncontrollers: [drive.net]\nunits: {screws: 40}\npolicies: {on_failure: report}\n';
 const drive = `network: drive
 tasks:
   base: {component: x::Base}
@@ -42,12 +42,27 @@ async function repair(page) {
   assert.equal(exitOf(['status', '--exit-code']), 0);
 }
 
+/** What is wrong and its repair are on the screen in every view, also on a tablet. */
+async function seenEverywhere(page) {
+  const size = page.viewportSize();
+  await page.setViewportSize({ width: 820, height: 1180 });
+  for (const view of ['Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past', 'Network']) {
+    await page.getByRole('link', { name: view, exact: true }).click();
+    await wrong(page).getByText("process 'localhost/sensors' is gone").waitFor();
+    const { x, y, width, height } = await page.getByRole('button', { name: 'Repair' }).boundingBox();
+    assert.ok(x >= 0 && y >= 0 && x + width <= 820 && y + height <= 400, `Repair is at ${x}, ${y} in ${view}`);
+  }
+  await page.screenshot({ path: join(pictures, 'health_crashed_tablet.png') });
+  await page.setViewportSize(size);
+}
+
 async function crash(page) {
   process.kill(pidOf('laser'), 'SIGKILL');
   await wrong(page).getByText("process 'localhost/sensors' is gone").waitFor();
   await page.getByText('in trouble: ').waitFor();
   assert.equal(exitOf(['status', '--exit-code']), 5);
   await stage.capture(page, 'health_crashed');
+  await seenEverywhere(page);
   await page.getByRole('link', { name: 'Events' }).click();
   await page.getByLabel('only trouble').check();
   await page.locator('tr.trouble', { hasText: 'SIGKILL' }).first().waitFor();
@@ -73,7 +88,10 @@ await stage.play(async () => {
   await page.getByText('drive, idle').waitFor();
   await page.getByText('3 tasks, 2 connections').waitFor();
   await page.locator('.react-flow__node[data-id=laser]').waitFor();
+  await page.getByText('units: screws 40').waitFor();
   await stage.capture(page, 'health_healthy');
+  stage.run(['units', 'set', 'screws', '39']);
+  await page.getByText('units: screws 39').waitFor();
   await crash(page);
   await hang(page);
 

@@ -83,14 +83,10 @@ async function seeHeld(page, file, state) {
 }
 
 async function inStudio(robotFile, controller, test) {
-  const robot = await stage.start(['run', '--stand-in', join(examples, robotFile), ...(controller ? ['--controller', controller] : [])], /robot \w+ runs/);
-  if (controller) await stage.settled(controller);
-  const page = await stage.enter();
-  await page.setViewportSize(size);
-  await test(page);
-  await stage.browser.close();
-  await end(stage.studio.child);
-  await end(robot.child);
+  await stage.beside(join(examples, robotFile), controller, async (page) => {
+    await page.setViewportSize(size);
+    await test(page);
+  });
 }
 
 /** Made-up networks and missions, which need no robot. */

@@ -31,7 +31,7 @@ export function madeNetwork(taskCount, connectionCount, processCount) {
     connections[from + ' ' + to] = { from, to, policy: 'data', size: 1, written: 0, read: 0, dropped: 0 };
   }
   return {
-    robot: 'large', controller: 'all', state: 'idle', commanded_by: null, controllers: ['all'], ready: [], tasks, connections, differences: [], uptime_s: 1,
+    robot: 'large', controller: 'all', state: 'idle', commanded_by: null, controllers: ['all'], ready: [], tasks, connections, requests: [], halt: null, stopped_by: null, differences: [], uptime_s: 1,
   };
 }
 

@@ -94,6 +94,16 @@ export class Stage {
     return page;
   }
 
+  /** A test in a page beside the robot in that file, whose components may be stand-ins; both end with it. '': it runs no controller. */
+  async beside(robotFile, controller, test) {
+    const robot = await this.start(['run', '--stand-in', robotFile, ...(controller ? ['--controller', controller] : [])], /robot \w+ runs/);
+    if (controller) await this.settled(controller);
+    await test(await this.enter());
+    await this.browser.close();
+    await end(this.studio.child);
+    await end(robot.child);
+  }
+
   /** A whole test: what is thrown, and problems of pages, make it fail; everything that was started ends. */
   async play(test) {
     let failed = false;

@@ -2,6 +2,7 @@
 import { redoDepth, undoDepth } from '@codemirror/commands';
 import { useCallback, useDeferredValue, useEffect, useMemo, useState, useSyncExternalStore } from 'react';
 import { ActionButton } from '../ActionButton';
+import { Name } from '../Name';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { useConnection, useLink } from '../robot/hooks';
@@ -78,7 +79,7 @@ function FileList({ files, complete, chosen, drafts, onChoose, onFiles }: FileLi
               {those.map((file) => (
                 <li key={file.path}>
                   <ActionButton type="button" className="line" aria-pressed={chosen === file.path} whyNot={file.problem} onClick={() => onChoose(file.path)}>
-                    <span>{file.path}</span>
+                    <span><Name text={file.path} /></span>
                     {(drafts.isUnsaved(drafts.get(file.path)) || semantic.hasUnsaved(file.path)) && <span className="badge warn">unsaved</span>}
                   </ActionButton>
                 </li>

@@ -24,7 +24,7 @@ function PlaceBox({ id, data, selected }: NodeProps<GroupNode>) {
     <div className={'place-box ' + data.look + (selected ? ' selected' : '')}>
       <Handle type="target" position={Position.Left} isConnectable={false} />
       <OpenButton id={id} title={data.title} expanded={data.expanded} />
-      {data.title}
+      <span className="place-title" title={data.title}>{data.title}</span>
       <MarkButton id={id} mark={data.mark} />
       <Handle type="source" position={Position.Right} isConnectable={false} />
     </div>

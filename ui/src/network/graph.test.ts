@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { latencyOf, matching, rateOf, toneOf } from './graph';
+import { latencyOf, matching, rateOf, titleOf, toneOf } from './graph';
 import { connection, status, task } from './testing';
 
 describe('the network', () => {
@@ -18,6 +18,9 @@ describe('the network', () => {
     expect(latencyOf(measured(10, 4), measured(2, 7))).toBe(7); // made anew
     expect(latencyOf(measured(0, 0), measured(0, 0))).toBeNull();
     expect(latencyOf(undefined, connection('a.x', 'b.y'))).toBeNull();
+  });
+  it('names no computer where there is only the own one', () => {
+    expect(['', 'localhost / sensors', 'base / sensors'].map(titleOf)).toEqual(['runtime', 'sensors', 'base / sensors']);
   });
   it('finds tasks by words and colours states', () => {
     expect(matching(status([task('drive'), task('laser', { state: 'exception' })]), 'EXC las')).toEqual(['laser']);

@@ -6,6 +6,11 @@ export function placeOf(task: TaskStatus): string {
   return [task.host, task.process].filter((part) => part !== '').join(' / ');
 }
 
+/** The title of a box around the tasks of a place: the command line does not name the robot's own computer either. */
+export function titleOf(place: string): string {
+  return place === '' ? 'runtime' : place.replace(/^localhost \/ /, '');
+}
+
 export type Tone = 'good' | 'idle' | 'bad' | 'warn';
 
 /** How a state of the life cycle is coloured; its name always stands beside. */

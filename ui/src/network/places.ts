@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { taskOf, type Status } from '../robot/types';
 import { labelWidth, type GraphEdge, type GraphGroup, type GraphNode } from './drawn_graph';
-import { placeOf, rateText, toneOf, type Flows } from './graph';
+import { placeOf, rateText, titleOf, toneOf, type Flows } from './graph';
 import { microsecondsText } from '../units';
 
 /** A process, or a host with several processes. */
@@ -53,7 +53,7 @@ export function structureOf(status: Status): Structure {
     const name = placeOf(task);
     let place = processes.get(name);
     if (!place) {
-      place = { id: 'group:' + name, title: name === '' ? 'runtime' : name, tasks: [] };
+      place = { id: 'group:' + name, title: titleOf(name), tasks: [] };
       processes.set(name, place);
       ofHost.set(task.host, [...(ofHost.get(task.host) ?? []), place]);
     }
@@ -67,7 +67,7 @@ export function structureOf(status: Status): Structure {
     hosts.push(around);
     for (const place of inside) {
       place.inside = around.id;
-      place.title = place.title.slice(host.length).replace(/^ \/ /, '') || host;
+      place.title = place.id.slice('group:'.length + host.length).replace(/^ \/ /, '') || host;
     }
   }
   const byTitle = (a: Place, b: Place) => (a.id === 'group:' ? -1 : b.id === 'group:' ? 1 : compare(a.title, b.title));

@@ -7,7 +7,7 @@ export function Panel({ label, children }: { label: string; children: ReactNode 
   return (
     <>
       <Splitter name="panel" label="Width of the panel" axis="x" sized="after" />
-      <aside className="panel" aria-label={label}>{children}</aside>
+      <aside className="panel" aria-label={label} tabIndex={0}>{children}</aside>
     </>
   );
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from 'react';
 import { ActionButton } from '../ActionButton';
+import { Name } from '../Name';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { FoldingGraph } from '../network/FoldingGraph';
+import { titleOf } from '../network/graph';
 import { useConnection, useDocument } from '../robot/hooks';
 import { toneOfOutcome } from '../robot/outcome';
 import type { PlannedTransition, RobotEvent, Status, SwitchOutcome } from '../robot/types';
@@ -124,13 +126,13 @@ function Controllers({ status, chosen, onChoose, onProblem }: ControllersProps) 
           return (
             <li key={name} className="controller">
               <button type="button" className="line" aria-pressed={chosen === name} onClick={() => onChoose(name)}>
-                <span>{name}</span>
+                <span><Name text={name} /></span>
                 {status.controller === name && <span className="badge tone-good">runs</span>}
                 {prepared && <span className="badge">{prepared.ready ? 'prepared' : 'prepares'}</span>}
               </button>
               {connection.mayOperate && (
-                <button type="button" className="small" aria-label={(prepared ? 'Do not prepare ' : 'Prepare ') + name} onClick={() => prepare(name, !prepared)}>
-                  {prepared ? 'drop' : 'prepare'}
+                <button type="button" className="small" title={prepared ? 'It is kept prepared no longer' : 'Keeps it prepared, for a fast switch'} onClick={() => prepare(name, !prepared)}>
+                  {prepared ? 'drop' : 'prepare'}<span className="hidden"> {name}</span>
                 </button>
               )}
             </li>
@@ -159,7 +161,7 @@ function DifferenceGraph({ difference }: { difference: Difference }) {
   return (
     <FoldingGraph
       label="Difference of the controllers" quiet="fate-unchanged" mixed="fate-changed"
-      groups={places.map((place) => ({ id: 'group:' + place, title: place === '' ? 'runtime' : place }))}
+      groups={places.map((place) => ({ id: 'group:' + place, title: titleOf(place) }))}
       nodes={difference.tasks.map((task) => ({
         id: task.id, group: 'group:' + task.place, title: task.id, detail: task.fate, look: 'fate-' + task.fate,
       }))}
