@@ -58,7 +58,8 @@ class Checker {
   [[nodiscard]] const Diagnostics& diagnostics() const { return diagnostics_; }
   [[nodiscard]] const CheckedMissions& missions() const { return missions_; }
   [[nodiscard]] std::size_t files() const { return files_; }
-  [[nodiscard]] bool hints_wanted() const { return options_.hints; }
+  /// How many hints there are that were not asked for.
+  [[nodiscard]] std::size_t hidden_hints() const { return hidden_hints_; }
   [[nodiscard]] const std::vector<std::string>& shallow() const { return shallow_; }
 
  private:
@@ -269,8 +270,13 @@ class Checker {
     const Diagnostics found = parts.complete ? model::validate(parts.network, catalog_, depth)
                                              : model::validate_references(parts.network, catalog_, depth);
     diagnostics_.append(found);
-    if (options_.hints && parts.complete && !found.has_errors())
-      diagnostics_.append(model::hints(parts.network, catalog_));
+    if (!parts.complete || found.has_errors()) return;
+    const Diagnostics advice = model::hints(parts.network, catalog_);
+    if (options_.hints) {
+      diagnostics_.append(advice);
+    } else {
+      hidden_hints_ += advice.items().size();
+    }
   }
 
   /// If no component is known, reporting each of them would not help.
@@ -292,9 +298,10 @@ class Checker {
   std::vector<std::pair<std::string, std::string>> pddl_;  ///< names and texts
   std::vector<std::string> shallow_;
   std::size_t files_ = 0;
+  std::size_t hidden_hints_ = 0;
 };
 
-void print_summary(const Checker& checker) {
+void print_summary(const Checker& checker, bool hints_wanted) {
   const auto found = [&](Severity severity, std::string_view what) {
     const auto count = std::ranges::count(checker.diagnostics().items(), severity, &Diagnostic::severity);
     return counted(static_cast<std::size_t>(count), what);
@@ -304,7 +311,9 @@ void print_summary(const Checker& checker) {
   std::string summary = problems
                             ? found(Severity::Error, "error") + ", " + found(Severity::Warning, "warning")
                             : coloured(Colour::Green, "no problems");
-  if (checker.hints_wanted()) summary += ", " + found(Severity::Hint, "hint");
+  if (hints_wanted) summary += ", " + found(Severity::Hint, "hint");
+  if (checker.hidden_hints() > 0)
+    summary += ", " + counted(checker.hidden_hints(), "hint") + " (see --hints)";
   print_line(fmt::format("{}: {}", counted(checker.files(), "file"), summary));
 }
 
@@ -322,7 +331,7 @@ int check_files(const CheckOptions& options, const Context& context) {
     print_json(checker.missions().to_value(checker.diagnostics()));
   } else {
     checker.missions().print();
-    print_summary(checker);
+    print_summary(checker, options.hints);
   }
   return checker.diagnostics().has_errors() ? kFailed : kDone;
 }

@@ -44,7 +44,8 @@ enum class Verb : std::uint8_t {
   SetUnits,
   ShutDown,
   LookAtFiles,
-  ChangeFiles
+  ChangeFiles,
+  RunScripts  ///< to start missions whose Python runs as the user of a server
 };
 
 struct VerbRule {
@@ -54,7 +55,7 @@ struct VerbRule {
 };
 
 /// The only table of who may do what, in the order of the verbs.
-inline constexpr std::array<VerbRule, 34> kVerbRules = {
+inline constexpr std::array<VerbRule, 35> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},
      {Verb::Watch, "watch", Role::Observe},
@@ -88,7 +89,8 @@ inline constexpr std::array<VerbRule, 34> kVerbRules = {
      {Verb::SetUnits, "set_units", Role::Operate},
      {Verb::ShutDown, "shut_down", Role::Operate},
      {Verb::LookAtFiles, "look_at_files", Role::Observe},
-     {Verb::ChangeFiles, "change_files", Role::Operate}}};
+     {Verb::ChangeFiles, "change_files", Role::Operate},
+     {Verb::RunScripts, "run_scripts", Role::Administer}}};
 
 constexpr const VerbRule& rule_of(Verb verb) {
   return kVerbRules.at(static_cast<std::size_t>(verb));
@@ -103,7 +105,7 @@ constexpr Role role_for(Verb verb, bool take_over = false) {
 constexpr bool verb_rules_are_in_order() {
   for (std::size_t i = 0; i < kVerbRules.size(); ++i)
     if (kVerbRules.at(i).verb != static_cast<Verb>(i)) return false;
-  return kVerbRules.back().verb == Verb::ChangeFiles;
+  return kVerbRules.back().verb == Verb::RunScripts;
 }
 static_assert(verb_rules_are_in_order());
 

@@ -2,6 +2,9 @@
 #include <segue/mission/mission.hpp>
 #include <segue/mission/state_path.hpp>
 
+#include <algorithm>
+#include <variant>
+
 namespace segue::mission {
 
 std::string to_string(const FlowPort& ref) {
@@ -48,6 +51,12 @@ std::string Mission::path(StateIndex state) const {
   for (; state != kNoState && states[state].parent != kNoState; state = states[state].parent)
     ids.push_back(&states[state].id.str());
   return state_path(ids);
+}
+
+bool has_scripts(const Mission& mission) {
+  return !mission.world_data.empty() || std::ranges::any_of(mission.actions, [](const Action& action) {
+    return std::holds_alternative<Script>(action.run);
+  });
 }
 
 }  // namespace segue::mission

@@ -166,4 +166,7 @@ struct Mission {
   [[nodiscard]] std::string path(StateIndex state) const;
 };
 
+/// Whether running it runs Python: of actions, or of data that follow facts.
+[[nodiscard]] bool has_scripts(const Mission& mission);
+
 }  // namespace segue::mission

@@ -38,6 +38,7 @@ enum class Primitive : std::uint8_t {
 /// How many items a field has. The numbers are those that REP-2016 adds to that of the item.
 enum class Multiplicity : std::uint8_t { Single = 0, Array = 48, BoundedSequence = 96, Sequence = 144 };
 
+/// The type of a field: "string<=10[<=4]".
 struct FieldType {
   Primitive primitive = Primitive::Nested;
   std::string nested{};               ///< of Nested: "geometry_msgs/msg/Point"
@@ -47,12 +48,14 @@ struct FieldType {
   friend bool operator==(const FieldType&, const FieldType&) = default;
 };
 
+/// A field of a message.
 struct FieldDefinition {
   std::string name;
   FieldType type;
   std::optional<type::Value> default_value{};  ///< a single item or a list
 };
 
+/// A constant of a message: "uint8 STATUS_FIX=0".
 struct ConstantDefinition {
   std::string name;
   Primitive type = Primitive::Int32;

@@ -2,6 +2,7 @@
 #include <segue/web/mission_starts.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/control/verbs.hpp>
 #include <segue/mission/controllers.hpp>
 #include <segue/mission/mission_io.hpp>
 #include <segue/type/yaml.hpp>
@@ -80,6 +81,16 @@ Result<Inputs> inputs_of(const Command& command, const mission::State& root) {
   return inputs;
 }
 
+/// Whoever may operate the robot may write missions, too.
+Result<void> may_start(const Mission& mission, const PageUser& user) {
+  const Role needed = control::role_for(control::Verb::RunScripts);
+  if (user.role >= needed || !mission::has_scripts(mission)) return {};
+  return fail(ErrorCode::PermissionDenied,
+              "this browser may only " + std::string(to_string(user.role)) +
+                  "; the mission has Python, which runs as the user of the studio: that needs the role " +
+                  std::string(to_string(needed)));
+}
+
 }  // namespace
 
 std::optional<MissionMode> mission_mode_named(std::string_view name) {
@@ -88,7 +99,7 @@ std::optional<MissionMode> mission_mode_named(std::string_view name) {
   return static_cast<MissionMode>(found - kModeNames.begin());
 }
 
-Result<Value> MissionStarts::form(const Command& command, const std::string& /*who*/) {
+Result<Value> MissionStarts::form(const Command& command, const PageUser& /*user*/) {
   const auto startable = load(files_, command);
   if (!startable) return startable.error();
   Value::List inputs;
@@ -102,7 +113,7 @@ Result<Value> MissionStarts::form(const Command& command, const std::string& /*w
                      {"needs_robot", mission::needs_robot(startable->mission)}});
 }
 
-Result<Value> MissionStarts::start(const Command& command, const std::string& who) {
+Result<Value> MissionStarts::start(const Command& command, const PageUser& user) {
   if (!run_) return fail(ErrorCode::Unsupported, "this studio starts no missions");
   MissionOrder order;
   const auto mode = command.text_or("mode", "sequential");
@@ -120,13 +131,14 @@ Result<Value> MissionStarts::start(const Command& command, const std::string& wh
   if (!deadline) return deadline.error();
   const auto startable = load(files_, command);
   if (!startable) return startable.error();
+  if (auto allowed = may_start(startable->mission, user); !allowed) return allowed.error();
   auto inputs = inputs_of(command, startable->root());
   if (!inputs) return inputs.error();
   if (!inputs->problems.empty()) return Value::map({{"problems", std::move(inputs->problems)}});
   order.file = startable->file;
   order.inputs = std::move(inputs->values);
   order.mode = *named;
-  order.who = who;
+  order.who = user.who;
   auto run = run_(order, *deadline);
   return run ? Result<Value>(Value::map({{"run", std::move(*run)}})) : Result<Value>(run.error());
 }

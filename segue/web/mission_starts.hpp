@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
+#include <segue/rpc/peer.hpp>
 #include <segue/type/value.hpp>
 #include <segue/web/command.hpp>
 #include <segue/web/files_verbs.hpp>
@@ -37,6 +38,12 @@ struct MissionOrder {
 /// ended. Called by any thread; blocks until `deadline` at most.
 using RunMission = std::function<Result<type::Value>(const MissionOrder& order, TimePoint deadline)>;
 
+/// Who asks for something, and what they may do.
+struct PageUser {
+  std::string who;
+  control::Role role = control::Role::Observe;
+};
+
 /// Carries out the requests of pages to start missions: those among the files of the robot that `segue
 /// mission check` has no errors for. Functions block and may be called from any thread.
 class MissionStarts {
@@ -45,11 +52,13 @@ class MissionStarts {
 
   /// path -> {"mission", "description", "inputs" (a list of {"name", "type", "default"}), "needs_robot"}: of
   /// a mission that can be started. InvalidArgument where it cannot, with its errors.
-  Result<type::Value> form(const Command& command, const std::string& who);
+  Result<type::Value> form(const Command& command, const PageUser& user);
   /// path, inputs (texts in YAML by name; of an input of type text as they are; an input that is left out has
   /// its default), mode, simulate, steps_back -> {"problems" (by input: why it does not take its text)} where
   /// nothing was started; {"run"}: what RunMission answers.
-  Result<type::Value> start(const Command& command, const std::string& who);
+  /// PermissionDenied for a mission with Python to who may not run that as the user of the studio
+  /// (Verb::RunScripts).
+  Result<type::Value> start(const Command& command, const PageUser& user);
 
  private:
   FileVerbs& files_;

@@ -62,6 +62,16 @@ TEST_F(MissionStartsTest, AFormHasTheInputsOfTheMission) {
            {"needs_robot", false}}));
 }
 
+TEST_F(MissionStartsTest, PythonNeedsAnAdministrator) {
+  write("fetch.yaml",
+        "mission: fetch\nactions: {look: {run: {python: {text: 'def execute(self, inputs, outputs, gvm): "
+        "return 0'}}}}\n"
+        "start: look\nstates: {look: {action: look, on: {success: return success}}}\n");
+  EXPECT_EQ(error("start_mission", asked(Value::map({}))), "permission-denied");
+  EXPECT_TRUE(orders_.empty());
+  EXPECT_EQ(result("start_mission", asked(Value::map({})), Role::Administer), Value::map({{"run", Value()}}));
+}
+
 TEST_F(MissionStartsTest, AMissionIsStartedWithTheValuesOfItsInputs) {
   const Value inputs = Value::map({{"what", "a: b"}, {"count", "3"}, {"limits", "[1, two]"}, {"speed", "2"}});
   type::ValueMap how;

@@ -199,7 +199,7 @@ Result<Value> ask_past(const Request& request) {
 
 using OfRobot = Result<Value> (*)(const Request&);
 using OfFiles = Result<Value> (FileVerbs::*)(const Command&);
-using OfMissions = Result<Value> (MissionStarts::*)(const Command&, const std::string& who);
+using OfMissions = Result<Value> (MissionStarts::*)(const Command&, const PageUser& user);
 
 struct VerbEntry {
   VerbForm form;
@@ -286,24 +286,25 @@ void Verbs::begin(Command command, Role role, const std::string& who, Answer ans
   }
   auto shared = std::make_shared<Answer>(std::move(answer));
   concurrent::ThreadPool& pool = entry->form.verb == Verb::Stop ? stops_ : pool_;
-  const bool accepted = pool.try_submit([this, command = std::move(command), who, shared, observes] {
-    const auto result = execute(command, who);
-    if (observes) --calls_of_observers_;
-    (*shared)(result);
-  });
+  const bool accepted =
+      pool.try_submit([this, command = std::move(command), user = PageUser{who, role}, shared, observes] {
+        const auto result = execute(command, user);
+        if (observes) --calls_of_observers_;
+        (*shared)(result);
+      });
   if (accepted) return;
   if (observes) --calls_of_observers_;
   (*shared)(fail(ErrorCode::ResourceExhausted, "too many calls are in progress; try again"));
 }
 
-Result<Value> Verbs::execute(const Command& command, const std::string& who) {
+Result<Value> Verbs::execute(const Command& command, const PageUser& user) {
   const VerbEntry& entry = *find_verb(command.verb());
   if (const auto* of_files = std::get_if<OfFiles>(&entry.execute)) return (files_.**of_files)(command);
   if (const auto* of_missions = std::get_if<OfMissions>(&entry.execute))
-    return (missions_.**of_missions)(command, who);
+    return (missions_.**of_missions)(command, user);
   const auto link = link_.get();
   if (!link) return link.error();
-  auto answer = std::get<OfRobot>(entry.execute)({*link->robot, command, who});
+  auto answer = std::get<OfRobot>(entry.execute)({*link->robot, command, user.who});
   if (!answer) link_.failed(link->generation, answer.error());
   return answer;
 }

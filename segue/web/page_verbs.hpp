@@ -57,7 +57,7 @@ class Verbs {
   void begin(Command command, Role role, const std::string& who, Answer answer);
 
  private:
-  Result<type::Value> execute(const Command& command, const std::string& who);
+  Result<type::Value> execute(const Command& command, const PageUser& user);
 
   RobotLink& link_;
   FileVerbs files_;

@@ -44,8 +44,9 @@ std::string in_schema(std::string_view verb) {
   return name;
 }
 
+/// Of files, which only pages ask.
 bool is_of_files(control::Verb verb) {
-  return verb == control::Verb::LookAtFiles || verb == control::Verb::ChangeFiles;
+  return verb >= control::Verb::LookAtFiles;
 }
 
 /// Somebody else who uses the robot all the time, and must be served.
