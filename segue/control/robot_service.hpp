@@ -114,10 +114,10 @@ class RobotService {
   /// that its state is "stopping")}, and in "happened" what the robot's journal shall have: {"sent_ns" (the
   /// sender's time since 1970), "lost" (entries so far that it could not keep), "entries": a list of
   /// {"number" (from 1, rising), "time_ns", "kind" ("began", "asked", "ended"), "action" (none: the mission),
-  /// "iteration", "controller", "outcome", "error", "duration_ns", "mode" (of the mission)}}. In "units", what
-  /// becomes of the robot's units: {"run", "begun" (the counts by name when that run began; InvalidState where
-  /// others have changed one since), "changes": a list of {"execution", "units" (changes by name)}}; each
-  /// execution of a run counts once. A report of units only leaves the rest as it was reported before.
+  /// "iteration", "controller", "outcome", "error", "duration_ns", "mode" (of the mission)}}. In "units",
+  /// what becomes of the robot's units: {"run", "begun" (the counts by name when that run began; InvalidState
+  /// where others have changed one since), "changes": a list of {"execution", "units" (changes by name)}};
+  /// each execution of a run counts once. A report of units only leaves the rest as it was reported before.
   virtual Result<void> report(std::uint64_t lease, const type::Value& doing) = 0;
   /// The mission that commands the robot, or the last one that did; null where none has since the runtime
   /// began: {"run" (counts missions), "mission", "who", "state" ("running", "paused", "stopping", "ended"),
