@@ -125,8 +125,9 @@ std::string did_you_mean_or_list(std::string_view word, std::span<const std::str
   constexpr std::size_t kMostListed = 12;
   std::string similar = did_you_mean(word, candidates);
   if (!similar.empty() || candidates.empty()) return similar;
-  std::vector<std::string> names(candidates.begin(),
-                                 candidates.begin() + std::min(candidates.size(), kMostListed));
+  std::vector<std::string> names(
+      candidates.begin(),
+      candidates.begin() + static_cast<std::ptrdiff_t>(std::min(candidates.size(), kMostListed)));
   if (candidates.size() > kMostListed)
     names.push_back(std::to_string(candidates.size() - kMostListed) + " more");
   return "; " + std::string(has) + ' ' + listed(names);

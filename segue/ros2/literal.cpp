@@ -5,7 +5,6 @@
 #include <segue/base/trimmed.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <limits>
