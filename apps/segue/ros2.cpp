@@ -64,8 +64,8 @@ int list_interfaces(const Ros2Options& options, const Context& context) {
 std::string text_of(const ros2::MessageDefinition& message) {
   std::string text;
   for (const auto& constant : message.constants)
-    text += fmt::format("  {} {}={}\n", to_string(ros2::FieldType{.primitive = constant.type}), constant.name,
-                        type::describe(constant.value));
+    text +=
+        fmt::format("  {} {}={}\n", to_string(constant.type), constant.name, type::describe(constant.value));
   for (const auto& field : message.fields) {
     text += fmt::format("  {} {}", to_string(field.type), field.name);
     if (field.default_value) text += " " + type::describe(*field.default_value);
@@ -82,9 +82,8 @@ Value to_value(const ros2::MessageDefinition& message) {
                                  {"default", field.default_value.value_or(Value())}}));
   Value::List constants;
   for (const auto& constant : message.constants)
-    constants.push_back(Value::map({{"name", constant.name},
-                                    {"type", to_string(ros2::FieldType{.primitive = constant.type})},
-                                    {"value", constant.value}}));
+    constants.push_back(
+        Value::map({{"name", constant.name}, {"type", to_string(constant.type)}, {"value", constant.value}}));
   return Value::map(
       {{"name", message.name}, {"fields", std::move(fields)}, {"constants", std::move(constants)}});
 }

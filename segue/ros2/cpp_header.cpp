@@ -2,6 +2,7 @@
 #include <segue/ros2/cpp_header.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/ros2/interface_names.hpp>
 #include <segue/ros2/message_type.hpp>
 #include <segue/type/json.hpp>
 
@@ -47,23 +48,10 @@ std::string qualified(std::string_view message) {
 }
 
 std::string item_type(const FieldType& type) {
-  switch (type.primitive) {
-    case Primitive::Nested:
-      return qualified(type.nested);
-    case Primitive::Bool:
-      return "bool";
-    case Primitive::Byte:
-      return "std::uint8_t";
-    case Primitive::Float32:
-      return "float";
-    case Primitive::Float64:
-      return "double";
-    case Primitive::String:
-    case Primitive::BoundedString:
-      return "std::string";
-    default:
-      return "std::" + to_string(FieldType{.primitive = type.primitive}) + "_t";
-  }
+  if (type.primitive == Primitive::Nested) return qualified(type.nested);
+  const std::string_view name = port_type(type.primitive).substr(1);
+  if (name == "std/string") return "std::string";
+  return (name.ends_with("_t") ? "std::" : "") + std::string(name);
 }
 
 std::string member_type(const FieldType& type) {

@@ -22,31 +22,30 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-constexpr std::array<std::pair<std::string_view, Primitive>, 15> kPrimitives{
-    {{"bool", Primitive::Bool},
-     {"byte", Primitive::Byte},
-     {"char", Primitive::Uint8},
-     {"float32", Primitive::Float32},
-     {"float64", Primitive::Float64},
-     {"int8", Primitive::Int8},
-     {"uint8", Primitive::Uint8},
-     {"int16", Primitive::Int16},
-     {"uint16", Primitive::Uint16},
-     {"int32", Primitive::Int32},
-     {"uint32", Primitive::Uint32},
-     {"int64", Primitive::Int64},
-     {"uint64", Primitive::Uint64},
-     {"string", Primitive::String},
-     {"wstring", Primitive::WString}}};
+struct PrimitiveNames {
+  Primitive primitive;
+  std::string_view in_files;
+  std::string_view of_ports;  ///< as of TypeRegistry; empty: there are no such ports
+};
 
-std::string_view name_of(Primitive primitive) {
-  if (primitive == Primitive::Uint8) return "uint8";
-  if (primitive == Primitive::BoundedString) return "string";
-  if (primitive == Primitive::BoundedWString) return "wstring";
-  const auto* const found =
-      std::ranges::find(kPrimitives, primitive, [](const auto& one) { return one.second; });
-  return found == kPrimitives.end() ? "" : found->first;
-}
+/// Of two names in files for the same, the first is written.
+constexpr std::array<PrimitiveNames, 17> kPrimitives{{{Primitive::Bool, "bool", "/bool"},
+                                                      {Primitive::Byte, "byte", "/uint8_t"},
+                                                      {Primitive::Float32, "float32", "/float"},
+                                                      {Primitive::Float64, "float64", "/double"},
+                                                      {Primitive::Int8, "int8", "/int8_t"},
+                                                      {Primitive::Uint8, "uint8", "/uint8_t"},
+                                                      {Primitive::Uint8, "char", "/uint8_t"},
+                                                      {Primitive::Int16, "int16", "/int16_t"},
+                                                      {Primitive::Uint16, "uint16", "/uint16_t"},
+                                                      {Primitive::Int32, "int32", "/int32_t"},
+                                                      {Primitive::Uint32, "uint32", "/uint32_t"},
+                                                      {Primitive::Int64, "int64", "/int64_t"},
+                                                      {Primitive::Uint64, "uint64", "/uint64_t"},
+                                                      {Primitive::String, "string", "/std/string"},
+                                                      {Primitive::WString, "wstring", ""},
+                                                      {Primitive::BoundedString, "string", "/std/string"},
+                                                      {Primitive::BoundedWString, "wstring", ""}}};
 
 }  // namespace
 
@@ -68,8 +67,18 @@ bool is_constant_name(std::string_view name) {
 }
 
 std::optional<Primitive> primitive_named(std::string_view name) {
-  const auto* const found = std::ranges::find(kPrimitives, name, [](const auto& one) { return one.first; });
-  return found == kPrimitives.end() ? std::nullopt : std::optional(found->second);
+  const auto* const found = std::ranges::find(kPrimitives, name, &PrimitiveNames::in_files);
+  return found == kPrimitives.end() ? std::nullopt : std::optional(found->primitive);
+}
+
+std::string_view port_type(Primitive primitive) {
+  const auto* const found = std::ranges::find(kPrimitives, primitive, &PrimitiveNames::primitive);
+  return found == kPrimitives.end() ? "" : found->of_ports;
+}
+
+std::string_view to_string(Primitive primitive) {
+  const auto* const found = std::ranges::find(kPrimitives, primitive, &PrimitiveNames::primitive);
+  return found == kPrimitives.end() ? "" : found->in_files;
 }
 
 Result<InterfaceName> parse_interface_name(std::string_view text) {
@@ -94,7 +103,8 @@ std::string to_string(const InterfaceName& name) {
 }
 
 std::string to_string(const FieldType& type) {
-  std::string text = type.primitive == Primitive::Nested ? type.nested : std::string(name_of(type.primitive));
+  std::string text =
+      type.primitive == Primitive::Nested ? type.nested : std::string(to_string(type.primitive));
   if (type.string_capacity > 0) text += "<=" + std::to_string(type.string_capacity);
   switch (type.multiplicity) {
     case Multiplicity::Single:

@@ -81,6 +81,8 @@ struct InterfaceName {
 /// such a name.
 Result<InterfaceName> parse_interface_name(std::string_view text);
 std::string to_string(const InterfaceName& name);
+/// "uint8"; of a bounded string "string", of Nested "".
+std::string_view to_string(Primitive primitive);
 /// "uint8", "string<=10", "geometry_msgs/msg/Point[]", "float64[36]"
 std::string to_string(const FieldType& type);
 

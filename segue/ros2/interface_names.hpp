@@ -17,5 +17,7 @@ bool is_message_name(std::string_view name);
 bool is_constant_name(std::string_view name);
 /// "float64"; nothing for all other names. "char" is a uint8, as in rosidl.
 std::optional<Primitive> primitive_named(std::string_view name);
+/// The name of the type of ports with such an item, "/uint8_t"; empty for Nested and wide strings.
+std::string_view port_type(Primitive primitive);
 
 }  // namespace segue::ros2

@@ -2,6 +2,7 @@
 #include <segue/ros2/message_type.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/ros2/interface_names.hpp>
 #include <segue/type/memory_layout.hpp>
 
 #include <utility>
@@ -10,42 +11,9 @@ namespace segue::ros2 {
 
 namespace {
 
-std::string_view item_name(Primitive primitive) {
-  switch (primitive) {
-    case Primitive::Bool:
-      return "/bool";
-    case Primitive::Int8:
-      return "/int8_t";
-    case Primitive::Byte:
-    case Primitive::Uint8:
-      return "/uint8_t";
-    case Primitive::Int16:
-      return "/int16_t";
-    case Primitive::Uint16:
-      return "/uint16_t";
-    case Primitive::Int32:
-      return "/int32_t";
-    case Primitive::Uint32:
-      return "/uint32_t";
-    case Primitive::Int64:
-      return "/int64_t";
-    case Primitive::Uint64:
-      return "/uint64_t";
-    case Primitive::Float32:
-      return "/float";
-    case Primitive::Float64:
-      return "/double";
-    case Primitive::String:
-    case Primitive::BoundedString:
-      return "/std/string";
-    default:
-      return {};
-  }
-}
-
 std::string field_type_name(const FieldType& field) {
   const std::string item = field.primitive == Primitive::Nested ? type_name(field.nested)
-                                                                : std::string(item_name(field.primitive));
+                                                                : std::string(port_type(field.primitive));
   switch (field.multiplicity) {
     case Multiplicity::Single:
       return item;
@@ -84,7 +52,7 @@ class Types {
   Result<const type::Type*> type_of(const FieldDefinition& field, const std::string& message) {
     if (field.type.primitive == Primitive::Nested) {
       if (auto added = add(field.type.nested); !added) return added;
-    } else if (item_name(field.type.primitive).empty()) {
+    } else if (port_type(field.type.primitive).empty()) {
       return fail(ErrorCode::Unsupported, "field " + quote(field.name) + " of " + message +
                                               " is a wstring, which " +
                                               "ROS 2's middlewares encode in different ways");
