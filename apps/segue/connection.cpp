@@ -133,4 +133,15 @@ Result<Address> resolve(control::RobotService& robot, std::string_view text, std
   return unknown_task(*status, std::string(text.substr(0, text.find('.'))), names);
 }
 
+std::vector<std::string> port_names(const type::Value& task, std::string_view direction) {
+  std::vector<std::string> names;
+  for (const type::Value& port : list_at(task, "ports")) {
+    const auto* pattern = port.find("pattern");
+    const bool is_family = pattern != nullptr && pattern->as_bool();
+    if (!is_family && printable_at(port, "direction") == direction)
+      names.push_back(printable_at(port, "name"));
+  }
+  return names;
+}
+
 }  // namespace segue::cli

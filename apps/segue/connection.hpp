@@ -55,4 +55,8 @@ inline TimePoint deadline_in(Duration duration) {
   return RealClock::instance().now() + duration;
 }
 
+/// The names of a task's ports ("input" or "output"), without families of dynamic ports. `task`: as of
+/// RobotService::task().
+std::vector<std::string> port_names(const type::Value& task, std::string_view direction);
+
 }  // namespace segue::cli

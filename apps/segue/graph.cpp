@@ -88,13 +88,7 @@ void find_unwritten(control::RobotService& robot, TaskGraph& graph) {
   for (TaskGraph::Task& task : graph.tasks) {
     const auto details = robot.task(task.id);
     if (!details) continue;
-    std::vector<std::string> inputs;
-    for (const Value& port : list_at(*details, "ports")) {
-      const auto* pattern = port.find("pattern");
-      const bool is_port = pattern == nullptr || !pattern->as_bool();
-      if (is_port && printable_at(port, "direction") == "input") inputs.push_back(printable_at(port, "name"));
-    }
-    note_unwritten(inputs, graph, task);
+    note_unwritten(port_names(*details, "input"), graph, task);
   }
 }
 

@@ -65,11 +65,8 @@ Result<std::vector<Address>> ports_of(control::RobotService& robot, const std::s
   const auto task = robot.task(name);
   if (!task) return task.error();
   std::vector<Address> ports;
-  for (const Value& port : list_at(*task, "ports")) {
-    const auto* pattern = port.find("pattern");
-    const bool is_port = pattern == nullptr || !pattern->as_bool();
-    if (is_port && printable_at(port, "direction") == "output" && printable_at(port, "name") != "state")
-      ports.push_back({name, printable_at(port, "name")});
+  for (const std::string& port : port_names(*task, "output")) {
+    if (port != "state") ports.push_back({name, port});
   }
   if (ports.empty()) return fail(ErrorCode::NotFound, "has no output ports", name);
   return ports;
