@@ -72,9 +72,9 @@ async function seeEdited(page, file, start) {
   await legible(page, 'edit ' + file, { shown: ['start:', ...start] });
 }
 
-/** A mission that is held before one of its states. */
-async function seeHeld(page, file, state) {
-  const mission = await stage.start(['mission', 'run', join(examples, file), '--break', state], /held before/);
+/** A mission that is held before one of its states, and before `beside`, which runs at the same time and could end it. */
+async function seeHeld(page, file, state, beside) {
+  const mission = await stage.start(['mission', 'run', join(examples, file), '--break', state, '--break', beside], /held before/);
   await page.getByRole('link', { name: 'Missions' }).click();
   await legible(page, 'mission ' + file, { least: 2, shown: ['state:' + state] });
   await page.getByRole('button', { name: 'open all' }).click();
@@ -115,11 +115,11 @@ async function seeRover() {
   await inStudio('08_rover/robot.yaml', 'explore', async (page) => {
     await seeRobot(page, 'rover', 'grasp', { least: 16 });
     await seeEdited(page, 'fetch_box.yaml', ['state:guarded/watch']);
-    await seeHeld(page, '08_rover/fetch_box.yaml', 'guarded/watch');
+    await seeHeld(page, '08_rover/fetch_box.yaml', 'guarded/watch', 'guarded/work');
   });
   await inStudio('08_rover/table_robot.yaml', '', async (page) => {
     await seeEdited(page, 'clear_table.yaml', []);
-    await seeHeld(page, '08_rover/clear_table.yaml', 'guarded/watch');
+    await seeHeld(page, '08_rover/clear_table.yaml', 'guarded/watch', 'guarded/work');
   });
 }
 
