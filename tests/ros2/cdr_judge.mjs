@@ -2,8 +2,8 @@
 //
 // Compares how Segue encodes messages of ROS 2 as CDR with how the npm packages @foxglove/rosmsg2-serialization and @foxglove/cdr do,
 // which read the definitions with @foxglove/rosmsg: all messages of the interfaces that are built in, and random ones, with random
-// values. Both must write the same bytes and read them as the same values, to the last bit; Segue reads both byte orders. Wide strings
-// are not judged, because both refuse them.
+// values. Both must write the same bytes and read them as the same values, to the last bit; Segue reads both byte orders, and knows
+// where a value exceeds bounds. Wide strings are not judged, because both refuse them.
 //
 //   cdr_judge.mjs PACKAGES PIPE INTERFACES [SEEDS [FIRST_SEED]]
 //
@@ -95,17 +95,24 @@ function writeFields(definitions, fields, value, writer) {
 
 const hex = (bytes) => Buffer.from(bytes).toString("hex");
 
+/** As it comes from a middleware that fills messages up to a multiple of four bytes, and tells by how many in the header. */
+function padded(message) {
+  const filled = (4 - ((message.length / 2) % 4)) % 4;
+  return `0001000${filled}${message.slice(8)}${"00".repeat(filled)}`;
+}
+
 /** A message with a random value, as the judge encodes it and as Segue is asked for it. */
 function makeCase(choice, definitions, message) {
   const name = `${message.package}/${message.name}`;
   const fields = definitions.fieldsOf(name);
+  choice.exceeded = false;
   const value = randomValue(choice, fields, definitions.fieldsOf);
   const little = hex(new MessageWriter(definitions.from(name)).writeMessage(value));
   const big = hex(writeFields(definitions, fields, value, new CdrWriter({ kind: EncapsulationKind.CDR_BE })).data);
   const texts = asTexts(definitions, fields, value);
-  const request = { type: `${message.package}/${message.kind}/${message.name}`, value: texts, messages: [little, big] };
+  const request = { type: `${message.package}/${message.kind}/${message.name}`, value: texts, messages: [little, big, padded(little)] };
   const read = (bytes) => asTexts(definitions, fields, new MessageReader(definitions.from(name)).readMessage(Buffer.from(bytes, "hex")));
-  return { message, value, little, texts: JSON.stringify(texts), request, read };
+  return { message, value, exceeded: choice.exceeded, little, texts: JSON.stringify(texts), request, read };
 }
 
 function asPackagesRead({ read }, bytes) {
@@ -118,14 +125,16 @@ function asPackagesRead({ read }, bytes) {
 
 /** In what Segue's answer differs; nothing where it does not. */
 function difference(asked, answer) {
-  const { little, texts } = asked;
+  const { little, texts, exceeded } = asked;
   if (answer.error) return `Segue: ${answer.error}`;
   const theirs = asPackagesRead(asked, answer.written);
   if (theirs !== texts) return `what Segue writes,\n  ${answer.written}\nthe packages read as\n  ${theirs}`;
   if (answer.written !== little) return `Segue writes other bytes:\n  ${answer.written}`;
-  for (const [order, { value, relayed }] of [["little", answer.read[0]], ["big", answer.read[1]]]) {
-    if (JSON.stringify(value) !== texts) return `Segue reads another value from ${order} endian:\n  ${JSON.stringify(value)}`;
-    if (relayed !== little) return `shared memory makes other bytes of ${order} endian:\n  ${relayed}`;
+  for (const [i, { value, relayed, bounds }] of answer.read.entries()) {
+    const which = ["little endian", "big endian", "a filled message"][i];
+    if (JSON.stringify(value) !== texts) return `Segue reads another value of ${which}:\n  ${JSON.stringify(value)}`;
+    if (relayed !== little) return `shared memory makes other bytes of ${which}:\n  ${relayed}`;
+    if ((bounds !== "") !== exceeded) return `bounds are ${exceeded ? "" : "not "}exceeded, but Segue says of ${which}: '${bounds}'`;
   }
   return "";
 }
@@ -155,7 +164,10 @@ function run(seed) {
     const cases = [...builtIn, ...random].map((message) => makeCase(choice, definitions, message));
     const answers = ask(cases, folder);
     const wrong = cases.map((one, i) => ({ ...one, why: difference(one, answers[i]) })).filter(({ why }) => why !== "");
-    return { wrong, builtIn: builtIn.length, random: random.length, bytes: cases.reduce((sum, { little }) => sum + little.length / 2, 0) };
+    const bytes = cases.reduce((sum, { little }) => sum + little.length / 2, 0);
+    const exceed = cases.filter(({ exceeded }) => exceeded).length;
+    const compared = `${builtIn.length} messages of built-in interfaces and ${random.length} random ones, ${bytes} bytes`;
+    return { wrong, compared: `${compared}; ${exceed} exceed bounds` };
   } finally {
     fs.rmSync(folder, { recursive: true });
   }
@@ -167,8 +179,8 @@ function show({ message, value, little, why }, seed) {
 }
 
 for (let seed = Number(firstSeed); seed < Number(firstSeed) + Number(seeds); ++seed) {
-  const { wrong, builtIn, random, bytes } = run(seed);
+  const { wrong, compared } = run(seed);
   for (const one of wrong.slice(0, 3)) show(one, seed);
-  console.log(`seed ${seed}: ${builtIn} messages of built-in interfaces and ${random} random ones, ${bytes} bytes; ${wrong.length} differ`);
+  console.log(`seed ${seed}: ${compared}; ${wrong.length} differ`);
   if (wrong.length > 0) process.exitCode = 1;
 }

@@ -4,11 +4,14 @@
 // out.
 //   cdr_pipe [FOLDER...]   folders with interface packages, besides those that are built in
 // In:  {"type": "std_msgs/msg/Float32", "value": {"data": "..."}, "messages": ["00010000...", ...]}
-// Out: {"written": "00010000...", "read": [{"value": {"data": "..."}, "relayed": "00010000..."}, ...]}
-//      "written" is the value as CDR; of each message "read" has its value, and what becomes of it on its way
-//      through shared memory to another host. {"error": "..."} where something is refused.
+// Out: {"written": "00010000...", "read": [{"value": {"data": "..."}, "relayed": "00010000...", "bounds":
+// ""}, ...]}
+//      "written" is the value as CDR; of each message "read" has its value, what becomes of it on its way
+//      through shared memory to another host, and which bound it does not keep. {"error": "..."} where
+//      something is refused.
 // Numbers are decimal texts and floating point numbers those of the bits of a double, since JSON has neither
 // NaN nor -0, and JavaScript reads no integers of 64 bits.
+#include <segue/ros2/message_bounds.hpp>
 #include <segue/ros2/message_type.hpp>
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
@@ -133,14 +136,15 @@ Result<std::string> relayed(const TypeInfo& info, const Bytes& message) {
   return hex_of(bytes);
 }
 
-Result<Value> read(const TypeInfo& info, const Bytes& message) {
+Result<Value> read(const TypeInfo& info, const ros2::MessageBounds& bounds, const Bytes& message) {
   const Object object = make_object(info);
   if (!type::read_cdr(info, object.get(), message))
     return fail(ErrorCode::Internal, "read_cdr() refused the message");
   auto again = relayed(info, message);
   if (!again) return again.error();
-  return Value::map(
-      {{"value", to_texts(info.to_value(object.get()), *info.type)}, {"relayed", *std::move(again)}});
+  return Value::map({{"value", to_texts(info.to_value(object.get()), *info.type)},
+                     {"relayed", *std::move(again)},
+                     {"bounds", bounds.broken_by(message)}});
 }
 
 class Pipe {
@@ -150,15 +154,18 @@ class Pipe {
   Result<Value> answer(const std::string& line) {
     const auto request = type::parse_json(line);
     if (!request) return request.error();
-    const auto type = ros2::message_type(library_, request->find("type")->as_string(), registry_);
+    const std::string& name = request->find("type")->as_string();
+    const auto type = ros2::message_type(library_, name, registry_);
     if (!type) return type.error();
+    const auto bounds = ros2::MessageBounds::of(library_, name);
+    if (!bounds) return bounds.error();
     const auto info = type::make_type_info(**type);
     if (!info) return info.error();
     auto own = written(**info, from_texts(*request->find("value"), **type));
     if (!own) return own.error();
     Value::List values;
     for (const Value& message : request->find("messages")->as_list()) {
-      auto value = read(**info, bytes_of(message.as_string()));
+      auto value = read(**info, *bounds, bytes_of(message.as_string()));
       if (!value) return value.error();
       values.push_back(*std::move(value));
     }

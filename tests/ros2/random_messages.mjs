@@ -9,13 +9,15 @@ const LETTERS = ["a", "Z", "0", " ", "\n", "\t", '"', "'", "\\", "\u0001", "\u00
 /** xorshift of 32 bits. */
 export class Choice {
   #state;
+  /** Whether a text or sequence has been made that is longer than its bound. */
+  exceeded = false;
 
   constructor(seed) {
     this.#state = (seed * 2654435761) >>> 0 || 1;
     for (let i = 0; i < 8; ++i) this.below(2);
   }
 
-  /** A whole number from 0 to below `end`, which is at most 2^32. */
+  /** An integer from 0 to below `end`, which is at most 2^32. */
   below(end) {
     this.#state ^= this.#state << 13;
     this.#state ^= this.#state >>> 17;
@@ -30,6 +32,14 @@ export class Choice {
   /** True once in `rounds`. */
   once(rounds) {
     return this.below(rounds) === 0;
+  }
+
+  /** That length, but at most `bound`; seldom one more than that. */
+  within(bound, length) {
+    if (bound === undefined) return length;
+    if (!this.once(60)) return Math.min(length, bound);
+    this.exceeded = true;
+    return bound + 1;
   }
 }
 
@@ -48,27 +58,23 @@ function real(choice, type) {
   return type === "float32" ? Math.fround(value) : value;
 }
 
-function text(choice, most) {
-  let result = "";
-  for (let letters = choice.below(choice.once(10) ? 300 : 12); letters > 0; --letters) {
-    const next = result + choice.of(LETTERS);
-    if (Buffer.byteLength(next) > most) break;
-    result = next;
-  }
-  return result;
+function text(choice, bound) {
+  const letters = Array.from({ length: choice.below(choice.once(10) ? 300 : 12) }, () => choice.of(LETTERS));
+  const bytes = choice.within(bound, Buffer.byteLength(letters.join("")));
+  while (Buffer.byteLength(letters.join("")) > bytes) letters.pop();
+  return letters.join("") + "+".repeat(bytes - Buffer.byteLength(letters.join("")));
 }
 
 function scalar(choice, field) {
   if (field.type === "bool") return choice.once(2);
-  if (field.type === "string") return text(choice, field.upperBound ?? Infinity);
+  if (field.type === "string") return text(choice, field.upperBound);
   return field.type.startsWith("float") ? real(choice, field.type) : integer(choice, field.type);
 }
 
 function howMany(choice, field, depth) {
   if (field.arrayLength !== undefined) return field.arrayLength;
-  if (choice.once(4)) return 0;
   const long = depth === 0 && !field.isComplex && choice.once(6);
-  return Math.min(choice.below(long ? 2000 : depth < 3 ? 5 : 2), field.arrayUpperBound ?? Infinity);
+  return choice.within(field.arrayUpperBound, choice.once(4) ? 0 : choice.below(long ? 2000 : depth < 3 ? 5 : 2));
 }
 
 /** A value of a message: of each of its fields. `fieldsOf`: the fields of a message by its name. */
