@@ -33,16 +33,17 @@ class MessageBoundsTest : public ::testing::Test {
   }
 
   std::vector<std::byte> cdr_of(const std::string& message, const Value& value) {
-    const auto type = message_type(library_, message, registry_);
-    EXPECT_TRUE(type);
-    const type::TypeInfo& info = **type::make_type_info(**type);
-    const auto memory = std::make_unique<std::byte[]>(info.size);
-    info.construct(memory.get());
-    EXPECT_TRUE(info.from_value(memory.get(), value, ""));
-    std::vector<std::byte> bytes(type::cdr_size(info, memory.get()));
-    EXPECT_TRUE(type::write_cdr(info, memory.get(), bytes));
-    info.destroy(memory.get());
+    const type::TypeInfo& info = info_of(message);
+    const auto object = object_of(info);
+    EXPECT_TRUE(info.from_value(object.get(), value, ""));
+    std::vector<std::byte> bytes(type::cdr_size(info, object.get()));
+    EXPECT_TRUE(type::write_cdr(info, object.get(), bytes));
     return bytes;
+  }
+
+  bool is_read(const std::string& message, const std::vector<std::byte>& bytes) {
+    const type::TypeInfo& info = info_of(message);
+    return type::read_cdr(info, object_of(info).get(), bytes);
   }
 
   /// A message Labels with so many values and those labels.
@@ -62,6 +63,21 @@ class MessageBoundsTest : public ::testing::Test {
   }
 
  private:
+  const type::TypeInfo& info_of(const std::string& message) {
+    const auto type = message_type(library_, message, registry_);
+    EXPECT_TRUE(type);
+    return **type::make_type_info(**type);
+  }
+
+  static std::shared_ptr<std::byte[]> object_of(const type::TypeInfo& info) {
+    const std::shared_ptr<std::byte[]> object(new std::byte[info.size], [&info](std::byte* memory) {
+      info.destroy(memory);
+      delete[] memory;
+    });
+    info.construct(object.get());
+    return object;
+  }
+
   testing::TemporaryFiles folder_;
   InterfaceLibrary library_{{folder_.folder()}};
   type::TypeRegistry registry_;
@@ -94,6 +110,21 @@ TEST_F(MessageBoundsTest, AreNotKeptByAMessageThatEndsTooEarly) {
     const std::span<const std::byte> beginning = std::span(message).first(size);
     EXPECT_FALSE(bounds.kept_by(beginning)) << size;
     EXPECT_THAT(bounds.broken_by(beginning), ::testing::EndsWith(": the message ends too early"));
+  }
+}
+
+TEST_F(MessageBoundsTest, AreLookedForInAnyBytes) {
+  const MessageBounds bounds = bounds_of("bounds_msgs/msg/Labels");
+  const std::vector<std::byte> message = labels_of(2, {"abc", "ab"});
+  for (std::size_t i = 1; i < message.size(); ++i) {
+    for (const int value : {0, 1, 3, 127, 255}) {
+      std::vector<std::byte> changed = message;
+      changed[i] = static_cast<std::byte>(value);
+      const std::string why = bounds.broken_by(changed);
+      EXPECT_EQ(bounds.kept_by(changed), why.empty());
+      const bool too_short = why.find("ends too early") != std::string::npos;
+      EXPECT_FALSE(too_short && is_read("bounds_msgs/msg/Labels", changed)) << i << ": " << value;
+    }
   }
 }
 
