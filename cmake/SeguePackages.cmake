@@ -1,5 +1,5 @@
 # The Debian packages of `make package`. Which package a file belongs to is said by the COMPONENT of its install rule: runtime,
-# dev, components, studio, examples. Included last: what is installed here is made by the installed command.
+# dev, components, ros2, studio, examples. Included last: what is installed here is made by the installed command.
 set(packaging ${CMAKE_SOURCE_DIR}/packaging)
 
 # Manual pages, and completion where each shell looks for it.
@@ -29,7 +29,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_PRE_BUILD_SCRIPTS ${packaging}/finish_tree.cmake)
-set(CPACK_COMPONENTS_ALL runtime dev components examples)
+set(CPACK_COMPONENTS_ALL runtime dev components ros2 examples)
 # Variables of finish_tree.cmake; CPack passes on what begins with CPACK_ only, unless it stands in a file of the project's.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/PackageProject.cmake @ONLY CONTENT [[
 set(SEGUE_PACKAGING "@packaging@")
@@ -71,6 +71,10 @@ segue_package(components segue-components "components of robots for Segue"
   "This package has components to begin with: navigation, manipulation, planning,
 a simulated rover, connections between computers, and those of the robot that
 segue init makes."
+  PACKAGE_DEPENDS "segue ${same}")
+segue_package(ros2 segue-ros2 "topics of ROS 2 as tasks of Segue"
+  "This package has components that publish and subscribe to topics of ROS 2. An
+installation of ROS 2 is not needed."
   PACKAGE_DEPENDS "segue ${same}")
 segue_package(examples segue-examples "examples of robots, components and missions for Segue"
   "This package has robots and programs to read and to try, each explained."

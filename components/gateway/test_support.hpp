@@ -4,14 +4,12 @@
 #include "participant.hpp"
 #include "types.hpp"
 
-#include <segue/base/clock.hpp>
 #include <segue/sample_link/local.hpp>
 #include <segue/task/component.hpp>
-#include <segue/task/component_registry.hpp>
-#include <segue/task/task.hpp>
 
 #include <support/cyclone_suppressions.hpp>
 #include <support/eventually.hpp>
+#include <support/running_task.hpp>
 
 #include <unistd.h>
 
@@ -19,13 +17,10 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #ifdef SEGUE_SANITIZER_THREAD
@@ -126,12 +121,9 @@ SEGUE_TYPE(Pose, number, x, valid)
 SEGUE_TYPE(Cloud, number, bytes, rings, poses, texts, bits, remark, two)
 
 using segue::testing::eventually;  // for what happens in threads of Cyclone and in other processes
+using segue::testing::soon;
 using segue::type::Value;
 using segue::type::ValueMap;
-
-inline segue::TimePoint soon() {
-  return segue::RealClock::instance().now() + std::chrono::seconds(60);
-}
 
 /// Programs that run at the same time rarely share a domain, and never a topic.
 inline std::int32_t own_domain() {
@@ -162,40 +154,16 @@ std::string name_of() {
 }
 
 /// A link task.
-class Running {
+class Running final : public segue::testing::RunningTask {
  public:
-  explicit Running(const std::string& component) {
-    auto made = segue::task::find_component(component)->create();
-    auto task = segue::task::Task::create(component, std::move(*made));
-    if (!task) std::abort();
-    task_ = std::move(*task);
-  }
-  Running(const std::string& component, const ValueMap& values) : Running(component) {
-    for (const auto& done : {configure(values), task_->start(soon())}) {
-      if (!done) std::fprintf(stderr, "%s\n", segue::to_string(done.error()).c_str());
-    }
-  }
+  using RunningTask::RunningTask;
+  Running(const std::string& component, const ValueMap& values) : RunningTask(component) { run(values); }
 
-  segue::Result<void> configure(const ValueMap& values) {
-    if (auto set = task_->set_properties(values, soon()); !set) return set;
-    return task_->configure(soon());
-  }
-  segue::task::Task& task() { return *task_; }
-  segue::task::InputPortBase& in() { return *task_->component().find_input("in"); }
-  segue::task::OutputPortBase& out() { return *task_->component().find_output("out"); }
-
-  std::uint64_t count(const std::string& counter) {
-    const auto all = task_->call("statistics", {}, soon());
-    return all ? static_cast<std::uint64_t>(all->find(counter)->as_int()) : ~std::uint64_t{0};
-  }
   bool has_matched(std::uint32_t wanted) {
     const auto found =
-        task_->call("wait_matched", Value::list({Value(std::int64_t{wanted}), Value(30'000)}), soon());
+        task().call("wait_matched", Value::list({Value(std::int64_t{wanted}), Value(30'000)}), soon());
     return found && found->as_int() >= wanted;
   }
-
- private:
-  std::unique_ptr<segue::task::Task> task_;
 };
 
 /// Writes to a Sender.

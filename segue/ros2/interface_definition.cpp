@@ -55,6 +55,12 @@ bool is_package_name(std::string_view name) {
          std::ranges::all_of(name, [](char c) { return is_lower(c) || is_digit(c) || c == '_'; });
 }
 
+bool is_topic_token(std::string_view name) {
+  return !name.empty() && !is_digit(name.front()) && std::ranges::all_of(name, [](char c) {
+    return is_upper(c) || is_lower(c) || is_digit(c) || c == '_';
+  });
+}
+
 bool is_message_name(std::string_view name) {
   return !name.empty() && is_upper(name.front()) &&
          std::ranges::all_of(name, [](char c) { return is_upper(c) || is_lower(c) || is_digit(c); });

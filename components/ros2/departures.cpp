@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "departures.hpp"
+
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace ros2 {
+namespace {
+
+namespace fast = eprosima::fastdds::rtps;
+using eprosima::fastrtps::rtps::Locator_t;
+using eprosima::fastrtps::rtps::octet;
+
+// DDSI-RTPS 2.3, 9.4.5: a message is a header and submessages, each with an id, flags, and its length.
+constexpr std::size_t kMessageHeader = 20;
+constexpr std::size_t kSubmessageHeader = 4;
+constexpr std::byte kData{0x15};
+constexpr std::byte kLittleEndian{0x01};
+constexpr std::byte kHasData{0x04};
+constexpr std::byte kHasKey{0x08};
+constexpr std::size_t kWriterId = 8;  // in the body of DATA
+/// The writers that tell of participants, publishers and subscriptions.
+constexpr std::array<std::uint32_t, 3> kDiscoveryWriters = {0x000100c2, 0x000003c2, 0x000004c2};
+
+struct Submessage {
+  std::size_t begin = 0;  ///< of its header
+  std::size_t size = 0;   ///< of its body
+};
+
+std::uint32_t number(std::span<const std::byte> bytes) {
+  std::uint32_t value = 0;
+  for (const std::byte one : bytes)
+    value = value << 8U | std::to_integer<std::uint32_t>(one);
+  return value;
+}
+
+/// Nothing where there is none, or where it is not whole.
+std::optional<Submessage> submessage_at(std::span<const std::byte> message, std::size_t begin) {
+  if (begin + kSubmessageHeader > message.size()) return {};
+  const bool little = (message[begin + 1] & kLittleEndian) != std::byte{0};
+  const std::size_t low = std::to_integer<std::size_t>(message[begin + (little ? 2 : 3)]);
+  const std::size_t high = std::to_integer<std::size_t>(message[begin + (little ? 3 : 2)]);
+  const std::size_t rest = message.size() - begin - kSubmessageHeader;
+  std::size_t size = high << 8U | low;
+  if (size == 0 && message[begin] == kData) size = rest;  // the last one may leave it out
+  if (size > rest) return {};
+  return Submessage{begin, size};
+}
+
+bool is_departure(std::span<const std::byte> message, const Submessage& one) {
+  const std::byte flags = message[one.begin + 1];
+  if (message[one.begin] != kData || (flags & kHasKey) == std::byte{0} || one.size < kWriterId + 4)
+    return false;
+  const std::uint32_t writer = number(message.subspan(one.begin + kSubmessageHeader + kWriterId, 4));
+  return std::ranges::find(kDiscoveryWriters, writer) != kDiscoveryWriters.end();
+}
+
+class Descriptor final : public fast::ChainingTransportDescriptor {
+ public:
+  using ChainingTransportDescriptor::ChainingTransportDescriptor;
+  fast::TransportInterface* create_transport() const override;
+};
+
+/// Reads along between UDP and Fast DDS.
+class Transport final : public fast::ChainingTransport {
+ public:
+  explicit Transport(const Descriptor& descriptor) : ChainingTransport(descriptor), descriptor_(descriptor) {}
+
+  fast::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+  bool send(eprosima::fastrtps::rtps::SenderResource* resource, const octet* bytes, std::uint32_t size,
+            fast::LocatorsIterator* begin, fast::LocatorsIterator* end,
+            const std::chrono::steady_clock::time_point& timeout) override {
+    return resource->send(bytes, size, begin, end, timeout);
+  }
+  void receive(fast::TransportReceiverInterface* receiver, const octet* bytes, std::uint32_t size,
+               const Locator_t& local, const Locator_t& remote) override {
+    const auto changed = with_departures_as_data(std::as_bytes(std::span(bytes, size)));
+    if (changed.empty()) return receiver->OnDataReceived(bytes, size, local, remote);
+    receiver->OnDataReceived(reinterpret_cast<const octet*>(changed.data()), size, local, remote);
+  }
+
+ private:
+  Descriptor descriptor_;
+};
+
+fast::TransportInterface* Descriptor::create_transport() const {
+  return new Transport(*this);
+}
+
+}  // namespace
+
+std::shared_ptr<fast::TransportDescriptorInterface> transport_that_sees_departures(
+    std::shared_ptr<fast::TransportDescriptorInterface> udp) {
+  return std::make_shared<Descriptor>(std::move(udp));
+}
+
+std::vector<std::byte> with_departures_as_data(std::span<const std::byte> message) {
+  std::vector<std::byte> changed;
+  for (auto one = submessage_at(message, kMessageHeader); one;
+       one = submessage_at(message, one->begin + kSubmessageHeader + one->size)) {
+    if (!is_departure(message, *one)) continue;
+    if (changed.empty()) changed.assign(message.begin(), message.end());
+    std::byte& flags = changed[one->begin + 1];
+    flags = (flags & ~kHasKey) | kHasData;
+  }
+  return changed;
+}
+
+}  // namespace ros2

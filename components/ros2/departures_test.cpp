@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "departures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+
+namespace ros2 {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+void append(Bytes& bytes, std::initializer_list<int> more) {
+  for (const int one : more)
+    bytes.push_back(static_cast<std::byte>(one));
+}
+
+/// The header of an RTPS message of Cyclone DDS.
+Bytes header() {
+  Bytes bytes;
+  append(bytes, {'R', 'T', 'P', 'S', 2, 1, 1, 0x10});
+  bytes.resize(20);
+  return bytes;
+}
+
+/// DATA without inline QoS, of a writer of discovery or another one; its payload is a key or a sample.
+void append_data(Bytes& bytes, std::initializer_list<int> writer, bool is_key, bool little = true) {
+  append(bytes, {0x15, (is_key ? 0x08 : 0x04) | (little ? 0x01 : 0x00)});
+  append(bytes, little ? std::initializer_list<int>{48, 0} : std::initializer_list<int>{0, 48});
+  append(bytes, {0, 0, 16, 0, 0, 0, 0, 0});
+  append(bytes, writer);
+  bytes.resize(bytes.size() + 36);
+}
+
+constexpr std::size_t kFlags = 21;  // of the first submessage
+
+TEST(Departures, KeysOfDiscoveryAreMarkedAsData) {
+  for (const bool little : {true, false}) {
+    for (const auto writer :
+         {std::initializer_list<int>{0, 0, 0x03, 0xc2}, {0, 0, 0x04, 0xc2}, {0, 1, 0, 0xc2}}) {
+      Bytes message = header();
+      append_data(message, writer, true, little);
+      Bytes expected = message;
+      expected[kFlags] = std::byte{static_cast<unsigned char>(little ? 0x05 : 0x04)};
+      EXPECT_EQ(with_departures_as_data(message), expected);
+    }
+  }
+}
+
+TEST(Departures, AreFoundAmongOtherSubmessages) {
+  Bytes message = header();
+  append(message, {0x09, 0x01, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8});  // INFO_TS
+  append_data(message, {0, 0, 0x03, 0xc2}, false);
+  const std::size_t second = message.size();
+  append_data(message, {0, 0, 0x03, 0xc2}, true);
+  append_data(message, {0, 0, 0x12, 0x03}, true);  // the key of a sample of the user
+  Bytes expected = message;
+  expected[second + 1] = std::byte{0x05};
+  EXPECT_EQ(with_departures_as_data(message), expected);
+}
+
+TEST(Departures, OtherMessagesAreLeftAlone) {
+  Bytes message = header();
+  EXPECT_TRUE(with_departures_as_data(message).empty());
+  append_data(message, {0, 0, 0x03, 0xc2}, false);
+  append_data(message, {0, 0, 0x12, 0x03}, true);
+  EXPECT_TRUE(with_departures_as_data(message).empty());
+}
+
+TEST(Departures, HostileBytesDoNoHarm) {
+  Bytes message = header();
+  append_data(message, {0, 0, 0x03, 0xc2}, true);
+  for (std::size_t size = 0; size < message.size(); ++size)
+    EXPECT_TRUE(with_departures_as_data(std::span(message).first(size)).empty()) << size;
+  std::mt19937 random(1);
+  for (int i = 0; i < 20'000; ++i) {
+    Bytes noise = header();
+    for (std::uint32_t left = random() % 64; left > 0; --left)
+      noise.push_back(static_cast<std::byte>(random() % 4 == 0 ? 0x15 : random() % 256));
+    const auto changed = with_departures_as_data(noise);
+    EXPECT_TRUE(changed.empty() || changed.size() == noise.size());
+  }
+}
+
+}  // namespace
+}  // namespace ros2

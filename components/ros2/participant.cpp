@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "participant.hpp"
+#include "departures.hpp"
+#include "fast_quality.hpp"
+
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/ros2/dds_names.hpp>
+
+#include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
+#include <fastdds/rtps/reader/ReaderDiscoveryInfo.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace ros2 {
+namespace {
+
+using segue::ErrorCode;
+using segue::fail;
+using segue::quote;
+namespace rtps = eprosima::fastrtps::rtps;
+
+constexpr std::uint32_t kLargestDomain = 232;  // the ports of larger ones do not exist
+/// Buffers of sockets, so that large samples find room (the system limits them).
+constexpr std::uint32_t kSocketBytes = 4U << 20U;
+/// Participants without it are not part of ROS 2.
+constexpr std::string_view kUserData = "enclave=/;";
+const TopicName kNodesTopic{"ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"};
+
+/// What Fast DDS has to say goes to the log of this process.
+class LogLines final : public dds::LogConsumer {
+ public:
+  void Consume(const dds::Log::Entry& entry) override {
+    const auto level = entry.kind == dds::Log::Error ? segue::LogLevel::Error : segue::LogLevel::Warning;
+    segue::log(level, "ros2", entry.message);
+  }
+};
+
+void take_log_lines() {
+  [[maybe_unused]] static const bool taken = [] {
+    dds::Log::ClearConsumers();
+    dds::Log::RegisterConsumer(std::make_unique<LogLines>());
+    return true;
+  }();
+}
+
+/// UDP only: segments of shared memory would stay behind where a process is killed, and are closed to other
+/// users.
+dds::DomainParticipantQos quality_of(const Settings& settings) {
+  dds::DomainParticipantQos quality;
+  quality.user_data().setValue({kUserData.begin(), kUserData.end()});
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->sendBufferSize = udp->receiveBufferSize = kSocketBytes;
+  if (settings.localhost_only) udp->interfaceWhiteList = {"127.0.0.1"};
+  quality.transport().use_builtin_transports = false;
+  quality.transport().user_transports = {transport_that_sees_departures(udp)};
+  return quality;
+}
+
+std::string to_string(const Settings& settings) {
+  return "domain " + std::to_string(settings.domain) +
+         (settings.localhost_only ? ", on this computer only" : ", on all networks");
+}
+
+/// The nodes of other participants that wait to be read.
+class EntitiesSink final : public MessageSink {
+ public:
+  bool take(std::span<const std::byte> bytes) noexcept override {
+    try {
+      entities = segue::ros2::decode_participant_entities(bytes);
+    } catch (const std::bad_alloc&) {
+      entities.reset();
+    }
+    return entities.has_value();
+  }
+  std::optional<segue::ros2::ParticipantEntities> entities;
+};
+
+class BytesSource final : public MessageSource {
+ public:
+  explicit BytesSource(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
+  [[nodiscard]] std::size_t size() const noexcept override { return bytes_.size(); }
+  bool write(std::span<std::byte> bytes) const noexcept override {
+    std::ranges::copy(bytes_, bytes.begin());
+    return true;
+  }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace
+
+/// Reads which nodes other participants have.
+class Participant::DiscoveryReader final : public dds::DataReaderListener {
+ public:
+  explicit DiscoveryReader(Participant& participant) : participant_(participant) {}
+  void on_data_available(dds::DataReader* reader) override {
+    EntitiesSink sink;
+    dds::SampleInfo info;
+    while (reader->take_next_sample(&sink, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data && sink.entities) participant_.graph_.set(*sink.entities);
+      sink.entities.reset();
+    }
+    participant_.tell_watchers();
+  }
+
+ private:
+  Participant& participant_;
+};
+
+segue::Result<std::shared_ptr<Participant>> Participant::join(const Settings& settings) {
+  static segue::Mutex mutex;
+  static std::weak_ptr<Participant> current;
+  if (settings.domain > kLargestDomain) {
+    return fail(ErrorCode::InvalidArgument, "domain " + std::to_string(settings.domain) +
+                                                " does not exist; choose one of 0 to " +
+                                                std::to_string(kLargestDomain));
+  }
+  const segue::Lock lock(mutex);
+  if (auto joined = current.lock()) {
+    if (joined->settings_ == settings) return joined;
+    return fail(ErrorCode::InvalidState, "this process already takes part in ROS 2 with other settings (" +
+                                             to_string(joined->settings_) + ") than this task's (" +
+                                             to_string(settings) +
+                                             "); give all tasks of a process that speak ROS 2 the same");
+  }
+  const std::shared_ptr<Participant> made(new Participant(settings));
+  if (auto started = made->start(); !started) return started.error();
+  current = made;
+  return made;
+}
+
+Participant::Participant(const Settings& settings) : settings_(settings) {}
+
+segue::Result<void> Participant::start() {
+  take_log_lines();
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  participant_ =
+      factory->create_participant(settings_.domain, quality_of(settings_), this, dds::StatusMask::none());
+  if (participant_ == nullptr)
+    return fail(ErrorCode::Unavailable, "Fast DDS cannot start (" + to_string(settings_) + ")");
+  publisher_ = participant_->create_publisher(dds::PublisherQos());
+  subscriber_ = participant_->create_subscriber(dds::SubscriberQos());
+  if (publisher_ == nullptr || subscriber_ == nullptr)
+    return fail(ErrorCode::Unavailable, "Fast DDS cannot make a publisher and a subscriber");
+  segue::ros2::Quality latched;
+  latched.durability = segue::ros2::Durability::TransientLocal;
+  latched.depth = 0;
+  discovery_ = std::make_unique<DiscoveryReader>(*this);
+  auto reader = make_reader(kNodesTopic, latched, {}, discovery_.get());
+  if (!reader) return reader.error();
+  nodes_reader_ = std::move(*reader);
+  latched.depth = 1;
+  auto writer = make_writer(kNodesTopic, latched, {}, nullptr);
+  if (!writer) return writer.error();
+  const segue::Lock lock(nodes_mutex_);
+  nodes_writer_ = std::move(*writer);
+  own_.participant = gid_of(participant_->guid());
+  publish_nodes();
+  return {};
+}
+
+Participant::~Participant() {
+  if (participant_ == nullptr) return;
+  nodes_reader_.reset();
+  {
+    const segue::Lock lock(nodes_mutex_);
+    nodes_writer_.reset();
+  }
+  participant_->set_listener(nullptr);
+  participant_->delete_contained_entities();
+  dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+}
+
+segue::Result<dds::Topic*> Participant::use(const TopicName& name) {
+  const segue::Lock lock(topics_mutex_);
+  UsedTopic& used = topics_[name.topic];
+  if (used.topic != nullptr) {
+    if (used.type != name.type) {
+      return fail(ErrorCode::InvalidState, "a task of this process has topic " +
+                                               segue::ros2::topic_of_dds_name(name.topic) + " with type " +
+                                               segue::ros2::interface_of_dds_type(used.type));
+    }
+    ++used.uses;
+    return used.topic;
+  }
+  dds::TypeSupport type = participant_->find_type(name.type);
+  if (type.empty()) {
+    type = dds::TypeSupport(new OpaqueType(name.type));
+    type.register_type(participant_);
+  }
+  dds::Topic* made = participant_->create_topic(name.topic, name.type, dds::TopicQos());
+  if (made == nullptr) {
+    topics_.erase(name.topic);
+    return fail(ErrorCode::Unavailable, "Fast DDS cannot make the topic " + quote(name.topic));
+  }
+  used = {name.type, made, 1};
+  return made;
+}
+
+void Participant::leave(const std::string& topic) {
+  const segue::Lock lock(topics_mutex_);
+  const auto used = topics_.find(topic);
+  if (used == topics_.end() || --used->second.uses > 0) return;
+  participant_->delete_topic(used->second.topic);
+  topics_.erase(used);
+}
+
+segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_writer(
+    const TopicName& name, const segue::ros2::Quality& quality, const std::string& user_data,
+    dds::DataWriterListener* listener) {
+  auto topic = use(name);
+  if (!topic) return topic.error();
+  auto* made = publisher_->create_datawriter(*topic, writer_quality(quality, user_data), listener);
+  if (made != nullptr) {
+    return Owned<dds::DataWriter>(made, [this, topic = name.topic](dds::DataWriter* writer) {
+      publisher_->delete_datawriter(writer);
+      leave(topic);
+    });
+  }
+  leave(name.topic);
+  return fail(ErrorCode::Unavailable, "Fast DDS cannot make a publisher of " +
+                                          segue::ros2::topic_of_dds_name(name.topic) +
+                                          " with these qualities");
+}
+
+segue::Result<Participant::Owned<dds::DataReader>> Participant::make_reader(
+    const TopicName& name, const segue::ros2::Quality& quality, const std::string& user_data,
+    dds::DataReaderListener* listener) {
+  auto topic = use(name);
+  if (!topic) return topic.error();
+  auto* made = subscriber_->create_datareader(*topic, reader_quality(quality, user_data), listener);
+  if (made != nullptr) {
+    return Owned<dds::DataReader>(made, [this, topic = name.topic](dds::DataReader* reader) {
+      subscriber_->delete_datareader(reader);
+      leave(topic);
+    });
+  }
+  leave(name.topic);
+  return fail(ErrorCode::Unavailable, "Fast DDS cannot make a subscription to " +
+                                          segue::ros2::topic_of_dds_name(name.topic) +
+                                          " with these qualities");
+}
+
+void Participant::announce(const segue::ros2::NodeEntities& node) {
+  const segue::Lock lock(nodes_mutex_);
+  std::erase_if(own_.nodes, [&](const auto& other) { return full_name(other) == full_name(node); });
+  own_.nodes.push_back(node);
+  publish_nodes();
+}
+
+void Participant::withdraw(const segue::ros2::NodeEntities& node) {
+  const segue::Lock lock(nodes_mutex_);
+  std::erase_if(own_.nodes, [&](const auto& other) { return full_name(other) == full_name(node); });
+  publish_nodes();
+}
+
+void Participant::publish_nodes() {
+  BytesSource message(segue::ros2::encode(own_));
+  nodes_writer_->write(static_cast<MessageSource*>(&message));
+}
+
+void Participant::watch(const void* owner, std::function<void()> changed) {
+  const segue::Lock lock(watchers_mutex_);
+  watchers_[owner] = std::move(changed);
+}
+
+void Participant::stop_watching(const void* owner) {
+  const segue::Lock lock(watchers_mutex_);
+  watchers_.erase(owner);
+}
+
+void Participant::tell_watchers() {
+  const segue::Lock lock(watchers_mutex_);
+  for (const auto& [owner, changed] : watchers_)
+    changed();
+}
+
+void Participant::on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) {
+  const segue::ros2::Gid gid = gid_of(info.info.m_guid);
+  if (info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
+      info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT) {
+    graph_.remove_participant(gid);
+    return tell_watchers();
+  }
+  const auto& data = info.info.m_userData.data_vec();
+  if (std::string_view(reinterpret_cast<const char*>(data.data()), data.size()).starts_with("enclave="))
+    graph_.add_participant(gid);
+}
+
+void Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {
+  if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
+    graph_.remove(gid_of(info.info.guid()));
+  } else {
+    graph_.set({gid_of(info.info.guid()), true, info.info.topicName().to_string(),
+                info.info.typeName().to_string(), hash_of(info.info.m_qos), quality_of(info.info.m_qos)});
+  }
+  tell_watchers();
+}
+
+void Participant::on_subscriber_discovery(dds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& info) {
+  if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
+    graph_.remove(gid_of(info.info.guid()));
+  } else {
+    graph_.set({gid_of(info.info.guid()), false, info.info.topicName().to_string(),
+                info.info.typeName().to_string(), hash_of(info.info.m_qos), quality_of(info.info.m_qos)});
+  }
+  tell_watchers();
+}
+
+segue::ros2::Gid gid_of(const rtps::GUID_t& guid) {
+  segue::ros2::Gid gid{};
+  auto* after = std::copy_n(std::begin(guid.guidPrefix.value), rtps::GuidPrefix_t::size, gid.begin());
+  std::copy_n(std::begin(guid.entityId.value), rtps::EntityId_t::size, after);
+  return gid;
+}
+
+}  // namespace ros2

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "opaque_type.hpp"
+
+#include <segue/base/mutex.hpp>
+#include <segue/base/result.hpp>
+#include <segue/ros2/node_graph.hpp>
+#include <segue/ros2/participant_entities.hpp>
+#include <segue/ros2/quality.hpp>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ros2 {
+
+namespace dds = eprosima::fastdds::dds;
+
+/// Where ROS 2 is looked for.
+struct Settings {
+  std::uint32_t domain = 0;     ///< 0 to 232
+  bool localhost_only = false;  ///< only this computer
+  friend bool operator==(const Settings&, const Settings&) = default;
+};
+
+/// A topic with its type, by their names on DDS.
+struct TopicName {
+  std::string topic;
+  std::string type;
+};
+
+/// This process as a participant of ROS 2: its endpoints, its nodes, and what it sees of others. Any thread.
+class Participant final : private dds::DomainParticipantListener,
+                          public std::enable_shared_from_this<Participant> {
+ public:
+  /// The participant of this process, made where there is none yet; it leaves when the last one lets go of
+  /// it. InvalidArgument: there is no such domain; InvalidState: this process takes part with other settings;
+  /// Unavailable: Fast DDS cannot start.
+  static segue::Result<std::shared_ptr<Participant>> join(const Settings& settings);
+  ~Participant() override;
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  /// An endpoint on DDS, which leaves when it is let go of. Its listener is told until then, in threads of
+  /// Fast DDS.
+  template <class Entity>
+  using Owned = std::unique_ptr<Entity, std::function<void(Entity*)>>;
+  segue::Result<Owned<dds::DataWriter>> make_writer(const TopicName& name,
+                                                    const segue::ros2::Quality& quality,
+                                                    const std::string& user_data,
+                                                    dds::DataWriterListener* listener);
+  segue::Result<Owned<dds::DataReader>> make_reader(const TopicName& name,
+                                                    const segue::ros2::Quality& quality,
+                                                    const std::string& user_data,
+                                                    dds::DataReaderListener* listener);
+
+  /// Tells others of a node of this process, in place of what they were told of it.
+  void announce(const segue::ros2::NodeEntities& node);
+  void withdraw(const segue::ros2::NodeEntities& node);
+
+  [[nodiscard]] const segue::ros2::NodeGraph& graph() const { return graph_; }
+  /// `changed` is called in a thread of Fast DDS, after the graph has changed, until `owner` is told to stop.
+  void watch(const void* owner, std::function<void()> changed);
+  /// No call is made any more once it returns; not to be called by `changed`.
+  void stop_watching(const void* owner);
+
+ private:
+  struct UsedTopic {
+    std::string type;
+    dds::Topic* topic = nullptr;
+    std::size_t uses = 0;
+  };
+  class DiscoveryReader;
+
+  explicit Participant(const Settings& settings);
+  segue::Result<void> start();
+  segue::Result<dds::Topic*> use(const TopicName& name);
+  void leave(const std::string& topic);
+  void publish_nodes() SEGUE_REQUIRES(nodes_mutex_);
+  void tell_watchers();
+
+  void on_participant_discovery(dds::DomainParticipant* participant,
+                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+  void on_publisher_discovery(dds::DomainParticipant* participant,
+                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
+  void on_subscriber_discovery(dds::DomainParticipant* participant,
+                               eprosima::fastrtps::rtps::ReaderDiscoveryInfo&& info) override;
+
+  const Settings settings_;
+  segue::ros2::NodeGraph graph_;
+  segue::Mutex watchers_mutex_;
+  std::map<const void*, std::function<void()>> watchers_ SEGUE_GUARDED_BY(watchers_mutex_);
+  segue::Mutex topics_mutex_;
+  std::map<std::string, UsedTopic> topics_ SEGUE_GUARDED_BY(topics_mutex_);
+  dds::DomainParticipant* participant_ = nullptr;
+  dds::Publisher* publisher_ = nullptr;
+  dds::Subscriber* subscriber_ = nullptr;
+  std::unique_ptr<DiscoveryReader> discovery_;
+  Owned<dds::DataReader> nodes_reader_;
+  segue::Mutex nodes_mutex_;
+  Owned<dds::DataWriter> nodes_writer_ SEGUE_GUARDED_BY(nodes_mutex_);
+  segue::ros2::ParticipantEntities own_ SEGUE_GUARDED_BY(nodes_mutex_);
+};
+
+/// The identifier of an endpoint, as ROS 2 tells it.
+segue::ros2::Gid gid_of(const eprosima::fastrtps::rtps::GUID_t& guid);
+
+}  // namespace ros2

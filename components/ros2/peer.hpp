@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/ros2/participant_entities.hpp>
+#include <segue/ros2/quality.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// Nodes of ROS 2 for tests: programs on Fast DDS and on Cyclone DDS that do what rmw_fastrtps and
+/// rmw_cyclonedds do, written apart from the code that is tested.
+namespace ros2::testing {
+
+using Bytes = std::vector<std::byte>;
+
+/// A publisher or a subscription, as ROS 2 says it.
+struct TopicOf {
+  std::string topic = "/chatter";
+  std::string interface = "std_msgs/msg/String";
+  std::string hash{};  ///< "RIHS01_...": of nodes from Iron on
+  segue::ros2::Quality quality{};
+};
+
+class Peer {
+ public:
+  Peer() = default;
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+  virtual ~Peer() = default;
+
+  /// One of each at a time; the earlier one leaves.
+  virtual void advertise(const TopicOf& topic) = 0;
+  virtual void subscribe(const TopicOf& topic) = 0;
+  /// Says on ros_discovery_info that its endpoints are those of this node.
+  virtual void announce(const std::string& node) = 0;
+  virtual void publish(const Bytes& message) = 0;
+  /// The messages that have come since the last call.
+  virtual std::vector<Bytes> take() = 0;
+  /// What other participants have said of their nodes, the last of each.
+  virtual std::vector<segue::ros2::ParticipantEntities> others() = 0;
+  /// Subscriptions to what it publishes, and publishers of what it subscribes to.
+  virtual std::uint32_t subscriptions() = 0;
+  virtual std::uint32_t publishers() = 0;
+  /// The user data of the first of these publishers.
+  virtual std::string user_data_of_publisher() = 0;
+};
+
+enum class Middleware { FastDds, Cyclone };
+
+/// A participant of the domain, on the loopback device only.
+std::unique_ptr<Peer> make_fast_peer(std::uint32_t domain);
+std::unique_ptr<Peer> make_cyclone_peer(std::uint32_t domain);
+
+}  // namespace ros2::testing

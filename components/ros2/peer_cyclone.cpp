@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "peer.hpp"
+
+#include "../gateway/message.hpp"
+
+#include <segue/base/mutex.hpp>
+#include <segue/ros2/dds_names.hpp>
+
+#include <dds/dds.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace ros2::testing {
+namespace {
+
+using segue::ros2::Gid;
+using segue::ros2::ParticipantEntities;
+using segue::ros2::Quality;
+
+constexpr const char* kEntitiesType = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
+constexpr const char* kConfiguration =
+    "<CycloneDDS><Domain Id='any'><General><AllowMulticast>true</AllowMulticast><Interfaces>"
+    "<NetworkInterface name='lo' multicast='true'/></Interfaces></General></Domain></CycloneDDS>";
+
+/// The domain of this process, which its participants share.
+void open_domain(std::uint32_t domain) {
+  static segue::Mutex mutex;
+  static std::map<std::uint32_t, dds_entity_t> open;
+  const segue::Lock lock(mutex);
+  if (!open.contains(domain)) open[domain] = ::dds_create_domain(domain, kConfiguration);
+}
+
+void set_duration(dds_qos_t* made, std::chrono::nanoseconds duration,
+                  void (*set)(dds_qos_t*, dds_duration_t)) {
+  if (duration.count() > 0) set(made, duration.count());
+}
+
+dds_qos_t* quality_of(const Quality& quality, const std::string& user_data) {
+  dds_qos_t* made = ::dds_create_qos();
+  ::dds_qset_reliability(made,
+                         quality.reliability == segue::ros2::Reliability::Reliable
+                             ? DDS_RELIABILITY_RELIABLE
+                             : DDS_RELIABILITY_BEST_EFFORT,
+                         DDS_SECS(1));
+  ::dds_qset_durability(made, quality.durability == segue::ros2::Durability::TransientLocal
+                                  ? DDS_DURABILITY_TRANSIENT_LOCAL
+                                  : DDS_DURABILITY_VOLATILE);
+  ::dds_qset_history(made, quality.depth == 0 ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST,
+                     static_cast<std::int32_t>(std::max(quality.depth, 1U)));
+  set_duration(made, quality.deadline, ::dds_qset_deadline);
+  ::dds_qset_liveliness(made,
+                        quality.liveliness == segue::ros2::Liveliness::Automatic
+                            ? DDS_LIVELINESS_AUTOMATIC
+                            : DDS_LIVELINESS_MANUAL_BY_TOPIC,
+                        quality.lease.count() > 0 ? quality.lease.count() : DDS_INFINITY);
+  const dds_data_representation_id_t xcdr1 = DDS_DATA_REPRESENTATION_XCDR1;
+  ::dds_qset_data_representation(made, 1, &xcdr1);
+  ::dds_qset_userdata(made, user_data.data(), user_data.size());
+  return made;
+}
+
+Gid gid_of(dds_entity_t entity) {
+  dds_guid_t guid{};
+  ::dds_get_guid(entity, &guid);
+  Gid gid{};
+  std::copy(std::begin(guid.v), std::end(guid.v), gid.begin());
+  return gid;
+}
+
+/// An endpoint with its topic.
+struct Channel {
+  Channel(dds_entity_t participant, const std::string& name, const std::string& type)
+      : topic(participant, name, type) {}
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
+  ~Channel() { ::dds_delete(entity); }
+
+  void write(const Bytes& bytes) const {
+    auto* message = new gateway::Message(topic.type(), SDK_DATA, bytes.size());
+    std::ranges::copy(bytes, message->bytes().begin());
+    if (::dds_writecdr(entity, message) != DDS_RETCODE_OK) std::fprintf(stderr, "the peer cannot write\n");
+  }
+  [[nodiscard]] std::vector<Bytes> take() const {
+    std::vector<Bytes> all;
+    std::array<ddsi_serdata*, 16> messages{};
+    std::array<dds_sample_info_t, 16> infos{};
+    for (dds_return_t taken = 16; taken == 16;) {
+      taken = ::dds_takecdr(entity, messages.data(), 16, infos.data(), DDS_ANY_STATE);
+      for (std::size_t i = 0; taken > 0 && i < static_cast<std::size_t>(taken); ++i) {
+        const gateway::MessageRef message(static_cast<gateway::Message*>(messages.at(i)));
+        if (infos.at(i).valid_data) all.emplace_back(message->bytes().begin(), message->bytes().end());
+      }
+    }
+    return all;
+  }
+
+  gateway::Topic topic;
+  dds_entity_t entity = 0;
+};
+
+class CyclonePeer final : public Peer {
+ public:
+  explicit CyclonePeer(std::uint32_t domain) {
+    open_domain(domain);
+    dds_qos_t* quality = ::dds_create_qos();
+    const std::string user_data = "enclave=/;";
+    ::dds_qset_userdata(quality, user_data.data(), user_data.size());
+    participant_ = ::dds_create_participant(domain, quality, nullptr);
+    ::dds_delete_qos(quality);
+    Quality latched;
+    latched.durability = segue::ros2::Durability::TransientLocal;
+    latched.depth = 1;
+    entities_out_ = make(true, {"", "", "", latched}, "ros_discovery_info", kEntitiesType);
+    latched.depth = 0;
+    entities_in_ = make(false, {"", "", "", latched}, "ros_discovery_info", kEntitiesType);
+  }
+  ~CyclonePeer() override {
+    out_.reset();
+    in_.reset();
+    entities_out_.reset();
+    entities_in_.reset();
+    ::dds_delete(participant_);
+  }
+
+  void advertise(const TopicOf& topic) override {
+    out_.reset();
+    out_ = make(true, topic, segue::ros2::dds_topic_name(topic.topic).value(),
+                segue::ros2::dds_type_name(topic.interface));
+  }
+  void subscribe(const TopicOf& topic) override {
+    in_.reset();
+    in_ = make(false, topic, segue::ros2::dds_topic_name(topic.topic).value(),
+               segue::ros2::dds_type_name(topic.interface));
+  }
+  void announce(const std::string& node) override {
+    segue::ros2::NodeEntities entities{"/", node, {}, {}};
+    if (in_) entities.subscriptions.push_back(gid_of(in_->entity));
+    if (out_) entities.publishers.push_back(gid_of(out_->entity));
+    entities_out_->write(segue::ros2::encode({gid_of(participant_), {entities}}));
+  }
+  void publish(const Bytes& message) override { out_->write(message); }
+  std::vector<Bytes> take() override { return in_->take(); }
+  std::vector<ParticipantEntities> others() override {
+    for (const Bytes& message : entities_in_->take()) {
+      const auto entities = segue::ros2::decode_participant_entities(message);
+      if (entities && entities->participant != gid_of(participant_))
+        others_[entities->participant] = *entities;
+    }
+    std::vector<ParticipantEntities> all;
+    for (const auto& [gid, entities] : others_)
+      all.push_back(entities);
+    return all;
+  }
+  std::uint32_t subscriptions() override {
+    dds_publication_matched_status_t status{};
+    ::dds_get_publication_matched_status(out_->entity, &status);
+    return status.current_count;
+  }
+  std::uint32_t publishers() override {
+    dds_subscription_matched_status_t status{};
+    ::dds_get_subscription_matched_status(in_->entity, &status);
+    return status.current_count;
+  }
+  std::string user_data_of_publisher() override {
+    dds_instance_handle_t handle = 0;
+    if (::dds_get_matched_publications(in_->entity, &handle, 1) < 1) return {};
+    auto* endpoint = ::dds_get_matched_publication_data(in_->entity, handle);
+    void* data = nullptr;
+    std::size_t size = 0;
+    ::dds_qget_userdata(endpoint->qos, &data, &size);
+    std::string text(static_cast<const char*>(data), size);
+    ::dds_free(data);
+    ::dds_builtintopic_free_endpoint(endpoint);
+    return text;
+  }
+
+ private:
+  [[nodiscard]] std::unique_ptr<Channel> make(bool publishes, const TopicOf& topic, const std::string& name,
+                                              const std::string& type) const {
+    auto channel = std::make_unique<Channel>(participant_, name, type);
+    dds_qos_t* quality =
+        quality_of(topic.quality, topic.hash.empty() ? std::string() : "typehash=" + topic.hash + ";");
+    channel->entity = publishes
+                          ? ::dds_create_writer(participant_, channel->topic.entity(), quality, nullptr)
+                          : ::dds_create_reader(participant_, channel->topic.entity(), quality, nullptr);
+    ::dds_delete_qos(quality);
+    if (channel->entity < 0) std::abort();
+    return channel;
+  }
+
+  dds_entity_t participant_ = 0;
+  std::unique_ptr<Channel> entities_out_;
+  std::unique_ptr<Channel> entities_in_;
+  std::unique_ptr<Channel> out_;
+  std::unique_ptr<Channel> in_;
+  std::map<Gid, ParticipantEntities> others_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> make_cyclone_peer(std::uint32_t domain) {
+  return std::make_unique<CyclonePeer>(domain);
+}
+
+}  // namespace ros2::testing

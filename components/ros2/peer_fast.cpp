@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "peer.hpp"
+
+#include <segue/base/mutex.hpp>
+#include <segue/ros2/dds_names.hpp>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TopicDataType.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace ros2::testing {
+namespace {
+
+namespace edds = eprosima::fastdds::dds;
+namespace ertps = eprosima::fastrtps::rtps;
+using segue::ros2::Gid;
+using segue::ros2::ParticipantEntities;
+using segue::ros2::Quality;
+
+/// As the type support of rmw_fastrtps with dynamic types: the payload is made elsewhere.
+class BytesType final : public edds::TopicDataType {
+ public:
+  explicit BytesType(const std::string& name) {
+    setName(name.c_str());
+    m_typeSize = 1024;
+    auto_fill_type_information(false);
+    auto_fill_type_object(false);
+  }
+  bool serialize(void* data, ertps::SerializedPayload_t* payload) override {
+    const auto& bytes = *static_cast<const Bytes*>(data);
+    if (payload->max_size < bytes.size()) return false;
+    std::memcpy(payload->data, bytes.data(), bytes.size());
+    payload->length = static_cast<std::uint32_t>(bytes.size());
+    payload->encapsulation = CDR_LE;
+    return true;
+  }
+  bool deserialize(ertps::SerializedPayload_t* payload, void* data) override {
+    const auto* begin = reinterpret_cast<const std::byte*>(payload->data);
+    static_cast<Bytes*>(data)->assign(begin, begin + payload->length);
+    return true;
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] { return static_cast<std::uint32_t>(static_cast<Bytes*>(data)->size()); };
+  }
+  void* createData() override { return new Bytes; }
+  void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
+  bool getKey(void*, ertps::InstanceHandle_t*, bool) override { return false; }
+};
+
+template <class Qos>
+Qos quality_of(const Quality& quality, const std::string& hash) {
+  Qos made;
+  made.reliability().kind = quality.reliability == segue::ros2::Reliability::Reliable
+                                ? edds::RELIABLE_RELIABILITY_QOS
+                                : edds::BEST_EFFORT_RELIABILITY_QOS;
+  made.durability().kind = quality.durability == segue::ros2::Durability::TransientLocal
+                               ? edds::TRANSIENT_LOCAL_DURABILITY_QOS
+                               : edds::VOLATILE_DURABILITY_QOS;
+  made.history().kind = quality.depth == 0 ? edds::KEEP_ALL_HISTORY_QOS : edds::KEEP_LAST_HISTORY_QOS;
+  made.history().depth = static_cast<std::int32_t>(std::max(quality.depth, 1U));
+  if (quality.deadline.count() > 0)
+    made.deadline().period = {0, static_cast<std::uint32_t>(quality.deadline.count())};
+  if (quality.liveliness == segue::ros2::Liveliness::ManualByTopic)
+    made.liveliness().kind = edds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+  made.endpoint().history_memory_policy = ertps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  made.data_sharing().off();
+  if (!hash.empty()) {
+    const std::string text = "typehash=" + hash + ";";
+    made.user_data().setValue({text.begin(), text.end()});
+  }
+  return made;
+}
+
+Gid gid_of(const ertps::GUID_t& guid) {
+  Gid gid{};
+  std::memcpy(gid.data(), guid.guidPrefix.value, ertps::GuidPrefix_t::size);
+  std::memcpy(gid.data() + ertps::GuidPrefix_t::size, guid.entityId.value, ertps::EntityId_t::size);
+  return gid;
+}
+
+/// The user data of publishers by topic.
+class Discovery final : public edds::DomainParticipantListener {
+ public:
+  void on_publisher_discovery(edds::DomainParticipant*, ertps::WriterDiscoveryInfo&& info) override {
+    const segue::Lock lock(mutex_);
+    const auto& data = info.info.m_qos.m_userData.data_vec();
+    user_data_[info.info.topicName().to_string()] = std::string(data.begin(), data.end());
+  }
+  std::string user_data(const std::string& topic) {
+    const segue::Lock lock(mutex_);
+    return user_data_[topic];
+  }
+
+ private:
+  segue::Mutex mutex_;
+  std::map<std::string, std::string> user_data_ SEGUE_GUARDED_BY(mutex_);
+};
+
+class FastPeer final : public Peer {
+ public:
+  explicit FastPeer(std::uint32_t domain) {
+    // Both ends are in one process: what goes between them shall go as between two.
+    eprosima::fastrtps::LibrarySettingsAttributes settings;
+    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+    edds::DomainParticipantQos quality;
+    const std::string user_data = "enclave=/;";
+    quality.user_data().setValue({user_data.begin(), user_data.end()});
+    auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+    udp->interfaceWhiteList = {"127.0.0.1"};
+    quality.transport().use_builtin_transports = false;
+    quality.transport().user_transports = {udp};
+    participant_ = edds::DomainParticipantFactory::get_instance()->create_participant(
+        domain, quality, &discovery_, edds::StatusMask::none());
+    if (participant_ == nullptr) std::abort();
+    publisher_ = participant_->create_publisher(edds::PublisherQos());
+    subscriber_ = participant_->create_subscriber(edds::SubscriberQos());
+    Quality latched;
+    latched.durability = segue::ros2::Durability::TransientLocal;
+    latched.depth = 1;
+    auto* nodes = topic("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+    entities_out_ = publisher_->create_datawriter(nodes, quality_of<edds::DataWriterQos>(latched, ""));
+    latched.depth = 0;
+    entities_in_ = subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, ""));
+  }
+  ~FastPeer() override {
+    participant_->set_listener(nullptr);
+    participant_->delete_contained_entities();
+    edds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+
+  void advertise(const TopicOf& wanted) override {
+    if (out_ != nullptr) publisher_->delete_datawriter(out_);
+    out_ = publisher_->create_datawriter(topic_of(wanted),
+                                         quality_of<edds::DataWriterQos>(wanted.quality, wanted.hash));
+  }
+  void subscribe(const TopicOf& wanted) override {
+    if (in_ != nullptr) subscriber_->delete_datareader(in_);
+    in_ = subscriber_->create_datareader(topic_of(wanted),
+                                         quality_of<edds::DataReaderQos>(wanted.quality, wanted.hash));
+    subscribed_ = segue::ros2::dds_topic_name(wanted.topic).value();
+  }
+  void announce(const std::string& node) override {
+    segue::ros2::NodeEntities entities{"/", node, {}, {}};
+    if (in_ != nullptr) entities.subscriptions.push_back(gid_of(in_->guid()));
+    if (out_ != nullptr) entities.publishers.push_back(gid_of(out_->guid()));
+    Bytes message = segue::ros2::encode({gid_of(participant_->guid()), {entities}});
+    entities_out_->write(&message);
+  }
+  void publish(const Bytes& message) override {
+    Bytes bytes = message;
+    if (!out_->write(&bytes)) std::fprintf(stderr, "the peer cannot write\n");
+  }
+  std::vector<Bytes> take() override { return take(in_); }
+  std::vector<ParticipantEntities> others() override {
+    for (const Bytes& message : take(entities_in_)) {
+      const auto entities = segue::ros2::decode_participant_entities(message);
+      if (entities && entities->participant != gid_of(participant_->guid()))
+        others_[entities->participant] = *entities;
+    }
+    std::vector<ParticipantEntities> all;
+    for (const auto& [gid, entities] : others_)
+      all.push_back(entities);
+    return all;
+  }
+  std::uint32_t subscriptions() override {
+    edds::PublicationMatchedStatus status;
+    out_->get_publication_matched_status(status);
+    return static_cast<std::uint32_t>(status.current_count);
+  }
+  std::uint32_t publishers() override {
+    edds::SubscriptionMatchedStatus status;
+    in_->get_subscription_matched_status(status);
+    return static_cast<std::uint32_t>(status.current_count);
+  }
+  std::string user_data_of_publisher() override { return discovery_.user_data(subscribed_); }
+
+ private:
+  edds::Topic* topic(const std::string& name, const std::string& type) {
+    edds::Topic*& made = topics_[name];
+    if (made != nullptr) return made;
+    edds::TypeSupport(new BytesType(type)).register_type(participant_);
+    return made = participant_->create_topic(name, type, edds::TopicQos());
+  }
+  edds::Topic* topic_of(const TopicOf& wanted) {
+    return topic(segue::ros2::dds_topic_name(wanted.topic).value(),
+                 segue::ros2::dds_type_name(wanted.interface));
+  }
+  static std::vector<Bytes> take(edds::DataReader* reader) {
+    std::vector<Bytes> all;
+    Bytes message;
+    edds::SampleInfo info;
+    while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) all.push_back(message);
+    }
+    return all;
+  }
+
+  Discovery discovery_;
+  edds::DomainParticipant* participant_ = nullptr;
+  edds::Publisher* publisher_ = nullptr;
+  edds::Subscriber* subscriber_ = nullptr;
+  edds::DataWriter* entities_out_ = nullptr;
+  edds::DataReader* entities_in_ = nullptr;
+  edds::DataWriter* out_ = nullptr;
+  edds::DataReader* in_ = nullptr;
+  std::string subscribed_;
+  std::map<std::string, edds::Topic*> topics_;
+  std::map<Gid, ParticipantEntities> others_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> make_fast_peer(std::uint32_t domain) {
+  return std::make_unique<FastPeer>(domain);
+}
+
+}  // namespace ros2::testing

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "topic_endpoint.hpp"
+
+#include <segue/type/cdr_flat.hpp>
+#include <segue/type/cdr_object.hpp>
+
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+
+#include <optional>
+#include <span>
+
+namespace ros2 {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// Samples in place, of a type that the configuration tells.
+class AnyInput final : public InputPortBase {
+ public:
+  using InputPortBase::InputPortBase;
+  SampleRef take() noexcept { return fetch() == ReadStatus::NewData ? last() : SampleRef(); }
+};
+
+/// A sample as CDR, encoded from where it lies. Nodes of ROS 2 do not send what exceeds a bound of its
+/// message.
+class SampleSource final : public MessageSource {
+ public:
+  SampleSource(const segue::type::TypeInfo& type, const segue::ros2::MessageBounds& bounds,
+               const SampleSlot& sample)
+      : type_(type), bounds_(bounds), sample_(sample), size_(encoded_size()) {}
+  [[nodiscard]] std::size_t size() const noexcept override { return size_; }
+  bool write(std::span<std::byte> bytes) const noexcept override {
+    return encode(bytes) && (!bounds_.any() || bounds_.kept_by(bytes));
+  }
+
+ private:
+  bool encode(std::span<std::byte> bytes) const noexcept {
+    return sample_.flat_size > 0 ? segue::type::flat_to_cdr(type_, sample_.flat(), bytes)
+                                 : segue::type::write_cdr(type_, sample_.value, bytes).has_value();
+  }
+  [[nodiscard]] std::size_t encoded_size() const noexcept {
+    return sample_.flat_size > 0 ? segue::type::cdr_size_of_flat(type_, sample_.flat())
+                                 : segue::type::cdr_size(type_, sample_.value);
+  }
+  const segue::type::TypeInfo& type_;
+  const segue::ros2::MessageBounds& bounds_;
+  const SampleSlot& sample_;
+  const std::size_t size_;
+};
+
+/// Publishes what arrives at `in` on a topic of ROS 2. Nothing is sent before the task is started.
+class Publisher final : public TopicEndpoint, private dds::DataWriterListener {
+ public:
+  Publisher()
+      : TopicEndpoint(Direction::Input, "in",
+                      {.doc = "Publishes samples on a topic of ROS 2", .trigger_on = {"in"}}) {}
+
+ protected:
+  segue::Result<void> on_configure() override {
+    if (*lifespan_ < std::chrono::nanoseconds(0))
+      return segue::fail(segue::ErrorCode::InvalidArgument, "lifespan must not be negative");
+    if (auto opened = open(); !opened) return opened;
+    sent_ = refused_ = bytes_ = 0;
+    segue::ros2::Quality offered = quality();
+    offered.lifespan = *lifespan_;
+    auto writer = participant().make_writer(topic_name(), offered, user_data(), this);
+    if (!writer) {
+      close();
+      return writer.error();
+    }
+    writer_ = std::move(*writer);
+    announce(gid_of(writer_->guid()));
+    in_.emplace(*this, "in", &type(), std::string(),
+                PortOptions{.dynamic = true, .doc = "samples to publish", .flat = true});
+    return {};
+  }
+
+  void on_update() override {
+    // The executor gives another turn if there are more, in between of which the task can be stopped.
+    constexpr int kMost = 64;
+    for (int i = 0; i < kMost; ++i) {
+      const SampleRef sample = in_->take();
+      if (!sample) return;
+      send(*sample.get());
+    }
+  }
+
+  void on_cleanup() override {
+    withdraw();
+    writer_.reset();
+    in_.reset();
+    close();
+  }
+
+ private:
+  void send(const SampleSlot& sample) {
+    SampleSource source(type(), bounds(), sample);
+    if (sample.value == nullptr || source.size() == 0 ||
+        !writer_->write(static_cast<MessageSource*>(&source))) {
+      ++refused_;
+      return;
+    }
+    ++sent_;
+    bytes_ += source.size();
+  }
+
+  void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
+    set_matched(status.current_count);
+  }
+  void on_offered_deadline_missed(dds::DataWriter*, const dds::OfferedDeadlineMissedStatus& status) override {
+    missed("the deadline was missed", status.total_count_change);
+  }
+  void on_liveliness_lost(dds::DataWriter*, const dds::LivelinessLostStatus& status) override {
+    missed("liveliness was lost", static_cast<std::uint32_t>(std::max(status.total_count_change, 0)));
+  }
+
+  PublisherStatistics statistics() const {
+    return {sent_, refused_, bytes_, missed(), matched(), static_cast<std::uint32_t>(mismatched())};
+  }
+
+  Property<std::chrono::nanoseconds> lifespan_{
+      *this, "lifespan", {}, {.doc = "how long a sample is worth being delivered; 0: for ever"}};
+  Operation<PublisherStatistics()> statistics_{
+      *this, "statistics", {}, [this] { return statistics(); }, RunsIn::TaskThread, "what was sent so far"};
+  std::uint64_t sent_ = 0;
+  std::uint64_t refused_ = 0;
+  std::uint64_t bytes_ = 0;
+  std::optional<AnyInput> in_;
+  Participant::Owned<dds::DataWriter> writer_;
+};
+
+}  // namespace ros2
+
+SEGUE_COMPONENT(ros2::Publisher)

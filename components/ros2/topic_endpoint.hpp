@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "participant.hpp"
+#include "types.hpp"
+
+#include <segue/base/mutex.hpp>
+#include <segue/ros2/message_bounds.hpp>
+#include <segue/task/component.hpp>
+#include <segue/type/type_info.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+/// Topics of ROS 2 as tasks: a Subscription has an output port, a Publisher an input port.
+namespace ros2 {
+
+/// The base of Publisher and Subscription.
+class TopicEndpoint : public segue::task::Component {
+ protected:
+  /// `direction` of the one dynamic port, named `port`.
+  TopicEndpoint(segue::task::Direction direction, const std::string& port,
+                const segue::task::ComponentOptions& options);
+
+  /// Reads the properties and joins ROS 2. Enters Exception where Fast DDS cannot start.
+  segue::Result<void> open();
+  /// Tells others of the node of this task, of which the endpoint is part.
+  void announce(const segue::ros2::Gid& endpoint);
+  /// Undoes announce() and open(); the endpoint must have been deleted after withdraw().
+  void withdraw();
+  void close();
+
+  [[nodiscard]] const segue::type::TypeInfo& type() const { return *type_; }
+  [[nodiscard]] const segue::ros2::Quality& quality() const { return own_.quality; }
+  [[nodiscard]] TopicName topic_name() const { return {own_.topic, own_.type}; }
+  /// Of the endpoint: the hash of its type.
+  [[nodiscard]] std::string user_data() const { return "typehash=" + own_.type_hash + ";"; }
+  Participant& participant() { return *participant_; }
+  /// Of texts and sequences of the message.
+  [[nodiscard]] const segue::ros2::MessageBounds& bounds() const { return bounds_; }
+  void set_matched(std::int32_t count) { matched_ = static_cast<std::uint32_t>(std::max(count, 0)); }
+  [[nodiscard]] std::uint32_t matched() const { return matched_; }
+  /// Counts and logs that a deadline was missed or that liveliness was lost. In threads of Fast DDS.
+  void missed(const std::string& what, std::uint32_t times);
+  [[nodiscard]] std::uint64_t missed() const { return missed_; }
+  /// How many endpoints of others have the topic but get nothing from this one, or the reverse.
+  [[nodiscard]] std::uint64_t mismatched() const;
+
+ private:
+  segue::Result<segue::ros2::Quality> wanted_quality() const;
+  segue::Result<void> find_type();
+  segue::Result<Settings> wanted_settings() const;
+  segue::Result<void> name_node();
+  std::vector<segue::ros2::Mismatch> mismatches() const;
+  std::vector<std::string> mismatch_texts() const;
+  /// Logs each mismatch that is new and has its name. In threads of Fast DDS.
+  void check_others();
+
+  segue::task::Property<std::string> topic_text_{*this, "topic", {}, {.doc = "name of the topic: /scan"}};
+  segue::task::Property<std::string> type_text_{
+      *this, "type", {}, {.doc = "its interface: sensor_msgs/msg/LaserScan"}};
+  segue::task::Property<std::vector<std::string>> interfaces_{
+      *this, "interfaces", {}, {.doc = "folders with interface packages, before those that are built in"}};
+  segue::task::Property<std::string> reliability_{
+      *this, "reliability", "reliable", {.doc = "reliable or best_effort"}};
+  segue::task::Property<std::string> durability_{
+      *this, "durability", "volatile", {.doc = "volatile or transient_local"}};
+  segue::task::Property<std::uint32_t> depth_{
+      *this, "depth", 10, {.doc = "how many samples are kept; 0: all"}};
+  segue::task::Property<std::chrono::nanoseconds> deadline_{
+      *this, "deadline", {}, {.doc = "the longest time between two samples; 0: any"}};
+  segue::task::Property<std::string> liveliness_{
+      *this, "liveliness", "automatic", {.doc = "automatic or manual_by_topic"}};
+  segue::task::Property<std::chrono::nanoseconds> lease_{
+      *this, "lease", {}, {.doc = "the longest time without a sign of life; 0: any"}};
+  segue::task::Property<std::int32_t> domain_{
+      *this, "domain", -1, {.doc = "domain of ROS 2, 0 to 232; -1: $ROS_DOMAIN_ID, or 0"}};
+  segue::task::Property<std::string> discovery_{
+      *this,
+      "discovery",
+      "",
+      {.doc = "localhost or subnet; empty: as $ROS_AUTOMATIC_DISCOVERY_RANGE or "
+              "$ROS_LOCALHOST_ONLY say, else subnet"}};
+  segue::task::Property<std::string> node_text_{
+      *this, "node", {}, {.doc = "name of the node that others see: /robot/scan; empty: that of the task"}};
+  segue::task::Operation<std::vector<std::string>()> mismatches_{
+      *this,
+      "mismatches",
+      {},
+      [this] { return mismatch_texts(); },
+      segue::task::RunsIn::CallerThread,
+      "why no samples travel to or from others that have the topic"};
+
+  std::atomic<std::uint32_t> matched_{0};
+  std::atomic<std::uint64_t> missed_{0};
+  const segue::type::TypeInfo* type_ = nullptr;
+  segue::ros2::MessageBounds bounds_;
+  segue::ros2::NodeEntities node_;
+  mutable segue::Mutex shared_mutex_;  ///< what other threads look at
+  std::shared_ptr<Participant> shared_participant_ SEGUE_GUARDED_BY(shared_mutex_);
+  std::vector<std::string> said_ SEGUE_GUARDED_BY(shared_mutex_);
+  segue::ros2::Endpoint own_;  ///< changed only while nobody watches
+  std::shared_ptr<Participant> participant_;
+};
+
+}  // namespace ros2

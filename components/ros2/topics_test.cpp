@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "topics_test_support.hpp"
+
+namespace ros2::testing {
+namespace {
+
+TEST_P(Topics, SamplesOfAPublisherOfRos2Arrive) {
+  RunningTask subscription("ros2::Subscription", "listener");
+  subscription.run(properties("std_msgs/msg/String"));
+  Reader reader(subscription);
+  peer->advertise({"/chatter", "std_msgs/msg/String", kStringHash, {}});
+  ASSERT_TRUE(eventually([&] { return peer->subscriptions() == 1 && subscription.count("matched") == 1; }));
+  for (int i = 0; i < 5; ++i)
+    peer->publish(text_message("hello " + std::to_string(i)));
+  EXPECT_EQ(reader.read(5), (Texts{"hello 0", "hello 1", "hello 2", "hello 3", "hello 4"}));
+  EXPECT_EQ(subscription.count("received"), 5U);
+}
+
+TEST_P(Topics, SamplesArriveAtASubscriptionOfRos2) {
+  RunningTask publisher("ros2::Publisher", "talker");
+  publisher.run(properties("std_msgs/msg/String"));
+  Writer<> writer(publisher);
+  peer->subscribe({"/chatter", "std_msgs/msg/String", kStringHash, {}});
+  ASSERT_TRUE(eventually([&] { return peer->publishers() == 1 && publisher.count("matched") == 1; }));
+  EXPECT_EQ(peer->user_data_of_publisher(), std::string("typehash=") + kStringHash + ";");
+  for (int i = 0; i < 5; ++i)
+    writer.write("hello " + std::to_string(i));
+  std::vector<Bytes> messages;
+  ASSERT_TRUE(eventually([&] {
+    for (Bytes& message : peer->take())
+      messages.push_back(std::move(message));
+    return messages.size() >= 5;
+  }));
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_EQ(text_of(messages[i]), "hello " + std::to_string(i));
+  EXPECT_EQ(publisher.count("sent"), 5U);
+}
+
+TEST_P(Topics, ALargeSampleArrivesWhole) {
+  RunningTask subscription("ros2::Subscription", "listener");
+  subscription.run(properties("std_msgs/msg/String"));
+  Reader reader(subscription);
+  peer->advertise({});
+  ASSERT_TRUE(eventually([&] { return peer->subscriptions() == 1 && subscription.count("matched") == 1; }));
+  const std::string large(3'000'000, 'x');
+  peer->publish(text_message(large));
+  EXPECT_EQ(reader.read(1), Texts{large});
+}
+
+TEST_P(Topics, TasksAreNodesForOthers) {
+  RunningTask subscription("ros2::Subscription", "front.camera");
+  RunningTask publisher("ros2::Publisher", "talker");
+  subscription.run(properties("std_msgs/msg/String"));
+  auto values = properties("std_msgs/msg/String");
+  values["node"] = "/robot/mouth";
+  publisher.run(values);
+  const auto names = [&] {
+    std::vector<std::string> all;
+    for (const auto& participant : peer->others()) {
+      for (const auto& node : participant.nodes) {
+        all.push_back(full_name(node) + " " + std::to_string(node.publishers.size()) + " " +
+                      std::to_string(node.subscriptions.size()));
+      }
+    }
+    return all;
+  };
+  EXPECT_TRUE(eventually([&] { return names().size() == 2; }));
+  EXPECT_THAT(names(), ElementsAre("/front_camera 0 1", "/robot/mouth 1 0"));
+  ASSERT_TRUE(subscription.task().stop(soon()));
+  ASSERT_TRUE(subscription.task().cleanup(soon()));
+  EXPECT_TRUE(eventually([&] { return names() == std::vector<std::string>{"/robot/mouth 1 0"}; }));
+}
+
+TEST_P(Topics, OnlyALatchedTopicHasSamplesFromBeforeTheStart) {
+  for (const bool latched : {false, true}) {
+    Quality quality;
+    if (latched) quality.durability = segue::ros2::Durability::TransientLocal;
+    peer->advertise({"/chatter", "std_msgs/msg/String", "", quality});
+    RunningTask subscription("ros2::Subscription", "listener");
+    auto values = properties("std_msgs/msg/String");
+    values["durability"] = latched ? "transient_local" : "volatile";
+    values["depth"] = 2;
+    ASSERT_TRUE(subscription.configure(values));
+    Reader reader(subscription);
+    ASSERT_TRUE(eventually([&] { return peer->subscriptions() == 1 && subscription.count("matched") == 1; }));
+    for (std::uint64_t i = 1; i <= 3; ++i) {
+      peer->publish(text_message("early " + std::to_string(i)));
+      ASSERT_TRUE(eventually([&] { return subscription.count("early") == i; }));
+    }
+    ASSERT_TRUE(subscription.task().start(soon()));
+    peer->publish(text_message("late"));
+    const Texts expected = latched ? Texts{"early 2", "early 3", "late"} : Texts{"late"};
+    EXPECT_EQ(reader.read(expected.size()), expected);
+  }
+}
+
+TEST_P(Topics, ALatchedTopicHasItsLastSampleForThoseThatComeLater) {
+  auto values = properties("std_msgs/msg/String");
+  values["durability"] = "transient_local";
+  values["depth"] = 1;
+  RunningTask publisher("ros2::Publisher", "map");
+  publisher.run(values);
+  Writer<> writer(publisher);
+  writer.write("first");
+  writer.write("last");
+  ASSERT_TRUE(eventually([&] { return publisher.count("sent") == 2; }));
+  Quality quality;
+  quality.durability = segue::ros2::Durability::TransientLocal;
+  peer->subscribe({"/chatter", "std_msgs/msg/String", "", quality});
+  std::vector<Bytes> messages;
+  ASSERT_TRUE(eventually([&] { return !(messages = peer->take()).empty(); }));
+  EXPECT_EQ(text_of(messages.front()), "last");
+}
+
+TEST_P(Topics, WhatIsStoppedPublishesNothing) {
+  RunningTask publisher("ros2::Publisher", "talker");
+  publisher.run(properties("std_msgs/msg/String"));
+  Writer<> writer(publisher);
+  peer->subscribe({});
+  ASSERT_TRUE(eventually([&] { return peer->publishers() == 1 && publisher.count("matched") == 1; }));
+  writer.write("before");
+  ASSERT_TRUE(eventually([&] { return publisher.count("sent") == 1; }));
+  ASSERT_TRUE(publisher.task().stop(soon()));
+  writer.write("stopped");
+  EXPECT_EQ(publisher.count("sent"), 1U);
+  ASSERT_TRUE(publisher.task().start(soon()));
+  EXPECT_TRUE(eventually([&] { return publisher.count("sent") == 2; })) << "the connection has kept it";
+}
+
+TEST_P(Topics, WhatExceedsABoundOfItsMessageIsNotSent) {
+  const segue::testing::TemporaryFiles folder;
+  folder.write("test_msgs/msg/Label.msg", "string<=5 text\n");
+  auto values = properties("test_msgs/msg/Label");
+  values["interfaces"] = segue::type::Value::list({folder.folder().string()});
+  RunningTask publisher("ros2::Publisher", "labels");
+  publisher.run(values);
+  Writer<test_msgs::Label> writer(publisher);
+  peer->subscribe({"/chatter", "test_msgs/msg/Label", "", {}});
+  ASSERT_TRUE(eventually([&] { return peer->publishers() == 1 && publisher.count("matched") == 1; }));
+  writer.write("longer");
+  writer.write("short");
+  std::vector<Bytes> messages;
+  ASSERT_TRUE(eventually([&] { return !(messages = peer->take()).empty(); }));
+  EXPECT_EQ(text_of(messages.front()), "short");
+  EXPECT_EQ(publisher.count("refused"), 1U);
+  EXPECT_EQ(publisher.count("sent"), 1U);
+}
+
+INSTANTIATE_TEST_SUITE_P(, Topics, ::testing::Values(Middleware::FastDds, Middleware::Cyclone),
+                         [](const auto& given) {
+                           return std::string(given.param == Middleware::FastDds ? "WithFastDds"
+                                                                                 : "WithCyclone");
+                         });
+
+}  // namespace
+}  // namespace ros2::testing

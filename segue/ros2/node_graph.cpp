@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/ros2/node_graph.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/ros2/dds_names.hpp>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace segue::ros2 {
+namespace {
+
+/// Why samples of one type are not those of the other; empty: they are.
+std::string difference(const Endpoint& own, const Endpoint& other) {
+  if (own.type != other.type) {
+    return "its type is " + interface_of_dds_type(other.type) + ", here it is " +
+           interface_of_dds_type(own.type);
+  }
+  if (own.type_hash.empty() || other.type_hash.empty() || own.type_hash == other.type_hash) return {};
+  return "its definition of " + interface_of_dds_type(own.type) + " is another one (" + other.type_hash +
+         ", here " + own.type_hash + ")";
+}
+
+}  // namespace
+
+void NodeGraph::set(Endpoint endpoint) {
+  const Lock lock(mutex_);
+  const Gid gid = endpoint.gid;
+  endpoints_[gid] = std::move(endpoint);
+}
+
+void NodeGraph::remove(const Gid& endpoint) {
+  const Lock lock(mutex_);
+  endpoints_.erase(endpoint);
+}
+
+void NodeGraph::add_participant(const Gid& participant) {
+  const Lock lock(mutex_);
+  participants_.try_emplace(participant, ParticipantEntities{participant, {}});
+}
+
+void NodeGraph::forget_nodes(const Gid& participant) {
+  for (const NodeEntities& node : participants_[participant].nodes) {
+    for (const auto* gids : {&node.subscriptions, &node.publishers}) {
+      for (const Gid& gid : *gids)
+        nodes_.erase(gid);
+    }
+  }
+}
+
+void NodeGraph::remove_participant(const Gid& participant) {
+  const Lock lock(mutex_);
+  forget_nodes(participant);
+  participants_.erase(participant);
+}
+
+void NodeGraph::set(const ParticipantEntities& entities) {
+  const Lock lock(mutex_);
+  forget_nodes(entities.participant);
+  participants_[entities.participant] = entities;
+  for (const NodeEntities& node : entities.nodes) {
+    for (const auto* gids : {&node.subscriptions, &node.publishers}) {
+      for (const Gid& gid : *gids)
+        nodes_[gid] = full_name(node);
+    }
+  }
+}
+
+/// Endpoints have the first bytes of their participant's identifier (DDSI-RTPS 2.3, 9.3.1).
+bool NodeGraph::is_of_ros(const Gid& endpoint) const {
+  constexpr std::array<std::uint8_t, 4> kParticipant = {0, 0, 1, 0xc1};
+  Gid participant = endpoint;
+  std::ranges::copy(kParticipant, participant.end() - kParticipant.size());
+  const Lock lock(mutex_);
+  return participants_.contains(participant);
+}
+
+std::vector<Endpoint> NodeGraph::endpoints(std::string_view dds_topic, bool publishes) const {
+  std::vector<Endpoint> found;
+  const Lock lock(mutex_);
+  for (const auto& [gid, endpoint] : endpoints_) {
+    if (endpoint.publishes == publishes && endpoint.topic == dds_topic) found.push_back(endpoint);
+  }
+  return found;
+}
+
+std::string NodeGraph::node_of(const Gid& endpoint) const {
+  const Lock lock(mutex_);
+  const auto found = nodes_.find(endpoint);
+  return found == nodes_.end() ? std::string() : found->second;
+}
+
+std::vector<std::string> NodeGraph::nodes() const {
+  std::vector<std::string> names;
+  const Lock lock(mutex_);
+  for (const auto& [gid, participant] : participants_) {
+    for (const NodeEntities& node : participant.nodes)
+      names.push_back(full_name(node));
+  }
+  return names;
+}
+
+std::vector<Mismatch> NodeGraph::mismatches_of(const Endpoint& own) const {
+  std::vector<Mismatch> found;
+  for (const Endpoint& other : endpoints(own.topic, !own.publishes)) {
+    std::vector<std::string> reasons =
+        own.publishes ? mismatches(own.quality, other.quality) : mismatches(other.quality, own.quality);
+    if (std::string types = difference(own, other); !types.empty()) reasons.insert(reasons.begin(), types);
+    if (reasons.empty()) continue;
+    const std::string node = node_of(other.gid);
+    found.push_back({(node.empty() ? std::string("a program that is not a node") : "node " + node) +
+                         (other.publishes ? " publishes " : " subscribes to ") +
+                         topic_of_dds_name(own.topic) + ", but " + listed(reasons),
+                     !node.empty() || !is_of_ros(other.gid)});
+  }
+  return found;
+}
+
+std::string type_hash_in(std::string_view user_data) {
+  constexpr std::string_view kKey = "typehash=";
+  for (const std::string_view entry : split(user_data, ';')) {
+    if (entry.starts_with(kKey)) return std::string(entry.substr(kKey.size()));
+  }
+  return {};
+}
+
+}  // namespace segue::ros2

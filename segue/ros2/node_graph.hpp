@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/mutex.hpp>
+#include <segue/ros2/participant_entities.hpp>
+#include <segue/ros2/quality.hpp>
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::ros2 {
+
+/// A publisher or subscription of another participant.
+struct Endpoint {
+  Gid gid{};
+  bool publishes = false;
+  std::string topic;        ///< on DDS: "rt/chatter"
+  std::string type;         ///< on DDS: "std_msgs::msg::dds_::String_"
+  std::string type_hash{};  ///< "RIHS01_..."; empty where it says none (before Iron)
+  Quality quality{};        ///< its depth is not known
+};
+
+/// Why no samples travel between an own endpoint and another one on its topic.
+struct Mismatch {
+  std::string text;  ///< "node /talker publishes /chatter, but reliability: best_effort is offered, ..."
+  bool is_named =
+      true;  ///< false: its participant is one of ROS 2, which has not yet said whose endpoint it is
+};
+
+/// What is known of nodes and their endpoints. Any thread.
+class NodeGraph {
+ public:
+  /// Notes a participant of ROS 2, whose nodes will be told.
+  void add_participant(const Gid& participant);
+  /// Adds the endpoint, or replaces what is known of it.
+  void set(Endpoint endpoint);
+  void remove(const Gid& endpoint);
+  /// The nodes of a participant, in place of those that it had.
+  void set(const ParticipantEntities& entities);
+  void remove_participant(const Gid& participant);
+
+  /// The publishers or the subscriptions of a topic, by its name on DDS.
+  [[nodiscard]] std::vector<Endpoint> endpoints(std::string_view dds_topic, bool publishes) const;
+  /// "/talker"; empty where no node says that the endpoint is its own.
+  [[nodiscard]] std::string node_of(const Gid& endpoint) const;
+  /// All nodes: "/talker".
+  [[nodiscard]] std::vector<std::string> nodes() const;
+
+  /// Those between an own endpoint and those of others on its topic.
+  [[nodiscard]] std::vector<Mismatch> mismatches_of(const Endpoint& own) const;
+
+ private:
+  mutable Mutex mutex_;
+  std::map<Gid, Endpoint> endpoints_ SEGUE_GUARDED_BY(mutex_);
+  void forget_nodes(const Gid& participant) SEGUE_REQUIRES(mutex_);
+  [[nodiscard]] bool is_of_ros(const Gid& endpoint) const;
+
+  std::map<Gid, ParticipantEntities> participants_ SEGUE_GUARDED_BY(mutex_);
+  std::map<Gid, std::string> nodes_ SEGUE_GUARDED_BY(mutex_);  ///< by endpoint
+};
+
+/// The hash in the user data of an endpoint, "typehash=RIHS01_...;", or empty.
+std::string type_hash_in(std::string_view user_data);
+
+}  // namespace segue::ros2

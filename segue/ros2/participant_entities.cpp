@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/ros2/participant_entities.hpp>
+
+#include <segue/type/cdr_object.hpp>
+#include <segue/type/describe.hpp>
+
+#include <algorithm>
+#include <iterator>
+
+namespace segue::ros2::wire {
+
+/// Before Iron (24 bytes) and since (16 bytes).
+template <std::size_t Size>
+struct Identifier {
+  std::array<std::uint8_t, Size> data{};
+};
+template <std::size_t Size>
+struct Node {
+  std::string node_namespace;
+  std::string node_name;
+  std::vector<Identifier<Size>> reader_gid_seq;
+  std::vector<Identifier<Size>> writer_gid_seq;
+};
+template <std::size_t Size>
+struct Participant {
+  Identifier<Size> gid;
+  std::vector<Node<Size>> node_entities_info_seq;
+};
+
+using Identifier16 = Identifier<16>;
+using Node16 = Node<16>;
+using Participant16 = Participant<16>;
+using Identifier24 = Identifier<24>;
+using Node24 = Node<24>;
+using Participant24 = Participant<24>;
+
+SEGUE_TYPE(Identifier16, data)
+SEGUE_TYPE(Node16, node_namespace, node_name, reader_gid_seq, writer_gid_seq)
+SEGUE_TYPE(Participant16, gid, node_entities_info_seq)
+SEGUE_TYPE(Identifier24, data)
+SEGUE_TYPE(Node24, node_namespace, node_name, reader_gid_seq, writer_gid_seq)
+SEGUE_TYPE(Participant24, gid, node_entities_info_seq)
+
+}  // namespace segue::ros2::wire
+
+namespace segue::ros2 {
+namespace {
+
+template <std::size_t Size>
+Gid gid_of(const wire::Identifier<Size>& identifier) {
+  Gid gid{};
+  std::copy_n(identifier.data.begin(), gid.size(), gid.begin());
+  return gid;
+}
+
+template <std::size_t Size>
+std::optional<ParticipantEntities> decode(std::span<const std::byte> message) {
+  wire::Participant<Size> read;
+  if (!type::read_cdr(type::type_info<wire::Participant<Size>>(), &read, message)) return {};
+  ParticipantEntities entities{gid_of(read.gid), {}};
+  for (wire::Node<Size>& node : read.node_entities_info_seq) {
+    NodeEntities& one = entities.nodes.emplace_back(
+        NodeEntities{std::move(node.node_namespace), std::move(node.node_name), {}, {}});
+    std::ranges::transform(node.reader_gid_seq, std::back_inserter(one.subscriptions), gid_of<Size>);
+    std::ranges::transform(node.writer_gid_seq, std::back_inserter(one.publishers), gid_of<Size>);
+  }
+  return entities;
+}
+
+std::vector<wire::Identifier16> on_wire(const std::vector<Gid>& gids) {
+  std::vector<wire::Identifier16> identifiers;
+  for (const Gid& gid : gids)
+    identifiers.push_back({gid});
+  return identifiers;
+}
+
+}  // namespace
+
+std::string full_name(const NodeEntities& node) {
+  return node.name_space.ends_with('/') ? node.name_space + node.name : node.name_space + "/" + node.name;
+}
+
+std::vector<std::byte> encode(const ParticipantEntities& entities) {
+  wire::Participant16 written{{entities.participant}, {}};
+  for (const NodeEntities& node : entities.nodes) {
+    written.node_entities_info_seq.push_back(
+        {node.name_space, node.name, on_wire(node.subscriptions), on_wire(node.publishers)});
+  }
+  const type::TypeInfo& info = type::type_info<wire::Participant16>();
+  std::vector<std::byte> bytes(type::cdr_size(info, &written));
+  type::write_cdr(info, &written, bytes);
+  return bytes;
+}
+
+std::optional<ParticipantEntities> decode_participant_entities(std::span<const std::byte> message) {
+  if (auto entities = decode<16>(message)) return entities;
+  return decode<24>(message);
+}
+
+}  // namespace segue::ros2

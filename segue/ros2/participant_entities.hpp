@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace segue::ros2 {
+
+/// The GUID of a participant, publisher or subscription on DDS.
+using Gid = std::array<std::uint8_t, 16>;
+
+/// A node, and the endpoints on DDS that are its own.
+struct NodeEntities {
+  std::string name_space = "/";
+  std::string name;
+  std::vector<Gid> subscriptions{};
+  std::vector<Gid> publishers{};
+  friend bool operator==(const NodeEntities&, const NodeEntities&) = default;
+};
+
+/// A participant of DDS and its nodes: rmw_dds_common/msg/ParticipantEntitiesInfo, which each participant of
+/// ROS 2 publishes on the topic "ros_discovery_info".
+struct ParticipantEntities {
+  Gid participant{};
+  std::vector<NodeEntities> nodes{};
+  friend bool operator==(const ParticipantEntities&, const ParticipantEntities&) = default;
+};
+
+/// "/talker", "/robot/talker"
+std::string full_name(const NodeEntities& node);
+
+/// The message as CDR, as nodes from Iron on write it (identifiers of 16 bytes).
+std::vector<std::byte> encode(const ParticipantEntities& entities);
+/// Reads it as written by any ROS 2: before Iron, identifiers have 24 bytes, of which 16 are used. Nothing
+/// where it is neither. The bytes are untrusted.
+std::optional<ParticipantEntities> decode_participant_entities(std::span<const std::byte> message);
+
+}  // namespace segue::ros2
